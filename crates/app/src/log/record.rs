@@ -1,0 +1,163 @@
+//! What a flight leaves behind: one [`Cycle`] per control period and an [`Event`] for whatever is not periodic.
+//!
+//! Both are plain copies without pointers, so that the loop hands them over without allocating; they become
+//! JSON on the writer's side.
+
+use crate::command::{Command, Refusal};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What the loop is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Mode {
+    /// Fan off until the first plausible position.
+    Waiting,
+    /// Closed loop.
+    Flying,
+    /// Duty from the programme, no control.
+    OpenLoop,
+    /// Sensor silent: hover duty, for a limited time.
+    Coasting,
+    /// Fan off until told to fly.
+    Stopped,
+}
+
+/// One control period, in the order of the signal path. The message of the log's channel `cycle`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Cycle {
+    /// When the position was read, seconds since the start of the flight.
+    pub time_s: f64,
+    /// Time since the previous cycle, seconds.
+    pub period_s: f64,
+    /// How long after its deadline the cycle began, seconds.
+    pub lateness_s: f64,
+    /// What the loop was doing.
+    pub mode: Mode,
+    /// Commanded position, millimetres. Null while the fan is driven without control.
+    pub setpoint_mm: Option<f64>,
+    /// What the controller asked for, percent of duty about hover. Null while the fan is driven without control.
+    pub control_percent: Option<f64>,
+    /// What compensation made of it, percent of duty.
+    pub commanded_duty_percent: f64,
+    /// The duty as the chip holds it, written in response to this position and in force until the next cycle.
+    pub duty_percent: f64,
+    /// The position of the ball, millimetres above the bottom of the pipe. Null before the first reading.
+    pub position_mm: Option<f64>,
+    /// Whether the position was measured since the previous cycle; otherwise it is repeated.
+    pub fresh: bool,
+    /// The estimated velocity, millimetres per second, upward. Null before the first reading.
+    pub velocity_mm_per_s: Option<f64>,
+}
+
+/// Something that happened once. The log's channel `event` carries its [`EventMessage`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When, seconds since the start of the flight.
+    pub time_s: f64,
+    /// What.
+    pub what: What,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum What {
+    /// The loop changed its mode.
+    Mode {
+        /// What it did before.
+        from: Mode,
+        /// What it does now.
+        to: Mode,
+    },
+    /// Something went wrong; the loop reacted.
+    Fault(Fault),
+    /// A command came in, and what became of it.
+    Command {
+        /// What was asked for.
+        command: Command,
+        /// Why it was refused, if it was.
+        refused: Option<Refusal>,
+    },
+    /// The flight ended.
+    End(End),
+}
+
+/// What can go wrong in flight.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// The sensor gave no new reading for longer than allowed.
+    #[error("no new range for {silent_s:.2} s; check the sensor's wiring and that nothing blocks its window")]
+    SensorSilent {
+        /// How long it was silent, seconds.
+        silent_s: f64,
+    },
+    /// The sensor saw no target, or one beyond the pipe.
+    #[error("the sensor reported {reported_mm} mm, which is no ball in this pipe; check that the ball is in it")]
+    NoBall {
+        /// What the sensor reported.
+        reported_mm: u16,
+    },
+    /// The range sensor could not be read.
+    #[error("the range sensor cannot be read: I2C error {kind:?}; check its wiring")]
+    SensorBus {
+        /// What the bus said.
+        kind: embedded_hal::i2c::ErrorKind,
+    },
+    /// The fan driver could not be written.
+    #[error("the fan driver cannot be written: I2C error {kind:?}; check its wiring and the fan's supply")]
+    FanBus {
+        /// What the bus said.
+        kind: embedded_hal::i2c::ErrorKind,
+    },
+    /// The ball left the band that the experiment allows.
+    #[error("the ball at {position_mm:.0} mm left the experiment's band of {min_mm:.0} to {max_mm:.0} mm")]
+    OutsideBand {
+        /// Where the ball was.
+        position_mm: f64,
+        /// Lower end of the band.
+        min_mm: f64,
+        /// Upper end of the band.
+        max_mm: f64,
+    },
+}
+
+/// Why a flight ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// The duration or the experiment was over.
+    Finished,
+    /// SIGINT or SIGTERM.
+    Signal,
+    /// A fault that control cannot mend.
+    Fault,
+}
+
+/// An [`Event`] in words. The message of the log's channel `event`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EventMessage {
+    /// When, seconds since the start of the flight.
+    pub time_s: f64,
+    /// `mode`, `fault`, `command` or `end`.
+    pub kind: String,
+    /// What happened, in words.
+    pub text: String,
+}
+
+impl From<Event> for EventMessage {
+    fn from(event: Event) -> Self {
+        let (kind, text) = match event.what {
+            What::Mode { from, to } => ("mode", format!("{} → {}", word(from), word(to))),
+            What::Fault(fault) => ("fault", fault.to_string()),
+            What::Command { command, refused: None } => ("command", format!("{command}: accepted")),
+            What::Command { command, refused: Some(why) } => ("command", format!("{command}: refused, {why}")),
+            What::End(end) => ("end", word(end)),
+        };
+        Self { time_s: event.time_s, kind: kind.into(), text }
+    }
+}
+
+/// The word that a log uses for a mode or an end.
+pub fn word<T: Serialize>(value: T) -> String {
+    serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}

@@ -1,0 +1,1 @@
+//! Chips of the rig.

@@ -1,4 +1,16 @@
-//! The gap between a simulator and a rig.
-pub mod recording;
+//! The gap between a simulator and a rig: a recording and a model in, findings out.
+//!
+//! [`Recording`] is what a rig did; [`Track`] is a model's filter along it; [`Gap`] says how well the model
+//! forecasts, beside what noise alone would give. Works on the recorded duty and the real time stamps, and
+//! does no file or network access.
 
+mod gap;
+mod recording;
+mod track;
+
+#[cfg(test)]
+mod tests_support;
+
+pub use gap::Gap;
 pub use recording::{Recording, RecordingError, Sample};
+pub use track::{Forecast, Track};

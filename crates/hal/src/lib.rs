@@ -1,1 +1,23 @@
-//! Chips of the rig.
+//! Chips of the rig: the VL53L0X range sensor and the PCA9685 fan driver, each over its own handle of any
+//! `embedded-hal` 1.0 bus, and register-level emulators of both so that the same drivers run on a desk.
+//!
+//! ```text
+//! app → RangeSensor → vl53l0x      → DeadlineI2c → bus   (wire or emulator)
+//! app → Fan         → pwm_pca9685                → bus   (wire or emulator)
+//! ```
+//!
+//! This crate reports and obeys. It never decides what to do about a fault.
+
+mod clock;
+mod deadline;
+pub mod emulator;
+mod fan;
+mod range_sensor;
+mod read_back;
+#[cfg(test)]
+mod tests;
+
+pub use clock::Clock;
+pub use deadline::{Deadline, DeadlineError, DeadlineI2c};
+pub use fan::{Fan, FanError, fan_off};
+pub use range_sensor::{BUDGET_US, Range, RangeError, RangeSensor};

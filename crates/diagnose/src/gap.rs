@@ -1,0 +1,215 @@
+//! The gap: how well a model forecasts a recording, beside what noise alone would give.
+//!
+//! ```text
+//! E(h) = rms over all readings k of ( forecast made after reading k for the reading h later − that reading )
+//! F(h) = rms of the deviation that the model's own noise makes the filter expect of the same forecasts
+//! stay put: the same errors when the forecast is reading k itself
+//! free run: the forecasts of all readings in windows of 10 s, each from what was known at its start
+//! ```
+//!
+//! A model that is right has E = F at every horizon. In closed loop too: forecasts use the duty as recorded,
+//! and only the noise after reading k can separate them from the readings.
+
+use crate::recording::Recording;
+use crate::track::{Forecast, Track};
+use plant::Model;
+use serde::Serialize;
+
+/// Horizons of the forecasts, seconds.
+const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
+/// Length of a free run, seconds.
+const FREE_RUN_S: f64 = 10.0;
+/// The filter's first seconds show the prior, not the model.
+const WARM_UP_S: f64 = 1.0;
+/// Forecast steps that are enough for three digits; a longer recording starts its forecasts less often.
+const ENOUGH_STEPS: usize = 10_000_000;
+
+/// How well a model forecasts a recording: rms errors in mm. `None` where the recording is too short to say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// How far ahead, seconds.
+    pub horizons_s: [f64; 3],
+    /// Error of the model.
+    pub error_mm: [Option<f64>; 3],
+    /// Error of the forecast that the ball stays where it was read.
+    pub stay_put_mm: [Option<f64>; 3],
+    /// What the model's noise alone gives.
+    pub floor_mm: [Option<f64>; 3],
+    /// Error of free runs over 10 s.
+    pub free_run_10s_mm: Option<f64>,
+    /// What the model's noise alone gives there.
+    pub floor_free_run_10s_mm: Option<f64>,
+}
+
+/// A root mean square that grows.
+#[derive(Clone, Copy, Debug, Default)]
+struct MeanSquare {
+    sum: f64,
+    count: f64,
+}
+
+impl MeanSquare {
+    fn add(&mut self, square: f64) {
+        self.sum += square;
+        self.count += 1.0;
+    }
+
+    fn root(self) -> Option<f64> {
+        (self.count > 0.0).then(|| (self.sum / self.count).sqrt())
+    }
+}
+
+/// Errors of one kind of forecast.
+#[derive(Clone, Copy, Debug, Default)]
+struct Errors {
+    model: MeanSquare,
+    stay_put: MeanSquare,
+    floor: MeanSquare,
+}
+
+impl Gap {
+    /// Measures the gap between `model` and `recording`.
+    #[must_use]
+    pub fn measure(model: &Model, recording: &Recording) -> Self {
+        let track = Track::new(model, recording);
+        let at_horizons = horizons(&track, recording);
+        let free = free_runs(&track, recording);
+        Self {
+            horizons_s: HORIZONS_S,
+            error_mm: at_horizons.map(|errors| errors.model.root()),
+            stay_put_mm: at_horizons.map(|errors| errors.stay_put.root()),
+            floor_mm: at_horizons.map(|errors| errors.floor.root()),
+            free_run_10s_mm: free.model.root(),
+            floor_free_run_10s_mm: free.floor.root(),
+        }
+    }
+}
+
+/// The readings that forecasts start from, thinned where all would take too many steps.
+fn starts(track: &Track, recording: &Recording) -> impl Iterator<Item = usize> {
+    let rows_per_s = recording.samples().len() as f64 / recording.duration_s().max(1e-9);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
+    let steps = (track.readings() as f64 * rows_per_s) as usize;
+    let begin_s = recording.samples().first().map_or(0.0, |sample| sample.time_s) + WARM_UP_S;
+    let warm = (0..track.readings()).find(|&k| track.reading(k).is_some_and(|(_, time_s, _)| time_s >= begin_s));
+    (warm.unwrap_or(track.readings())..track.readings()).step_by(steps.div_ceil(ENOUGH_STEPS).max(1))
+}
+
+fn horizons(track: &Track, recording: &Recording) -> [Errors; 3] {
+    let samples = recording.samples();
+    // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
+    let half_period_s = recording.duration_s() / samples.len() as f64 / 2.0;
+    let mut errors = [Errors::default(); 3];
+    for from in starts(track, recording) {
+        let Some((_, start_s, start_mm)) = track.reading(from) else { continue };
+        let mut horizon = 0;
+        for forecast in track.forecasts(from) {
+            let ahead_s = samples[forecast.row].time_s - start_s;
+            while horizon < HORIZONS_S.len() && ahead_s >= HORIZONS_S[horizon] - half_period_s {
+                let slack_s = half_period_s.max(0.02 * HORIZONS_S[horizon]) + 1e-9;
+                if ahead_s <= HORIZONS_S[horizon] + slack_s {
+                    errors[horizon].add(samples[forecast.row].position_mm, start_mm, forecast);
+                }
+                horizon += 1;
+            }
+            if horizon == HORIZONS_S.len() {
+                break;
+            }
+        }
+    }
+    errors
+}
+
+fn free_runs(track: &Track, recording: &Recording) -> Errors {
+    let samples = recording.samples();
+    let end_s = samples.last().map_or(0.0, |sample| sample.time_s);
+    let mut errors = Errors::default();
+    let mut next_s = samples.first().map_or(0.0, |sample| sample.time_s) + WARM_UP_S;
+    for from in 0..track.readings() {
+        let Some((_, start_s, start_mm)) = track.reading(from) else { continue };
+        if start_s < next_s || start_s + FREE_RUN_S > end_s {
+            continue;
+        }
+        next_s = start_s + FREE_RUN_S;
+        for forecast in track.forecasts(from).take_while(|f| samples[f.row].time_s <= next_s) {
+            errors.add(samples[forecast.row].position_mm, start_mm, forecast);
+        }
+    }
+    errors
+}
+
+impl Errors {
+    fn add(&mut self, reading_mm: Option<f64>, start_mm: f64, forecast: Forecast) {
+        let Some(reading_mm) = reading_mm else { return };
+        self.model.add((forecast.position_mm - reading_mm).powi(2));
+        self.stay_put.add((start_mm - reading_mm).powi(2));
+        self.floor.add(forecast.variance_mm2);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Gap;
+    use crate::tests_support::{model, record};
+    use crate::{Recording, Sample};
+    use plant::Model;
+
+    #[test]
+    fn a_model_forecasts_its_own_flights_as_well_as_noise_allows() {
+        let gaps: Vec<Gap> = (0..10).map(|seed| Gap::measure(&model(), &record(&model(), seed, 80))).collect();
+        for h in 0..3 {
+            let mean = |of: fn(&Gap) -> [Option<f64>; 3]| gaps.iter().map(|g| of(g)[h].unwrap().powi(2)).sum::<f64>();
+            let ratio = (mean(|g| g.error_mm) / mean(|g| g.floor_mm)).sqrt();
+            assert!((ratio - 1.0).abs() < 0.06, "E/F = {ratio} at horizon {h}");
+        }
+    }
+
+    #[test]
+    fn a_missing_fan_lag_opens_the_gap_and_the_right_model_closes_it() {
+        let rig = model();
+        let recording = record(&rig, 3, 80);
+        let belief = Model { effects: plant::Effects::default(), ..rig.clone() };
+        let (without, with) = (Gap::measure(&belief, &recording), Gap::measure(&rig, &recording));
+        let at_1s = |gap: &Gap| gap.error_mm[2].unwrap() / gap.floor_mm[2].unwrap();
+        assert!(at_1s(&without) > 1.5 && at_1s(&with) < 1.1, "{} and {}", at_1s(&without), at_1s(&with));
+        assert!(without.free_run_10s_mm.unwrap() > 1.5 * with.free_run_10s_mm.unwrap());
+    }
+
+    #[test]
+    fn staying_put_is_the_change_of_the_reading() {
+        // A ramp of 10 mm/s without noise: the ball is h·10 mm further after h.
+        let row = |k: u32| Sample {
+            time_s: 0.02 * f64::from(k),
+            setpoint_mm: None,
+            control_percent: None,
+            duty_percent: 21.4,
+            position_mm: Some(100.0 + 0.2 * f64::from(k)),
+        };
+        let gap = Gap::measure(&model(), &Recording::new((0..1000).map(row).collect()).unwrap());
+        for (stay_put, expected) in gap.stay_put_mm.into_iter().zip([1.0, 5.0, 10.0]) {
+            assert!((stay_put.unwrap() - expected).abs() < 1e-9, "{stay_put:?}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn a_recording_too_short_for_a_horizon_says_so() {
+        let gap = Gap::measure(&model(), &record(&model(), 1, 2));
+        assert!(gap.error_mm[1].is_some() && gap.error_mm[2].is_none() && gap.free_run_10s_mm.is_none());
+    }
+
+    #[test]
+    fn readings_at_uneven_times_are_forecast_for_their_own_time() {
+        // The true model at twice the jitter of a real log still reaches the floor.
+        let recording = record(&model(), 9, 80);
+        let kept = recording.samples().iter().enumerate().filter(|(k, _)| k % 7 != 3 && k % 11 != 5);
+        let dropped: Vec<Sample> = recording
+            .samples()
+            .iter()
+            .enumerate()
+            .map(|(k, s)| Sample { position_mm: s.position_mm.filter(|_| k % 7 != 3 && k % 11 != 5), ..*s })
+            .collect();
+        assert!(kept.count() < recording.samples().len());
+        let gap = Gap::measure(&model(), &Recording::new(dropped).unwrap());
+        assert!((gap.error_mm[2].unwrap() / gap.floor_mm[2].unwrap() - 1.0).abs() < 0.2);
+    }
+}

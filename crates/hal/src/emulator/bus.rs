@@ -1,0 +1,199 @@
+//! The emulated wires: addresses, time per bit, faults.
+//!
+//! ```text
+//! time = (9 · bytes + starts + stop) / f_bus       9 bits per byte, the address counts at every start
+//! ```
+//!
+//! A poll of the sensor takes 0.10 ms at 400 kHz, a new duty 0.14 ms.
+
+use std::ops::Range;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
+
+use super::fault::{Fault, Injection};
+use super::pca9685::Pca9685;
+use super::vl53l0x::Vl53l0x;
+use super::world::{Chip, World};
+
+/// The usual fast mode of I2C.
+const BUS_HZ: f64 = 400_000.0;
+
+/// A bus with a VL53L0X at 0x29 and a PCA9685 at 0x40, wired to a world. Clones are the same bus.
+pub struct EmulatedBus<W> {
+    shared: Arc<Mutex<Shared<W>>>,
+}
+
+struct Shared<W> {
+    world: W,
+    bus_hz: f64,
+    sockets: [Socket; 2],
+}
+
+/// A chip on the bus, and the state of its wires.
+struct Socket {
+    address: u8,
+    chip: Box<dyn Chip>,
+    transactions: u64,
+    bytes_spoilt: u64,
+    injections: Vec<Injection>,
+}
+
+impl<W> Clone for EmulatedBus<W> {
+    fn clone(&self) -> Self {
+        Self { shared: Arc::clone(&self.shared) }
+    }
+}
+
+impl<W: World> EmulatedBus<W> {
+    /// Both chips as after power-on, at 400 kHz.
+    pub fn new(world: W) -> Self {
+        Self::at_bus_hz(world, BUS_HZ)
+    }
+
+    /// Both chips as after power-on, at a bus clock of `bus_hz`.
+    pub fn at_bus_hz(world: W, bus_hz: f64) -> Self {
+        let sockets =
+            [Socket::new(0x29, Box::new(Vl53l0x::default())), Socket::new(0x40, Box::new(Pca9685::default()))];
+        Self { shared: Arc::new(Mutex::new(Shared { world, bus_hz, sockets })) }
+    }
+
+    /// A handle for one driver, as an open device file is on Linux.
+    #[must_use]
+    pub fn handle(&self) -> EmulatedI2c<W> {
+        EmulatedI2c { bus: self.clone() }
+    }
+
+    /// Looks at the world, or changes it.
+    pub fn with_world<R>(&self, look: impl FnOnce(&mut W) -> R) -> R {
+        look(&mut self.lock().world)
+    }
+
+    /// Transactions sent to the chip at `address` so far, also those that failed.
+    #[must_use]
+    pub fn transactions(&self, address: u8) -> u64 {
+        self.lock().socket(address).map_or(0, |(socket, _)| socket.transactions)
+    }
+
+    /// Spoils the transactions `during` of the chip at `address`, counted like [`Self::transactions`].
+    pub fn inject(&self, address: u8, fault: Fault, during: Range<u64>) {
+        if let Some((socket, _)) = self.lock().socket(address) {
+            socket.injections.push(Injection { fault, during });
+        }
+    }
+
+    /// Repairs all wires.
+    pub fn repair(&self) {
+        self.lock().sockets.iter_mut().for_each(|socket| socket.injections.clear());
+    }
+
+    /// A panic elsewhere does not break the wires.
+    fn lock(&self) -> MutexGuard<'_, Shared<W>> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<W: World> Shared<W> {
+    fn socket(&mut self, address: u8) -> Option<(&mut Socket, &mut W)> {
+        self.sockets.iter_mut().find(|socket| socket.address == address).map(|socket| (socket, &mut self.world))
+    }
+}
+
+impl Socket {
+    fn new(address: u8, chip: Box<dyn Chip>) -> Self {
+        Self { address, chip, transactions: 0, bytes_spoilt: 0, injections: Vec::new() }
+    }
+
+    fn transaction(&mut self, operations: &mut [Operation<'_>], world: &mut dyn World) -> Result<(), ErrorKind> {
+        let n = self.transactions;
+        self.transactions += 1;
+        let fault = self.injections.iter().find(|injection| injection.during.contains(&n)).map(|i| i.fault);
+        if let Some(Fault::Timeout { seconds }) = fault {
+            world.elapse_s(seconds);
+        }
+        if let Some(error) = fault.and_then(Fault::error) {
+            return Err(error);
+        }
+        if fault.is_none_or(Fault::delivers) {
+            self.transfer(operations, world)?;
+        }
+        if let Some(fault) = fault {
+            self.distort(operations, fault);
+        }
+        Ok(())
+    }
+
+    fn transfer(&mut self, operations: &mut [Operation<'_>], world: &mut dyn World) -> Result<(), ErrorKind> {
+        if !self.chip.begin(world) {
+            return Err(ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address));
+        }
+        // Writes in a row are one write: only the first byte of all is an index.
+        let mut selected = false;
+        for operation in operations {
+            match operation {
+                Operation::Write(bytes) => {
+                    for &byte in *bytes {
+                        if selected {
+                            self.chip.put(byte, world)
+                        } else {
+                            self.chip.select(byte)
+                        }
+                        selected = true;
+                    }
+                }
+                Operation::Read(bytes) => {
+                    bytes.fill_with(|| self.chip.get());
+                    selected = false;
+                }
+            }
+        }
+        self.chip.end(world);
+        Ok(())
+    }
+
+    fn distort(&mut self, operations: &mut [Operation<'_>], fault: Fault) {
+        for operation in operations {
+            let Operation::Read(bytes) = operation else { continue };
+            for byte in bytes.iter_mut() {
+                *byte = fault.distort(*byte, self.bytes_spoilt);
+                self.bytes_spoilt += 1;
+            }
+        }
+    }
+}
+
+/// One driver's handle of an [`EmulatedBus`].
+pub struct EmulatedI2c<W> {
+    bus: EmulatedBus<W>,
+}
+
+impl<W> ErrorType for EmulatedI2c<W> {
+    type Error = ErrorKind;
+}
+
+impl<W: World> I2c for EmulatedI2c<W> {
+    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
+        let mut shared = self.bus.lock();
+        let seconds = bits(operations) / shared.bus_hz;
+        shared.world.elapse_s(seconds);
+        let (socket, world) = shared.socket(address).ok_or(ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address))?;
+        socket.transaction(operations, world)
+    }
+}
+
+/// Bits on the wire: a start and an address per change of direction, nine bits per byte, one stop.
+fn bits(operations: &[Operation<'_>]) -> f64 {
+    let mut bits = 1.0;
+    let mut last_is_read = None;
+    for operation in operations {
+        let (is_read, bytes) = match operation {
+            Operation::Write(bytes) => (false, bytes.len()),
+            Operation::Read(bytes) => (true, bytes.len()),
+        };
+        if last_is_read.replace(is_read) != Some(is_read) {
+            bits += 10.0;
+        }
+        bits += 9.0 * bytes as f64;
+    }
+    bits
+}

@@ -1,0 +1,36 @@
+//! What the emulated chips are wired to: time, the beam of the sensor, the supply of the fan.
+
+/// The physics around the chips. The simulator implements it.
+pub trait World: Send {
+    /// Seconds since some fixed start; never goes back.
+    fn now_s(&self) -> f64;
+
+    /// The wire was busy for so long. A virtual world moves its clock; one in real time may ignore it.
+    fn elapse_s(&mut self, seconds: f64);
+
+    /// Distance from the sensor to the target at `at_s`, in millimetres; `None` when there is no target.
+    ///
+    /// Asked exactly once per measurement, in the order of time, never about the future.
+    fn measure_mm(&mut self, at_s: f64) -> Option<f64>;
+
+    /// The fan's PWM is on for this fraction of the time, 0 to 1, from now on. Told only when it changes.
+    fn pwm(&mut self, fraction: f64);
+}
+
+/// What the bus asks of a chip: one call per byte on the wire.
+pub(super) trait Chip: Send {
+    /// The chip is addressed. `false` is "no acknowledge".
+    fn begin(&mut self, world: &mut dyn World) -> bool;
+
+    /// First byte written: the index of a register.
+    fn select(&mut self, index: u8);
+
+    /// A byte written to the register at the index.
+    fn put(&mut self, byte: u8, world: &mut dyn World);
+
+    /// A byte read from the register at the index.
+    fn get(&mut self) -> u8;
+
+    /// The stop condition.
+    fn end(&mut self, world: &mut dyn World);
+}

@@ -1,0 +1,150 @@
+//! The PCA9685 that drives the fan: a counter runs from 0 to 4095, the output is on from one count to another.
+//!
+//! ```text
+//! f = 25 MHz / (4096 · (prescale + 1))      prescale 3..255, so 1526 Hz down to 24 Hz
+//! duty = count / 4096                       count 0..4096
+//! ```
+//!
+//! The 25 MHz are the chip's own oscillator, several per cent off from part to part: so is the frequency, but not the
+//! duty. The chip has no watchdog. It holds the last duty when the program dies: see [`fan_off`].
+
+use control::Duty;
+use embedded_hal::i2c::I2c;
+use pwm_pca9685::{Channel, Error as DriverError, Pca9685};
+
+const ADDRESS: u8 = 0x40;
+const FAN: Channel = Channel::C0;
+const OSCILLATOR_HZ: f64 = 25e6;
+const COUNTS: u16 = 4096;
+const PRE_SCALE: u8 = 0xFE;
+
+/// Why the fan does not obey.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum FanError<E> {
+    /// The bus failed. The fan keeps its last duty.
+    #[error("I2C {0:?} at the fan driver (0x40), the fan keeps its last duty; check the wiring, the power and the bus")]
+    Bus(E),
+    /// The chip did not take the PWM frequency.
+    #[error(
+        "fan driver 0x40 holds prescale {found} after {asked} was written; check that it is a PCA9685, power-cycle it"
+    )]
+    PrescaleIgnored {
+        /// What we wrote.
+        asked: u8,
+        /// What it holds.
+        found: u8,
+    },
+    /// The driver crate did not accept a value that is within the limits of the chip.
+    #[error("the pwm-pca9685 crate refused a valid count or prescale; check the version of that crate")]
+    DriverRefused,
+}
+
+impl<E> From<DriverError<E>> for FanError<E> {
+    fn from(error: DriverError<E>) -> Self {
+        match error {
+            DriverError::I2C(error) => Self::Bus(error),
+            DriverError::InvalidInputData => Self::DriverRefused,
+        }
+    }
+}
+
+/// A fan on channel 0 of a PCA9685.
+pub struct Fan<I> {
+    driver: Pca9685<I>,
+    prescale: u8,
+}
+
+impl<I: I2c> Fan<I> {
+    /// Sets the chip up with the fan off, also when a killed program left it running.
+    ///
+    /// The frequency is the nearest that the chip can do; [`Self::frequency_hz`] tells which. The oscillator needs
+    /// 0.5 ms from here until duties are exact (datasheet).
+    ///
+    /// # Errors
+    /// The bus failed, or what answers does not hold its frequency.
+    pub fn start(mut i2c: I, frequency_hz: f64) -> Result<Self, FanError<I::Error>> {
+        fan_off(&mut i2c).map_err(FanError::Bus)?;
+        let prescale = nearest_prescale(frequency_hz);
+        let mut driver = new_driver(i2c)?;
+        // The chip takes a prescale only while asleep, and the driver believes that it is.
+        driver.disable()?;
+        driver.set_prescale(prescale)?;
+        let mut driver = verified(driver, prescale)?;
+        driver.enable()?;
+        // Off again, now through the driver: it switches auto-increment on, so that every later duty is one transaction.
+        driver.set_channel_full_off(FAN)?;
+        Ok(Self { driver, prescale })
+    }
+
+    /// Drives the fan. Returns the duty as the chip holds it, the nearest 1/4096.
+    ///
+    /// # Errors
+    /// The bus failed.
+    pub fn drive(&mut self, duty: Duty) -> Result<Duty, FanError<I::Error>> {
+        let count = count(duty);
+        match count {
+            0 => self.driver.set_channel_full_off(FAN)?,
+            1..COUNTS => self.driver.set_channel_on_off(FAN, 0, count)?,
+            _ => {
+                // Full-off wins over full-on: it is cleared last, so that the output jumps to 100 % and nowhere else.
+                self.driver.set_channel_full_on(FAN, 0)?;
+                self.driver.set_channel_off(FAN, 0)?;
+            }
+        }
+        Ok(Duty::clamped(f64::from(count) / f64::from(COUNTS) * 100.0))
+    }
+
+    /// Stops the fan.
+    ///
+    /// # Errors
+    /// The bus failed. The fan keeps its last duty.
+    pub fn off(&mut self) -> Result<(), FanError<I::Error>> {
+        Ok(self.driver.set_channel_full_off(FAN)?)
+    }
+
+    /// The PWM frequency in force, at the nominal oscillator.
+    #[must_use]
+    pub fn frequency_hz(&self) -> f64 {
+        OSCILLATOR_HZ / (f64::from(COUNTS) * (f64::from(self.prescale) + 1.0))
+    }
+}
+
+/// Stops the fan in one transaction of one register, whatever state the chip is in. For the crash path, where there
+/// is no [`Fan`]: a panic, a signal, a separate command after the program was killed.
+///
+/// Sets the full-off bit of channel 0, which wins over everything else and does not need auto-increment.
+///
+/// # Errors
+/// The bus failed. The fan keeps its last duty.
+pub fn fan_off<I: I2c>(mut i2c: I) -> Result<(), I::Error> {
+    const LED0_OFF_H: u8 = 0x09;
+    const FULL_OFF: u8 = 0x10;
+    i2c.write(ADDRESS, &[LED0_OFF_H, FULL_OFF])
+}
+
+fn new_driver<I: I2c>(i2c: I) -> Result<Pca9685<I>, FanError<I::Error>> {
+    Ok(Pca9685::new(i2c, ADDRESS)?)
+}
+
+/// Reads the prescale back past the driver, which cannot. Like the chip, the new driver starts asleep.
+fn verified<I: I2c>(driver: Pca9685<I>, asked: u8) -> Result<Pca9685<I>, FanError<I::Error>> {
+    let mut i2c = driver.destroy();
+    let mut found = [0];
+    i2c.write_read(ADDRESS, &[PRE_SCALE], &mut found).map_err(FanError::Bus)?;
+    match found {
+        [found] if found != asked => Err(FanError::PrescaleIgnored { asked, found }),
+        _ => new_driver(i2c),
+    }
+}
+
+/// Nonsense (zero, negative, not a number) gives a limit of the chip, not an error: it only changes the sound.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 3 to 255 by min and max")]
+fn nearest_prescale(frequency_hz: f64) -> u8 {
+    let exact = OSCILLATOR_HZ / (f64::from(COUNTS) * frequency_hz) - 1.0;
+    exact.round().max(3.0).min(255.0) as u8
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a duty is within 0 to 100 %")]
+fn count(duty: Duty) -> u16 {
+    (duty.percent() / 100.0 * f64::from(COUNTS)).round() as u16
+}

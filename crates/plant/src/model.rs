@@ -1,0 +1,109 @@
+//! The model: what is believed of a rig. The config's `[plant]`.
+//!
+//! ```text
+//! ÿ = gain·(duty − hover) − drag·ẏ        the linear part, K_g/(s(s + a)) of the thesis
+//! ```
+//!
+//! Source: the thesis, equation 3.1.1.14. The effects come on top, in the order of the signal path.
+
+use crate::effects::Effects;
+use control::check::{OutOfRange, within};
+use serde::{Deserialize, Serialize};
+
+/// The believed rig.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// K_g: acceleration per percent of duty about hover, mm/s² per percent.
+    pub gain_mm_per_s2_per_percent: f64,
+    /// a: linear drag of the ball in the air stream, 1/s.
+    pub drag_per_s: f64,
+    /// Duty at which the ball hovers, percent.
+    pub hover_duty_percent: f64,
+    /// Length of the pipe, mm; the ball rests, without bounce, at 0 and here.
+    pub pipe_length_mm: f64,
+    /// What is random.
+    pub noise: Noise,
+    /// What is switched on beyond the linear part.
+    #[serde(default)]
+    pub effects: Effects,
+}
+
+/// The random part of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Noise {
+    /// Standard deviation of one reading of the sensor, mm.
+    pub sensor_mm: f64,
+    /// White acceleration: the variance of the velocity grows by this per second, mm²/s³.
+    pub acceleration_psd_mm2_per_s3: f64,
+}
+
+impl Model {
+    /// Checks every number against its bounds.
+    ///
+    /// # Errors
+    /// The table below `[plant]` (empty for `[plant]` itself) and the first number outside its bounds.
+    pub fn check(&self) -> Result<(), (String, OutOfRange)> {
+        let base = || -> Result<(), OutOfRange> {
+            within("gain_mm_per_s2_per_percent", self.gain_mm_per_s2_per_percent, 1e-6, 1e6)?;
+            within("drag_per_s", self.drag_per_s, 0.0, 1e3)?;
+            within("hover_duty_percent", self.hover_duty_percent, -1e3, 1e3)?;
+            within("pipe_length_mm", self.pipe_length_mm, 1.0, 1e6)
+        };
+        let noise = || -> Result<(), OutOfRange> {
+            within("sensor_mm", self.noise.sensor_mm, 0.0, 1e3)?;
+            within("acceleration_psd_mm2_per_s3", self.noise.acceleration_psd_mm2_per_s3, 0.0, 1e9)
+        };
+        base().map_err(|error| (String::new(), error))?;
+        noise().map_err(|error| ("noise".into(), error))?;
+        self.effects.check().map_err(|(effect, error)| (format!("effects.{effect}"), error))
+    }
+
+    /// The acceleration that `duty_percent` commands, mm/s² about hover: the actuator without its memory.
+    #[must_use]
+    pub fn commanded(&self, duty_percent: f64) -> f64 {
+        let about_hover = duty_percent - self.hover_duty_percent;
+        let effective = self.effects.dead_zone.map_or(about_hover, |zone| zone.effective(about_hover));
+        self.gain_mm_per_s2_per_percent * effective
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::{Model, Noise};
+    use crate::effects::{DeadZone, Effects, FanLag};
+
+    /// The three-pole model G_c of the thesis.
+    pub(crate) fn thesis() -> Model {
+        Model {
+            gain_mm_per_s2_per_percent: 827.2,
+            drag_per_s: 3.896,
+            hover_duty_percent: 21.4,
+            pipe_length_mm: 583.0,
+            noise: Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 },
+            effects: Effects { fan_lag: Some(FanLag { time_constant_s: 0.257 }), ..Effects::default() },
+        }
+    }
+
+    #[test]
+    fn the_dead_zone_acts_before_the_gain() {
+        let zone = DeadZone { lower_percent: -0.3, upper_percent: 0.3 };
+        let model = Model { effects: Effects { dead_zone: Some(zone), ..Effects::default() }, ..thesis() };
+        assert_eq!(model.commanded(21.6), 0.0);
+        assert!((model.commanded(22.4) - 827.2 * 0.7).abs() < 1e-9);
+        assert!((model.commanded(20.4) + 827.2 * 0.7).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_wrong_number_is_named_with_its_table() {
+        let mut model = thesis();
+        assert!(model.check().is_ok());
+        model.noise.sensor_mm = f64::NAN;
+        assert_eq!(model.check().unwrap_err().0, "noise");
+        model = thesis();
+        model.effects.fan_lag = Some(FanLag { time_constant_s: 9.0 });
+        let (table, error) = model.check().unwrap_err();
+        assert_eq!((table.as_str(), error.key), ("effects.fan_lag", "time_constant_s"));
+    }
+}

@@ -1,1 +1,177 @@
-//! x
+//! What the system tests share: the built binary, a broker of their own, a directory of their own.
+#![allow(clippy::expect_used, clippy::panic, reason = "a helper of tests stops the test that cannot go on")]
+
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::LazyLock;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// The binary, built once for all tests of a test program.
+static AIRBALL: LazyLock<PathBuf> = LazyLock::new(|| {
+    let build = escargot::CargoBuild::new().package("airball").bin("airball").current_target();
+    build.manifest_path(root().join("Cargo.toml")).run().expect("the binary builds").path().to_owned()
+});
+
+/// The project's root.
+#[must_use]
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// A directory of its own with copies of the project's config, and commands that run in it.
+pub struct Bench(TempDir);
+
+impl Default for Bench {
+    fn default() -> Self {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        std::fs::copy(root().join("config.toml"), directory.path().join("config.toml")).expect("the project's config");
+        Self(directory)
+    }
+}
+
+impl Bench {
+    /// The path of a file in it.
+    #[must_use]
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, text: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), text).expect("a file is written");
+    }
+
+    /// Reads a file as text.
+    #[must_use]
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// `airball` with these arguments, to be run in the directory.
+    #[must_use]
+    pub fn airball(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&*AIRBALL);
+        command.args(arguments).current_dir(self.0.path()).stdin(Stdio::null());
+        command
+    }
+
+    /// Runs `airball` to its end.
+    #[must_use]
+    pub fn run(&self, arguments: &[&str]) -> Ran {
+        Ran::from(self.airball(arguments).output().expect("the binary runs"))
+    }
+
+    /// Runs `airball`, which must succeed, and returns its standard output.
+    #[must_use]
+    pub fn output(&self, arguments: &[&str]) -> String {
+        let ran = self.run(arguments);
+        assert_eq!(ran.code, Some(0), "airball {arguments:?}: {}", ran.errors);
+        ran.output
+    }
+}
+
+/// What a command said.
+#[derive(Debug)]
+pub struct Ran {
+    /// Exit status. `None`: a signal ended it.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub output: String,
+    /// Standard error.
+    pub errors: String,
+}
+
+impl From<Output> for Ran {
+    fn from(output: Output) -> Self {
+        let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+        Self { code: output.status.code(), output: text(&output.stdout), errors: text(&output.stderr) }
+    }
+}
+
+/// A mosquitto of its own on a free port, ended with the test.
+pub struct Broker {
+    process: Child,
+    /// Its port.
+    pub port: u16,
+}
+
+impl Default for Broker {
+    fn default() -> Self {
+        let port = free_port();
+        let search = format!("{}:/usr/sbin", std::env::var("PATH").unwrap_or_default());
+        let process = Command::new("mosquitto")
+            .args(["-p", &port.to_string()])
+            .env("PATH", search)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("mosquitto starts; scripts/test installs it");
+        let broker = Self { process, port };
+        eventually("the broker listens", || TcpStream::connect(("127.0.0.1", port)).is_ok().then_some(()));
+        broker
+    }
+}
+
+impl Drop for Broker {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Broker {
+    /// Publishes as `mosquitto_pub` does for a user.
+    pub fn publish(&self, topic: &str, message: &str) {
+        let port = self.port.to_string();
+        let status = Command::new("mosquitto_pub")
+            .args(["-h", "127.0.0.1", "-p", &port, "-q", "1", "-t", topic, "-m", message])
+            .status();
+        assert!(status.expect("mosquitto_pub runs").success(), "mosquitto_pub {topic}");
+    }
+
+    /// Subscribes as `mosquitto_sub` does and ends after `count` messages or 20 s; collect its output with `wait_with_output`.
+    #[must_use]
+    pub fn subscribe(&self, topic: &str, count: u32) -> Child {
+        let (port, count) = (self.port.to_string(), count.to_string());
+        let child = Command::new("mosquitto_sub")
+            .args(["-h", "127.0.0.1", "-p", &port, "-q", "1", "-t", topic, "-C", &count, "-W", "20"])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("mosquitto_sub runs");
+        // The broker has no word for "subscribed" that another client could see.
+        sleep(Duration::from_millis(300));
+        child
+    }
+
+    /// Waits for one message and returns it.
+    #[must_use]
+    pub fn next(&self, topic: &str) -> String {
+        collect(self.subscribe(topic, 1))
+    }
+}
+
+/// What a child wrote to standard output until its end.
+#[must_use]
+pub fn collect(child: Child) -> String {
+    Ran::from(child.wait_with_output().expect("the child ends")).output
+}
+
+/// Waits for something that other programs bring about, 20 s at most.
+pub fn eventually<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + Duration::from_secs(20);
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(Instant::now() < deadline, "still not true after 20 s: {what}");
+        sleep(Duration::from_millis(50));
+    }
+}
+
+fn free_port() -> u16 {
+    let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a free port");
+    listener.local_addr().expect("its address").port()
+}

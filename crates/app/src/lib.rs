@@ -1,3 +1,14 @@
-//! The application.
+//! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
+
+pub mod cli;
 pub mod command;
+pub mod commands;
+pub mod config;
+pub mod deadline;
+pub mod experiment;
+pub mod flight;
 pub mod log;
+pub mod mqtt;
+pub mod pilot;
+pub mod report;
+pub mod rig;

@@ -1,2 +1,27 @@
-//! x
-fn main() {}
+//! The binary `airball`.
+
+use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
+use airball::commands::{config, log, replay, run, simulate};
+use airball::config::ConfigError;
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Simulate(args) => simulate::simulate(&args),
+        Command::Replay(args) => replay::replay(&args),
+        Command::Config(ConfigCommand::Check(args)) => config::check(&args),
+        Command::Config(ConfigCommand::Print(args)) => config::print(&args),
+        Command::Log(LogCommand::Info { log }) => log::info(&log),
+        Command::Log(LogCommand::Export { log }) => log::export(&log),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("airball: {error:#}");
+            // 2 is wrong usage, which clap answers too; a config is part of the usage.
+            if error.is::<ConfigError>() { ExitCode::from(2) } else { ExitCode::FAILURE }
+        }
+    }
+}

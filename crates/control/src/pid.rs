@@ -122,6 +122,12 @@ impl PidState {
     pub fn starting_at(control: f64) -> Self {
         Self { integral: control, ..Self::default() }
     }
+
+    /// The same controller after readings were missing: the integral stands, the derivative starts anew.
+    #[must_use]
+    pub fn after_a_hole(self) -> Self {
+        Self::starting_at(self.integral)
+    }
 }
 
 #[cfg(test)]

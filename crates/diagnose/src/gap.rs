@@ -20,7 +20,7 @@ const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 /// Length of a free run, seconds.
 const FREE_RUN_S: f64 = 10.0;
 /// The filter's first seconds show the prior, not the model.
-const WARM_UP_S: f64 = 1.0;
+const WARM_UP_S: f64 = 2.0;
 /// Forecast steps that are enough for three digits; a longer recording starts its forecasts less often.
 const ENOUGH_STEPS: usize = 10_000_000;
 
@@ -73,7 +73,12 @@ impl Gap {
     pub fn measure(model: &Model, recording: &Recording) -> Self {
         let track = Track::new(model, recording);
         let at_horizons = horizons(&track, recording);
-        let free = free_runs(&track, recording);
+        let mut free = Errors::default();
+        for run in runs(&track, recording) {
+            for forecast in run.forecasts {
+                free.add(recording.samples()[forecast.row].position_mm, run.start_mm, forecast);
+            }
+        }
         Self {
             horizons_s: HORIZONS_S,
             error_mm: at_horizons.map(|errors| errors.model.root()),
@@ -120,22 +125,36 @@ fn horizons(track: &Track, recording: &Recording) -> [Errors; 3] {
     errors
 }
 
-fn free_runs(track: &Track, recording: &Recording) -> Errors {
+/// A free run: what the model expects of every reading over [`FREE_RUN_S`], from what was known at its start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeRun {
+    /// The reading that it starts from, mm.
+    pub start_mm: f64,
+    /// What is expected of the readings after it.
+    pub forecasts: Vec<Forecast>,
+}
+
+/// Free runs one after another, as many as the recording holds whole.
+#[must_use]
+pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
+    runs(&Track::new(model, recording), recording)
+}
+
+fn runs(track: &Track, recording: &Recording) -> Vec<FreeRun> {
     let samples = recording.samples();
-    let end_s = samples.last().map_or(0.0, |sample| sample.time_s);
-    let mut errors = Errors::default();
-    let mut next_s = samples.first().map_or(0.0, |sample| sample.time_s) + WARM_UP_S;
+    let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return Vec::new() };
+    let mut next_s = first.time_s + WARM_UP_S;
+    let mut runs = Vec::new();
     for from in 0..track.readings() {
         let Some((_, start_s, start_mm)) = track.reading(from) else { continue };
-        if start_s < next_s || start_s + FREE_RUN_S > end_s {
+        if start_s < next_s || start_s + FREE_RUN_S > last.time_s {
             continue;
         }
         next_s = start_s + FREE_RUN_S;
-        for forecast in track.forecasts(from).take_while(|f| samples[f.row].time_s <= next_s) {
-            errors.add(samples[forecast.row].position_mm, start_mm, forecast);
-        }
+        let forecasts = track.forecasts(from).take_while(|f| samples[f.row].time_s <= next_s).collect();
+        runs.push(FreeRun { start_mm, forecasts });
     }
-    errors
+    runs
 }
 
 impl Errors {
@@ -193,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_recording_too_short_for_a_horizon_says_so() {
-        let gap = Gap::measure(&model(), &record(&model(), 1, 2));
+        let gap = Gap::measure(&model(), &record(&model(), 1, 3));
         assert!(gap.error_mm[1].is_some() && gap.error_mm[2].is_none() && gap.free_run_10s_mm.is_none());
     }
 

@@ -11,6 +11,6 @@ mod track;
 #[cfg(test)]
 mod tests_support;
 
-pub use gap::Gap;
+pub use gap::{FreeRun, Gap, free_runs};
 pub use recording::{Recording, RecordingError, Sample};
 pub use track::{Forecast, Track};

@@ -107,8 +107,9 @@ impl<'a> Track<'a> {
 /// The filter before its first reading, which it then takes as it takes every other.
 fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> Kalman<3> {
     let commanded = model.commanded(duty_percent);
-    // How far the fan may be from where it is told to go: as far as one percent of duty.
-    let fan = if model.effects.fan_lag.is_some() { model.gain_mm_per_s2_per_percent } else { 0.0 };
+    // How far the fan may be from where it is told to go: it may stand still.
+    let fan_percent = if model.effects.fan_lag.is_some() { model.hover_duty_percent.abs().max(1.0) } else { 0.0 };
+    let fan = fan_percent * model.gain_mm_per_s2_per_percent;
     let deviations = Vector3::new(model.pipe_length_mm, VELOCITY_PRIOR_MM_PER_S, fan);
     Kalman {
         state: Vector3::new(reading_mm, 0.0, commanded),
@@ -129,14 +130,12 @@ fn advance(filter: &mut Kalman<3>, model: &Model, duty_percent: f64, dt_s: f64) 
     let noise = process_noise(model, dt);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive whole number")]
     for _ in 0..steps as u64 {
-        let flow = |x: &Vector3<f64>| {
-            let motion = Motion { position_mm: x[0], velocity_mm_per_s: x[1], fan_mm_per_s2: x[2] };
-            let next = motion.step(model, commanded, dt);
-            Vector3::new(next.position_mm, next.velocity_mm_per_s, next.fan_mm_per_s2)
-        };
-        let transition = derivative(flow, &filter.state);
-        let next = flow(&filter.state);
-        filter.predict(next, &transition, &noise);
+        let motion =
+            Motion { position_mm: filter.state[0], velocity_mm_per_s: filter.state[1], fan_mm_per_s2: filter.state[2] };
+        // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
+        let transition = derivative(|nudged| nudged.step_in_endless_pipe(model, commanded, dt), &motion);
+        let next = motion.step(model, commanded, dt);
+        filter.predict(vector(&next), &transition, &noise);
     }
 }
 
@@ -145,12 +144,23 @@ fn process_noise(model: &Model, dt: f64) -> Matrix3<f64> {
     Matrix3::new(yy, yv, 0.0, yv, vv, 0.0, 0.0, 0.0, 0.0) * model.noise.acceleration_psd_mm2_per_s3
 }
 
-/// ∂flow/∂x at `x` by central differences.
-fn derivative(flow: impl Fn(&Vector3<f64>) -> Vector3<f64>, x: &Vector3<f64>) -> Matrix3<f64> {
+fn vector(motion: &Motion) -> Vector3<f64> {
+    Vector3::new(motion.position_mm, motion.velocity_mm_per_s, motion.fan_mm_per_s2)
+}
+
+/// ∂flow/∂x at `motion` by central differences.
+fn derivative(flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Matrix3<f64> {
     let columns = std::array::from_fn::<_, 3, _>(|i| {
-        let mut step = Vector3::zeros();
-        step[i] = NUDGE[i];
-        (flow(&(x + step)) - flow(&(x - step))) / (2.0 * NUDGE[i])
+        let nudged = |by: f64| {
+            let mut nudged = *motion;
+            match i {
+                0 => nudged.position_mm += by,
+                1 => nudged.velocity_mm_per_s += by,
+                _ => nudged.fan_mm_per_s2 += by,
+            }
+            vector(&flow(&nudged))
+        };
+        (nudged(NUDGE[i]) - nudged(-NUDGE[i])) / (2.0 * NUDGE[i])
     });
     Matrix3::from_columns(&columns)
 }

@@ -71,7 +71,7 @@ impl<I: I2c> Fan<I> {
         driver.set_prescale(prescale)?;
         let mut driver = verified(driver, prescale)?;
         driver.enable()?;
-        // Off again, now through the driver: it switches auto-increment on, so that every later duty is one transaction.
+        // Off again, now through the driver: it switches auto-increment on, so each later duty is one transaction.
         driver.set_channel_full_off(FAN)?;
         Ok(Self { driver, prescale })
     }
@@ -138,10 +138,10 @@ fn verified<I: I2c>(driver: Pca9685<I>, asked: u8) -> Result<Pca9685<I>, FanErro
 }
 
 /// Nonsense (zero, negative, not a number) gives a limit of the chip, not an error: it only changes the sound.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 3 to 255 by min and max")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 3 to 255 here")]
 fn nearest_prescale(frequency_hz: f64) -> u8 {
-    let exact = OSCILLATOR_HZ / (f64::from(COUNTS) * frequency_hz) - 1.0;
-    exact.round().max(3.0).min(255.0) as u8
+    let exact = (OSCILLATOR_HZ / (f64::from(COUNTS) * frequency_hz) - 1.0).round();
+    if exact >= 3.0 { exact.min(255.0) as u8 } else { 3 }
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a duty is within 0 to 100 %")]

@@ -26,10 +26,10 @@ const MODEL_ID: u8 = 0xEE;
 const POLL_ALLOWED_S: f64 = 0.020;
 /// Pause between two polls while waiting: short against the budget, long against the 0.1 ms that a poll takes.
 const POLL_EVERY_S: f64 = 0.001;
-/// How long the reset line is held, and how often we look whether the chip is back. It boots in 1.2 ms (datasheet).
+/// How long the chip is held in reset, and how often we look whether it is back. It boots in 1.2 ms (datasheet).
 const RESET_STEP_S: f64 = 0.002;
-/// After so many steps the chip is taken as it is; the driver then says what is wrong with it.
-const RESET_STEPS: u32 = 25;
+/// After that the chip is taken as it is; the driver then says what is wrong with it.
+const RESET_ALLOWED_S: f64 = 0.050;
 /// From here on a "distance" is a code: 8190 and 8191 mean no target, 65535 is a bus that is stuck high.
 const FIRST_CODE_MM: u16 = 8190;
 
@@ -115,7 +115,7 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
         let describe = |error| describe(error, allowed_s);
         let deadline = Deadline::at(clock.now_s() + allowed_s);
         let mut bus = DeadlineI2c::new(i2c, clock.clone(), deadline.clone());
-        reset(&mut bus, &clock).map_err(|error| describe(error.into()))?;
+        reset(&mut bus, &clock, deadline.at_s()).map_err(|error| describe(error.into()))?;
         let mut driver = VL53L0x::new(bus).map_err(describe)?;
         let accepted = driver.set_measurement_timing_budget(BUDGET_US).map_err(|error| describe(error.into()))?;
         if !accepted {
@@ -162,14 +162,15 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
 /// half way through its calibration. The sequence is that of ST's `VL53L0X_ResetDevice`.
 ///
 /// While it boots the chip does not acknowledge, so from the reset on errors are left to the driver's own first read.
-fn reset<I: I2c>(bus: &mut I, clock: &impl Clock) -> Result<(), I::Error> {
+fn reset<I: I2c>(bus: &mut I, clock: &impl Clock, deadline_s: f64) -> Result<(), I::Error> {
     const SELECT_PAGE_0: [u8; 2] = [0xFF, 0x00];
     const SOFT_RESET: u8 = 0xBF;
     const MODEL_ID_REGISTER: u8 = 0xC0;
 
     bus.write(ADDRESS, &SELECT_PAGE_0)?;
     bus.write(ADDRESS, &[SOFT_RESET, 0x00])?;
-    for _ in 0..RESET_STEPS {
+    let until_s = deadline_s.min(clock.now_s() + RESET_ALLOWED_S);
+    while clock.now_s() < until_s {
         clock.sleep_until_s(clock.now_s() + RESET_STEP_S);
         let mut found = [0];
         let _ = bus.write(ADDRESS, &[SOFT_RESET, 0x01]);

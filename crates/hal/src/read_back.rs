@@ -8,7 +8,7 @@
 //! | 0x51-52, 0x71-72 timeouts | `(lo << hi) + 1`, final − pre-range | hi ≥ 16, final < pre-range |
 //! | 0x50, 0x70 laser periods | `(v + 1) << 1`, then divides by it | 0xFF (overflow), 0x7F (zero) |
 //! | 0x46 signal-rate timeout | `v + 1` | 0xFF |
-//! | 0x01 sequence steps | decides whether final − pre-range is taken | in combination with the others |
+//! | 0x01 sequence steps | which of these times count | nothing, but the timing budget comes out wrong |
 //!
 //! Nothing else that is read meets arithmetic that can fail: the count of reference SPADs is only compared, and any
 //! distance is a valid `u16`. What the driver itself writes to these registers is safe, and so is 0x00 in all of them,

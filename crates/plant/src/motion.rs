@@ -31,9 +31,15 @@ impl Motion {
         Self { position_mm, velocity_mm_per_s: 0.0, fan_mm_per_s2: commanded }
     }
 
-    /// One RK4 step of `dt_s` under a constant `commanded` acceleration, mm/s².
+    /// One RK4 step of `dt_s` under a constant `commanded` acceleration, mm/s², and the ends of the pipe.
     #[must_use]
     pub fn step(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
+        self.step_in_endless_pipe(model, commanded, dt_s).within_pipe(model.pipe_length_mm)
+    }
+
+    /// The same step where the pipe has no ends.
+    #[must_use]
+    pub fn step_in_endless_pipe(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
         let [y, v, fan] = match model.effects.fan_lag.filter(|lag| lag.time_constant_s > 0.0) {
             Some(lag) => {
                 let rate = |x: &[f64; 3]| [x[1], x[2] - model.drag_per_s * x[1], lag.rate(commanded, x[2])];
@@ -45,12 +51,12 @@ impl Motion {
                 [y, v, commanded]
             }
         };
-        Self { position_mm: y, velocity_mm_per_s: v, fan_mm_per_s2: fan }.within_pipe(model.pipe_length_mm)
+        Self { position_mm: y, velocity_mm_per_s: v, fan_mm_per_s2: fan }
     }
 
     /// The ends of the pipe: the ball stops there without a bounce.
     #[must_use]
-    pub fn within_pipe(self, length_mm: f64) -> Self {
+    fn within_pipe(self, length_mm: f64) -> Self {
         if self.position_mm < 0.0 {
             Self { position_mm: 0.0, velocity_mm_per_s: self.velocity_mm_per_s.max(0.0), ..self }
         } else if self.position_mm > length_mm {

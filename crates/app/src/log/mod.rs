@@ -1,2 +1,25 @@
 //! What a flight leaves behind, and how it is read again.
+//!
+//! Writing: [`recorder`] (what the loop sees) → [`queue`] (real time) → [`writer`] → MCAP.
+//! Reading: [`reader`] → [`flight`] (MCAP) or `table` and `columns` (CSV, mapped by [`import`]) → recording.
+//! Other rigs' files become ours by [`import`]; ours become tables by [`export`].
+
+mod columns;
+pub mod error;
+pub mod export;
+pub mod flight;
+pub mod header;
+pub mod import;
+pub mod queue;
+pub mod reader;
 pub mod record;
+pub mod recorder;
+mod records;
+mod schema;
+mod table;
+pub mod writer;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::LogError;

@@ -1,0 +1,149 @@
+//! The command line. Flags mean the same everywhere.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Firmware and simulator of a rig that keeps a ball at a height in a pipe, and a look at the gap between the two.
+#[derive(Debug, Parser)]
+#[command(name = "airball", version, max_term_width = 100)]
+#[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage or config.")]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Fly the rig, or with --sim the simulated rig, in real time
+    Run(RunArgs),
+    /// Fly the simulated rig in virtual time: seeded, bit-exact, as fast as the machine
+    Simulate(SimulateArgs),
+    /// Run a log through a model: how far its forecasts are off, beside what noise alone gives
+    Replay(ReplayArgs),
+    /// Check or print a config
+    #[command(subcommand)]
+    Config(ConfigCommand),
+    /// Look into a log
+    #[command(subcommand)]
+    Log(LogCommand),
+}
+
+/// Which config.
+#[derive(Debug, Args)]
+pub struct ConfigArgs {
+    /// Config file
+    #[arg(long, value_name = "FILE", default_value = "config.toml")]
+    pub config: PathBuf,
+    /// Config patch, merged over the config; may be given again, later wins
+    #[arg(long, value_name = "FILE")]
+    pub patch: Vec<PathBuf>,
+}
+
+/// What every flight may be told.
+#[derive(Debug, Args)]
+pub struct FlightArgs {
+    /// Which config.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Fly this experiment instead of the config's [reference]
+    #[arg(long, value_name = "FILE")]
+    pub experiment: Option<PathBuf>,
+    /// Log of the flight (MCAP) [default: a name with the time in the directory of [log]]
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+    /// Seed of the simulated rig's noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Draw the flight: setpoint, position and duty over time (SVG)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Write the summary as JSON, and nothing else, to standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `airball run`
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// What every flight may be told.
+    #[command(flatten)]
+    pub flight: FlightArgs,
+    /// Fly the simulated rig: the plant of the config behind emulated chips
+    #[arg(long)]
+    pub sim: bool,
+    /// End the flight after so many seconds [default: the experiment's end, or Ctrl-C]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub duration: Option<f64>,
+}
+
+/// `airball simulate`
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// What every flight may be told.
+    #[command(flatten)]
+    pub flight: FlightArgs,
+    /// End the flight after so many seconds of virtual time [default: the experiment's end, or 60]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub duration: Option<f64>,
+}
+
+/// `airball replay`
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The log: MCAP of this program, or CSV
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// Which model, and how to read a foreign CSV.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Draw the recorded position beside the model's free runs (SVG)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Write the gap as JSON, and nothing else, to standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `airball config`
+#[derive(Debug, Subcommand)]
+pub enum ConfigCommand {
+    /// Say whether a config is sound, or where it is not
+    Check(ConfigArgs),
+    /// Print the config in force after its patches
+    Print(ConfigArgs),
+}
+
+/// `airball log`
+#[derive(Debug, Subcommand)]
+pub enum LogCommand {
+    /// What is in a log: flight, events, summary
+    Info {
+        /// The log
+        log: PathBuf,
+    },
+    /// Write a log's cycles as CSV to standard output
+    Export {
+        /// The log
+        log: PathBuf,
+    },
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("give a number of seconds above 0, for instance 60".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Cli;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,27 @@
+//! `airball config check` and `airball config print`.
+
+use crate::cli::ConfigArgs;
+use crate::config::Config;
+use anyhow::Result;
+
+/// Says whether a config is sound.
+///
+/// # Errors
+/// Where it is not.
+pub fn check(args: &ConfigArgs) -> Result<()> {
+    let config = Config::read(&args.config, &args.patch)?;
+    let effects = config.tables.plant.as_ref().map_or_else(Vec::new, |plant| plant.effects.present());
+    let names: Vec<&str> = effects.iter().map(|entry| entry.name).collect();
+    let names = if names.is_empty() { "none".into() } else { names.join(", ") };
+    println!("{} is sound; effects of the plant that are on: {names}", args.config.display());
+    Ok(())
+}
+
+/// Prints the config in force.
+///
+/// # Errors
+/// Where it is not sound.
+pub fn print(args: &ConfigArgs) -> Result<()> {
+    print!("{}", Config::read(&args.config, &args.patch)?.to_toml());
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! `airball replay`: the gap between a log and a model.
+
+use crate::cli::ReplayArgs;
+use crate::config::Config;
+use crate::log::reader;
+use crate::report::{gap, plot};
+use anyhow::Result;
+use diagnose::{Gap, free_runs};
+
+/// Measures the gap and says it.
+///
+/// # Errors
+/// A config that is not sound, a log that cannot be read, a picture that cannot be written.
+pub fn replay(args: &ReplayArgs) -> Result<()> {
+    let config = Config::read(&args.config.config, &args.config.patch)?;
+    let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
+    let log = reader::read(&args.log, config.tables.import.as_ref())?;
+    if let Some(lost) = &log.truncated {
+        eprintln!("airball: {lost}");
+    }
+    let gap = Gap::measure(model, &log.recording);
+    if args.json {
+        println!("{}", serde_json::to_string(&gap::ReplayDocument::of(&gap))?);
+    } else {
+        let readings = log.recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
+        let (file, duration_s) = (args.log.display(), log.recording.duration_s());
+        println!("{file}: {duration_s:.1} s, {readings} readings; model of {}", args.config.config.display());
+        println!("{}", gap::table(&gap));
+        println!("{}", gap::sentence(&gap));
+    }
+    if let Some(path) = &args.plot {
+        let title = format!("{} and the model's free runs", args.log.display());
+        plot::replay(path, &title, &log.recording, &free_runs(model, &log.recording))?;
+        if !args.json {
+            println!("picture   {}", path.display());
+        }
+    }
+    Ok(())
+}

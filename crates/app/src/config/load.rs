@@ -1,0 +1,312 @@
+//! Reading the config: the file, then its patches, later wins; then every number is checked.
+//!
+//! Whatever is wrong is found by its dotted key, and the file and line of that key are looked up in the file
+//! that set it last.
+
+use super::tables::Tables;
+use serde::de::DeserializeOwned;
+use std::fs;
+use std::path::{Path, PathBuf};
+use toml::de::{DeTable, DeValue};
+
+/// A config that has been read and checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Its tables.
+    pub tables: Tables,
+    /// The file, for messages.
+    path: PathBuf,
+}
+
+/// What can be wrong with a config file or an experiment file.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}; name the file with `{flag}`", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+        /// The flag that names such a file.
+        flag: &'static str,
+    },
+    /// It is not TOML.
+    #[error("{}: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The parser's word, with line and column.
+        message: String,
+    },
+    /// A key is unknown, missing or of the wrong type.
+    #[error("{place}: {key}: {message}")]
+    Key {
+        /// File and line.
+        place: String,
+        /// The dotted key.
+        key: String,
+        /// What is wrong, and what is known.
+        message: String,
+    },
+    /// A number is outside its bounds.
+    #[error("{place}: {table}.{error}; change it there")]
+    Range {
+        /// File and line.
+        place: String,
+        /// The dotted table.
+        table: String,
+        /// Key, value and bounds.
+        error: control::OutOfRange,
+    },
+    /// A table that a command needs is absent.
+    #[error("{}: the table [{table}] is missing, and `airball {command}` needs it; copy it from the config.toml of the project", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The table.
+        table: &'static str,
+        /// The command.
+        command: &'static str,
+    },
+    /// Something holds only between several keys.
+    #[error("{place}: {message}")]
+    Contradiction {
+        /// File, and line where there is one.
+        place: String,
+        /// What contradicts what, and what to do.
+        message: String,
+    },
+}
+
+/// A file that has been read, for looking up lines.
+#[derive(Debug)]
+struct Source {
+    path: PathBuf,
+    text: String,
+}
+
+impl Config {
+    /// Reads `path`, merges `patches` over it in their order and checks the result.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names file, line and key.
+    pub fn read(path: &Path, patches: &[PathBuf]) -> Result<Self, ConfigError> {
+        let mut sources = vec![read_source(path, "--config FILE")?];
+        for patch in patches {
+            sources.push(read_source(patch, "--patch FILE")?);
+        }
+        let tables: Tables = parse(&sources)?;
+        tables.check().map_err(|(table, error)| ConfigError::Range {
+            place: place(&sources, &format!("{table}.{}", error.key)),
+            table,
+            error,
+        })?;
+        Ok(Self { tables, path: path.to_owned() })
+    }
+
+    /// The config in force, as TOML.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        // Every table serialises: its keys are strings and its values numbers, strings and tables.
+        toml::to_string(&self.tables).unwrap_or_default()
+    }
+
+    /// The table that `command` needs.
+    ///
+    /// # Errors
+    /// [`ConfigError::Missing`] names the table, the file and the command.
+    pub fn need<'a, T>(
+        &'a self,
+        command: &'static str,
+        table: &'static str,
+        get: impl Fn(&'a Tables) -> Option<&'a T>,
+    ) -> Result<&'a T, ConfigError> {
+        get(&self.tables).ok_or_else(|| ConfigError::Missing { path: self.path.clone(), table, command })
+    }
+}
+
+/// Reads any other TOML file of ours, for instance an experiment.
+///
+/// Returns the value and a function that finds the file and line of a dotted key.
+///
+/// # Errors
+/// [`ConfigError`] names file, line and key.
+pub fn parse_file<T: DeserializeOwned>(
+    path: &Path,
+    flag: &'static str,
+) -> Result<(T, impl Fn(&str) -> String + use<T>), ConfigError> {
+    let sources = vec![read_source(path, flag)?];
+    let value = parse(&sources)?;
+    Ok((value, move |key: &str| place(&sources, key)))
+}
+
+fn read_source(path: &Path, flag: &'static str) -> Result<Source, ConfigError> {
+    let text =
+        fs::read_to_string(path).map_err(|source| ConfigError::Unreadable { path: path.to_owned(), source, flag })?;
+    Ok(Source { path: path.to_owned(), text })
+}
+
+fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
+    let mut merged = toml::Table::new();
+    for source in sources {
+        let table: toml::Table = toml::from_str(&source.text).map_err(|error| ConfigError::Syntax {
+            path: source.path.clone(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        merge(&mut merged, table);
+    }
+    serde_path_to_error::deserialize(merged).map_err(|error| {
+        let key = error.path().to_string();
+        let message = error.into_inner().message().to_owned();
+        ConfigError::Key { place: place(sources, &key), key, message }
+    })
+}
+
+/// Tables merge key by key; anything else is replaced.
+fn merge(base: &mut toml::Table, over: toml::Table) {
+    for (key, value) in over {
+        match (base.get_mut(&key), value) {
+            (Some(toml::Value::Table(below)), toml::Value::Table(above)) => merge(below, above),
+            (_, value) => {
+                base.insert(key, value);
+            }
+        }
+    }
+}
+
+/// `file:line` of a dotted key: where most of it is found, and among equals in the file that came last.
+fn place(sources: &[Source], key: &str) -> String {
+    let steps: Vec<&str> = key.split(['.', '[', ']']).filter(|step| !step.is_empty()).collect();
+    let found = sources.iter().filter_map(|source| Some((source, find(&source.text, &steps)?)));
+    match found.max_by_key(|(_, (depth, _))| *depth) {
+        Some((source, (_, line))) => format!("{}:{line}", source.path.display()),
+        None => sources.first().map_or_else(String::new, |source| source.path.display().to_string()),
+    }
+}
+
+/// How many steps of the key exist in `text`, and the line of the last of them. `None`: not even the first.
+fn find(text: &str, steps: &[&str]) -> Option<(usize, usize)> {
+    let parsed = DeTable::parse(text).ok()?;
+    let mut here: Option<&DeTable<'_>> = Some(parsed.get_ref());
+    let mut array: Option<&[toml::Spanned<DeValue<'_>>]> = None;
+    let mut found = None;
+    for (depth, step) in steps.iter().enumerate() {
+        let (start, value) = match (here, array) {
+            (Some(table), _) => {
+                let Some((key, value)) = table.iter().find(|(key, _)| key.get_ref() == step) else { break };
+                (key.span().start, value.get_ref())
+            }
+            (None, Some(items)) => {
+                let Some(item) = step.parse::<usize>().ok().and_then(|index| items.get(index)) else { break };
+                (item.span().start, item.get_ref())
+            }
+            (None, None) => break,
+        };
+        found = Some((depth + 1, text[..start].matches('\n').count() + 1));
+        here = value.as_table();
+        array = value.as_array().map(|items| &items[..]);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Config, ConfigError};
+    use std::path::PathBuf;
+
+    const GOOD: &str = "[plant]\ngain_mm_per_s2_per_percent = 827.2\ndrag_per_s = 3.896\n\
+        hover_duty_percent = 21.4\npipe_length_mm = 583.0\n\n[plant.noise]\nsensor_mm = 2.5\n\
+        acceleration_psd_mm2_per_s3 = 360.0\n";
+
+    struct Files(tempfile::TempDir);
+
+    impl Files {
+        fn new() -> Self {
+            Self(tempfile::tempdir().unwrap())
+        }
+
+        fn write(&self, name: &str, text: &str) -> PathBuf {
+            let path = self.0.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            path
+        }
+    }
+
+    fn error_of(text: &str) -> String {
+        let files = Files::new();
+        let path = files.write("c.toml", text);
+        let message = Config::read(&path, &[]).unwrap_err().to_string();
+        message.replace(&files.0.path().display().to_string(), "")
+    }
+
+    #[test]
+    fn an_unknown_key_is_named_with_its_line_and_the_known_keys() {
+        let message = error_of(&GOOD.replace("drag_per_s", "drag"));
+        assert!(message.starts_with("/c.toml:3: plant.drag: unknown field `drag`"), "{message}");
+        assert!(message.contains("`drag_per_s`"), "{message}");
+        let message = error_of(&format!("{GOOD}\n[plant.effects.fan_lagg]\ntime_constant_s = 0.2\n"));
+        assert!(message.starts_with("/c.toml:11: plant.effects.fan_lagg: unknown field"), "{message}");
+        assert!(message.contains("`dead_zone`") && message.contains("`fan_lag`"), "{message}");
+    }
+
+    #[test]
+    fn a_value_out_of_range_is_named_with_its_line_and_bounds() {
+        let message = error_of(&GOOD.replace("3.896", "-1.0"));
+        assert!(message.starts_with("/c.toml:3: plant.drag_per_s = -1 is outside 0 to 1000"), "{message}");
+        let message = error_of(&GOOD.replace("360.0", "nan"));
+        assert!(message.starts_with("/c.toml:9: plant.noise.acceleration_psd_mm2_per_s3 = NaN"), "{message}");
+    }
+
+    #[test]
+    fn a_missing_key_and_a_wrong_type_point_at_their_table() {
+        let message = error_of(&GOOD.replace("drag_per_s = 3.896\n", ""));
+        assert!(message.starts_with("/c.toml:1: plant: missing field `drag_per_s`"), "{message}");
+        let message = error_of(&GOOD.replace("3.896", "\"fast\""));
+        assert!(message.starts_with("/c.toml:3: plant.drag_per_s: invalid type: string \"fast\""), "{message}");
+    }
+
+    #[test]
+    fn broken_toml_is_shown_where_it_breaks() {
+        let message = error_of("[plant]\ngain = = 3\n");
+        assert!(message.contains("line 2"), "{message}");
+    }
+
+    #[test]
+    fn a_missing_file_is_named_with_the_flag_that_names_it() {
+        let message = Config::read(&PathBuf::from("nowhere.toml"), &[]).unwrap_err().to_string();
+        assert!(message.contains("nowhere.toml") && message.contains("--config"), "{message}");
+    }
+
+    #[test]
+    fn a_missing_table_names_the_command_that_needs_it() {
+        let files = Files::new();
+        let config = Config::read(&files.write("c.toml", ""), &[]).unwrap();
+        let error = config.need("replay", "plant", |tables| tables.plant.as_ref()).unwrap_err();
+        assert!(matches!(error, ConfigError::Missing { table: "plant", command: "replay", .. }), "{error}");
+    }
+
+    #[test]
+    fn later_patches_win_and_their_mistakes_are_found_in_their_own_file() {
+        let files = Files::new();
+        let base = files.write("c.toml", GOOD);
+        let first = files.write("a.toml", "[plant]\ndrag_per_s = 2.0\nhover_duty_percent = 20.0\n");
+        let second =
+            files.write("b.toml", "[plant]\ndrag_per_s = 3.0\n[plant.effects.fan_lag]\ntime_constant_s = 0.1\n");
+        let plant = Config::read(&base, &[first.clone(), second]).unwrap().tables.plant.unwrap();
+        assert_eq!((plant.drag_per_s, plant.hover_duty_percent), (3.0, 20.0));
+        assert!(plant.effects.fan_lag.is_some());
+
+        let wrong = files.write("w.toml", "\n[plant]\ndrag_per_s = -3.0\n");
+        let message = Config::read(&base, &[first, wrong]).unwrap_err().to_string();
+        assert!(message.contains("w.toml:3: plant.drag_per_s = -3"), "{message}");
+    }
+
+    #[test]
+    fn the_config_in_force_reads_back_as_itself() {
+        let files = Files::new();
+        let config = Config::read(&files.write("c.toml", GOOD), &[]).unwrap();
+        let again = Config::read(&files.write("again.toml", &config.to_toml()), &[]).unwrap();
+        assert_eq!(again.tables, config.tables);
+    }
+}

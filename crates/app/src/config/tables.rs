@@ -1,0 +1,166 @@
+//! The tables of the config file, in the order of the signal path. A command asks for the tables it needs.
+
+use crate::log::import::Import;
+use crate::mqtt::config::MqttConfig;
+use control::check::{OutOfRange, within};
+use control::compensation::Compensation;
+use control::pid::Pid;
+use control::waveform::Waveform;
+use plant::Model;
+use serde::{Deserialize, Serialize};
+
+/// Everything that a config file may hold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tables {
+    /// `[rig]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig: Option<Rig>,
+    /// `[bus]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bus: Option<Bus>,
+    /// `[loop]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub r#loop: Option<Loop>,
+    /// `[reference]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Reference>,
+    /// `[controller]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub controller: Option<Controller>,
+    /// `[compensation]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compensation: Option<Compensation>,
+    /// `[safety]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub safety: Option<Safety>,
+    /// `[mqtt]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mqtt: Option<MqttConfig>,
+    /// `[log]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log: Option<Log>,
+    /// `[plant]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<Model>,
+    /// `[import]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub import: Option<Import>,
+}
+
+/// `[rig]`: what is screwed together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rig {
+    /// The rig's name in MQTT topics.
+    pub name: String,
+    /// From the sensor's window to the ball when it rests at the bottom, mm.
+    pub sensor_to_bottom_mm: f64,
+    /// PWM frequency asked of the fan driver, hertz.
+    pub fan_pwm_hz: f64,
+}
+
+/// `[bus]`: where the chips are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bus {
+    /// Device file of the I2C bus.
+    pub device: String,
+}
+
+/// `[loop]`: when the cycle runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Loop {
+    /// Time from one deadline to the next, seconds.
+    pub period_s: f64,
+    /// A cycle that begins later than this after its deadline is counted as late, seconds.
+    pub late_after_s: f64,
+}
+
+/// `[reference]`: what the setpoint does when nobody commands it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reference {
+    /// Setpoint over time, mm.
+    pub setpoint_mm: Waveform,
+}
+
+/// `[controller]`: the control law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Controller {
+    /// PID on the position.
+    pub pid: Pid,
+}
+
+/// `[safety]`: what no command and no experiment may exceed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Safety {
+    /// Smallest setpoint, mm.
+    pub setpoint_min_mm: f64,
+    /// Largest setpoint, mm.
+    pub setpoint_max_mm: f64,
+    /// Smallest duty in flight, percent.
+    pub duty_min_percent: f64,
+    /// Largest duty in flight, percent.
+    pub duty_max_percent: f64,
+    /// How long the fan holds hover without a new reading before it is turned off, seconds.
+    pub coast_s: f64,
+}
+
+/// `[log]`: where flights are kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Log {
+    /// Directory of the logs, made when missing; relative to where the command runs.
+    pub directory: String,
+}
+
+impl Tables {
+    /// Checks every number of every table that is present.
+    ///
+    /// # Errors
+    /// The table (dotted) and the first number outside its bounds.
+    pub fn check(&self) -> Result<(), (String, OutOfRange)> {
+        let at = |table: &'static str| move |error| (table.to_owned(), error);
+        self.rig.as_ref().map_or(Ok(()), Rig::check).map_err(at("rig"))?;
+        self.r#loop.map_or(Ok(()), |table| table.check()).map_err(at("loop"))?;
+        self.controller.map_or(Ok(()), |table| table.pid.check()).map_err(at("controller.pid"))?;
+        self.compensation.map_or(Ok(()), |table| table.check()).map_err(at("compensation"))?;
+        self.safety.map_or(Ok(()), |table| table.check()).map_err(at("safety"))?;
+        if let Some(reference) = &self.reference {
+            let (min, max) = self.safety.map_or((-1e6, 1e6), |s| (s.setpoint_min_mm, s.setpoint_max_mm));
+            reference.setpoint_mm.check(min, max).map_err(at("reference.setpoint_mm"))?;
+        }
+        self.plant
+            .as_ref()
+            .map_or(Ok(()), Model::check)
+            .map_err(|(table, error)| (if table.is_empty() { "plant".into() } else { format!("plant.{table}") }, error))
+    }
+}
+
+impl Rig {
+    fn check(&self) -> Result<(), OutOfRange> {
+        within("sensor_to_bottom_mm", self.sensor_to_bottom_mm, 50.0, 2000.0)?;
+        within("fan_pwm_hz", self.fan_pwm_hz, 24.0, 10_000.0)
+    }
+}
+
+impl Loop {
+    fn check(&self) -> Result<(), OutOfRange> {
+        within("period_s", self.period_s, 0.005, 1.0)?;
+        within("late_after_s", self.late_after_s, 0.0, 1.0)
+    }
+}
+
+impl Safety {
+    fn check(&self) -> Result<(), OutOfRange> {
+        within("setpoint_max_mm", self.setpoint_max_mm, 0.0, 2000.0)?;
+        within("setpoint_min_mm", self.setpoint_min_mm, 0.0, self.setpoint_max_mm)?;
+        within("duty_max_percent", self.duty_max_percent, 0.0, 100.0)?;
+        within("duty_min_percent", self.duty_min_percent, 0.0, self.duty_max_percent)?;
+        within("coast_s", self.coast_s, 0.0, 10.0)
+    }
+}

@@ -1,0 +1,345 @@
+//! A flight: cycle after cycle on the deadlines, until it ends, and then the fan off.
+//!
+//! ```text
+//! sleep → commands → observe → decide → act → record
+//! ```
+//!
+//! The same loop flies the bench, the simulated rig in real time and the simulated rig in virtual time; it
+//! waits for nothing but its deadline. Logging and MQTT live behind [`Recorder`] and [`Mailbox`].
+
+use crate::config::Loop;
+use crate::deadline::{Deadlines, Punctuality};
+use crate::log::record::{Cycle, End, Event, Fault, Mode, What};
+use crate::log::recorder::Recorder;
+use crate::mqtt::{Answer, InForce, Mailbox, State};
+use crate::pilot::{Pilot, Seen};
+use crate::rig::{Rig, Sighting};
+use control::{Duty, Millimetres};
+use embedded_hal::i2c::ErrorKind;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Commands that one cycle takes at most: a flood must not stretch it.
+const COMMANDS_PER_CYCLE: usize = 4;
+/// Writes of the fan in a row that may fail before the flight ends.
+const FAN_FAILURES: u32 = 5;
+
+/// Everything that a flight needs.
+pub struct Flight<'a, R: Rig> {
+    rig: &'a mut R,
+    pilot: Pilot,
+    recorder: &'a mut dyn Recorder,
+    mailbox: Option<&'a mut Mailbox>,
+    deadlines: Deadlines,
+    start_s: f64,
+    last_cycle_s: f64,
+    /// The duty as the chip holds it.
+    held: Duty,
+    fan_failures: u32,
+    /// The last fault that was recorded, so that one that lasts is recorded once.
+    noted: Option<Fault>,
+}
+
+/// What is left of a flight besides its log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Why it ended.
+    pub end: End,
+    /// The fault that ended it.
+    pub fault: Option<Fault>,
+    /// How punctual its cycles were.
+    pub punctuality: Punctuality,
+    /// The fan could not be turned off.
+    pub fan_still_on: Option<ErrorKind>,
+}
+
+impl<'a, R: Rig> Flight<'a, R> {
+    /// A flight of `rig` by `pilot` that starts with the next [`Flight::fly`].
+    pub fn new(
+        rig: &'a mut R,
+        pilot: Pilot,
+        table: &Loop,
+        recorder: &'a mut dyn Recorder,
+        mailbox: Option<&'a mut Mailbox>,
+    ) -> Self {
+        let start_s = rig.now_s();
+        let deadlines = Deadlines::new(start_s, table.period_s, table.late_after_s);
+        Self {
+            rig,
+            pilot,
+            recorder,
+            mailbox,
+            deadlines,
+            start_s,
+            last_cycle_s: start_s,
+            held: Duty::OFF,
+            fan_failures: 0,
+            noted: None,
+        }
+    }
+
+    /// Flies until the programme is over, `duration_s` has passed, `stop` is set or a fault ends it.
+    pub fn fly(mut self, duration_s: f64, stop: &AtomicBool) -> Outcome {
+        let (end, fault) = loop {
+            self.rig.sleep_until_s(self.deadlines.next_s());
+            if stop.load(Ordering::Relaxed) {
+                break (End::Signal, None);
+            }
+            let now_s = self.rig.now_s() - self.start_s;
+            if now_s >= duration_s || self.pilot.is_over(now_s) {
+                break (End::Finished, None);
+            }
+            if let Some(fault) = self.cycle() {
+                break (End::Fault, Some(fault));
+            }
+        };
+        let fan_still_on = self.land();
+        self.event(What::End(end));
+        Outcome { end, fault, punctuality: self.deadlines.punctuality(), fan_still_on }
+    }
+
+    /// One control period. Returns the fault that ends the flight, if there is one.
+    fn cycle(&mut self) -> Option<Fault> {
+        let woke_s = self.rig.now_s();
+        let lateness_s = self.deadlines.woke(woke_s);
+        let before = self.pilot.mode();
+        self.take_commands();
+
+        let seen = self.observe();
+        let time_s = self.rig.now_s() - self.start_s;
+        let decision = self.pilot.decide(time_s, seen);
+        let fan_fault = self.act(decision.duty);
+
+        let cycle = Cycle {
+            time_s,
+            period_s: woke_s - self.last_cycle_s,
+            lateness_s,
+            mode: decision.mode,
+            setpoint_mm: decision.setpoint_mm,
+            control_percent: decision.control_percent,
+            commanded_duty_percent: decision.duty.percent(),
+            duty_percent: self.held.percent(),
+            position_mm: decision.position_mm,
+            fresh: matches!(seen, Seen::Ball(_)),
+            velocity_mm_per_s: decision.velocity_mm_per_s,
+        };
+        self.last_cycle_s = woke_s;
+        self.record(&cycle, before, seen);
+        fan_fault.or(self.pilot.fault())
+    }
+
+    fn take_commands(&mut self) {
+        for _ in 0..COMMANDS_PER_CYCLE {
+            let Some(command) = self.mailbox.as_mut().and_then(|mailbox| mailbox.try_command()) else { return };
+            let refused = self.pilot.command(command).err();
+            self.event(What::Command { command, refused });
+            let in_force = InForce {
+                setpoint_mm: self.pilot.setpoint_mm(self.rig.now_s() - self.start_s),
+                gains: Some(self.pilot.gains().into()),
+                mode: self.pilot.mode(),
+            };
+            if let Some(mailbox) = self.mailbox.as_mut() {
+                mailbox.answer(Answer { command, refused, in_force });
+            }
+        }
+    }
+
+    fn observe(&mut self) -> Seen {
+        match self.rig.position() {
+            Ok(Sighting::Ball(Millimetres(position_mm))) => Seen::Ball(position_mm),
+            Ok(Sighting::NotReady) => Seen::Nothing(None),
+            Ok(Sighting::NoBall { reported_mm }) => Seen::Nothing(Some(Fault::NoBall { reported_mm })),
+            Err(kind) => Seen::Nothing(Some(Fault::SensorBus { kind })),
+        }
+    }
+
+    /// Writes the duty. Returns a fault when writing has failed too often to go on.
+    fn act(&mut self, duty: Duty) -> Option<Fault> {
+        match self.rig.drive(duty) {
+            Ok(held) => {
+                self.held = held;
+                self.fan_failures = 0;
+                None
+            }
+            Err(kind) => {
+                self.fan_failures += 1;
+                let fault = Fault::FanBus { kind };
+                self.note(fault);
+                (self.fan_failures >= FAN_FAILURES).then_some(fault)
+            }
+        }
+    }
+
+    fn record(&mut self, cycle: &Cycle, before: Mode, seen: Seen) {
+        if cycle.mode != before {
+            self.event(What::Mode { from: before, to: cycle.mode });
+        }
+        match (seen, self.pilot.fault()) {
+            (_, Some(fault)) | (Seen::Nothing(Some(fault)), None) => self.note(fault),
+            (Seen::Ball(_), None) if self.fan_failures == 0 => self.noted = None,
+            _ => {}
+        }
+        self.recorder.cycle(cycle);
+        let state = State {
+            cycle: *cycle,
+            gains: Some(self.pilot.gains().into()),
+            late_cycles: self.deadlines.punctuality().late,
+            dropped_log_messages: self.recorder.dropped(),
+        };
+        if let Some(mailbox) = self.mailbox.as_mut() {
+            mailbox.publish_state(state);
+        }
+    }
+
+    /// Records a fault when it begins.
+    fn note(&mut self, fault: Fault) {
+        let same = |noted: Fault| std::mem::discriminant(&noted) == std::mem::discriminant(&fault);
+        if !self.noted.is_some_and(same) {
+            self.noted = Some(fault);
+            self.event(What::Fault(fault));
+        }
+    }
+
+    fn event(&mut self, what: What) {
+        let time_s = self.rig.now_s() - self.start_s;
+        self.recorder.event(&Event { time_s, what });
+    }
+
+    /// Turns the fan off. A bus that fails now may work a moment later.
+    fn land(&mut self) -> Option<ErrorKind> {
+        let mut failure = None;
+        for _ in 0..FAN_FAILURES {
+            match self.rig.drive(Duty::OFF) {
+                Ok(_) => return None,
+                Err(kind) => failure = Some(kind),
+            }
+            self.rig.sleep_until_s(self.rig.now_s() + 0.01);
+        }
+        failure
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Flight, Outcome};
+    use crate::config::Loop;
+    use crate::log::record::{Cycle, End, Event, Fault, Mode, What};
+    use crate::log::recorder::Recorder;
+    use crate::pilot::tests::pilot_holding;
+    use crate::rig::{Rig, Sighting};
+    use control::{Duty, Millimetres};
+    use embedded_hal::i2c::ErrorKind;
+    use std::cell::Cell;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    /// A rig without physics: what it answers is said before the flight.
+    struct Script {
+        now_s: Cell<f64>,
+        position: fn(f64) -> Result<Sighting, ErrorKind>,
+        drive: fn(f64) -> Result<(), ErrorKind>,
+        duty: Duty,
+    }
+
+    impl Rig for Script {
+        fn now_s(&self) -> f64 {
+            self.now_s.get()
+        }
+        fn sleep_until_s(&self, t_s: f64) {
+            self.now_s.set(self.now_s.get().max(t_s));
+        }
+        fn position(&mut self) -> Result<Sighting, ErrorKind> {
+            (self.position)(self.now_s.get())
+        }
+        fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
+            (self.drive)(self.now_s.get())?;
+            self.duty = duty;
+            Ok(duty)
+        }
+    }
+
+    #[derive(Default)]
+    struct Memory {
+        cycles: Vec<Cycle>,
+        events: Vec<What>,
+    }
+
+    impl Recorder for Memory {
+        fn cycle(&mut self, cycle: &Cycle) {
+            self.cycles.push(*cycle);
+        }
+        fn event(&mut self, event: &Event) {
+            self.events.push(event.what);
+        }
+        fn dropped(&self) -> u64 {
+            0
+        }
+    }
+
+    const HERE: fn(f64) -> Result<Sighting, ErrorKind> = |_| Ok(Sighting::Ball(Millimetres(250.0)));
+    const WORKS: fn(f64) -> Result<(), ErrorKind> = |_| Ok(());
+
+    fn fly(
+        position: fn(f64) -> Result<Sighting, ErrorKind>,
+        drive: fn(f64) -> Result<(), ErrorKind>,
+        stop: &AtomicBool,
+    ) -> (Outcome, Memory, Duty) {
+        let mut rig = Script { now_s: Cell::new(5.0), position, drive, duty: Duty::OFF };
+        let mut memory = Memory::default();
+        let table = Loop { period_s: 0.02, late_after_s: 0.002 };
+        let outcome = Flight::new(&mut rig, pilot_holding(300.0, 60.0), &table, &mut memory, None).fly(2.0, stop);
+        (outcome, memory, rig.duty)
+    }
+
+    #[test]
+    fn a_flight_runs_its_cycles_and_ends_with_the_fan_off() {
+        let (outcome, memory, duty) = fly(HERE, WORKS, &AtomicBool::new(false));
+        assert_eq!((outcome.end, outcome.punctuality.cycles, duty), (End::Finished, 100, Duty::OFF));
+        assert_eq!(memory.cycles.len(), 100);
+        assert!(memory.cycles.iter().all(|cycle| cycle.duty_percent > 21.4 && cycle.fresh));
+        let begin = What::Mode { from: Mode::Waiting, to: Mode::Flying };
+        assert_eq!(memory.events, [begin, What::End(End::Finished)]);
+    }
+
+    #[test]
+    fn a_signal_ends_the_flight_with_the_fan_off() {
+        static STOP: AtomicBool = AtomicBool::new(false);
+        let until_one_second: fn(f64) -> Result<Sighting, ErrorKind> = |now_s| {
+            STOP.store(now_s > 6.0, Ordering::Relaxed);
+            HERE(now_s)
+        };
+        let (outcome, _, duty) = fly(until_one_second, WORKS, &STOP);
+        assert_eq!((outcome.end, duty), (End::Signal, Duty::OFF));
+        assert!(outcome.punctuality.cycles < 55);
+    }
+
+    #[test]
+    fn a_dead_sensor_is_noted_once_and_ends_the_flight_with_the_fan_off() {
+        let dies: fn(f64) -> Result<Sighting, ErrorKind> =
+            |now_s| if now_s < 6.0 { HERE(now_s) } else { Err(ErrorKind::Bus) };
+        let (outcome, memory, duty) = fly(dies, WORKS, &AtomicBool::new(false));
+        assert_eq!((outcome.end, duty), (End::Fault, Duty::OFF));
+        assert_eq!(outcome.fault, Some(Fault::SensorBus { kind: ErrorKind::Bus }));
+        let noted = memory.events.iter().filter(|what| matches!(what, What::Fault(_))).count();
+        assert_eq!(noted, 1, "{:?}", memory.events);
+    }
+
+    #[test]
+    fn a_fan_that_cannot_be_written_ends_the_flight_and_is_reported() {
+        let sticks: fn(f64) -> Result<(), ErrorKind> =
+            |now_s| if now_s < 6.0 { Ok(()) } else { Err(ErrorKind::ArbitrationLoss) };
+        let (outcome, memory, _) = fly(HERE, sticks, &AtomicBool::new(false));
+        assert_eq!(outcome.end, End::Fault);
+        assert_eq!(outcome.fan_still_on, Some(ErrorKind::ArbitrationLoss));
+        // The log keeps what the chip holds, not what was asked for in vain.
+        let held: Vec<f64> = memory.cycles.iter().rev().take(5).map(|cycle| cycle.duty_percent).collect();
+        assert!(held.iter().all(|duty| *duty == held[0]), "{held:?}");
+        assert!(memory.cycles.last().unwrap().commanded_duty_percent > held[0]);
+    }
+
+    #[test]
+    fn a_short_hiccup_of_the_fan_is_survived() {
+        let hiccup: fn(f64) -> Result<(), ErrorKind> =
+            |now_s| if (6.0..6.05).contains(&now_s) { Err(ErrorKind::Bus) } else { Ok(()) };
+        let (outcome, _, _) = fly(HERE, hiccup, &AtomicBool::new(false));
+        assert_eq!((outcome.end, outcome.fan_still_on), (End::Finished, None));
+    }
+}

@@ -1,0 +1,175 @@
+//! From the columns of a table to the rows of a recording, by the config's `[import]`.
+//!
+//! Equations and units are those of [`import`](super::import).
+
+use super::{
+    LogError,
+    error::CellProblem,
+    import::{Column, Import},
+    table::Table,
+};
+use diagnose::Sample;
+
+/// The rows of a table in our units.
+pub(super) struct Rows {
+    pub(super) samples: Vec<Sample>,
+    /// Empty if the table has no such column.
+    pub(super) fan_rpm: Vec<Option<f64>>,
+    /// Empty if the table has no such column.
+    pub(super) position2_mm: Vec<Option<f64>>,
+}
+
+/// Finds the columns and converts their numbers.
+pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Rows, LogError> {
+    import.check()?;
+    let time = Found::required(table, "time_s", &import.time_s)?;
+    let setpoint = Found::optional(table, "setpoint_mm", import.setpoint_mm.as_ref())?;
+    let control = Found::optional(table, "control_percent", None)?;
+    let duty = Found::required(table, "duty_percent", &import.duty_percent)?;
+    let position = Found::required(table, "position_mm", &import.position_mm)?;
+    let fan_rpm = Found::optional(table, "fan_rpm", import.fan_rpm.as_ref())?;
+    let position2 = Found::optional(table, "position2_mm", import.position2_mm.as_ref())?;
+    let fresh = Found::optional(table, "fresh", None)?;
+
+    let time_s = time.all(table)?;
+    check_order(table, &time_s)?;
+    let duty_percent = duty.all(table)?;
+    let position_mm = position.converted(table, &time_s)?;
+    let convert = |found: Option<Found<'_>>| found.map_or(Ok(Vec::new()), |found| found.converted(table, &time_s));
+    let (setpoint_mm, control_percent) = (convert(setpoint)?, convert(control)?);
+    let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
+    let samples = time_s.iter().zip(&duty_percent).enumerate().map(|(row, (&time_s, &duty_percent))| {
+        let read = fresh.as_ref().map_or(Ok(true), |fresh| fresh.flag(table, row))?;
+        Ok(Sample {
+            time_s,
+            setpoint_mm: at(&setpoint_mm, row),
+            control_percent: at(&control_percent, row),
+            duty_percent,
+            position_mm: at(&position_mm, row).filter(|_| read),
+        })
+    });
+    Ok(Rows {
+        samples: samples.collect::<Result<_, LogError>>()?,
+        fan_rpm: convert(fan_rpm)?,
+        position2_mm: convert(position2)?,
+    })
+}
+
+/// A column of the table, and how its numbers become ours.
+struct Found<'a> {
+    index: usize,
+    name: &'a str,
+    scale: f64,
+    offset: f64,
+    integrate: bool,
+}
+
+impl<'a> Found<'a> {
+    fn required(table: &Table<'_>, quantity: &'static str, column: &'a Column) -> Result<Self, LogError> {
+        let missing = || LogError::MissingColumn {
+            path: table.path.clone(),
+            line: table.header_line(),
+            column: column.column.clone(),
+            quantity,
+            found: table.columns().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        };
+        Self::look_up(table, &column.column)?.map(|index| Self::at(index, column)).ok_or_else(missing)
+    }
+
+    /// What `[import]` maps must be there; what it does not is taken if a column of its own name is there.
+    fn optional(
+        table: &Table<'_>,
+        quantity: &'static str,
+        column: Option<&'a Column>,
+    ) -> Result<Option<Self>, LogError> {
+        let Some(column) = column else {
+            let index = Self::look_up(table, quantity)?;
+            return Ok(index.map(|index| Self { index, name: quantity, scale: 1.0, offset: 0.0, integrate: false }));
+        };
+        Self::required(table, quantity, column).map(Some)
+    }
+
+    fn at(index: usize, column: &'a Column) -> Self {
+        Self { index, name: &column.column, scale: column.scale, offset: column.offset, integrate: column.integrate }
+    }
+
+    fn look_up(table: &Table<'_>, name: &str) -> Result<Option<usize>, LogError> {
+        let times = table.columns().filter(|column| *column == name).count();
+        if times > 1 {
+            let (path, line) = (table.path.clone(), table.header_line());
+            return Err(LogError::RepeatedColumn { path, line, column: name.into(), times });
+        }
+        Ok(table.columns().position(|column| column == name))
+    }
+
+    /// The column in our units, every cell a number.
+    fn all(&self, table: &Table<'_>) -> Result<Vec<f64>, LogError> {
+        (0..table.len())
+            .map(|row| self.number(table, row)?.ok_or_else(|| self.wrong(table, row, CellProblem::Empty)))
+            .map(|value| Ok(value? * self.scale + self.offset))
+            .enumerate()
+            .map(|(row, value)| self.finite(table, row, value?))
+            .collect()
+    }
+
+    /// The column in our units; an empty cell is `None`.
+    fn converted(&self, table: &Table<'_>, time_s: &[f64]) -> Result<Vec<Option<f64>>, LogError> {
+        let raw = (0..table.len()).map(|row| self.number(table, row)).collect::<Result<Vec<_>, _>>()?;
+        let raw = if self.integrate { integral(&raw, time_s) } else { raw };
+        let ours = raw.into_iter().map(|value| value.map(|value| value * self.scale + self.offset));
+        ours.enumerate().map(|(row, value)| value.map(|value| self.finite(table, row, value)).transpose()).collect()
+    }
+
+    fn number(&self, table: &Table<'_>, row: usize) -> Result<Option<f64>, LogError> {
+        let cell = table.cell(row, self.index);
+        if cell.is_empty() {
+            return Ok(None);
+        }
+        let value = cell.parse().map_err(|_| self.wrong(table, row, CellProblem::NotANumber(cell.into())))?;
+        self.finite(table, row, value).map(Some)
+    }
+
+    fn finite(&self, table: &Table<'_>, row: usize, value: f64) -> Result<f64, LogError> {
+        let cell = || CellProblem::NotFinite(table.cell(row, self.index).into());
+        if value.is_finite() { Ok(value) } else { Err(self.wrong(table, row, cell())) }
+    }
+
+    fn flag(&self, table: &Table<'_>, row: usize) -> Result<bool, LogError> {
+        match table.cell(row, self.index).to_ascii_lowercase().as_str() {
+            "1" | "true" => Ok(true),
+            "0" | "false" => Ok(false),
+            other => Err(self.wrong(table, row, CellProblem::NotAFlag(other.into()))),
+        }
+    }
+
+    fn wrong(&self, table: &Table<'_>, row: usize, problem: CellProblem) -> LogError {
+        LogError::Cell { path: table.path.clone(), line: table.line(row), column: self.name.into(), problem }
+    }
+}
+
+/// The trapezoid over time, 0 at the first value. Without a value there is no integral; the next spans the hole.
+fn integral(values: &[Option<f64>], time_s: &[f64]) -> Vec<Option<f64>> {
+    let mut sum = 0.0;
+    let mut last: Option<(f64, f64)> = None;
+    let integrate = |(value, &time_s): (&Option<f64>, &f64)| {
+        let value = (*value)?;
+        let (from_s, from) = last.unwrap_or((time_s, value));
+        sum += 0.5 * (from + value) * (time_s - from_s);
+        last = Some((time_s, value));
+        Some(sum)
+    };
+    values.iter().zip(time_s).map(integrate).collect()
+}
+
+fn check_order(table: &Table<'_>, time_s: &[f64]) -> Result<(), LogError> {
+    match time_s.windows(2).position(|pair| pair[1] < pair[0]) {
+        Some(row) => Err(LogError::TimeBackwards {
+            path: table.path.clone(),
+            line: table.line(row + 1),
+            from_line: table.line(row),
+            from_s: time_s[row],
+            to_s: time_s[row + 1],
+        }),
+        None => Ok(()),
+    }
+}

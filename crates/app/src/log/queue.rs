@@ -1,0 +1,226 @@
+//! The log of a real-time flight: a bounded ring between the loop and a thread that writes.
+//!
+//! The loop's side never waits and never allocates. What does not fit is counted and lost; what cannot be written is
+//! reported at the end. Start the queue before the loop raises its priority, for a thread inherits it.
+
+use super::{
+    LogError,
+    record::{Cycle, Event},
+    recorder::{Inline, LogSummary, Recorder},
+    writer::LogWriter,
+};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::{
+    io::{Seek, Write},
+    path::PathBuf,
+    thread::{self, JoinHandle},
+    time::Duration,
+};
+
+/// Entries that wait while the disk is busy: 40 s at 50 Hz, longer than an SD card's worst pauses.
+const CAPACITY: usize = 2048;
+/// How often the thread looks into the ring.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// What crosses from the loop to the thread.
+enum Entry {
+    Cycle(Cycle),
+    Event(Event),
+}
+
+/// The loop's side. Dropping it, too, lets the thread write what is left and close the file.
+pub struct Queue {
+    path: PathBuf,
+    producer: Option<Producer<Entry>>,
+    thread: Option<JoinHandle<Result<LogSummary, LogError>>>,
+    dropped: u64,
+}
+
+impl Queue {
+    /// Starts the thread that writes.
+    ///
+    /// # Errors
+    /// [`LogError::Thread`] if the system has no thread to give.
+    pub fn start<W: Write + Seek + Send + 'static>(writer: LogWriter<W>) -> Result<Self, LogError> {
+        Self::with_capacity(writer, CAPACITY)
+    }
+
+    fn with_capacity<W: Write + Seek + Send + 'static>(
+        writer: LogWriter<W>,
+        capacity: usize,
+    ) -> Result<Self, LogError> {
+        let (producer, consumer) = RingBuffer::new(capacity);
+        let path = writer.path().to_path_buf();
+        let thread = thread::Builder::new()
+            .name("log".into())
+            .spawn(move || drain(consumer, Inline::new(writer)))
+            .map_err(|error| LogError::Thread { path: path.clone(), cause: error.to_string() })?;
+        Ok(Self { path, producer: Some(producer), thread: Some(thread), dropped: 0 })
+    }
+
+    /// Waits until everything is written and the file is closed.
+    ///
+    /// # Errors
+    /// The first failure of the flight, or that of closing.
+    pub fn finish(mut self) -> Result<LogSummary, LogError> {
+        let summary = self.close()?;
+        Ok(LogSummary { dropped: self.dropped, ..summary })
+    }
+
+    fn push(&mut self, entry: Entry) {
+        let fits = self.producer.as_mut().is_some_and(|producer| producer.push(entry).is_ok());
+        self.dropped += u64::from(!fits);
+    }
+
+    fn close(&mut self) -> Result<LogSummary, LogError> {
+        let lost = || LogError::Thread { path: self.path.clone(), cause: "it ended early".into() };
+        drop(self.producer.take());
+        let thread = self.thread.take().ok_or_else(lost)?;
+        thread.join().map_err(|_| lost())?
+    }
+}
+
+impl Drop for Queue {
+    fn drop(&mut self) {
+        if self.thread.is_some() {
+            // Nobody is left to tell; `finish` is the way to hear of failures.
+            drop(self.close());
+        }
+    }
+}
+
+impl Recorder for Queue {
+    fn cycle(&mut self, cycle: &Cycle) {
+        self.push(Entry::Cycle(*cycle));
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.push(Entry::Event(*event));
+    }
+
+    fn dropped(&self) -> u64 {
+        self.dropped
+    }
+}
+
+/// Writes what comes until the loop's side is gone. Goes on after a failure, so that the ring does not fill up.
+fn drain<W: Write + Seek>(mut from: Consumer<Entry>, mut to: Inline<W>) -> Result<LogSummary, LogError> {
+    loop {
+        // Asked before the ring is emptied: what was pushed last is then surely seen.
+        let last = from.is_abandoned();
+        while let Ok(entry) = from.pop() {
+            match entry {
+                Entry::Cycle(cycle) => to.cycle(&cycle),
+                Entry::Event(event) => to.event(&event),
+            }
+        }
+        if last {
+            return to.finish();
+        }
+        thread::sleep(LOOK_EVERY);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Queue, Recorder};
+    use crate::log::tests::{cycles, events, header};
+    use crate::log::{LogError, flight, writer::LogWriter};
+    use std::io::{self, Cursor, Seek, SeekFrom, Write};
+    use std::path::Path;
+    use std::sync::mpsc::{Receiver, channel};
+
+    /// A disk that is full after so many bytes.
+    struct FullDisk(Cursor<Vec<u8>>, usize);
+
+    impl Write for FullDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.0.get_ref().len() + bytes.len() > self.1 {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            self.0.write(bytes)
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for FullDisk {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    /// A disk that does nothing until it is told to.
+    struct StuckDisk(Cursor<Vec<u8>>, Option<Receiver<()>>);
+
+    impl Write for StuckDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if let Some(go) = self.1.take_if(|_| self.0.get_ref().len() > 5000) {
+                go.recv().unwrap();
+            }
+            self.0.write(bytes)
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for StuckDisk {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    #[test]
+    fn everything_pushed_before_the_end_is_in_the_file() {
+        let path = tempfile::tempdir().unwrap().path().join("flight.mcap");
+        let mut queue = Queue::start(LogWriter::create(&path, &header()).unwrap()).unwrap();
+        cycles(500).iter().for_each(|cycle| queue.cycle(cycle));
+        events().iter().for_each(|event| queue.event(event));
+        let summary = queue.finish().unwrap();
+        assert_eq!((summary.cycles, summary.events, summary.dropped), (500, 3, 0));
+        let flight = flight::read(&path).unwrap();
+        assert_eq!(flight.cycles, cycles(500));
+        assert_eq!(flight.truncated, None);
+    }
+
+    #[test]
+    fn a_queue_that_is_dropped_still_leaves_a_whole_file() {
+        let path = tempfile::tempdir().unwrap().path().join("flight.mcap");
+        let mut queue = Queue::start(LogWriter::create(&path, &header()).unwrap()).unwrap();
+        cycles(70).iter().for_each(|cycle| queue.cycle(cycle));
+        drop(queue);
+        let flight = flight::read(&path).unwrap();
+        assert_eq!((flight.cycles.len(), flight.truncated), (70, None));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_counted_and_the_loop_does_not_wait() {
+        let (go, stuck) = channel();
+        let disk = StuckDisk(Cursor::default(), Some(stuck));
+        let writer = LogWriter::to(disk, Path::new("stuck.mcap"), &header()).unwrap();
+        let mut queue = Queue::with_capacity(writer, 10).unwrap();
+        // Pushing returns although the disk stands still; waiting here would never end.
+        let pushed = 1_000_000;
+        let cycle = cycles(1)[0];
+        (0..pushed).for_each(|_| queue.cycle(&cycle));
+        assert!(queue.dropped() > 0);
+        go.send(()).unwrap();
+        let summary = queue.finish().unwrap();
+        assert_eq!(summary.cycles + summary.dropped, pushed);
+    }
+
+    #[test]
+    fn a_full_disk_is_reported_at_the_end_and_the_flight_goes_on() {
+        let disk = FullDisk(Cursor::default(), 6000);
+        let writer = LogWriter::to(disk, Path::new("full.mcap"), &header()).unwrap();
+        let mut queue = Queue::with_capacity(writer, 10_000).unwrap();
+        cycles(5000).iter().for_each(|cycle| queue.cycle(cycle));
+        events().iter().for_each(|event| queue.event(event));
+        assert_eq!(queue.dropped(), 0);
+        let error = queue.finish().unwrap_err();
+        assert!(matches!(error, LogError::Write { cycles: 51.., .. }), "{error}");
+        assert!(error.to_string().contains("full.mcap"), "{error}");
+    }
+}

@@ -1,0 +1,93 @@
+//! Any log in, a recording out: our own MCAP, or a CSV of whoever.
+//!
+//! A cycle becomes a row whose position is there only if it was measured in that cycle; a repeated one is no reading.
+
+use super::{
+    LogError, columns,
+    flight::{self, Flight},
+    header::About,
+    import::Import,
+    record::{Cycle, EventMessage},
+    table::Table,
+};
+use diagnose::{Recording, Sample};
+use std::{fs, path::Path};
+
+/// A log, ready to be replayed and diagnosed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedLog {
+    /// The rows.
+    pub recording: Recording,
+    /// Fan speed, revolutions per minute, row by row; empty if the log has none.
+    pub fan_rpm: Vec<Option<f64>>,
+    /// Position of a second sensor, millimetres, row by row; empty if the log has none.
+    pub position2_mm: Vec<Option<f64>>,
+    /// What the log says about itself; of a CSV, nothing.
+    pub about: About,
+    /// The config that was in force, if the log has it.
+    pub config_toml: Option<String>,
+    /// The control periods; of a CSV, none.
+    pub cycles: Vec<Cycle>,
+    /// The events; of a CSV, none.
+    pub events: Vec<EventMessage>,
+    /// What is missing from the file, in words and numbers, if anything is: a warning.
+    pub truncated: Option<String>,
+}
+
+/// Reads a log, recognised by its first bytes. `import` maps the columns of a CSV.
+///
+/// # Errors
+/// [`LogError`] names the file, the place, what is there and what to do.
+pub fn read(path: &Path, import: Option<&Import>) -> Result<LoadedLog, LogError> {
+    let bytes = fs::read(path).map_err(|source| LogError::Open { path: path.into(), source })?;
+    parse(path, &bytes, import)
+}
+
+/// Reads the bytes of a log; `path` is only its name in messages.
+pub(super) fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<LoadedLog, LogError> {
+    if flight::is_mcap(bytes) {
+        return from_flight(path, flight::parse(path, bytes)?);
+    }
+    let default = Import::default();
+    let rows = columns::map(&Table::parse(path, bytes)?, import.unwrap_or(&default))?;
+    Ok(LoadedLog {
+        recording: recording(path, rows.samples)?,
+        fan_rpm: rows.fan_rpm,
+        position2_mm: rows.position2_mm,
+        about: About::default(),
+        config_toml: None,
+        cycles: Vec::new(),
+        events: Vec::new(),
+        truncated: None,
+    })
+}
+
+fn from_flight(path: &Path, flight: Flight) -> Result<LoadedLog, LogError> {
+    let Flight { about, config_toml, cycles, events, truncated } = flight;
+    Ok(LoadedLog {
+        recording: recording(path, cycles.iter().map(sample).collect())?,
+        fan_rpm: Vec::new(),
+        position2_mm: Vec::new(),
+        about,
+        config_toml,
+        cycles,
+        events,
+        truncated,
+    })
+}
+
+fn recording(path: &Path, samples: Vec<Sample>) -> Result<Recording, LogError> {
+    Recording::new(samples).map_err(|source| LogError::NotARecording { path: path.into(), source })
+}
+
+/// The row of a recording that a cycle is.
+#[must_use]
+pub fn sample(cycle: &Cycle) -> Sample {
+    Sample {
+        time_s: cycle.time_s,
+        setpoint_mm: cycle.setpoint_mm,
+        control_percent: cycle.control_percent,
+        duty_percent: cycle.duty_percent,
+        position_mm: cycle.position_mm.filter(|_| cycle.fresh),
+    }
+}

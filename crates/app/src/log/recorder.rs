@@ -1,0 +1,75 @@
+//! What the loop sees of a log: somewhere to put cycles and events, which never fails in flight.
+//!
+//! In virtual time [`Inline`] writes at once; in real time [`Queue`](super::queue::Queue) hands over to a thread.
+//! Both keep the first failure for the end: a full disk is no reason to drop the ball.
+
+use super::{
+    LogError,
+    record::{Cycle, Event},
+    writer::LogWriter,
+};
+use std::{
+    fs::File,
+    io::{BufWriter, Seek, Write},
+    path::PathBuf,
+};
+
+/// Takes what a flight leaves behind.
+pub trait Recorder {
+    /// Takes one control period.
+    fn cycle(&mut self, cycle: &Cycle);
+    /// Takes an event.
+    fn event(&mut self, event: &Event);
+    /// How many of them were lost so far.
+    fn dropped(&self) -> u64 {
+        0
+    }
+}
+
+/// What became of a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogSummary {
+    /// The file.
+    pub path: PathBuf,
+    /// Cycles in it.
+    pub cycles: u64,
+    /// Events in it.
+    pub events: u64,
+    /// Cycles and events that were lost because the disk was too slow.
+    pub dropped: u64,
+}
+
+/// Writes in the calling thread; for virtual time.
+pub struct Inline<W: Write + Seek = BufWriter<File>> {
+    writer: LogWriter<W>,
+    failed: Option<LogError>,
+}
+
+impl<W: Write + Seek> Inline<W> {
+    /// Records into this writer.
+    pub fn new(writer: LogWriter<W>) -> Self {
+        Self { writer, failed: None }
+    }
+
+    /// Closes the file.
+    ///
+    /// # Errors
+    /// The first failure of the flight, or that of closing.
+    pub fn finish(self) -> Result<LogSummary, LogError> {
+        self.failed.map_or_else(|| self.writer.finish(), Err)
+    }
+}
+
+impl<W: Write + Seek> Recorder for Inline<W> {
+    fn cycle(&mut self, cycle: &Cycle) {
+        if self.failed.is_none() {
+            self.failed = self.writer.cycle(cycle).err();
+        }
+    }
+
+    fn event(&mut self, event: &Event) {
+        if self.failed.is_none() {
+            self.failed = self.writer.event(event).err();
+        }
+    }
+}

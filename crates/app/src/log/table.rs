@@ -1,0 +1,99 @@
+//! A CSV file as rows of cells that remember their line.
+//!
+//! Comma, semicolon or tab, whichever the header has most of; a byte order mark, CRLF and empty lines are no trouble.
+
+use super::LogError;
+use csv::{ReaderBuilder, StringRecord, Trim};
+use std::path::{Path, PathBuf};
+
+/// A header and its rows, all of the header's width.
+pub(super) struct Table<'a> {
+    pub(super) path: PathBuf,
+    text: &'a str,
+    header: StringRecord,
+    rows: Vec<StringRecord>,
+}
+
+impl<'a> Table<'a> {
+    /// Takes the bytes apart; `path` is only the file's name in messages.
+    pub(super) fn parse(path: &Path, bytes: &'a [u8]) -> Result<Self, LogError> {
+        let path = path.to_path_buf();
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => text.trim_start_matches('\u{feff}'),
+            Err(error) => {
+                let byte = error.valid_up_to();
+                return Err(LogError::NotUtf8 { path, line: 1 + newlines(&bytes[..byte]), byte });
+            }
+        };
+        if text.trim().is_empty() {
+            return Err(LogError::Empty { path });
+        }
+        let mut reader =
+            ReaderBuilder::new().delimiter(delimiter(text)).trim(Trim::All).flexible(true).from_reader(text.as_bytes());
+        let not_a_table = |error: csv::Error| LogError::NotATable { path: path.clone(), cause: error.to_string() };
+        let header = reader.headers().map_err(not_a_table)?.clone();
+        let mut rows = reader.into_records().collect::<Result<Vec<_>, _>>().map_err(not_a_table)?;
+        while rows.last().is_some_and(|row| row.iter().all(str::is_empty)) {
+            rows.pop();
+        }
+        if rows.is_empty() {
+            return Err(LogError::HeaderOnly { path });
+        }
+        let table = Self { path, text, header, rows };
+        table
+            .rows
+            .iter()
+            .position(|row| row.len() != table.header.len())
+            .map_or(Ok(()), |row| Err(table.ragged(row)))?;
+        Ok(table)
+    }
+
+    /// How many rows of data there are.
+    pub(super) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The names of the columns.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &str> {
+        self.header.iter()
+    }
+
+    /// A cell, without the spaces around it. Rows and columns count from 0.
+    pub(super) fn cell(&self, row: usize, column: usize) -> &str {
+        self.rows.get(row).and_then(|cells| cells.get(column)).unwrap_or_default()
+    }
+
+    /// The line of the header in the file, from 1.
+    pub(super) fn header_line(&self) -> usize {
+        line_of(self.text, &self.header)
+    }
+
+    /// The line of a row in the file, from 1.
+    pub(super) fn line(&self, row: usize) -> usize {
+        self.rows.get(row).map_or(0, |cells| line_of(self.text, cells))
+    }
+
+    fn ragged(&self, row: usize) -> LogError {
+        let found = self.rows.get(row).map_or(0, StringRecord::len);
+        LogError::Ragged { path: self.path.clone(), line: self.line(row), expected: self.header.len(), found }
+    }
+}
+
+/// Counted from the record's byte: the parser's own line is that of the empty lines before it.
+fn line_of(text: &str, record: &StringRecord) -> usize {
+    let byte = record.position().map_or(0, |position| usize::try_from(position.byte()).unwrap_or(usize::MAX));
+    let (before, rest) = text.as_bytes().split_at(byte.min(text.len()));
+    let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
+    1 + newlines(before) + newlines(&rest[..empty])
+}
+
+fn newlines(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|byte| **byte == b'\n').count()
+}
+
+fn delimiter(text: &str) -> u8 {
+    let header = text.trim_start().lines().next().unwrap_or_default();
+    let count = |delimiter: &u8| header.bytes().filter(|byte| byte == delimiter).count();
+    // The last of several maxima wins: a header without any of them is that of a comma file.
+    [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
+}

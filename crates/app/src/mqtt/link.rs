@@ -1,0 +1,96 @@
+//! The link as its owner sees it: start it, give the mailbox to the loop, stop it.
+
+use super::config::{MqttConfig, MqttError};
+use super::count::{Counters, Counts};
+use super::mailbox::{Mailbox, ROOM};
+use super::network::{self, Line, Network};
+use super::outage::Outage;
+use super::publisher::Publisher;
+use super::topics::Topics;
+use std::sync::{Arc, mpsc};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// Longest wait for the goodbye to reach the broker.
+const LONGEST_GOODBYE: Duration = Duration::from_secs(1);
+
+/// Two threads between the loop and the broker. Dropping it says `offline` and leaves, as [`Link::stop`] does.
+pub struct Link {
+    line: Arc<Line>,
+    counters: Arc<Counters>,
+    /// The publisher first: its goodbye ends the network's session.
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Link {
+    /// Starts the link and returns at once, broker or not. Start it before the loop raises its priority, which new
+    /// threads would inherit.
+    ///
+    /// # Errors
+    /// [`MqttError`]: a name that fits no topic, a password that cannot be read, no thread. Never a missing broker.
+    pub fn start(config: &MqttConfig, rig_name: &str) -> Result<(Self, Mailbox), MqttError> {
+        let topics = Arc::new(Topics::new(rig_name)?);
+        let options = network::options(config, rig_name, config.credentials()?, &topics);
+        let (counters, line) = (Arc::<Counters>::default(), Arc::<Line>::default());
+        let (mailbox, far) = Mailbox::new(Arc::clone(&counters));
+        let (reject, rejected) = mpsc::sync_channel(ROOM);
+        let network = Network {
+            options,
+            topics: Arc::clone(&topics),
+            commands: far.commands,
+            rejected: reject,
+            line: Arc::clone(&line),
+            counters: Arc::clone(&counters),
+            outage: Outage::new(format!("{}:{}", config.host, config.port)),
+        };
+        let publisher = Publisher {
+            topics,
+            answers: far.answers,
+            states: far.states,
+            rejected,
+            line: Arc::clone(&line),
+            counters: Arc::clone(&counters),
+            in_force: None,
+            due: Instant::now(),
+        };
+        let mut link = Self { line, counters, threads: Vec::new() };
+        link.spawn("mqtt-publisher", move || publisher.run())?;
+        link.spawn("mqtt-network", move || network.run())?;
+        Ok((link, mailbox))
+    }
+
+    fn spawn(&mut self, name: &str, run: impl FnOnce() + Send + 'static) -> Result<(), MqttError> {
+        let thread = thread::Builder::new().name(name.to_owned()).spawn(run).map_err(MqttError::Thread)?;
+        self.threads.push(thread);
+        Ok(())
+    }
+
+    /// What passed the link so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counters.read()
+    }
+
+    /// Sends what the loop said last, says `offline` and leaves the broker. Waits for that a second at most; what
+    /// hangs longer ends with the process.
+    pub fn stop(mut self) {
+        self.leave();
+    }
+
+    fn leave(&mut self) {
+        self.line.stop();
+        let deadline = Instant::now() + LONGEST_GOODBYE;
+        for thread in self.threads.drain(..) {
+            thread.thread().unpark();
+            while !thread.is_finished() && Instant::now() < deadline {
+                thread::sleep(Duration::from_millis(2));
+            }
+        }
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        self.leave();
+    }
+}

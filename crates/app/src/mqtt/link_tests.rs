@@ -1,0 +1,257 @@
+//! The link against a real broker, seen from outside.
+
+use super::config::MqttConfig;
+use super::link::Link;
+use super::mailbox::{Mailbox, ROOM};
+use super::message::{Answer, Gains, InForce, State};
+use super::test_broker::{Broker, Cable, Outside, config, until};
+use super::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
+use crate::command::{Command, Refusal};
+use crate::log::record::{Cycle, Mode};
+use serde_json::json;
+use std::net::TcpListener;
+use std::thread;
+use std::time::{Duration, Instant};
+
+const SETPOINT: &str = "airball/rig1/set/setpoint_mm";
+const MODE: &str = "airball/rig1/set/mode";
+const REPLY: &str = "airball/rig1/reply";
+const STATE: &str = "airball/rig1/state";
+const STATUS: &str = "airball/rig1/status";
+
+fn start(config: &MqttConfig) -> (Link, Mailbox) {
+    Link::start(config, "rig1").unwrap()
+}
+
+/// A broker, somebody outside, and a link that is up.
+fn connected() -> (Broker, Outside, Link, Mailbox) {
+    let broker = Broker::start();
+    let outside = Outside::on(broker.port);
+    let (link, mailbox) = start(&broker.config());
+    assert_eq!(outside.hear(STATUS), "online");
+    (broker, outside, link, mailbox)
+}
+
+fn in_force(setpoint_mm: f64) -> InForce {
+    let gains = Gains { kp_per_mm: 0.01, ti_s: 3.0, td_s: 0.5 };
+    InForce { setpoint_mm: Some(setpoint_mm), gains: Some(gains), mode: Mode::Flying }
+}
+
+fn state(time_s: f64) -> State {
+    let InForce { setpoint_mm, gains, mode } = in_force(250.0);
+    let cycle = Cycle {
+        time_s,
+        period_s: 0.02,
+        lateness_s: 0.000_1,
+        mode,
+        setpoint_mm,
+        control_percent: Some(0.4),
+        commanded_duty_percent: 21.8,
+        duty_percent: 21.8,
+        position_mm: Some(248.25),
+        fresh: true,
+        velocity_mm_per_s: Some(-3.0),
+    };
+    State { cycle, gains, late_cycles: 2, dropped_log_messages: 0 }
+}
+
+/// What the loop does with a command: here it takes what comes next and refuses or not.
+fn obey(mailbox: &mut Mailbox, refused: Option<Refusal>) -> Command {
+    let command = until("a command in the mailbox", || mailbox.try_command());
+    mailbox.answer(Answer { command, refused, in_force: in_force(300.0) });
+    command
+}
+
+#[test]
+fn a_setpoint_arrives_and_what_is_in_force_is_replied() {
+    let (_broker, outside, _link, mut mailbox) = connected();
+    for topic in [SETPOINT, ORIGINAL_SETPOINT] {
+        outside.say(topic, "300");
+        assert_eq!(obey(&mut mailbox, None), Command::Setpoint(300.0));
+        let in_force = json!({"setpoint_mm": 300.0, "kp_per_mm": 0.01, "ti_s": 3.0, "td_s": 0.5, "mode": "flying"});
+        let reply = json!({"topic": "set/setpoint_mm", "accepted": true, "in_force": in_force, "reason": null});
+        assert_eq!(outside.json(REPLY), reply);
+    }
+}
+
+#[test]
+fn what_the_loop_refuses_is_replied_with_its_reason_and_counted() {
+    let (_broker, outside, link, mut mailbox) = connected();
+    outside.say(MODE, "fly");
+    obey(&mut mailbox, Some(Refusal::OpenLoop));
+    let reply = outside.json(REPLY);
+    assert_eq!((&reply["accepted"], &reply["reason"]), (&json!(false), &json!(Refusal::OpenLoop.to_string())));
+    assert_eq!((link.counts().commands_received, link.counts().commands_refused), (1, 1));
+}
+
+#[test]
+fn nonsense_never_reaches_the_loop_and_is_replied_with_the_reason_and_what_is_in_force() {
+    let (_broker, outside, link, mut mailbox) = connected();
+    mailbox.publish_state(state(0.0));
+    outside.hear(STATE);
+    outside.say(SETPOINT, "up");
+    let reply = outside.json(REPLY);
+    assert_eq!(reply["topic"], "set/setpoint_mm");
+    assert!(reply["reason"].as_str().unwrap().contains("got \"up\""), "{reply}");
+    assert_eq!(reply["in_force"]["setpoint_mm"], 250.0);
+    outside.say("airball/rig1/set/height", "300");
+    assert!(outside.json(REPLY)["reason"].as_str().unwrap().contains("set/setpoint_mm"));
+    assert_eq!(mailbox.try_command(), None);
+    assert_eq!(link.counts().commands_refused, 2);
+}
+
+#[test]
+fn the_state_goes_out_ten_times_a_second_however_often_the_loop_says_it() {
+    let (_broker, outside, _link, mut mailbox) = connected();
+    let began = Instant::now();
+    while began.elapsed() < Duration::from_millis(1500) {
+        mailbox.publish_state(state(began.elapsed().as_secs_f64()));
+        thread::sleep(Duration::from_millis(5));
+    }
+    let message = outside.json(STATE);
+    for (key, value) in [("position_mm", json!(248.25)), ("mode", json!("flying")), ("ti_s", json!(3.0))] {
+        assert_eq!(message[key], value, "{message}");
+    }
+    assert_eq!((&message["late_cycles"], &message["commands_received"]), (&json!(2), &json!(0)));
+    assert_eq!(outside.hear(ORIGINAL_POSITION), "248.2");
+    let times: Vec<f64> = (0..10).map(|_| outside.json(STATE)["time_s"].as_f64().unwrap()).collect();
+    let span = times[9] - times[0];
+    assert!((0.8..1.1).contains(&span), "ten states in {span} s");
+}
+
+#[test]
+fn a_cut_connection_leaves_offline_by_last_will_where_online_was_retained() {
+    let broker = Broker::start();
+    let cable = Cable::to(broker.port);
+    let outside = Outside::on(broker.port);
+    let _link = start(&config(cable.port));
+    assert_eq!(outside.hear(STATUS), "online");
+    let late = Outside::on(broker.port).message(STATUS);
+    assert!(late.retain && late.payload == "online");
+    cable.cut();
+    assert_eq!(outside.hear(STATUS), "offline");
+    assert!(Outside::on(broker.port).message(STATUS).retain);
+}
+
+#[test]
+fn stopping_sends_the_last_answer_and_offline_before_it_leaves() {
+    let (broker, outside, link, mut mailbox) = connected();
+    mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0) });
+    let began = Instant::now();
+    link.stop();
+    assert!(began.elapsed() < Duration::from_millis(900), "{:?}", began.elapsed());
+    assert_eq!(outside.json(REPLY)["topic"], "set/mode");
+    assert_eq!(outside.hear(STATUS), "offline");
+    assert_eq!(Outside::on(broker.port).hear(STATUS), "offline");
+}
+
+#[test]
+fn a_broker_that_comes_back_is_subscribed_to_again_and_what_was_said_meanwhile_is_no_loss() {
+    let (mut broker, _, link, mut mailbox) = connected();
+    broker.kill();
+    thread::sleep(Duration::from_millis(100));
+    mailbox.publish_state(state(0.0));
+    thread::sleep(Duration::from_millis(100));
+    assert_eq!(link.counts().dropped_mqtt_messages, 0);
+    broker.restart();
+    let outside = Outside::on(broker.port);
+    assert_eq!(outside.hear(STATUS), "online");
+    outside.say(SETPOINT, "123");
+    assert_eq!(obey(&mut mailbox, None), Command::Setpoint(123.0));
+    assert_eq!(outside.json(REPLY)["accepted"], true);
+}
+
+#[test]
+fn without_a_broker_the_link_starts_stops_and_takes_states_without_delay() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    drop(listener);
+    let began = Instant::now();
+    let (link, mut mailbox) = start(&config(port));
+    for _ in 0..ROOM {
+        mailbox.publish_state(state(0.0));
+        assert_eq!(mailbox.try_command(), None);
+    }
+    assert!(began.elapsed() < Duration::from_millis(200), "{:?}", began.elapsed());
+    assert_eq!(link.counts().dropped_mqtt_messages, 0);
+    thread::sleep(Duration::from_millis(700));
+    let began = Instant::now();
+    link.stop();
+    assert!(began.elapsed() < Duration::from_millis(200), "{:?}", began.elapsed());
+}
+
+#[test]
+fn a_broker_that_hangs_up_is_not_hammered() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    listener.set_nonblocking(true).unwrap();
+    let _link = start(&config(port));
+    let began = Instant::now();
+    let mut calls = 0;
+    while began.elapsed() < Duration::from_millis(1200) {
+        calls += usize::from(listener.accept().is_ok());
+        thread::sleep(Duration::from_millis(5));
+    }
+    assert!((2..=3).contains(&calls), "{calls} calls, expected them at 0, 0.2 and 0.6 s");
+}
+
+#[test]
+fn a_broker_that_says_nothing_holds_up_stopping_for_a_second_at_most() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let (link, _mailbox) = start(&config(listener.local_addr().unwrap().port()));
+    let _silent = listener.accept().unwrap();
+    let began = Instant::now();
+    link.stop();
+    assert!(began.elapsed() < Duration::from_millis(1500), "{:?}", began.elapsed());
+}
+
+#[test]
+fn a_flood_fills_the_mailbox_once_and_the_rest_is_replied_as_busy() {
+    let (_broker, outside, link, mut mailbox) = connected();
+    for mm in 0..=ROOM {
+        outside.say(SETPOINT, mm.to_string());
+    }
+    assert!(outside.json(REPLY)["reason"].as_str().unwrap().contains("busy"));
+    assert_eq!(std::iter::from_fn(|| mailbox.try_command()).count(), ROOM);
+    assert_eq!(link.counts().commands_busy, 1);
+}
+
+#[test]
+fn a_retained_command_is_refused_because_it_was_meant_for_another_moment() {
+    let broker = Broker::start();
+    let outside = Outside::on(broker.port);
+    outside.say_retained(MODE, "fly");
+    let (_link, mut mailbox) = start(&broker.config());
+    assert!(outside.json(REPLY)["reason"].as_str().unwrap().contains("retained"));
+    assert_eq!(mailbox.try_command(), None);
+}
+
+#[test]
+fn after_a_huge_message_commands_work_again() {
+    let (_broker, outside, _link, mut mailbox) = connected();
+    outside.say(SETPOINT, "3".repeat(20_000));
+    assert!(outside.json(REPLY)["reason"].as_str().unwrap().contains("20000 bytes"));
+    outside.say(SETPOINT, "3".repeat(200_000));
+    assert_eq!((outside.hear(STATUS), outside.hear(STATUS)), ("offline".into(), "online".into()));
+    outside.say(SETPOINT, "300");
+    assert_eq!(obey(&mut mailbox, None), Command::Setpoint(300.0));
+}
+
+#[test]
+fn a_command_after_the_flight_is_replied_as_such() {
+    let (_broker, outside, _link, mailbox) = connected();
+    drop(mailbox);
+    outside.say(SETPOINT, "300");
+    assert_eq!(outside.json(REPLY)["reason"], "the flight is over");
+}
+
+#[test]
+fn a_broker_that_asks_for_a_user_gets_the_password_from_its_file() {
+    let broker = Broker::with_user("rig", "s3cret");
+    let outside = Outside::with_login(broker.port, Some(("rig", "s3cret")));
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), "s3cret\n").unwrap();
+    let login = MqttConfig { user: Some("rig".into()), password_file: Some(file.path().into()), ..broker.config() };
+    let _link = start(&login);
+    assert_eq!(outside.hear(STATUS), "online");
+}

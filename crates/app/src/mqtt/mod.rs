@@ -1,0 +1,51 @@
+//! MQTT: commands in, replies and state out, while the ball is in the air.
+//!
+//! | topic | direction | payload |
+//! |---|---|---|
+//! | `airball/<rig>/set/setpoint_mm` | in | a number: `300` |
+//! | `airball/<rig>/set/gains` | in | JSON, changed together: `{"kp_per_mm":0.01,"ti_s":3}` |
+//! | `airball/<rig>/set/mode` | in | `stop`, `fly` or `programme` |
+//! | `airball/<rig>/reply` | out | JSON: what is in force, or why a command was refused |
+//! | `airball/<rig>/state` | out, 10 Hz | JSON: the latest cycle, the gains, the counts |
+//! | `airball/<rig>/status` | out, retained | `online`, or `offline` by last will |
+//! | `ball/parameters/reference` | in | the original rig's name of `set/setpoint_mm` |
+//! | `ball/measures/position` | out, 10 Hz | the original rig's position, a number in mm |
+//!
+//! Two threads stand between the loop and the broker, so that neither can hold up the loop:
+//!
+//! ```text
+//!            commands (ring)            ┌─────────┐   subscriptions
+//!        ┌──────────────────────────────┤ network ├◀──────────────────┐
+//!        ▼                              └────┬────┘                   │
+//!   loop │ Mailbox                           │ what was refused     broker
+//!        │                              ┌────▼──────┐                 │
+//!        └─────────────────────────────▶│ publisher ├────────────────▶┘
+//!            answers, states (rings)    └───────────┘   try_publish
+//! ```
+//!
+//! The loop's side never blocks and never allocates: a full ring drops and counts. A command that finds its ring
+//! full is answered as busy. A broker that is not there is tried again, at most every five seconds, for as long as
+//! the link lives; the flight goes on. A command that the broker *retained* is refused: it was meant for another
+//! moment, and `fly` must not start the fan of a rig that has just been switched on.
+
+pub mod config;
+mod count;
+pub mod link;
+mod mailbox;
+pub mod message;
+mod network;
+mod outage;
+pub mod parse;
+mod publisher;
+pub mod topics;
+
+pub use config::{MqttConfig, MqttError};
+pub use count::Counts;
+pub use link::Link;
+pub use mailbox::Mailbox;
+pub use message::{Answer, Gains, InForce, State};
+
+#[cfg(test)]
+mod link_tests;
+#[cfg(test)]
+mod test_broker;

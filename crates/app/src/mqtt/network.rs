@@ -1,0 +1,174 @@
+//! The thread that holds the connection: dials, subscribes, and turns messages into commands.
+//!
+//! A session is one connection, from dialling to its first error, with a client of its own: nothing queued in one
+//! is sent in the next, so that the broker never hears of a state that is long past. Subscriptions do not outlive a
+//! session either. Between sessions the thread sleeps, because a refused connection fails within microseconds.
+
+use super::config::{Credentials, MqttConfig};
+use super::count::{Counters, count};
+use super::outage::Outage;
+use super::parse::{ParseError, parse};
+use super::topics::{ORIGINAL_SETPOINT, Topics};
+use crate::command::Command;
+use rtrb::Producer;
+use rumqttc::{Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use std::{io, process, thread};
+
+/// Requests that wait for the connection: a few turns of the publisher.
+const QUEUE: usize = 256;
+/// Largest packet taken from the broker. The connection ends at a larger one; the default of 10 KB ends it sooner.
+const LARGEST_IN: usize = 64 * 1024;
+/// Largest packet sent; ours are below 2 KB.
+const LARGEST_OUT: usize = 64 * 1024;
+/// After one and a half of these without a sign of life the broker publishes the last will.
+const KEEP_ALIVE: Duration = Duration::from_secs(5);
+/// First and longest pause between two attempts to connect.
+const PAUSES: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(5));
+
+/// What both threads and the link share: the client of the session, while there is one.
+#[derive(Default)]
+pub(super) struct Line {
+    client: Mutex<Option<Client>>,
+    stopping: AtomicBool,
+}
+
+impl Line {
+    pub(super) fn client(&self) -> MutexGuard<'_, Option<Client>> {
+        self.client.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn stop(&self) {
+        self.stopping.store(true, SeqCst);
+    }
+
+    pub(super) fn stopping(&self) -> bool {
+        self.stopping.load(SeqCst)
+    }
+}
+
+/// A message that was refused before it reached the loop.
+pub(super) struct Rejected {
+    /// As [`Topics::short`] has it.
+    pub(super) topic: String,
+    pub(super) reason: String,
+}
+
+/// The thread's belongings.
+pub(super) struct Network {
+    pub(super) options: MqttOptions,
+    pub(super) topics: Arc<Topics>,
+    pub(super) commands: Producer<Command>,
+    pub(super) rejected: SyncSender<Rejected>,
+    pub(super) line: Arc<Line>,
+    pub(super) counters: Arc<Counters>,
+    pub(super) outage: Outage,
+}
+
+/// Who we are to the broker, and what it is to say when we are gone.
+pub(super) fn options(config: &MqttConfig, rig: &str, login: Option<Credentials>, topics: &Topics) -> MqttOptions {
+    let id = format!("airball-{rig}-{}", process::id());
+    let mut options = MqttOptions::new(id, config.host.clone(), config.port);
+    options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
+    options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
+    if let Some(Credentials { user, password }) = login {
+        options.set_credentials(user, password);
+    }
+    options
+}
+
+impl Network {
+    /// Runs until the line is told to stop.
+    pub(super) fn run(mut self) {
+        let mut pause = PAUSES.0;
+        while !self.line.stopping() {
+            let began = Instant::now();
+            let cause = self.session();
+            *self.line.client() = None;
+            if self.line.stopping() {
+                return;
+            }
+            say(self.outage.began(&cause));
+            if began.elapsed() > PAUSES.1 {
+                pause = PAUSES.0;
+            }
+            thread::park_timeout(pause);
+            pause = (pause * 2).min(PAUSES.1);
+        }
+    }
+
+    /// One connection, until it fails.
+    fn session(&mut self) -> ConnectionError {
+        let (client, mut connection) = Client::new(self.options.clone(), QUEUE);
+        loop {
+            match connection.recv() {
+                Ok(Ok(Event::Incoming(Packet::ConnAck(_)))) => {
+                    if !self.greet(&client) {
+                        return ConnectionError::RequestsDone;
+                    }
+                }
+                Ok(Ok(Event::Incoming(Packet::Publish(message)))) => self.take(&message),
+                Ok(Ok(_)) => {}
+                Ok(Err(cause)) => return cause,
+                Err(_) => return ConnectionError::RequestsDone,
+            }
+        }
+    }
+
+    /// Subscribes and says `online`. False where that is no longer wanted: leaving without a word then makes the
+    /// broker publish the last will, which is the truth. The queue of a new session has room for both requests.
+    fn greet(&mut self, client: &Client) -> bool {
+        let mut held = self.line.client();
+        let filters = [self.topics.commands.as_str(), ORIGINAL_SETPOINT];
+        let filters = filters.map(|filter| SubscribeFilter::new(filter.to_owned(), QoS::AtLeastOnce));
+        let greeted = !self.line.stopping()
+            && client.try_subscribe_many(filters).is_ok()
+            && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "online").is_ok();
+        if greeted {
+            *held = Some(client.clone());
+            say(self.outage.over());
+        }
+        greeted
+    }
+
+    /// Hands a command to the loop, or the reason why not to the publisher.
+    fn take(&mut self, message: &Publish) {
+        count(&self.counters.received);
+        let reason = match self.command(message) {
+            Err(why) => {
+                count(&self.counters.refused);
+                why.to_string()
+            }
+            Ok(_) if self.commands.is_abandoned() => "the flight is over".to_owned(),
+            Ok(command) => {
+                if self.commands.push(command).is_ok() {
+                    return;
+                }
+                count(&self.counters.busy);
+                "busy: too many commands wait already; send fewer, and wait for the replies".to_owned()
+            }
+        };
+        let topic = self.topics.short(&message.topic).to_owned();
+        if self.rejected.try_send(Rejected { topic, reason }).is_err() {
+            count(&self.counters.dropped);
+        }
+    }
+
+    fn command(&self, message: &Publish) -> Result<Command, ParseError> {
+        if message.retain {
+            return Err(ParseError::Retained);
+        }
+        parse(&self.topics, &message.topic, &message.payload)
+    }
+}
+
+/// Says a line on standard error, where there is one. A closed standard error is no reason to fall silent on MQTT.
+fn say(line: Option<String>) {
+    if let Some(line) = line {
+        let _ = writeln!(io::stderr(), "{line}");
+    }
+}

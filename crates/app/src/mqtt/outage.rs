@@ -1,0 +1,76 @@
+//! What is said on standard error when the broker comes and goes: one line a change, however often it is tried.
+
+use rumqttc::mqttbytes::Error as Malformed;
+use rumqttc::{ConnectReturnCode, ConnectionError, StateError};
+
+/// Remembers what was said last.
+#[derive(Debug)]
+pub(super) struct Outage {
+    /// `host:port`.
+    broker: String,
+    /// `None` until something was said.
+    connected: Option<bool>,
+}
+
+impl Outage {
+    pub(super) const fn new(broker: String) -> Self {
+        Self { broker, connected: None }
+    }
+
+    /// The line to say on a connection, unless it was said.
+    pub(super) fn over(&mut self) -> Option<String> {
+        let new = self.connected.replace(true) != Some(true);
+        new.then(|| format!("mqtt: connected to the broker at {}", self.broker))
+    }
+
+    /// The line to say on a connection refused or lost, unless it was said.
+    pub(super) fn began(&mut self, cause: &ConnectionError) -> Option<String> {
+        let what = match self.connected.replace(false) {
+            Some(false) => return None,
+            Some(true) => "lost the broker",
+            None => "no broker",
+        };
+        let (broker, hint) = (&self.broker, hint(cause));
+        Some(format!("mqtt: {what} at {broker}: {cause}; the flight goes on without commands. {hint}"))
+    }
+}
+
+/// The next thing to try.
+const fn hint(cause: &ConnectionError) -> &'static str {
+    use ConnectReturnCode::{BadUserNamePassword, NotAuthorized};
+    match cause {
+        ConnectionError::ConnectionRefused(BadUserNamePassword | NotAuthorized) => {
+            "Check `user` and `password_file` of [mqtt]."
+        }
+        ConnectionError::MqttState(StateError::Deserialization(Malformed::PayloadSizeLimitExceeded(_))) => {
+            "Somebody sent a huge message; if it is retained, remove it: mosquitto_pub -r -n -t TOPIC."
+        }
+        _ => "Start one with `mosquitto`, or mend host and port of [mqtt]; it is tried again.",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Outage;
+    use rumqttc::{ConnectReturnCode, ConnectionError};
+
+    #[test]
+    fn an_outage_and_its_end_are_said_once_each() {
+        let mut outage = Outage::new("localhost:1883".into());
+        let line = outage.began(&ConnectionError::NetworkTimeout).unwrap();
+        assert!(
+            line.contains("no broker at localhost:1883: Network timeout") && line.contains("`mosquitto`"),
+            "{line}"
+        );
+        assert_eq!(outage.began(&ConnectionError::NetworkTimeout), None);
+        assert!(outage.over().is_some());
+        assert_eq!(outage.over(), None);
+        assert!(outage.began(&ConnectionError::NetworkTimeout).unwrap().contains("lost"));
+    }
+
+    #[test]
+    fn a_refused_user_is_told_which_keys_to_check() {
+        let cause = ConnectionError::ConnectionRefused(ConnectReturnCode::NotAuthorized);
+        assert!(Outage::new(String::new()).began(&cause).unwrap().contains("`password_file`"));
+    }
+}

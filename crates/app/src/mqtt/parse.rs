@@ -1,0 +1,240 @@
+//! From a message's bytes to a [`Command`], or to a reason that says what was got and what is expected.
+//!
+//! Only the form is judged here. Whether a setpoint is safe or a gain within its bounds is the loop's to say.
+
+use super::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
+use crate::command::{Command, GainChange};
+
+/// Longest payload that is looked into, bytes. The longest sensible one, three gains, has about 80.
+const LONGEST_PAYLOAD: usize = 256;
+/// Most characters of a payload or topic that a reason repeats.
+const LONGEST_QUOTE: usize = 40;
+/// Most characters of a JSON error that a reason repeats.
+const LONGEST_WHY: usize = 160;
+
+/// Why a message is no command. The text is sent to whoever published it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ParseError {
+    /// No such topic.
+    #[error("nothing is set by topic {topic}; there are {known}")]
+    Topic {
+        /// The topic, shortened.
+        topic: String,
+        /// The topics that there are.
+        known: String,
+    },
+    /// Kept by the broker from an earlier time.
+    #[error("the broker kept this command from earlier (retained), so it is not obeyed; publish it without -r")]
+    Retained,
+    /// Too long to be looked into.
+    #[error("got {got} bytes, the longest command has {LONGEST_PAYLOAD}; {expected}")]
+    TooLong {
+        /// Bytes in the payload.
+        got: usize,
+        /// What is expected, with an example.
+        expected: &'static str,
+    },
+    /// Nothing in it.
+    #[error("got an empty message; {expected}")]
+    Empty {
+        /// What is expected, with an example.
+        expected: &'static str,
+    },
+    /// Not of the form expected.
+    #[error("got {got}; {expected}")]
+    Form {
+        /// The payload, shortened and printable.
+        got: String,
+        /// What is expected, with an example.
+        expected: &'static str,
+    },
+    /// Gains that are no gains.
+    #[error("got {got}: {why}; {expected}")]
+    Gains {
+        /// The payload, shortened and printable.
+        got: String,
+        /// What is wrong with it.
+        why: String,
+        /// What is expected, with an example.
+        expected: &'static str,
+    },
+}
+
+/// Reads a message as a command.
+///
+/// # Errors
+/// [`ParseError`] with the reason, fit to be sent back.
+pub fn parse(topics: &Topics, topic: &str, payload: &[u8]) -> Result<Command, ParseError> {
+    let quantity = topics.quantity(topic).ok_or_else(|| unknown(topics, topic))?;
+    let expected = expected(quantity);
+    if payload.len() > LONGEST_PAYLOAD {
+        return Err(ParseError::TooLong { got: payload.len(), expected });
+    }
+    let form = || ParseError::Form { got: quoted(&String::from_utf8_lossy(payload)), expected };
+    let text = std::str::from_utf8(payload).map_err(|_| form())?.trim();
+    if text.is_empty() {
+        return Err(ParseError::Empty { expected });
+    }
+    match quantity {
+        Quantity::Setpoint => number(text).map(Command::Setpoint).ok_or_else(form),
+        Quantity::Mode => mode(text).ok_or_else(form),
+        Quantity::Gains => {
+            gains(text).map(Command::Gains).map_err(|why| ParseError::Gains { got: quoted(text), why, expected })
+        }
+    }
+}
+
+/// What is expected, with an example.
+const fn expected(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Setpoint => "expected a number of millimetres, like 300 or 300.5",
+        Quantity::Gains => {
+            r#"expected JSON with one or more of kp_per_mm, ti_s, td_s, like {"kp_per_mm":0.01,"ti_s":3}"#
+        }
+        Quantity::Mode => "expected one of stop, fly, programme, like stop",
+    }
+}
+
+/// A finite number.
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+fn mode(text: &str) -> Option<Command> {
+    match text {
+        "stop" => Some(Command::Stop),
+        "fly" => Some(Command::Fly),
+        "programme" => Some(Command::Programme),
+        _ => None,
+    }
+}
+
+/// At least one gain by name. A bare list would be accepted by the reader of JSON; its order would be a guess.
+fn gains(text: &str) -> Result<GainChange, String> {
+    if !text.starts_with('{') {
+        return Err("not a JSON object".to_owned());
+    }
+    let change: GainChange = serde_json::from_str(text).map_err(|why| printable(&why.to_string(), LONGEST_WHY))?;
+    if change == GainChange::default() { Err("no gain is given".to_owned()) } else { Ok(change) }
+}
+
+fn unknown(topics: &Topics, topic: &str) -> ParseError {
+    let known = Quantity::ALL.map(Quantity::topic).join(", ");
+    ParseError::Topic { topic: quoted(topics.short(topic)), known: format!("{known} and {ORIGINAL_SETPOINT}") }
+}
+
+/// The text in quotes, short and printable whatever it held.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", printable(text, LONGEST_QUOTE))
+}
+
+/// The first characters, with control characters replaced by �.
+fn printable(text: &str, longest: usize) -> String {
+    let mut short: String =
+        text.chars().take(longest).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect();
+    if text.chars().nth(longest).is_some() {
+        short.push('…');
+    }
+    short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LONGEST_PAYLOAD, ParseError, parse};
+    use crate::command::{Command, GainChange};
+    use crate::mqtt::topics::{ORIGINAL_SETPOINT, Topics};
+    use proptest::prelude::*;
+
+    const SETPOINT: &str = "airball/rig1/set/setpoint_mm";
+    const GAINS: &str = "airball/rig1/set/gains";
+    const MODE: &str = "airball/rig1/set/mode";
+
+    fn read(topic: &str, payload: impl AsRef<[u8]>) -> Result<Command, ParseError> {
+        parse(&Topics::new("rig1").unwrap(), topic, payload.as_ref())
+    }
+
+    fn reason(topic: &str, payload: impl AsRef<[u8]>) -> String {
+        read(topic, payload).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_plain_number_is_a_setpoint_also_by_the_original_name() {
+        assert_eq!(read(SETPOINT, "300"), Ok(Command::Setpoint(300.0)));
+        assert_eq!(read(SETPOINT, " 300.5\n"), Ok(Command::Setpoint(300.5)));
+        assert_eq!(read(ORIGINAL_SETPOINT, "2.5e2"), Ok(Command::Setpoint(250.0)));
+    }
+
+    #[test]
+    fn what_is_no_finite_number_is_refused_with_what_was_got_and_an_example() {
+        for got in ["NaN", "inf", "-infinity", "1e999", "up", "300 mm", "300,5", "0x10", "[300]"] {
+            let reason = reason(SETPOINT, got);
+            assert!(reason.contains(got) && reason.contains("like 300"), "{reason}");
+        }
+        assert!(reason(SETPOINT, " \n").contains("empty"));
+    }
+
+    #[test]
+    fn a_long_or_binary_payload_makes_a_short_printable_reason() {
+        let limit = "1".repeat(LONGEST_PAYLOAD);
+        assert!(reason(SETPOINT, limit + "1").contains("257 bytes"));
+        for payload in [b"\x00\x1b[2J\xff\xfe".to_vec(), "ž".repeat(128).into_bytes()] {
+            let reason = reason(SETPOINT, payload);
+            assert!(reason.chars().count() < 120 && !reason.chars().any(char::is_control), "{reason:?}");
+        }
+    }
+
+    #[test]
+    fn the_three_words_are_the_modes_and_no_other_is() {
+        assert_eq!(read(MODE, "stop\n"), Ok(Command::Stop));
+        assert_eq!(read(MODE, "fly"), Ok(Command::Fly));
+        assert_eq!(read(MODE, "programme"), Ok(Command::Programme));
+        assert!(reason(MODE, "program").contains("stop, fly, programme"));
+    }
+
+    #[test]
+    fn gains_come_together_and_what_is_absent_stays() {
+        let change = GainChange { kp_per_mm: Some(0.01), ti_s: Some(3.0), td_s: None };
+        assert_eq!(read(GAINS, r#"{"kp_per_mm":0.01,"ti_s":3}"#), Ok(Command::Gains(change)));
+    }
+
+    #[test]
+    fn an_unknown_gain_is_refused_with_the_known_ones() {
+        let reason = reason(GAINS, r#"{"kp":0.01}"#);
+        assert!(reason.contains("unknown field `kp`") && reason.contains("`td_s`"), "{reason}");
+    }
+
+    #[test]
+    fn gains_without_a_gain_a_name_or_a_finite_number_are_refused() {
+        for got in ["{}", r#"{"ti_s":null}"#] {
+            assert!(reason(GAINS, got).contains("no gain is given"));
+        }
+        assert!(reason(GAINS, "[0.01,3,0]").contains("not a JSON object"));
+        assert!(read(GAINS, r#"{"ti_s":1e999}"#).is_err());
+        assert!(read(GAINS, r#"{"ti_s":1,"ti_s":2}"#).is_err());
+    }
+
+    #[test]
+    fn an_unknown_topic_is_refused_with_the_known_ones() {
+        let reason = reason("airball/rig1/set/setpoint", "300");
+        assert!(reason.contains("\"set/setpoint\"") && reason.contains("set/setpoint_mm, set/gains"), "{reason}");
+    }
+
+    proptest! {
+        #[test]
+        fn no_payload_on_any_topic_panics_or_makes_a_number_that_is_not_finite(
+            payload in prop::collection::vec(any::<u8>(), 0..300),
+            topic in prop_oneof![Just(SETPOINT.to_owned()), Just(GAINS.to_owned()), Just(MODE.to_owned()), ".*"],
+        ) {
+            match read(&topic, payload) {
+                Ok(Command::Setpoint(mm)) => prop_assert!(mm.is_finite()),
+                Ok(_) => {}
+                Err(why) => prop_assert!(!why.to_string().chars().any(char::is_control)),
+            }
+        }
+
+        #[test]
+        fn a_number_is_read_back_as_it_was_printed(mm in -1e9_f64..1e9) {
+            prop_assert_eq!(read(SETPOINT, mm.to_string()), Ok(Command::Setpoint(mm)));
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The thread that speaks: takes answers and states from the loop's rings and puts them on the session's queue.
+//!
+//! It looks every 20 ms instead of being woken, because waking a thread is a system call and the loop is to make
+//! none on its account. Only `try_publish` is used: a broker that does not keep up loses messages, counted, and
+//! never holds anybody up. Without a session everything is thrown away, so that nothing is told late.
+
+use super::count::{Counters, count};
+use super::mailbox::ROOM;
+use super::message::{Answer, InForce, Reply, State, StateMessage};
+use super::network::{Line, Rejected};
+use super::topics::{ORIGINAL_POSITION, Topics};
+use rtrb::Consumer;
+use rumqttc::QoS;
+use serde::Serialize;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Between two looks into the rings.
+const TURN: Duration = Duration::from_millis(20);
+/// Between two states on the broker.
+const STATE_PERIOD: Duration = Duration::from_millis(100);
+
+/// The thread's belongings.
+pub(super) struct Publisher {
+    pub(super) topics: Arc<Topics>,
+    pub(super) answers: Consumer<Answer>,
+    pub(super) states: Consumer<State>,
+    pub(super) rejected: Receiver<Rejected>,
+    pub(super) line: Arc<Line>,
+    pub(super) counters: Arc<Counters>,
+    /// The newest that the loop said, for replies that it has no part in.
+    pub(super) in_force: Option<InForce>,
+    /// When the next state is to be published.
+    pub(super) due: Instant,
+}
+
+impl Publisher {
+    /// Runs until the line is told to stop, and then says goodbye.
+    pub(super) fn run(mut self) {
+        while !self.line.stopping() {
+            self.turn();
+            thread::park_timeout(TURN);
+        }
+        self.turn();
+        self.farewell();
+    }
+
+    /// One look into each ring, no longer than its room, so that a flood in one does not starve the others.
+    fn turn(&mut self) {
+        let newest = (0..ROOM).map_while(|_| self.states.pop().ok()).last();
+        if let Some(state) = newest {
+            self.in_force = Some(state.in_force());
+        }
+        for _ in 0..ROOM {
+            let Ok(answer) = self.answers.pop() else { break };
+            self.in_force = Some(answer.in_force);
+            if answer.refused.is_some() {
+                count(&self.counters.refused);
+            }
+            self.send_json(&self.topics.reply, QoS::AtLeastOnce, &Reply::from(answer));
+        }
+        for _ in 0..ROOM {
+            let Ok(Rejected { topic, reason }) = self.rejected.try_recv() else { break };
+            let reply = Reply { topic, accepted: false, in_force: self.in_force, reason: Some(reason) };
+            self.send_json(&self.topics.reply, QoS::AtLeastOnce, &reply);
+        }
+        if let Some(state) = newest {
+            self.send_state(state);
+        }
+    }
+
+    /// Publishes the state if it is time.
+    fn send_state(&mut self, state: State) {
+        let now = Instant::now();
+        if now < self.due {
+            return;
+        }
+        self.due = next(self.due, now);
+        let message = StateMessage { state, link: self.counters.read() };
+        self.send_json(&self.topics.state, QoS::AtMostOnce, &message);
+        if let Some(position_mm) = state.cycle.position_mm {
+            self.send(ORIGINAL_POSITION, QoS::AtMostOnce, format!("{position_mm:.1}"));
+        }
+    }
+
+    fn send_json(&self, topic: &str, qos: QoS, message: &impl Serialize) {
+        match serde_json::to_vec(message) {
+            Ok(payload) => self.send(topic, qos, payload),
+            Err(_) => count(&self.counters.dropped),
+        }
+    }
+
+    fn send(&self, topic: &str, qos: QoS, payload: impl Into<Vec<u8>>) {
+        if let Some(client) = self.line.client().as_ref()
+            && client.try_publish(topic, qos, false, payload).is_err()
+        {
+            count(&self.counters.dropped);
+        }
+    }
+
+    /// Says `offline` and leaves properly. Where the queue is full, the last will says it when the connection ends.
+    fn farewell(&self) {
+        if let Some(client) = self.line.client().as_ref()
+            && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "offline").is_ok()
+        {
+            let _ = client.try_disconnect();
+        }
+    }
+}
+
+/// When the state after the one that was due, and is sent now, is due: on a raster that does not drift with the
+/// turns, and without making up for a silence.
+fn next(due: Instant, now: Instant) -> Instant {
+    (due + STATE_PERIOD).max(now)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{STATE_PERIOD, next};
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn a_late_state_does_not_shift_the_next_and_a_silence_is_not_made_up_for() {
+        let due = Instant::now();
+        assert_eq!(next(due, due + Duration::from_millis(19)), due + STATE_PERIOD);
+        assert_eq!(next(due, due + Duration::from_secs(60)), due + Duration::from_secs(60));
+    }
+}

@@ -1,0 +1,465 @@
+//! The pilot: decides what the fan does, cycle by cycle. Observe, decide, act is the cycle's; this is *decide*.
+//!
+//! ```text
+//! waiting ─ first position ─▶ flying / open loop ─ no new position ─▶ coasting ─ too long ─▶ stopped
+//!                                   ▲                                     │                     │
+//!                                   └──────────── position again ─────────┘        `fly` ───────┘
+//! ```
+//!
+//! It gets samples and times and returns a duty. It reads no clock, no bus and no file, so that whatever it
+//! does can be tested without a rig.
+
+use crate::command::{Command, Refusal};
+use crate::config::Safety;
+use crate::experiment::{Demand, Experiment};
+use crate::log::record::{Fault, Mode};
+use control::Duty;
+use control::check::within;
+use control::compensation::Compensation;
+use control::filter::DerivativeFilter;
+use control::pid::{Limits, Pid, PidState};
+
+/// Time constant of the velocity's derivative filter, seconds, and its N: 30 ms of smoothing.
+const VELOCITY_TD_S: f64 = 0.3;
+const VELOCITY_N: f64 = 10.0;
+/// How long readings may be missing before the loop stops trusting the last one, in periods.
+const MISSING_PERIODS: f64 = 2.5;
+
+/// What the pilot knows before a flight.
+#[derive(Clone, Debug)]
+pub struct Orders {
+    /// Gains at the start.
+    pub pid: Pid,
+    /// From control value to duty.
+    pub compensation: Compensation,
+    /// What must not be exceeded.
+    pub safety: Safety,
+    /// What to do over time.
+    pub experiment: Experiment,
+    /// The period of the loop, seconds.
+    pub period_s: f64,
+}
+
+/// What was seen in one cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// The ball, mm above the bottom.
+    Ball(f64),
+    /// Nothing new, because of this fault if there is one.
+    Nothing(Option<Fault>),
+}
+
+/// What one cycle does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decision {
+    /// What the loop is doing.
+    pub mode: Mode,
+    /// Commanded position, mm.
+    pub setpoint_mm: Option<f64>,
+    /// Control value, percent about hover.
+    pub control_percent: Option<f64>,
+    /// The duty to write.
+    pub duty: Duty,
+    /// The estimated velocity, mm/s.
+    pub velocity_mm_per_s: Option<f64>,
+    /// The last position seen, mm.
+    pub position_mm: Option<f64>,
+}
+
+/// Decides, and remembers what it needs for that.
+#[derive(Clone, Debug)]
+pub struct Pilot {
+    orders: Orders,
+    mode: Mode,
+    pid: PidState,
+    velocity: DerivativeFilter,
+    velocity_mm_per_s: Option<f64>,
+    /// Time and place of the last position.
+    last: Option<(f64, f64)>,
+    /// When the programme began.
+    began_s: Option<f64>,
+    /// A setpoint that was commanded, in force instead of the programme's.
+    held_mm: Option<f64>,
+    control_percent: f64,
+    been_in_band: bool,
+    fault: Option<Fault>,
+}
+
+impl Pilot {
+    /// A pilot before take-off.
+    #[must_use]
+    pub fn new(orders: Orders) -> Self {
+        Self {
+            orders,
+            mode: Mode::Waiting,
+            pid: PidState::default(),
+            velocity: DerivativeFilter::default(),
+            velocity_mm_per_s: None,
+            last: None,
+            began_s: None,
+            held_mm: None,
+            control_percent: 0.0,
+            been_in_band: false,
+            fault: None,
+        }
+    }
+
+    /// What the loop is doing.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// The gains in force.
+    #[must_use]
+    pub const fn gains(&self) -> Pid {
+        self.orders.pid
+    }
+
+    /// The setpoint in force at `time_s`, mm. `None` while the fan is driven without control.
+    #[must_use]
+    pub fn setpoint_mm(&self, time_s: f64) -> Option<f64> {
+        match self.demand(time_s) {
+            Some(Demand::Control { setpoint_mm, .. }) => Some(setpoint_mm),
+            _ => self.held_mm,
+        }
+    }
+
+    /// The fault that stopped the flight, if one did.
+    #[must_use]
+    pub const fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// Whether the programme is over at `time_s`.
+    #[must_use]
+    pub fn is_over(&self, time_s: f64) -> bool {
+        self.began_s.is_some_and(|began_s| self.orders.experiment.demand(time_s - began_s).is_none())
+    }
+
+    /// Decides what the fan does from `time_s` on.
+    pub fn decide(&mut self, time_s: f64, seen: Seen) -> Decision {
+        let dt_s = self.observe(time_s, seen);
+        self.change_mode(time_s, seen);
+        let demand = self.demand(time_s);
+        let mut decision = Decision {
+            mode: self.mode,
+            setpoint_mm: None,
+            control_percent: None,
+            duty: Duty::OFF,
+            velocity_mm_per_s: self.velocity_mm_per_s,
+            position_mm: self.last.map(|(_, mm)| mm),
+        };
+        match (self.mode, demand) {
+            (Mode::Flying, Some(Demand::Control { setpoint_mm, excitation_percent })) => {
+                if let (Some(dt_s), Some((_, position_mm))) = (dt_s, self.last) {
+                    self.control_percent = self.control(setpoint_mm, excitation_percent, position_mm, dt_s);
+                }
+                decision.setpoint_mm = Some(setpoint_mm);
+                decision.control_percent = Some(self.control_percent);
+                decision.duty = self.safe_duty(self.orders.compensation.duty(self.control_percent).percent());
+            }
+            (Mode::OpenLoop, Some(Demand::Drive { duty_percent })) => {
+                decision.duty = self.safe_duty(duty_percent);
+                // Where a controller that takes over starts from.
+                self.control_percent = duty_percent - self.orders.compensation.hover_duty_percent;
+            }
+            (Mode::Coasting, _) => {
+                decision.duty = self.safe_duty(self.orders.compensation.hover_duty_percent);
+            }
+            _ => {}
+        }
+        decision
+    }
+
+    /// Takes a command, or says why not.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the limit that it would break.
+    pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
+        match command {
+            Command::Setpoint(asked_mm) => {
+                let (min_mm, max_mm) = (self.orders.safety.setpoint_min_mm, self.orders.safety.setpoint_max_mm);
+                within("setpoint_mm", asked_mm, min_mm, max_mm).map_err(|_| Refusal::Setpoint {
+                    asked_mm,
+                    min_mm,
+                    max_mm,
+                })?;
+                if self.mode == Mode::OpenLoop {
+                    return Err(Refusal::OpenLoop);
+                }
+                self.held_mm = Some(asked_mm);
+            }
+            Command::Gains(change) => {
+                let gains = change.applied_to(self.orders.pid);
+                gains.check().map_err(Refusal::Gain)?;
+                gains.take_over(&self.orders.pid, &mut self.pid);
+                self.orders.pid = gains;
+            }
+            Command::Stop => self.mode = Mode::Stopped,
+            Command::Fly => {
+                if self.mode == Mode::Stopped {
+                    self.mode = Mode::Waiting;
+                    self.fault = None;
+                    self.last = None;
+                }
+            }
+            Command::Programme => self.held_mm = None,
+        }
+        Ok(())
+    }
+
+    /// Takes the reading into the estimate. Returns the time since the one before, if both are there.
+    fn observe(&mut self, time_s: f64, seen: Seen) -> Option<f64> {
+        let Seen::Ball(position_mm) = seen else { return None };
+        let gap_s = self.last.map(|(last_s, _)| time_s - last_s);
+        self.last = Some((time_s, position_mm));
+        if gap_s.is_none_or(|gap_s| gap_s > MISSING_PERIODS * self.orders.period_s) {
+            // After a hole the derivatives would see its whole jump at once.
+            self.velocity = DerivativeFilter::default();
+            self.pid = self.pid.after_a_hole();
+        }
+        let dt_s = gap_s.unwrap_or(self.orders.period_s).min(MISSING_PERIODS * self.orders.period_s);
+        let filtered = self.velocity.step(position_mm, dt_s, VELOCITY_TD_S, VELOCITY_N);
+        self.velocity_mm_per_s = Some(filtered / VELOCITY_TD_S);
+        Some(dt_s)
+    }
+
+    fn change_mode(&mut self, time_s: f64, seen: Seen) {
+        let silent_s = self.last.map_or(0.0, |(last_s, _)| time_s - last_s);
+        self.mode = match (self.mode, seen) {
+            (Mode::Stopped, _) => Mode::Stopped,
+            (Mode::Waiting, Seen::Nothing(_)) => Mode::Waiting,
+            (Mode::Waiting, Seen::Ball(_)) => {
+                self.began_s.get_or_insert(time_s);
+                self.pid = PidState::default();
+                self.closed_or_open(time_s)
+            }
+            (_, Seen::Nothing(fault)) if silent_s > self.orders.safety.coast_s => {
+                self.stop(fault.unwrap_or(Fault::SensorSilent { silent_s }))
+            }
+            (mode, Seen::Nothing(_)) => {
+                if silent_s > MISSING_PERIODS * self.orders.period_s {
+                    Mode::Coasting
+                } else {
+                    mode
+                }
+            }
+            (_, Seen::Ball(position_mm)) => match self.left_band(position_mm) {
+                Some(fault) => self.stop(fault),
+                None => self.closed_or_open(time_s),
+            },
+        };
+    }
+
+    fn closed_or_open(&mut self, time_s: f64) -> Mode {
+        match self.demand(time_s) {
+            Some(Demand::Drive { .. }) => Mode::OpenLoop,
+            _ => {
+                if self.mode == Mode::OpenLoop {
+                    // Take over from where the fan is.
+                    self.pid = PidState::starting_at(self.control_percent);
+                }
+                Mode::Flying
+            }
+        }
+    }
+
+    fn stop(&mut self, fault: Fault) -> Mode {
+        self.fault = Some(fault);
+        Mode::Stopped
+    }
+
+    /// The band of an experiment counts from when the ball has been inside it: it starts at the bottom.
+    fn left_band(&mut self, position_mm: f64) -> Option<Fault> {
+        let outside = self.orders.experiment.outside_band(position_mm);
+        self.been_in_band |= outside.is_none();
+        outside.filter(|_| self.been_in_band).map(|(min_mm, max_mm)| Fault::OutsideBand { position_mm, min_mm, max_mm })
+    }
+
+    fn demand(&self, time_s: f64) -> Option<Demand> {
+        let demand = self.orders.experiment.demand(time_s - self.began_s?)?;
+        Some(match (demand, self.held_mm) {
+            (Demand::Control { .. }, Some(setpoint_mm)) => Demand::Control { setpoint_mm, excitation_percent: 0.0 },
+            (demand, _) => demand,
+        })
+    }
+
+    fn control(&mut self, setpoint_mm: f64, excitation_percent: f64, position_mm: f64, dt_s: f64) -> f64 {
+        let safety = &self.orders.safety;
+        let (lowest, highest) = (Duty::clamped(safety.duty_min_percent), Duty::clamped(safety.duty_max_percent));
+        let limits = self.orders.compensation.control_limits(lowest, highest);
+        let room = Limits { lower: limits.lower - excitation_percent, upper: limits.upper - excitation_percent };
+        let control = self.orders.pid.step(&mut self.pid, setpoint_mm, position_mm, dt_s, room);
+        limits.hold(control + excitation_percent)
+    }
+
+    fn safe_duty(&self, percent: f64) -> Duty {
+        let safety = &self.orders.safety;
+        Duty::clamped(percent.clamp(safety.duty_min_percent, safety.duty_max_percent))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::{Orders, Pilot, Seen};
+    use crate::command::{Command, GainChange, Refusal};
+    use crate::config::Safety;
+    use crate::experiment::{Experiment, Limits, Segment};
+    use crate::log::record::{Fault, Mode};
+    use control::compensation::Compensation;
+    use control::pid::{DerivativeOn, Pid};
+    use control::waveform::Waveform;
+
+    const T: f64 = 0.02;
+
+    fn segment(duration_s: f64) -> Segment {
+        let setpoint = Waveform::Constant { value: 300.0 };
+        Segment { duration_s, setpoint_mm: Some(setpoint), excitation_percent: None, duty_percent: None }
+    }
+
+    fn pilot(segments: Vec<Segment>) -> Pilot {
+        let limits = Limits { position_min_mm: Some(50.0), position_max_mm: Some(550.0) };
+        Pilot::new(Orders {
+            pid: Pid {
+                kp_per_mm: 0.01,
+                ti_s: 5.0,
+                td_s: 0.3,
+                derivative_n: 10.0,
+                derivative_on: DerivativeOn::Measurement,
+            },
+            compensation: Compensation { hover_duty_percent: 21.4, dead_zone: None },
+            safety: Safety {
+                setpoint_min_mm: 20.0,
+                setpoint_max_mm: 560.0,
+                duty_min_percent: 5.0,
+                duty_max_percent: 40.0,
+                coast_s: 0.3,
+            },
+            experiment: Experiment { title: "t".into(), limits, segments },
+            period_s: T,
+        })
+    }
+
+    /// A pilot that holds `setpoint_mm` for `duration_s`.
+    pub(crate) fn pilot_holding(setpoint_mm: f64, duration_s: f64) -> Pilot {
+        let setpoint = Some(Waveform::Constant { value: setpoint_mm });
+        pilot(vec![Segment { setpoint_mm: setpoint, ..segment(duration_s) }])
+    }
+
+    /// Flies `pilot` through `seen`, one a period, and returns the last mode and duty.
+    fn fly(pilot: &mut Pilot, start_s: f64, seen: &[Seen]) -> (Mode, f64) {
+        let mut last = (pilot.mode(), 0.0);
+        for (k, seen) in seen.iter().enumerate() {
+            let decision = pilot.decide(start_s + T * k as f64, *seen);
+            last = (decision.mode, decision.duty.percent());
+        }
+        last
+    }
+
+    #[test]
+    fn the_fan_is_off_until_the_first_position() {
+        let mut pilot = pilot(vec![segment(60.0)]);
+        assert_eq!(fly(&mut pilot, 0.0, &[Seen::Nothing(None); 20]), (Mode::Waiting, 0.0));
+        assert_eq!(fly(&mut pilot, 0.4, &[Seen::Ball(0.0)]).0, Mode::Flying);
+    }
+
+    #[test]
+    fn a_ball_below_its_setpoint_gets_more_air_than_hover_and_one_above_less() {
+        let mut low = pilot(vec![segment(60.0)]);
+        assert!(fly(&mut low, 0.0, &[Seen::Ball(200.0); 3]).1 > 21.4);
+        let mut high = pilot(vec![segment(60.0)]);
+        assert!(fly(&mut high, 0.0, &[Seen::Ball(400.0); 3]).1 < 21.4);
+    }
+
+    #[test]
+    fn a_silent_sensor_means_hover_for_a_while_and_then_off() {
+        let mut pilot = pilot(vec![segment(60.0)]);
+        fly(&mut pilot, 0.0, &[Seen::Ball(250.0); 10]);
+        assert_eq!(fly(&mut pilot, 0.2, &[Seen::Nothing(None); 2]).0, Mode::Flying);
+        assert_eq!(fly(&mut pilot, 0.24, &[Seen::Nothing(None); 5]), (Mode::Coasting, 21.4));
+        assert_eq!(fly(&mut pilot, 0.34, &[Seen::Nothing(None); 10]), (Mode::Stopped, 0.0));
+        assert!(matches!(pilot.fault(), Some(Fault::SensorSilent { silent_s }) if silent_s > 0.3));
+    }
+
+    #[test]
+    fn a_position_after_coasting_flies_on_without_a_kick_of_the_derivative() {
+        let mut pilot = pilot(vec![segment(60.0)]);
+        let before = fly(&mut pilot, 0.0, &[Seen::Ball(300.0); 10]).1;
+        fly(&mut pilot, 0.2, &[Seen::Nothing(None); 10]);
+        let (mode, after) = fly(&mut pilot, 0.4, &[Seen::Ball(280.0)]);
+        // K_p·20 mm = 0.2 %; the derivative of the jump would have been 2 % or more.
+        assert!(mode == Mode::Flying && (after - before - 0.2).abs() < 0.05, "{before} % became {after} %");
+    }
+
+    #[test]
+    fn leaving_the_band_turns_the_fan_off_but_taking_off_through_it_does_not() {
+        let mut pilot = pilot(vec![segment(60.0)]);
+        assert_eq!(fly(&mut pilot, 0.0, &[Seen::Ball(0.0), Seen::Ball(60.0)]).0, Mode::Flying);
+        assert_eq!(fly(&mut pilot, 0.04, &[Seen::Ball(551.0)]), (Mode::Stopped, 0.0));
+        assert!(matches!(pilot.fault(), Some(Fault::OutsideBand { .. })));
+    }
+
+    #[test]
+    fn an_open_loop_segment_drives_the_duty_within_the_safe_limits() {
+        let duty = Waveform::Ramp { from: 0.0, to: 40.0, over_s: 1.0 };
+        let open = Segment { duty_percent: Some(duty), setpoint_mm: None, ..segment(1.0) };
+        let mut pilot = pilot(vec![open, segment(1.0)]);
+        let decision = pilot.decide(0.0, Seen::Ball(0.0));
+        assert_eq!((decision.mode, decision.duty.percent(), decision.control_percent), (Mode::OpenLoop, 5.0, None));
+        assert!((pilot.decide(0.5, Seen::Ball(10.0)).duty.percent() - 20.0).abs() < 1e-9);
+        assert_eq!(pilot.command(Command::Setpoint(300.0)), Err(Refusal::OpenLoop));
+        assert_eq!(pilot.decide(1.0, Seen::Ball(20.0)).mode, Mode::Flying);
+        assert!(!pilot.is_over(1.9) && pilot.is_over(2.0));
+    }
+
+    #[test]
+    fn an_excitation_shifts_the_control_by_itself() {
+        let excited = Segment { excitation_percent: Some(Waveform::Constant { value: 0.5 }), ..segment(60.0) };
+        let (mut with, mut without) = (pilot(vec![excited]), pilot(vec![segment(60.0)]));
+        let (with, without) = (with.decide(0.0, Seen::Ball(250.0)), without.decide(0.0, Seen::Ball(250.0)));
+        assert!((with.control_percent.unwrap() - without.control_percent.unwrap() - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn commands_hold_a_setpoint_stop_fly_and_return_to_the_programme() {
+        let mut pilot = pilot(vec![segment(60.0)]);
+        fly(&mut pilot, 0.0, &[Seen::Ball(250.0); 3]);
+        pilot.command(Command::Setpoint(123.0)).unwrap();
+        assert_eq!(pilot.decide(0.06, Seen::Ball(250.0)).setpoint_mm, Some(123.0));
+        pilot.command(Command::Programme).unwrap();
+        assert_eq!(pilot.decide(0.08, Seen::Ball(250.0)).setpoint_mm, Some(300.0));
+        pilot.command(Command::Stop).unwrap();
+        assert_eq!(fly(&mut pilot, 0.1, &[Seen::Ball(250.0)]), (Mode::Stopped, 0.0));
+        pilot.command(Command::Fly).unwrap();
+        assert_eq!(fly(&mut pilot, 0.12, &[Seen::Ball(250.0)]).0, Mode::Flying);
+    }
+
+    #[test]
+    fn commands_beyond_the_limits_are_refused_with_them() {
+        let mut pilot = pilot(vec![segment(60.0)]);
+        for asked in [5.0, 561.0, f64::NAN] {
+            let refusal = pilot.command(Command::Setpoint(asked)).unwrap_err();
+            assert!(refusal.to_string().contains("20 to 560"), "{refusal}");
+        }
+        let change = GainChange { ti_s: Some(-1.0), ..GainChange::default() };
+        let before = pilot.gains();
+        assert!(matches!(pilot.command(Command::Gains(change)), Err(Refusal::Gain(_))));
+        assert_eq!(pilot.gains(), before);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn whatever_is_seen_the_duty_is_off_or_within_the_safe_limits(
+            seen in proptest::collection::vec((proptest::option::of(-1e4..1e4_f64), 0.0..0.1_f64), 1..200)
+        ) {
+            let mut pilot = pilot(vec![segment(2.0), segment(2.0)]);
+            let mut t = 0.0;
+            for (position, dt) in seen {
+                t += dt;
+                let duty = pilot.decide(t, position.map_or(Seen::Nothing(None), Seen::Ball)).duty.percent();
+                proptest::prop_assert!(duty == 0.0 || (5.0..=40.0).contains(&duty), "{duty} %");
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Pictures: the signal path over time, position above duty, as SVG.
+
+use crate::log::record::Cycle;
+use diagnose::{FreeRun, Recording};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// The same colours for the same signals in every picture.
+const SETPOINT: RGBColor = RGBColor(0x88, 0x88, 0x88);
+const RECORDED: RGBColor = RGBColor(0x1f, 0x77, 0xb4);
+const NOMINAL: RGBColor = RGBColor(0xd6, 0x27, 0x28);
+const DUTY: RGBColor = RGBColor(0x2c, 0x7a, 0x2c);
+
+/// Size of a picture, pixels, and the part of its height that shows the position.
+const SIZE: (u32, u32) = (1100, 620);
+const POSITION_SHARE: f64 = 0.68;
+/// Points that a line is drawn with at most: more cannot be seen.
+const MOST_POINTS: usize = 4000;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// The file cannot be written.
+    #[error("cannot write the picture {}: {source}; check the directory of --plot", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The plotting library failed.
+    #[error("cannot draw the picture: {0}; please report it with the log")]
+    Draw(String),
+    /// Nothing to draw.
+    #[error("the log has no position to draw; fly for longer than a second")]
+    Nothing,
+}
+
+/// A line of a picture.
+struct Line {
+    label: &'static str,
+    colour: RGBColor,
+    /// Time in s and value. NaN breaks the line.
+    points: Vec<(f64, f64)>,
+}
+
+/// Draws a flight: setpoint, position and duty.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn flight(path: &Path, title: &str, cycles: &[Cycle]) -> Result<(), PlotError> {
+    let line = |label, colour, value: fn(&Cycle) -> Option<f64>| {
+        let points = cycles.iter().map(|cycle| (cycle.time_s, value(cycle).unwrap_or(f64::NAN))).collect();
+        Line { label, colour, points }
+    };
+    let position = [line("position", RECORDED, |c| c.position_mm), line("setpoint", SETPOINT, |c| c.setpoint_mm)];
+    draw(path, title, &position, &line("duty", DUTY, |cycle| Some(cycle.duty_percent)))
+}
+
+/// Draws a replay: the recorded position, the model's free runs from every 10 s, and the duty.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn replay(path: &Path, title: &str, recording: &Recording, runs: &[FreeRun]) -> Result<(), PlotError> {
+    let samples = recording.samples();
+    let recorded = samples.iter().filter_map(|s| Some((s.time_s, s.position_mm?))).collect();
+    let mut forecast = Vec::new();
+    for run in runs {
+        forecast.extend(run.forecasts.iter().map(|f| (samples[f.row].time_s, f.position_mm)));
+        forecast.push((f64::NAN, f64::NAN));
+    }
+    let position = [
+        Line { label: "recorded", colour: RECORDED, points: recorded },
+        Line { label: "model, free from every 10 s", colour: NOMINAL, points: forecast },
+    ];
+    let duty = samples.iter().map(|s| (s.time_s, s.duty_percent)).collect();
+    draw(path, title, &position, &Line { label: "duty", colour: DUTY, points: duty })
+}
+
+fn draw(path: &Path, title: &str, position: &[Line], duty: &Line) -> Result<(), PlotError> {
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        area.fill(&WHITE).map_err(failed)?;
+        let (upper, lower) = area.split_vertically(f64::from(SIZE.1) * POSITION_SHARE);
+        panel(&upper, title, "position, mm", position)?;
+        panel(&lower, "", "duty, %", std::slice::from_ref(duty))?;
+        area.present().map_err(failed)?;
+    }
+    std::fs::write(path, svg).map_err(|source| PlotError::Write { path: path.to_owned(), source })
+}
+
+fn panel(area: &DrawingArea<SVGBackend<'_>, Shift>, title: &str, axis: &str, lines: &[Line]) -> Result<(), PlotError> {
+    let points = || lines.iter().flat_map(|line| &line.points).filter(|(t, y)| t.is_finite() && y.is_finite());
+    let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1))?);
+    let mut chart = ChartBuilder::on(area);
+    chart.margin(12).x_label_area_size(38).y_label_area_size(58);
+    if !title.is_empty() {
+        chart.caption(title, ("sans-serif", 18));
+    }
+    let mut chart = chart.build_cartesian_2d(times.0..times.1, padded(values)).map_err(failed)?;
+    chart.configure_mesh().x_desc("time, s").y_desc(axis).light_line_style(WHITE).draw().map_err(failed)?;
+    for line in lines {
+        let colour = line.colour;
+        for piece in line.points.split(|(t, y)| !t.is_finite() || !y.is_finite()) {
+            chart.draw_series(LineSeries::new(thinned(piece), colour.stroke_width(2))).map_err(failed)?;
+        }
+        // The label belongs to a series of its own: a line may be in several pieces.
+        let labelled = chart.draw_series(LineSeries::new([], colour)).map_err(failed)?;
+        labelled
+            .label(line.label)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .background_style(WHITE.mix(0.85))
+        .border_style(RGBColor(0xcc, 0xcc, 0xcc))
+        .draw()
+        .map_err(failed)
+}
+
+/// A line with at most about [`MOST_POINTS`] points: the lowest and the highest of each stretch, so that no peak is lost.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    if points.len() <= MOST_POINTS {
+        return points.to_vec();
+    }
+    let stretch = points.len().div_ceil(MOST_POINTS / 2);
+    let extremes = |piece: &[(f64, f64)]| {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let mut both: Vec<(f64, f64)> =
+            piece.iter().min_by(by_value).into_iter().chain(piece.iter().max_by(by_value)).copied().collect();
+        both.sort_by(|a, b| a.0.total_cmp(&b.0));
+        both
+    };
+    points.chunks(stretch).flat_map(extremes).collect()
+}
+
+fn range(values: impl Iterator<Item = f64>) -> Result<(f64, f64), PlotError> {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low <= high { Ok((low, high.max(low + 1e-9))) } else { Err(PlotError::Nothing) }
+}
+
+fn padded((low, high): (f64, f64)) -> std::ops::Range<f64> {
+    let pad = 0.05 * (high - low).max(1e-6);
+    low - pad..high + pad
+}
+
+fn failed(error: impl std::fmt::Display) -> PlotError {
+    PlotError::Draw(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_POINTS, thinned};
+
+    #[test]
+    fn a_thinned_line_keeps_its_peaks_and_its_order() {
+        let mut points: Vec<(f64, f64)> = (0..100_000).map(|k| (f64::from(k), 0.0)).collect();
+        points[54_321].1 = 9.0;
+        points[65_432].1 = -9.0;
+        let thin = thinned(&points);
+        assert!(thin.len() <= MOST_POINTS + 2, "{}", thin.len());
+        assert!(thin.contains(&(54_321.0, 9.0)) && thin.contains(&(65_432.0, -9.0)));
+        assert!(thin.is_sorted_by_key(|p| p.0));
+    }
+}

@@ -1,0 +1,57 @@
+//! The seam: the cycle sees hardware only through [`Rig`]. The bench, the simulated rig in real time and the
+//! simulated rig in virtual time are one [`Chips`] over different buses and clocks; nothing else differs.
+//!
+//! ```text
+//!            bench                    simulated, real time        simulated, virtual time
+//! bus        /dev/i2c-1, a handle     emulated, a handle          emulated, a handle
+//!            for each chip            for each chip               for each chip
+//! clock      monotonic                monotonic                   the emulated world's own
+//! ```
+
+mod bench;
+mod chips;
+mod clock;
+mod simulated;
+
+pub use bench::{BenchError, bench};
+pub use chips::{Chips, StartError};
+pub use clock::{Monotonic, WorldClock};
+pub use simulated::{SimulatedRig, SimulatedStartError, simulated_in_real_time, simulated_in_virtual_time};
+
+use control::{Duty, Millimetres};
+use embedded_hal::i2c::ErrorKind;
+
+/// What the sensor said when asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sighting {
+    /// The ball is here.
+    Ball(Millimetres),
+    /// No new reading since the last one.
+    NotReady,
+    /// A reading without a ball: no target, or one beyond the pipe.
+    NoBall {
+        /// What the sensor reported, mm from its window.
+        reported_mm: u16,
+    },
+}
+
+/// Position in, duty out, clock.
+pub trait Rig {
+    /// Seconds since a fixed start; never goes back.
+    fn now_s(&self) -> f64;
+
+    /// Returns at `t_s` or as soon after it as the system allows.
+    fn sleep_until_s(&self, t_s: f64);
+
+    /// Asks the sensor, without waiting.
+    ///
+    /// # Errors
+    /// What the bus said.
+    fn position(&mut self) -> Result<Sighting, ErrorKind>;
+
+    /// Writes a duty and returns it as the chip holds it.
+    ///
+    /// # Errors
+    /// What the bus said.
+    fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind>;
+}

@@ -1,0 +1,64 @@
+//! What the documents say is so.
+
+use std::fs;
+use system_tests::{Bench, root};
+
+#[test]
+fn the_architecture_page_names_every_crate_and_no_other() {
+    let page = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let mut crates: Vec<String> = fs::read_dir(root().join("crates"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    crates.sort();
+    let mut named: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("## crates/")).collect();
+    named.sort_unstable();
+    assert_eq!(named, crates);
+}
+
+#[test]
+fn every_path_that_the_architecture_page_names_exists() {
+    let page = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let quoted = page.split('`').skip(1).step_by(2);
+    let files: Vec<&str> = quoted.filter(|word| word.ends_with(".rs") || word.starts_with("scripts/")).collect();
+    assert!(files.len() > 10, "{files:?}");
+    for file in files {
+        let places = ["", "crates/app/src/", "crates/control/src/"].map(|place| root().join(place).join(file));
+        assert!(places.iter().any(|place| place.exists()), "{file}");
+    }
+}
+
+#[test]
+fn the_config_of_the_project_is_sound_and_prints_back_as_itself() {
+    let bench = Bench::default();
+    assert!(bench.output(&["config", "check"]).contains("fan_lag"));
+    let printed = bench.output(&["config", "print"]);
+    bench.write("again.toml", &printed);
+    assert_eq!(bench.output(&["config", "print", "--config", "again.toml"]), printed);
+}
+
+#[test]
+fn every_command_explains_itself_and_its_flags() {
+    let bench = Bench::default();
+    let help = bench.output(&["--help"]);
+    for command in ["run", "simulate", "replay", "config", "log"] {
+        assert!(help.contains(&format!("  {command} ")), "{help}");
+    }
+    for command in ["run", "simulate"] {
+        let help = bench.output(&[command, "--help"]);
+        for flag in ["--config", "--patch", "--experiment", "--log", "--seed", "--duration", "--plot", "--json"] {
+            assert!(help.contains(flag), "airball {command} --help: {flag}");
+        }
+    }
+}
+
+#[test]
+fn the_readme_shows_commands_and_files_that_exist() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    for script in ["scripts/fly", "scripts/test"] {
+        assert!(readme.contains(script) && root().join(script).exists(), "{script}");
+    }
+    for link in readme.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        assert!(link.starts_with("http") || root().join(link).exists(), "{link}");
+    }
+}

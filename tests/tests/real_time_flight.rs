@@ -1,0 +1,117 @@
+//! Flights in real time: signals, a real broker, no broker, no bus. Slow, a few seconds each: time is what they are about.
+
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use serde_json::Value;
+use std::process::{Child, Stdio};
+use system_tests::{Bench, Broker, Ran, collect, eventually};
+
+fn start(bench: &Bench, arguments: &[&str]) -> Child {
+    let flags = [&["run", "--sim", "--log", "f.mcap"], arguments].concat();
+    bench.airball(&flags).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn end(flight: Child, signal: Signal) -> Ran {
+    kill(Pid::from_raw(flight.id().try_into().unwrap()), signal).unwrap();
+    Ran::from(flight.wait_with_output().unwrap())
+}
+
+/// A config that talks to `broker`.
+fn with_broker(bench: &Bench, broker: &Broker) {
+    let config = bench.read("config.toml");
+    bench.write("config.toml", config.replace("port = 1883", &format!("port = {}", broker.port)));
+}
+
+fn state(broker: &Broker) -> Value {
+    serde_json::from_str(&broker.next("airball/rig1/state")).unwrap()
+}
+
+#[test]
+fn a_signal_lands_the_ball_and_keeps_the_log() {
+    for signal in [Signal::SIGINT, Signal::SIGTERM] {
+        let bench = Bench::default();
+        let flight = start(&bench, &[]);
+        eventually("the flight has begun", || bench.path("f.mcap").exists().then_some(()));
+        std::thread::sleep(std::time::Duration::from_secs(2));
+        let ran = end(flight, signal);
+        assert_eq!(ran.code, Some(0), "{}", ran.errors);
+        assert!(ran.output.contains("flight ") && ran.output.contains("f.mcap"), "{}", ran.output);
+        let info = bench.output(&["log", "info", "f.mcap"]);
+        assert!(info.contains("waiting → flying") && info.contains("end      signal"), "{info}");
+        let csv = bench.output(&["log", "export", "f.mcap"]);
+        assert!(csv.lines().count() > 50, "{}", csv.lines().count());
+    }
+}
+
+#[test]
+fn without_a_broker_it_flies_all_the_same_and_says_so_once() {
+    let bench = Bench::default();
+    let config = bench.read("config.toml").replace("port = 1883", "port = 1");
+    bench.write("config.toml", config);
+    let ran = Ran::from(start(&bench, &["--duration", "3"]).wait_with_output().unwrap());
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    assert_eq!(ran.errors.matches("localhost:1").count(), 1, "{}", ran.errors);
+}
+
+#[test]
+fn mosquitto_pub_moves_the_ball_and_nonsense_is_refused_with_the_reason() {
+    let (bench, broker) = (Bench::default(), Broker::default());
+    with_broker(&bench, &broker);
+    let flight = start(&bench, &[]);
+    eventually("the ball flies", || (state(&broker)["mode"] == "flying").then_some(()));
+
+    let replies = broker.subscribe("airball/rig1/reply", 4);
+    broker.publish("airball/rig1/set/setpoint_mm", "300");
+    broker.publish("airball/rig1/set/setpoint_mm", "NaN");
+    broker.publish("airball/rig1/set/setpoint_mm", "5000");
+    broker.publish("airball/rig1/set/gains", r#"{"kp_per_mm": 0.011, "ti_s": 5.0}"#);
+    let replies: Vec<Value> = collect(replies).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let accepted: Vec<bool> = replies.iter().map(|reply| reply["accepted"].as_bool().unwrap()).collect();
+    assert_eq!(accepted.iter().filter(|yes| **yes).count(), 2, "{replies:?}");
+    let reasons: String = replies.iter().filter_map(|reply| reply["reason"].as_str()).collect();
+    assert!(reasons.contains("NaN") && reasons.contains("5000") && reasons.contains("30 to 550"), "{reasons}");
+    let gains = replies.iter().find(|reply| reply["topic"] == "set/gains").unwrap();
+    assert_eq!(gains["in_force"]["kp_per_mm"], 0.011);
+
+    let arrived = eventually("the ball is at 300 mm", || {
+        let state = state(&broker);
+        let near = (state["position_mm"].as_f64()? - 300.0).abs() < 15.0;
+        (near && state["setpoint_mm"] == 300.0).then_some(state)
+    });
+    assert_eq!(arrived["mode"], "flying");
+
+    let ran = end(flight, Signal::SIGTERM);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    assert_eq!(broker.next("airball/rig1/status").trim(), "offline");
+    let info = bench.output(&["log", "info", "f.mcap"]);
+    assert!(info.contains("setpoint_mm 300: accepted") && info.contains("setpoint_mm 5000: refused"), "{info}");
+}
+
+#[test]
+fn stop_turns_the_fan_off_and_fly_lifts_the_ball_again() {
+    let (bench, broker) = (Bench::default(), Broker::default());
+    with_broker(&bench, &broker);
+    let flight = start(&bench, &[]);
+    let until = |mode: &str| {
+        eventually(mode, || Some(state(&broker)).filter(|state| state["mode"] == mode));
+    };
+    until("flying");
+    broker.publish("airball/rig1/set/mode", "stop");
+    until("stopped");
+    assert_eq!(state(&broker)["duty_percent"], 0.0);
+    broker.publish("airball/rig1/set/mode", "fly");
+    until("flying");
+    assert_eq!(end(flight, Signal::SIGINT).code, Some(0));
+}
+
+#[test]
+fn a_machine_without_the_bus_is_told_which_file_is_missing_and_what_to_do() {
+    let bench = Bench::default();
+    let config = bench.read("config.toml").replace("/dev/i2c-1", "/dev/i2c-that-is-not-there");
+    bench.write("config.toml", config);
+    let ran = bench.run(&["run"]);
+    assert_eq!(ran.code, Some(1));
+    for word in ["/dev/i2c-that-is-not-there", "raspi-config", "--sim"] {
+        assert!(ran.errors.contains(word), "{word}: {}", ran.errors);
+    }
+}

@@ -1,0 +1,92 @@
+//! Flights in virtual time: bit-exact, followed, logged, drawn.
+
+use serde_json::Value;
+use system_tests::{Bench, root};
+
+fn summary(bench: &Bench, arguments: &[&str]) -> Value {
+    let flags = [&["simulate", "--json"], arguments].concat();
+    serde_json::from_str(&bench.output(&flags)).unwrap()
+}
+
+#[test]
+fn one_seed_gives_the_same_cycles_and_another_seed_others() {
+    let bench = Bench::default();
+    for (seed, log) in [("5", "a.mcap"), ("5", "b.mcap"), ("6", "c.mcap")] {
+        let _ = bench.output(&["simulate", "--seed", seed, "--log", log]);
+    }
+    let csv = |log| bench.output(&["log", "export", log]);
+    assert_eq!(csv("a.mcap"), csv("b.mcap"));
+    assert_ne!(csv("a.mcap"), csv("c.mcap"));
+    assert_eq!(csv("a.mcap").lines().count(), 3001, "a header and 60 s at 50 Hz");
+}
+
+#[test]
+fn the_ball_follows_the_square_wave_of_the_config() {
+    let bench = Bench::default();
+    let flight = summary(&bench, &["--duration", "64", "--log", "f.mcap"]);
+    assert_eq!(flight["steps"], 8);
+    assert_eq!(flight["unsettled"], 0, "{flight}");
+    assert!(flight["overshoot_percent"].as_f64().unwrap() < 30.0, "{flight}");
+    assert!(flight["settling_s"].as_f64().unwrap() < 5.0, "{flight}");
+    // Once settled, little more than the sensor's own 2.5 mm and the air's push.
+    assert!(flight["rms_settled_mm"].as_f64().unwrap() < 8.0, "{flight}");
+    assert_eq!(flight["late"], 0);
+    assert_eq!(flight["fresh_percent"], 100.0);
+}
+
+#[test]
+fn the_picture_shows_setpoint_position_and_duty() {
+    let bench = Bench::default();
+    let said = bench.output(&["simulate", "--duration", "20", "--plot", "out.svg"]);
+    assert!(said.contains("picture   out.svg") && said.contains("flights/"), "{said}");
+    let svg = bench.read("out.svg");
+    for text in ["position, mm", "duty, %", "setpoint", "time, s"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(svg.matches("<polyline").count() >= 3);
+}
+
+#[test]
+fn every_experiment_of_the_project_flies_to_its_end() {
+    let experiments = root().join("experiments");
+    for entry in std::fs::read_dir(experiments).unwrap() {
+        let file = entry.unwrap().path();
+        let bench = Bench::default();
+        let flight = summary(&bench, &["--experiment", file.to_str().unwrap(), "--log", "e.mcap"]);
+        let wanted: f64 = std::fs::read_to_string(&file)
+            .unwrap()
+            .lines()
+            .filter_map(|line| line.strip_prefix("duration_s = "))
+            .map(|number| number.parse::<f64>().unwrap())
+            .sum();
+        let flown = flight["duration_s"].as_f64().unwrap();
+        assert!((flown - wanted).abs() < 0.05, "{}: {flown} s of {wanted} s", file.display());
+        let info = bench.output(&["log", "info", "e.mcap"]);
+        assert!(info.contains("end      finished"), "{info}");
+    }
+}
+
+#[test]
+fn an_experiment_that_throws_the_ball_out_of_its_band_ends_with_a_fault() {
+    let bench = Bench::default();
+    bench.write(
+        "wild.toml",
+        "title = \"wild\"\n[limits]\nposition_max_mm = 350.0\n[[segment]]\nduration_s = 20.0\n\
+         setpoint_mm.ramp = { from = 200.0, to = 500.0, over_s = 10.0 }\n",
+    );
+    let ran = bench.run(&["simulate", "--experiment", "wild.toml", "--log", "w.mcap"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("left the experiment's band") && ran.errors.contains("fan off"), "{}", ran.errors);
+    assert!(bench.output(&["log", "info", "w.mcap"]).contains("left the experiment's band"));
+}
+
+#[test]
+fn a_log_is_never_overwritten() {
+    let bench = Bench::default();
+    let _ = bench.output(&["simulate", "--duration", "2", "--log", "f.mcap"]);
+    let before = std::fs::read(bench.path("f.mcap")).unwrap();
+    let ran = bench.run(&["simulate", "--duration", "2", "--log", "f.mcap"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("f.mcap exists already"), "{}", ran.errors);
+    assert_eq!(std::fs::read(bench.path("f.mcap")).unwrap(), before);
+}

@@ -1,5 +1,4 @@
 //! What the system tests share: the built binary, a broker of their own, a directory of their own.
-#![allow(clippy::expect_used, clippy::panic, reason = "a helper of tests stops the test that cannot go on")]
 
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -11,7 +10,8 @@ use tempfile::TempDir;
 
 /// The binary, built once for all tests of a test program.
 static AIRBALL: LazyLock<PathBuf> = LazyLock::new(|| {
-    let build = escargot::CargoBuild::new().package("airball").bin("airball").current_target();
+    // The whole workspace, so that its dependencies are built with the features that the tests themselves use.
+    let build = escargot::CargoBuild::new().arg("--workspace").bin("airball");
     build.manifest_path(root().join("Cargo.toml")).run().expect("the binary builds").path().to_owned()
 });
 

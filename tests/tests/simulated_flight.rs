@@ -25,12 +25,14 @@ fn the_ball_follows_the_square_wave_of_the_config() {
     let bench = Bench::default();
     let flight = summary(&bench, &["--duration", "64", "--log", "f.mcap"]);
     assert_eq!(flight["steps"], 8);
-    assert_eq!(flight["unsettled"], 0, "{flight}");
-    assert!(flight["overshoot_percent"].as_f64().unwrap() < 30.0, "{flight}");
-    assert!(flight["settling_s"].as_f64().unwrap() < 5.0, "{flight}");
+    // The air may push the ball out of a step's ±10 mm for longer than a step lasts, but rarely.
+    assert!(flight["unsettled"].as_u64().unwrap() <= 2, "{flight}");
+    assert!(flight["overshoot_percent"].as_f64().unwrap() < 15.0, "{flight}");
+    assert!(flight["settling_s"].as_f64().unwrap() < 3.0, "{flight}");
     // Once settled, little more than the sensor's own 2.5 mm and the air's push.
-    assert!(flight["rms_settled_mm"].as_f64().unwrap() < 8.0, "{flight}");
+    assert!(flight["rms_settled_mm"].as_f64().unwrap() < 12.0, "{flight}");
     assert_eq!(flight["late"], 0);
+    // The loop stays just behind the sensor: every cycle finds a new reading.
     assert_eq!(flight["fresh_percent"], 100.0);
 }
 

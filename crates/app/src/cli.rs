@@ -74,7 +74,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub sim: bool,
     /// End the flight after so many seconds [default: the experiment's end, or Ctrl-C]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
 }
 
@@ -85,7 +85,7 @@ pub struct SimulateArgs {
     #[command(flatten)]
     pub flight: FlightArgs,
     /// End the flight after so many seconds of virtual time [default: the experiment's end, or 60]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
 }
 

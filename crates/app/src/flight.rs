@@ -29,6 +29,7 @@ pub struct Flight<'a, R: Rig> {
     pilot: Pilot,
     recorder: &'a mut dyn Recorder,
     mailbox: Option<&'a mut Mailbox>,
+    table: Loop,
     deadlines: Deadlines,
     start_s: f64,
     last_cycle_s: f64,
@@ -61,16 +62,15 @@ impl<'a, R: Rig> Flight<'a, R> {
         recorder: &'a mut dyn Recorder,
         mailbox: Option<&'a mut Mailbox>,
     ) -> Self {
-        let start_s = rig.now_s();
-        let deadlines = Deadlines::new(start_s, table.period_s, table.late_after_s);
         Self {
             rig,
             pilot,
             recorder,
             mailbox,
-            deadlines,
-            start_s,
-            last_cycle_s: start_s,
+            table: *table,
+            deadlines: Deadlines::new(0.0, table.period_s, table.late_after_s),
+            start_s: 0.0,
+            last_cycle_s: 0.0,
             held: Duty::OFF,
             fan_failures: 0,
             noted: None,
@@ -79,6 +79,7 @@ impl<'a, R: Rig> Flight<'a, R> {
 
     /// Flies until the programme is over, `duration_s` has passed, `stop` is set or a fault ends it.
     pub fn fly(mut self, duration_s: f64, stop: &AtomicBool) -> Outcome {
+        self.start();
         let (end, fault) = loop {
             self.rig.sleep_until_s(self.deadlines.next_s());
             if stop.load(Ordering::Relaxed) {
@@ -95,6 +96,14 @@ impl<'a, R: Rig> Flight<'a, R> {
         let fan_still_on = self.land();
         self.event(What::End(end));
         Outcome { end, fault, punctuality: self.deadlines.punctuality(), fan_still_on }
+    }
+
+    /// Lays the deadlines right behind the sensor's readings. A sensor that is silent shows in the first cycles.
+    fn start(&mut self) {
+        let _ = self.rig.align();
+        self.start_s = self.rig.now_s() + self.table.period_s;
+        self.last_cycle_s = self.start_s - self.table.period_s;
+        self.deadlines = Deadlines::new(self.start_s, self.table.period_s, self.table.late_after_s);
     }
 
     /// One control period. Returns the fault that ends the flight, if there is one.
@@ -245,6 +254,9 @@ mod tests {
         }
         fn sleep_until_s(&self, t_s: f64) {
             self.now_s.set(self.now_s.get().max(t_s));
+        }
+        fn align(&mut self) -> Result<(), ErrorKind> {
+            Ok(())
         }
         fn position(&mut self) -> Result<Sighting, ErrorKind> {
             (self.position)(self.now_s.get())

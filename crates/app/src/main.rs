@@ -1,7 +1,7 @@
 //! The binary `airball`.
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
-use airball::commands::{config, log, replay, run, simulate};
+use airball::commands::{config, log, note, reader_is_gone, replay, run, simulate};
 use airball::config::ConfigError;
 use clap::Parser;
 use std::process::ExitCode;
@@ -18,8 +18,9 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if reader_is_gone(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("airball: {error:#}");
+            note(format_args!("{error:#}"));
             // 2 is wrong usage, which clap answers too; a config is part of the usage.
             if error.is::<ConfigError>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }

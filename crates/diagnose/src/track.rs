@@ -3,9 +3,8 @@
 //! ```text
 //! state x = (y, v, A)                         see `plant::Motion`
 //! x ← RK4(x, duty), P ← Φ·P·Φᵀ + Q            Φ = ∂RK4/∂x by central differences
-//! Q = PSD · | dt³/3  dt²/2  0 |               white acceleration over a step of dt
-//!           | dt²/2  dt     0 |
-//!           | 0      0      0 |
+//! Q = PSD·dt/6 · ( g₀·g₀ᵀ + 4·g·gᵀ + g₁·g₁ᵀ )   white acceleration over a step: Simpson's rule of Φ(s)·e_v
+//!     g₀ = e_v, g₁ = Φ·e_v, g = (g₀ + g₁)/2
 //! ```
 //!
 //! The extended Kalman filter: exact for the linear part, which central differences reproduce to rounding,
@@ -17,7 +16,7 @@ use control::kalman::Kalman;
 use nalgebra::{Matrix3, RowVector3, Vector3};
 use plant::{Model, Motion};
 
-/// Longest integration step, seconds: RK4 is exact to 1e-6 of a rig's motion there, and Q's form holds.
+/// Longest integration step, seconds: RK4 is exact to 1e-6 of a rig's motion there.
 const MAX_STEP_S: f64 = 0.02;
 /// The reading is the position.
 const POSITION: RowVector3<f64> = RowVector3::new(1.0, 0.0, 0.0);
@@ -127,7 +126,6 @@ fn advance(filter: &mut Kalman<3>, model: &Model, duty_percent: f64, dt_s: f64) 
     let commanded = model.commanded(duty_percent);
     let steps = (dt_s / MAX_STEP_S).ceil().max(1.0);
     let dt = dt_s / steps;
-    let noise = process_noise(model, dt);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive whole number")]
     for _ in 0..steps as u64 {
         let motion =
@@ -135,13 +133,16 @@ fn advance(filter: &mut Kalman<3>, model: &Model, duty_percent: f64, dt_s: f64) 
         // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
         let transition = derivative(|nudged| nudged.step_in_endless_pipe(model, commanded, dt), &motion);
         let next = motion.step(model, commanded, dt);
-        filter.predict(vector(&next), &transition, &noise);
+        filter.predict(vector(&next), &transition, &process_noise(model, &transition, dt));
     }
 }
 
-fn process_noise(model: &Model, dt: f64) -> Matrix3<f64> {
-    let (yy, yv, vv) = (dt * dt * dt / 3.0, dt * dt / 2.0, dt);
-    Matrix3::new(yy, yv, 0.0, yv, vv, 0.0, 0.0, 0.0, 0.0) * model.noise.acceleration_psd_mm2_per_s3
+/// The covariance that white acceleration gathers over a step with this `transition`.
+fn process_noise(model: &Model, transition: &Matrix3<f64>, dt: f64) -> Matrix3<f64> {
+    let (first, last) = (Vector3::y(), transition * Vector3::y());
+    let middle = (first + last) / 2.0;
+    let outer = |g: Vector3<f64>| g * g.transpose();
+    (outer(first) + 4.0 * outer(middle) + outer(last)) * (model.noise.acceleration_psd_mm2_per_s3 * dt / 6.0)
 }
 
 fn vector(motion: &Motion) -> Vector3<f64> {

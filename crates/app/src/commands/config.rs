@@ -1,5 +1,6 @@
 //! `airball config check` and `airball config print`.
 
+use super::say;
 use crate::cli::ConfigArgs;
 use crate::config::Config;
 use anyhow::Result;
@@ -13,7 +14,7 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
     let effects = config.tables.plant.as_ref().map_or_else(Vec::new, |plant| plant.effects.present());
     let names: Vec<&str> = effects.iter().map(|entry| entry.name).collect();
     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
-    println!("{} is sound; effects of the plant that are on: {names}", args.config.display());
+    say(format_args!("{} is sound; effects of the plant that are on: {names}", args.config.display()))?;
     Ok(())
 }
 
@@ -22,6 +23,6 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
 /// # Errors
 /// Where it is not sound.
 pub fn print(args: &ConfigArgs) -> Result<()> {
-    print!("{}", Config::read(&args.config, &args.patch)?.to_toml());
+    say(Config::read(&args.config, &args.patch)?.to_toml().to_string().trim_end())?;
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! What `run` and `simulate` share: orders from the config, the log's header and name, and the end of a flight.
 
+use super::say;
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
 use crate::experiment::Experiment;
@@ -69,16 +70,16 @@ pub(super) fn report(
         let cycles = log::flight::read(&log.path)?.cycles;
         let summary = Summary::of(&cycles, Some(outcome.punctuality));
         if args.json {
-            println!("{}", serde_json::to_string(&summary)?);
+            say(serde_json::to_string(&summary)?)?;
         } else {
-            print!("{summary}");
+            say(summary.to_string().trim_end())?;
             let dropped = if log.dropped == 0 { String::new() } else { format!(" ({} messages dropped)", log.dropped) };
-            println!("log       {}{dropped}", log.path.display());
+            say(format_args!("log       {}{dropped}", log.path.display()))?;
         }
         if let Some(path) = &args.plot {
             plot::flight(path, title, &cycles)?;
             if !args.json {
-                println!("picture   {}", path.display());
+                say(format_args!("picture   {}", path.display()))?;
             }
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! `airball log info` and `airball log export`.
 
+use super::{note, say};
 use crate::log::{export, flight};
 use crate::report::summary::Summary;
 use anyhow::Result;
@@ -12,18 +13,18 @@ use std::path::Path;
 pub fn info(path: &Path) -> Result<()> {
     let log = flight::read(path)?;
     if let Some(lost) = &log.truncated {
-        eprintln!("airball: {lost}");
+        note(format_args!("{}: {lost}", path.display()));
     }
     let about = &log.about;
-    println!("command   {}", about.command.as_deref().unwrap_or("unknown"));
-    println!("version   {}", about.version.as_deref().unwrap_or("unknown"));
-    println!("started   {}", about.started.as_deref().unwrap_or("unknown"));
+    say(format_args!("command   {}", about.command.as_deref().unwrap_or("unknown")))?;
+    say(format_args!("version   {}", about.version.as_deref().unwrap_or("unknown")))?;
+    say(format_args!("started   {}", about.started.as_deref().unwrap_or("unknown")))?;
     if let Some(seed) = about.seed {
-        println!("seed      {seed}");
+        say(format_args!("seed      {seed}"))?;
     }
-    print!("{}", Summary::of(&log.cycles, None));
+    say(Summary::of(&log.cycles, None).to_string().trim_end())?;
     for event in &log.events {
-        println!("{:9.3} s  {:<8} {}", event.time_s, event.kind, event.text);
+        say(format_args!("{:9.3} s  {:<8} {}", event.time_s, event.kind, event.text))?;
     }
     Ok(())
 }

@@ -3,6 +3,10 @@
 pub mod config;
 mod flying;
 pub mod log;
+mod output;
 pub mod replay;
 pub mod run;
 pub mod simulate;
+
+use output::say;
+pub use output::{note, reader_is_gone};

@@ -1,5 +1,6 @@
 //! `airball replay`: the gap between a log and a model.
 
+use super::{note, say};
 use crate::cli::ReplayArgs;
 use crate::config::Config;
 use crate::log::reader;
@@ -16,23 +17,23 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
     let log = reader::read(&args.log, config.tables.import.as_ref())?;
     if let Some(lost) = &log.truncated {
-        eprintln!("airball: {lost}");
+        note(format_args!("{}: {lost}", args.log.display()));
     }
     let gap = Gap::measure(model, &log.recording);
     if args.json {
-        println!("{}", serde_json::to_string(&gap::ReplayDocument::of(&gap))?);
+        say(serde_json::to_string(&gap::ReplayDocument::of(&gap))?)?;
     } else {
         let readings = log.recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
         let (file, duration_s) = (args.log.display(), log.recording.duration_s());
-        println!("{file}: {duration_s:.1} s, {readings} readings; model of {}", args.config.config.display());
-        println!("{}", gap::table(&gap));
-        println!("{}", gap::sentence(&gap));
+        say(format_args!("{file}: {duration_s:.1} s, {readings} readings; model of {}", args.config.config.display()))?;
+        say(gap::table(&gap))?;
+        say(gap::sentence(&gap))?;
     }
     if let Some(path) = &args.plot {
         let title = format!("{} and the model's free runs", args.log.display());
         plot::replay(path, &title, &log.recording, &free_runs(model, &log.recording))?;
         if !args.json {
-            println!("picture   {}", path.display());
+            say(format_args!("picture   {}", path.display()))?;
         }
     }
     Ok(())

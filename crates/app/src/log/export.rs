@@ -15,7 +15,7 @@ const HEADER: [&str; 6] = ["time_s", "setpoint_mm", "control_percent", "duty_per
 /// What the writer said.
 pub fn csv(cycles: &[Cycle], to: impl Write) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(to);
-    csv.write_record(HEADER)?;
+    csv.write_record(HEADER).map_err(cause)?;
     let cell = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     for cycle in cycles {
         csv.write_record([
@@ -25,7 +25,16 @@ pub fn csv(cycles: &[Cycle], to: impl Write) -> io::Result<()> {
             cell(Some(cycle.duty_percent)),
             cell(cycle.position_mm),
             u8::from(cycle.fresh).to_string(),
-        ])?;
+        ])
+        .map_err(cause)?;
     }
     csv.flush()
+}
+
+/// What the writer itself said: a pipe that is closed must be recognised behind the table.
+fn cause(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    }
 }

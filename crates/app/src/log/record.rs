@@ -34,19 +34,19 @@ pub struct Cycle {
     pub lateness_s: f64,
     /// What the loop was doing.
     pub mode: Mode,
-    /// Commanded position, millimetres. Null while the fan is driven without control.
+    /// Commanded position, millimetres. Absent while the fan is driven without control.
     pub setpoint_mm: Option<f64>,
-    /// What the controller asked for, percent of duty about hover. Null while the fan is driven without control.
+    /// What the controller asked for, percent of duty about hover. Absent while the fan is driven without control.
     pub control_percent: Option<f64>,
     /// What compensation made of it, percent of duty.
     pub commanded_duty_percent: f64,
     /// The duty as the chip holds it, written in response to this position and in force until the next cycle.
     pub duty_percent: f64,
-    /// The position of the ball, millimetres above the bottom of the pipe. Null before the first reading.
+    /// The position of the ball, millimetres above the bottom of the pipe. Absent before the first reading.
     pub position_mm: Option<f64>,
     /// Whether the position was measured since the previous cycle; otherwise it is repeated.
     pub fresh: bool,
-    /// The estimated velocity, millimetres per second, upward. Null before the first reading.
+    /// The estimated velocity, millimetres per second, upward. Absent before the first reading.
     pub velocity_mm_per_s: Option<f64>,
 }
 

@@ -5,8 +5,9 @@
 //! chunk  = a record whose body holds compressed records, with a checksum
 //! ```
 //!
-//! A file that was cut short ends within a record; a chunk that was damaged does not match its checksum and is left
-//! out, the ones after it are read. Lengths are never believed beyond the end of the file: any bytes may come in.
+//! A file that was cut short ends within a record. A chunk that does not match its checksum is left out, and so is a
+//! compressed one that was cut and cannot be checked; the chunks after a damaged one are read. Lengths are never
+//! believed beyond the end of the file: any bytes may come in.
 //! Source: the MCAP format specification, <https://mcap.dev/spec>.
 
 use mcap::{
@@ -48,7 +49,7 @@ pub(super) fn walk(file: &[u8], each: &mut dyn FnMut(Record<'_>)) -> Option<Dama
             return damage;
         }
         let taken = match opcode {
-            op::CHUNK => chunk(&rest[..FRAME + body.len()], whole, each),
+            op::CHUNK => chunk(&rest[..FRAME + body.len()], each),
             _ if whole => hand_over(opcode, body, each),
             _ => Ok(()),
         };
@@ -84,8 +85,8 @@ fn hand_over(opcode: u8, body: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapR
     Ok(())
 }
 
-/// The records of a chunk, given with its frame; of a chunk that was cut, those before the cut.
-fn chunk(framed: &[u8], whole: bool, each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
+/// The records of a chunk, given with its frame; of a chunk that was cut, those that are stored before the cut.
+fn chunk(framed: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
     match stored(&framed[FRAME..]) {
         Some(mut records) => {
             while let Some((opcode, body, true)) = frame(records) {
@@ -94,7 +95,7 @@ fn chunk(framed: &[u8], whole: bool, each: &mut dyn FnMut(Record<'_>)) -> McapRe
             }
             if records.is_empty() { Ok(()) } else { Err(McapError::UnexpectedEoc) }
         }
-        None => compressed(framed, whole, each),
+        None => compressed(framed, each),
     }
 }
 
@@ -109,12 +110,12 @@ fn stored(body: &[u8]) -> Option<&[u8]> {
     (*name_length == [0; 4]).then(|| records.get(..length).unwrap_or(records))
 }
 
-/// A whole chunk is compared with its checksum before anything of it is handed over.
-fn compressed(framed: &[u8], whole: bool, each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
+/// Compares the chunk with its checksum before anything of it is handed over.
+fn compressed(framed: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
-        .with_prevalidate_chunk_crcs(whole)
+        .with_prevalidate_chunk_crcs(true)
         .with_record_length_limit(LIMIT);
     let mut reader = LinearReader::new_with_options(options);
     let mut unread = framed;

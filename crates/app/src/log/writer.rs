@@ -16,6 +16,7 @@ use super::{
 };
 use mcap::{Compression, McapError, McapResult, WriteOptions, records::MessageHeader, records::Metadata};
 use serde::Serialize;
+use serde_json::Value;
 use std::{
     collections::BTreeMap,
     fs::{self, File},
@@ -94,7 +95,7 @@ impl<W: Write + Seek> LogWriter<W> {
         let written = write(&mut self.mcap, &mut self.cycle, self.start, cycle.time_s, cycle);
         written.map_err(|error| self.error(&error))?;
         if cycle.time_s >= self.next_flush_s {
-            self.next_flush_s = cycle.time_s + FLUSH_EVERY_S;
+            self.next_flush_s = cycle.time_s.floor() + FLUSH_EVERY_S;
             self.mcap.flush().map_err(|error| self.error(&error))?;
         }
         Ok(())
@@ -159,7 +160,7 @@ fn write<W: Write + Seek>(
     time_s: f64,
     message: &impl Serialize,
 ) -> McapResult<()> {
-    let data = serde_json::to_vec(message).map_err(io::Error::from)?;
+    let data = present(message).map_err(io::Error::from)?;
     let since_start = Duration::try_from_secs_f64(time_s).unwrap_or(Duration::ZERO);
     let log_time = u64::try_from((start + since_start).as_nanos()).unwrap_or(u64::MAX);
     let sequence = u32::try_from(channel.messages).unwrap_or(u32::MAX);
@@ -167,6 +168,15 @@ fn write<W: Write + Seek>(
     mcap.write_to_known_channel(&header, &data)?;
     channel.messages += 1;
     Ok(())
+}
+
+/// The message without what is absent: a `null` would break the schema, see [`schema`].
+fn present(message: &impl Serialize) -> serde_json::Result<Vec<u8>> {
+    let mut message = serde_json::to_value(message)?;
+    if let Value::Object(quantities) = &mut message {
+        quantities.retain(|_, value| !value.is_null());
+    }
+    serde_json::to_vec(&message)
 }
 
 fn write_error(path: &Path, cycles: u64, error: &McapError) -> LogError {

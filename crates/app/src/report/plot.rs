@@ -54,7 +54,7 @@ pub fn flight(path: &Path, title: &str, cycles: &[Cycle]) -> Result<(), PlotErro
         let points = cycles.iter().map(|cycle| (cycle.time_s, value(cycle).unwrap_or(f64::NAN))).collect();
         Line { label, colour, points }
     };
-    let position = [line("position", RECORDED, |c| c.position_mm), line("setpoint", SETPOINT, |c| c.setpoint_mm)];
+    let position = [line("setpoint", SETPOINT, |c| c.setpoint_mm), line("position", RECORDED, |c| c.position_mm)];
     draw(path, title, &position, &line("duty", DUTY, |cycle| Some(cycle.duty_percent)))
 }
 
@@ -114,7 +114,7 @@ fn panel(area: &DrawingArea<SVGBackend<'_>, Shift>, title: &str, axis: &str, lin
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(SeriesLabelPosition::LowerRight)
         .background_style(WHITE.mix(0.85))
         .border_style(RGBColor(0xcc, 0xcc, 0xcc))
         .draw()

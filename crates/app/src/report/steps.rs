@@ -139,8 +139,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         let overshoot = 100.0 * (-std::f64::consts::PI * delta / (1.0 - delta * delta).sqrt()).exp();
         assert!((found[0].overshoot_percent - overshoot).abs() < 0.3, "{found:?}, exact {overshoot} %");
-        let last_outside =
-            (0..500).map(|k| f64::from(k) * 0.01).filter(|t| (response(*t) - 1.0).abs() > 0.05).last().unwrap();
+        let last_outside = (0..500).map(|k| f64::from(k) * 0.01).rfind(|t| (response(*t) - 1.0).abs() > 0.05).unwrap();
         assert!((found[0].settling_s.unwrap() - last_outside).abs() < 0.03, "{found:?}, exact {last_outside} s");
     }
 

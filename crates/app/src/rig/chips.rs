@@ -7,8 +7,8 @@ use hal::{Clock, Fan, FanError, Range, RangeError, RangeSensor};
 
 /// How long the sensor may take to start, seconds: its driver needs 0.1 s at 100 kHz.
 const START_ALLOWED_S: f64 = 2.0;
-/// How long the first reading may take, seconds: ten times the sensor's period.
-const FIRST_READING_S: f64 = 0.2;
+/// How long a reading may take, seconds: ten times the sensor's period.
+const READING_ALLOWED_S: f64 = 0.2;
 /// How far beyond the pipe a reading may lie before it is no ball, mm: twelve times the sensor's noise.
 const BEYOND_PIPE_MM: f64 = 30.0;
 
@@ -32,8 +32,7 @@ pub enum StartError<S, P> {
 }
 
 impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
-    /// Turns the fan off, starts the sensor and waits for its first reading, so that a loop that starts now
-    /// comes just after each reading rather than just before.
+    /// Turns the fan off and starts the sensor.
     ///
     /// # Errors
     /// [`StartError`] names the chip and what is wrong with it; the fan is off.
@@ -44,8 +43,7 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
         fan_pwm_hz: f64,
     ) -> Result<Self, StartError<S::Error, P::Error>> {
         let fan = Fan::start(fan_bus, fan_pwm_hz).map_err(StartError::Fan)?;
-        let mut sensor = RangeSensor::start(sensor_bus, clock.clone(), START_ALLOWED_S).map_err(StartError::Sensor)?;
-        sensor.wait(FIRST_READING_S).map_err(StartError::Sensor)?;
+        let sensor = RangeSensor::start(sensor_bus, clock.clone(), START_ALLOWED_S).map_err(StartError::Sensor)?;
         Ok(Self { sensor, fan, clock, sensor_to_bottom_mm })
     }
 
@@ -65,11 +63,12 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Rig for Chips<S, P, C> {
         self.clock.sleep_until_s(t_s);
     }
 
+    fn align(&mut self) -> Result<(), ErrorKind> {
+        self.sensor.wait(READING_ALLOWED_S).map(drop).map_err(kind)
+    }
+
     fn position(&mut self) -> Result<Sighting, ErrorKind> {
-        let range = self.sensor.poll().map_err(|error| match error {
-            RangeError::Bus(error) => error.kind(),
-            _ => ErrorKind::Other,
-        })?;
+        let range = self.sensor.poll().map_err(kind)?;
         Ok(match range {
             None => Sighting::NotReady,
             Some(Range::NoTarget { reported_mm }) => Sighting::NoBall { reported_mm },
@@ -89,6 +88,13 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Rig for Chips<S, P, C> {
             FanError::Bus(error) => error.kind(),
             _ => ErrorKind::Other,
         })
+    }
+}
+
+fn kind<E: Error>(error: RangeError<E>) -> ErrorKind {
+    match error {
+        RangeError::Bus(error) => error.kind(),
+        _ => ErrorKind::Other,
     }
 }
 

@@ -43,6 +43,13 @@ pub trait Rig {
     /// Returns at `t_s` or as soon after it as the system allows.
     fn sleep_until_s(&self, t_s: f64);
 
+    /// Waits for the sensor's next reading, so that a loop that starts now comes just after each reading rather
+    /// than just before.
+    ///
+    /// # Errors
+    /// What the bus said, or `Other` when the sensor stays silent.
+    fn align(&mut self) -> Result<(), ErrorKind>;
+
     /// Asks the sensor, without waiting.
     ///
     /// # Errors

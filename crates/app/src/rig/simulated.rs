@@ -32,8 +32,10 @@ impl World for PlantWorld {
     }
 
     fn elapse_s(&mut self, seconds: f64) {
-        if let Time::Virtual(now_s) = &mut self.time {
-            *now_s += seconds;
+        match &mut self.time {
+            Time::Virtual(now_s) => *now_s += seconds,
+            // A transaction takes its time, as on a real bus: the driver's waits are counts of transactions.
+            Time::Real(clock) => clock.sleep_until_s(clock.now_s() + seconds),
         }
     }
 

@@ -1,0 +1,98 @@
+//! The gap between a log and a model: on flights of our own, and on a record of somebody else's rig.
+
+use serde_json::Value;
+use std::process::Command;
+use system_tests::{Bench, Ran, root};
+
+fn replay(bench: &Bench, arguments: &[&str]) -> Value {
+    let flags = [&["replay", "--json"], arguments].concat();
+    serde_json::from_str(&bench.output(&flags)).unwrap()
+}
+
+fn at(gap: &Value, key: &str, horizon: usize) -> f64 {
+    gap[key][horizon].as_f64().unwrap()
+}
+
+const DEAD_ZONE: &str = "[plant.effects.dead_zone]\nlower_percent = -0.3\nupper_percent = 0.3\n";
+
+#[test]
+fn a_flight_by_its_own_model_shows_no_gap_at_any_horizon() {
+    // Ten flights: one flight's 1 s errors are only some sixty independent numbers.
+    let (mut error, mut floor) = ([0.0; 3], [0.0; 3]);
+    for seed in 0..10 {
+        let bench = Bench::default();
+        let _ = bench.output(&["simulate", "--seed", &seed.to_string(), "--duration", "80", "--log", "f.mcap"]);
+        let gap = replay(&bench, &["f.mcap"]);
+        for h in 0..3 {
+            error[h] += at(&gap, "error_mm", h).powi(2);
+            floor[h] += at(&gap, "floor_mm", h).powi(2);
+        }
+    }
+    for h in 0..3 {
+        let ratio = f64::sqrt(error[h] / floor[h]);
+        assert!((ratio - 1.0).abs() < 0.08, "E/F = {ratio} at horizon {h}");
+    }
+}
+
+#[test]
+fn an_effect_that_the_model_lacks_opens_the_gap_and_its_patch_closes_it() {
+    let bench = Bench::default();
+    bench.write("stuck.toml", DEAD_ZONE);
+    let _ = bench.output(&["simulate", "--patch", "stuck.toml", "--duration", "80", "--log", "f.mcap"]);
+    let (without, with) = (replay(&bench, &["f.mcap"]), replay(&bench, &["f.mcap", "--patch", "stuck.toml"]));
+    let ratio = |gap: &Value| at(gap, "error_mm", 2) / at(gap, "floor_mm", 2);
+    assert!(ratio(&without) > 1.4, "{without}");
+    assert!(ratio(&with) < 1.15, "{with}");
+    assert!(at(&without, "error_mm", 2) < at(&without, "stay_put_mm", 2));
+}
+
+#[test]
+fn csv_and_mcap_of_one_flight_give_the_same_gap() {
+    let bench = Bench::default();
+    let _ = bench.output(&["simulate", "--duration", "40", "--log", "f.mcap"]);
+    bench.write("f.csv", bench.output(&["log", "export", "f.mcap"]));
+    assert_eq!(replay(&bench, &["f.mcap"]), replay(&bench, &["f.csv"]));
+}
+
+#[test]
+fn the_json_has_the_keys_of_its_schema_and_no_others() {
+    let bench = Bench::default();
+    let _ = bench.output(&["simulate", "--duration", "40", "--log", "f.mcap"]);
+    let gap = replay(&bench, &["f.mcap"]);
+    assert_eq!(gap["schema"], "airball.replay/1");
+    assert_eq!(gap["horizons_s"], serde_json::json!([0.1, 0.5, 1.0]));
+    let mut keys: Vec<&String> = gap.as_object().unwrap().keys().collect();
+    keys.sort();
+    let mut known =
+        ["error_mm", "floor_free_run_10s_mm", "floor_mm", "free_run_10s_mm", "horizons_s", "schema", "stay_put_mm"];
+    known.sort_unstable();
+    assert_eq!(keys, known);
+}
+
+#[test]
+fn the_table_on_a_real_record_is_what_an_independent_program_computes() {
+    let bench = Bench::default();
+    let drone = root().join("data/quarter_drone");
+    let (record, belief) = (drone.join("swept_sine.csv"), drone.join("linear.toml"));
+    let (record, belief) = (record.to_str().unwrap(), belief.to_str().unwrap());
+    let gap = replay(&bench, &[record, "--config", belief]);
+
+    // Exact discretisation and a scalar-by-scalar Kalman filter in Python, against RK4 and matrices in Rust.
+    let output = Command::new("python3").arg(root().join("tests/replay_linear.py")).arg(record).output().unwrap();
+    let ran = Ran::from(output);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    let independent: Value = serde_json::from_str(&ran.output).unwrap();
+    for key in ["error_mm", "stay_put_mm", "floor_mm"] {
+        for h in 0..3 {
+            let (ours, theirs) = (at(&gap, key, h), at(&independent, key, h));
+            assert!((ours / theirs - 1.0).abs() < 1e-5, "{key} at horizon {h}: {ours} here, {theirs} there");
+        }
+    }
+    // What a reader should believe: near in time it beats "the ball stays put", and a second ahead gravity and friction show.
+    assert!(at(&gap, "error_mm", 0) < at(&gap, "stay_put_mm", 0));
+    assert!(at(&gap, "error_mm", 2) > 5.0 * at(&gap, "floor_mm", 2));
+
+    let table = bench.output(&["replay", record, "--config", belief, "--plot", "drone.svg"]);
+    assert!(table.contains("10001 readings") && table.contains("the model lacks something"), "{table}");
+    assert!(bench.read("drone.svg").contains("recorded"));
+}

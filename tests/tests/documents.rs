@@ -62,3 +62,20 @@ fn the_readme_shows_commands_and_files_that_exist() {
         assert!(link.starts_with("http") || root().join(link).exists(), "{link}");
     }
 }
+
+#[test]
+fn the_commands_of_the_readme_run_and_their_tables_are_what_they_print() {
+    let bench = Bench::default();
+    for directory in ["docs", "experiments", "data"] {
+        std::os::unix::fs::symlink(root().join(directory).canonicalize().unwrap(), bench.path(directory)).unwrap();
+    }
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let commands: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("    airball ")).collect();
+    assert!(commands.len() >= 5, "{commands:?}");
+    for command in commands {
+        let said = bench.output(&command.split_whitespace().collect::<Vec<_>>());
+        for line in said.lines().filter(|line| command.starts_with("replay") && !line.starts_with("picture")) {
+            assert!(readme.contains(line.trim_end()), "airball {command}: not in the README: {line}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The gap as a table that a person reads, with a sentence on what it says.
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::{CellAlignment, Table, TableComponent};
 use diagnose::Gap;
 use serde::Serialize;
 
@@ -31,6 +31,7 @@ impl<'a> ReplayDocument<'a> {
 pub fn table(gap: &Gap) -> String {
     let mut table = Table::new();
     table.load_preset(UTF8_HORIZONTAL_ONLY);
+    table.remove_style(TableComponent::HorizontalLines).remove_style(TableComponent::MiddleIntersections);
     table.set_header(["forecast ahead", "model", "the ball stays put", "noise alone", "model / noise"]);
     for (h, horizon) in gap.horizons_s.iter().enumerate() {
         let (error, floor) = (gap.error_mm[h], gap.floor_mm[h]);

@@ -1,0 +1,98 @@
+//! What `load.rs` promises.
+
+use super::{Config, ConfigError};
+use std::path::PathBuf;
+
+const GOOD: &str = "[plant]\ngain_mm_per_s2_per_percent = 827.2\ndrag_per_s = 3.896\n\
+    hover_duty_percent = 21.4\npipe_length_mm = 583.0\n\n[plant.noise]\nsensor_mm = 2.5\n\
+    acceleration_psd_mm2_per_s3 = 360.0\n";
+
+struct Files(tempfile::TempDir);
+
+impl Files {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+}
+
+fn error_of(text: &str) -> String {
+    let files = Files::new();
+    let path = files.write("c.toml", text);
+    let message = Config::read(&path, &[]).unwrap_err().to_string();
+    message.replace(&files.0.path().display().to_string(), "")
+}
+
+#[test]
+fn an_unknown_key_is_named_with_its_line_and_the_known_keys() {
+    let message = error_of(&GOOD.replace("drag_per_s", "drag"));
+    assert!(message.starts_with("/c.toml:3: plant.drag: unknown field `drag`"), "{message}");
+    assert!(message.contains("`drag_per_s`"), "{message}");
+    let message = error_of(&format!("{GOOD}\n[plant.effects.fan_lagg]\ntime_constant_s = 0.2\n"));
+    assert!(message.starts_with("/c.toml:11: plant.effects.fan_lagg: unknown field"), "{message}");
+    assert!(message.contains("`dead_zone`") && message.contains("`fan_lag`"), "{message}");
+}
+
+#[test]
+fn a_value_out_of_range_is_named_with_its_line_and_bounds() {
+    let message = error_of(&GOOD.replace("3.896", "-1.0"));
+    assert!(message.starts_with("/c.toml:3: plant.drag_per_s = -1 is outside 0 to 1000"), "{message}");
+    let message = error_of(&GOOD.replace("360.0", "nan"));
+    assert!(message.starts_with("/c.toml:9: plant.noise.acceleration_psd_mm2_per_s3 = NaN"), "{message}");
+}
+
+#[test]
+fn a_missing_key_and_a_wrong_type_point_at_their_table() {
+    let message = error_of(&GOOD.replace("drag_per_s = 3.896\n", ""));
+    assert!(message.starts_with("/c.toml:1: plant: missing field `drag_per_s`"), "{message}");
+    let message = error_of(&GOOD.replace("3.896", "\"fast\""));
+    assert!(message.starts_with("/c.toml:3: plant.drag_per_s: invalid type: string \"fast\""), "{message}");
+}
+
+#[test]
+fn broken_toml_is_shown_where_it_breaks() {
+    let message = error_of("[plant]\ngain = = 3\n");
+    assert!(message.contains("line 2"), "{message}");
+}
+
+#[test]
+fn a_missing_file_is_named_with_the_flag_that_names_it() {
+    let message = Config::read(&PathBuf::from("nowhere.toml"), &[]).unwrap_err().to_string();
+    assert!(message.contains("nowhere.toml") && message.contains("--config"), "{message}");
+}
+
+#[test]
+fn a_missing_table_names_the_command_that_needs_it() {
+    let files = Files::new();
+    let config = Config::read(&files.write("c.toml", ""), &[]).unwrap();
+    let error = config.need("replay", "plant", |tables| tables.plant.as_ref()).unwrap_err();
+    assert!(matches!(error, ConfigError::Missing { table: "plant", command: "replay", .. }), "{error}");
+}
+
+#[test]
+fn later_patches_win_and_their_mistakes_are_found_in_their_own_file() {
+    let files = Files::new();
+    let base = files.write("c.toml", GOOD);
+    let first = files.write("a.toml", "[plant]\ndrag_per_s = 2.0\nhover_duty_percent = 20.0\n");
+    let second = files.write("b.toml", "[plant]\ndrag_per_s = 3.0\n[plant.effects.fan_lag]\ntime_constant_s = 0.1\n");
+    let plant = Config::read(&base, &[first.clone(), second]).unwrap().tables.plant.unwrap();
+    assert_eq!((plant.drag_per_s, plant.hover_duty_percent), (3.0, 20.0));
+    assert!(plant.effects.fan_lag.is_some());
+
+    let wrong = files.write("w.toml", "\n[plant]\ndrag_per_s = -3.0\n");
+    let message = Config::read(&base, &[first, wrong]).unwrap_err().to_string();
+    assert!(message.contains("w.toml:3: plant.drag_per_s = -3"), "{message}");
+}
+
+#[test]
+fn the_config_in_force_reads_back_as_itself() {
+    let files = Files::new();
+    let config = Config::read(&files.write("c.toml", GOOD), &[]).unwrap();
+    let again = Config::read(&files.write("again.toml", &config.to_toml()), &[]).unwrap();
+    assert_eq!(again.tables, config.tables);
+}

@@ -1,0 +1,127 @@
+//! What `flight.rs` promises.
+
+use super::{Flight, Outcome};
+use crate::config::Loop;
+use crate::log::record::{Cycle, End, Event, Fault, Mode, What};
+use crate::log::recorder::Recorder;
+use crate::pilot::tests::pilot_holding;
+use crate::rig::{Rig, Sighting};
+use control::{Duty, Millimetres};
+use embedded_hal::i2c::ErrorKind;
+use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A rig without physics: what it answers is said before the flight.
+struct Script {
+    now_s: Cell<f64>,
+    position: fn(f64) -> Result<Sighting, ErrorKind>,
+    drive: fn(f64) -> Result<(), ErrorKind>,
+    duty: Duty,
+}
+
+impl Rig for Script {
+    fn now_s(&self) -> f64 {
+        self.now_s.get()
+    }
+    fn sleep_until_s(&self, t_s: f64) {
+        self.now_s.set(self.now_s.get().max(t_s));
+    }
+    fn align(&mut self) -> Result<(), ErrorKind> {
+        Ok(())
+    }
+    fn position(&mut self) -> Result<Sighting, ErrorKind> {
+        (self.position)(self.now_s.get())
+    }
+    fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
+        (self.drive)(self.now_s.get())?;
+        self.duty = duty;
+        Ok(duty)
+    }
+}
+
+#[derive(Default)]
+struct Memory {
+    cycles: Vec<Cycle>,
+    events: Vec<What>,
+}
+
+impl Recorder for Memory {
+    fn cycle(&mut self, cycle: &Cycle) {
+        self.cycles.push(*cycle);
+    }
+    fn event(&mut self, event: &Event) {
+        self.events.push(event.what);
+    }
+    fn dropped(&self) -> u64 {
+        0
+    }
+}
+
+const HERE: fn(f64) -> Result<Sighting, ErrorKind> = |_| Ok(Sighting::Ball(Millimetres(250.0)));
+const WORKS: fn(f64) -> Result<(), ErrorKind> = |_| Ok(());
+
+fn fly(
+    position: fn(f64) -> Result<Sighting, ErrorKind>,
+    drive: fn(f64) -> Result<(), ErrorKind>,
+    stop: &AtomicBool,
+) -> (Outcome, Memory, Duty) {
+    let mut rig = Script { now_s: Cell::new(5.0), position, drive, duty: Duty::OFF };
+    let mut memory = Memory::default();
+    let table = Loop { period_s: 0.02, late_after_s: 0.002 };
+    let outcome = Flight::new(&mut rig, pilot_holding(300.0, 60.0), &table, &mut memory, None).fly(2.0, stop);
+    (outcome, memory, rig.duty)
+}
+
+#[test]
+fn a_flight_runs_its_cycles_and_ends_with_the_fan_off() {
+    let (outcome, memory, duty) = fly(HERE, WORKS, &AtomicBool::new(false));
+    assert_eq!((outcome.end, outcome.punctuality.cycles, duty), (End::Finished, 100, Duty::OFF));
+    assert_eq!(memory.cycles.len(), 100);
+    assert!(memory.cycles.iter().all(|cycle| cycle.duty_percent > 21.4 && cycle.fresh));
+    let begin = What::Mode { from: Mode::Waiting, to: Mode::Flying };
+    assert_eq!(memory.events, [begin, What::End(End::Finished)]);
+}
+
+#[test]
+fn a_signal_ends_the_flight_with_the_fan_off() {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    let until_one_second: fn(f64) -> Result<Sighting, ErrorKind> = |now_s| {
+        STOP.store(now_s > 6.0, Ordering::Relaxed);
+        HERE(now_s)
+    };
+    let (outcome, _, duty) = fly(until_one_second, WORKS, &STOP);
+    assert_eq!((outcome.end, duty), (End::Signal, Duty::OFF));
+    assert!(outcome.punctuality.cycles < 55);
+}
+
+#[test]
+fn a_dead_sensor_is_noted_once_and_ends_the_flight_with_the_fan_off() {
+    let dies: fn(f64) -> Result<Sighting, ErrorKind> =
+        |now_s| if now_s < 6.0 { HERE(now_s) } else { Err(ErrorKind::Bus) };
+    let (outcome, memory, duty) = fly(dies, WORKS, &AtomicBool::new(false));
+    assert_eq!((outcome.end, duty), (End::Fault, Duty::OFF));
+    assert_eq!(outcome.fault, Some(Fault::SensorBus { kind: ErrorKind::Bus }));
+    let noted = memory.events.iter().filter(|what| matches!(what, What::Fault(_))).count();
+    assert_eq!(noted, 1, "{:?}", memory.events);
+}
+
+#[test]
+fn a_fan_that_cannot_be_written_ends_the_flight_and_is_reported() {
+    let sticks: fn(f64) -> Result<(), ErrorKind> =
+        |now_s| if now_s < 6.0 { Ok(()) } else { Err(ErrorKind::ArbitrationLoss) };
+    let (outcome, memory, _) = fly(HERE, sticks, &AtomicBool::new(false));
+    assert_eq!(outcome.end, End::Fault);
+    assert_eq!(outcome.fan_still_on, Some(ErrorKind::ArbitrationLoss));
+    // The log keeps what the chip holds, not what was asked for in vain.
+    let held: Vec<f64> = memory.cycles.iter().rev().take(5).map(|cycle| cycle.duty_percent).collect();
+    assert!(held.iter().all(|duty| *duty == held[0]), "{held:?}");
+    assert!(memory.cycles.last().unwrap().commanded_duty_percent > held[0]);
+}
+
+#[test]
+fn a_short_hiccup_of_the_fan_is_survived() {
+    let hiccup: fn(f64) -> Result<(), ErrorKind> =
+        |now_s| if (6.0..6.05).contains(&now_s) { Err(ErrorKind::Bus) } else { Ok(()) };
+    let (outcome, _, _) = fly(HERE, hiccup, &AtomicBool::new(false));
+    assert_eq!((outcome.end, outcome.fan_still_on), (End::Finished, None));
+}

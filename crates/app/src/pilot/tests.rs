@@ -1,0 +1,162 @@
+//! What `pilot.rs` promises.
+
+use super::{Orders, Pilot, Seen};
+use crate::command::{Command, GainChange, Refusal};
+use crate::config::Safety;
+use crate::experiment::{Experiment, Limits, Segment};
+use crate::log::record::{Fault, Mode};
+use control::compensation::Compensation;
+use control::pid::{DerivativeOn, Pid};
+use control::waveform::Waveform;
+
+const T: f64 = 0.02;
+
+fn segment(duration_s: f64) -> Segment {
+    let setpoint = Waveform::Constant { value: 300.0 };
+    Segment { duration_s, setpoint_mm: Some(setpoint), excitation_percent: None, duty_percent: None }
+}
+
+fn pilot(segments: Vec<Segment>) -> Pilot {
+    let limits = Limits { position_min_mm: Some(50.0), position_max_mm: Some(550.0) };
+    Pilot::new(Orders {
+        pid: Pid {
+            kp_per_mm: 0.01,
+            ti_s: 5.0,
+            td_s: 0.3,
+            derivative_n: 10.0,
+            derivative_on: DerivativeOn::Measurement,
+        },
+        compensation: Compensation { hover_duty_percent: 21.4, dead_zone: None },
+        safety: Safety {
+            setpoint_min_mm: 20.0,
+            setpoint_max_mm: 560.0,
+            duty_min_percent: 5.0,
+            duty_max_percent: 40.0,
+            coast_s: 0.3,
+        },
+        experiment: Experiment { title: "t".into(), limits, segments },
+        period_s: T,
+    })
+}
+
+/// A pilot that holds `setpoint_mm` for `duration_s`.
+pub(crate) fn pilot_holding(setpoint_mm: f64, duration_s: f64) -> Pilot {
+    let setpoint = Some(Waveform::Constant { value: setpoint_mm });
+    pilot(vec![Segment { setpoint_mm: setpoint, ..segment(duration_s) }])
+}
+
+/// Flies `pilot` through `seen`, one a period, and returns the last mode and duty.
+fn fly(pilot: &mut Pilot, start_s: f64, seen: &[Seen]) -> (Mode, f64) {
+    let mut last = (pilot.mode(), 0.0);
+    for (k, seen) in seen.iter().enumerate() {
+        let decision = pilot.decide(start_s + T * k as f64, *seen);
+        last = (decision.mode, decision.duty.percent());
+    }
+    last
+}
+
+#[test]
+fn the_fan_is_off_until_the_first_position() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    assert_eq!(fly(&mut pilot, 0.0, &[Seen::Nothing(None); 20]), (Mode::Waiting, 0.0));
+    assert_eq!(fly(&mut pilot, 0.4, &[Seen::Ball(0.0)]).0, Mode::Flying);
+}
+
+#[test]
+fn a_ball_below_its_setpoint_gets_more_air_than_hover_and_one_above_less() {
+    let mut low = pilot(vec![segment(60.0)]);
+    assert!(fly(&mut low, 0.0, &[Seen::Ball(200.0); 3]).1 > 21.4);
+    let mut high = pilot(vec![segment(60.0)]);
+    assert!(fly(&mut high, 0.0, &[Seen::Ball(400.0); 3]).1 < 21.4);
+}
+
+#[test]
+fn a_silent_sensor_means_hover_for_a_while_and_then_off() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    fly(&mut pilot, 0.0, &[Seen::Ball(250.0); 10]);
+    assert_eq!(fly(&mut pilot, 0.2, &[Seen::Nothing(None); 2]).0, Mode::Flying);
+    assert_eq!(fly(&mut pilot, 0.24, &[Seen::Nothing(None); 5]), (Mode::Coasting, 21.4));
+    assert_eq!(fly(&mut pilot, 0.34, &[Seen::Nothing(None); 10]), (Mode::Stopped, 0.0));
+    assert!(matches!(pilot.fault(), Some(Fault::SensorSilent { silent_s }) if silent_s > 0.3));
+}
+
+#[test]
+fn a_position_after_coasting_flies_on_without_a_kick_of_the_derivative() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    let before = fly(&mut pilot, 0.0, &[Seen::Ball(300.0); 10]).1;
+    fly(&mut pilot, 0.2, &[Seen::Nothing(None); 10]);
+    let (mode, after) = fly(&mut pilot, 0.4, &[Seen::Ball(280.0)]);
+    // K_p·20 mm = 0.2 %; the derivative of the jump would have been 2 % or more.
+    assert!(mode == Mode::Flying && (after - before - 0.2).abs() < 0.05, "{before} % became {after} %");
+}
+
+#[test]
+fn leaving_the_band_turns_the_fan_off_but_taking_off_through_it_does_not() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    assert_eq!(fly(&mut pilot, 0.0, &[Seen::Ball(0.0), Seen::Ball(60.0)]).0, Mode::Flying);
+    assert_eq!(fly(&mut pilot, 0.04, &[Seen::Ball(551.0)]), (Mode::Stopped, 0.0));
+    assert!(matches!(pilot.fault(), Some(Fault::OutsideBand { .. })));
+}
+
+#[test]
+fn an_open_loop_segment_drives_the_duty_within_the_safe_limits() {
+    let duty = Waveform::Ramp { from: 0.0, to: 40.0, over_s: 1.0 };
+    let open = Segment { duty_percent: Some(duty), setpoint_mm: None, ..segment(1.0) };
+    let mut pilot = pilot(vec![open, segment(1.0)]);
+    let decision = pilot.decide(0.0, Seen::Ball(0.0));
+    assert_eq!((decision.mode, decision.duty.percent(), decision.control_percent), (Mode::OpenLoop, 5.0, None));
+    assert!((pilot.decide(0.5, Seen::Ball(10.0)).duty.percent() - 20.0).abs() < 1e-9);
+    assert_eq!(pilot.command(Command::Setpoint(300.0)), Err(Refusal::OpenLoop));
+    assert_eq!(pilot.decide(1.0, Seen::Ball(20.0)).mode, Mode::Flying);
+    assert!(!pilot.is_over(1.9) && pilot.is_over(2.0));
+}
+
+#[test]
+fn an_excitation_shifts_the_control_by_itself() {
+    let excited = Segment { excitation_percent: Some(Waveform::Constant { value: 0.5 }), ..segment(60.0) };
+    let (mut with, mut without) = (pilot(vec![excited]), pilot(vec![segment(60.0)]));
+    let (with, without) = (with.decide(0.0, Seen::Ball(250.0)), without.decide(0.0, Seen::Ball(250.0)));
+    assert!((with.control_percent.unwrap() - without.control_percent.unwrap() - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn commands_hold_a_setpoint_stop_fly_and_return_to_the_programme() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    fly(&mut pilot, 0.0, &[Seen::Ball(250.0); 3]);
+    pilot.command(Command::Setpoint(123.0)).unwrap();
+    assert_eq!(pilot.decide(0.06, Seen::Ball(250.0)).setpoint_mm, Some(123.0));
+    pilot.command(Command::Programme).unwrap();
+    assert_eq!(pilot.decide(0.08, Seen::Ball(250.0)).setpoint_mm, Some(300.0));
+    pilot.command(Command::Stop).unwrap();
+    assert_eq!(fly(&mut pilot, 0.1, &[Seen::Ball(250.0)]), (Mode::Stopped, 0.0));
+    pilot.command(Command::Fly).unwrap();
+    assert_eq!(fly(&mut pilot, 0.12, &[Seen::Ball(250.0)]).0, Mode::Flying);
+}
+
+#[test]
+fn commands_beyond_the_limits_are_refused_with_them() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    for asked in [5.0, 561.0, f64::NAN] {
+        let refusal = pilot.command(Command::Setpoint(asked)).unwrap_err();
+        assert!(refusal.to_string().contains("20 to 560"), "{refusal}");
+    }
+    let change = GainChange { ti_s: Some(-1.0), ..GainChange::default() };
+    let before = pilot.gains();
+    assert!(matches!(pilot.command(Command::Gains(change)), Err(Refusal::Gain(_))));
+    assert_eq!(pilot.gains(), before);
+}
+
+proptest::proptest! {
+    #[test]
+    fn whatever_is_seen_the_duty_is_off_or_within_the_safe_limits(
+        seen in proptest::collection::vec((proptest::option::of(-1e4..1e4_f64), 0.0..0.1_f64), 1..200)
+    ) {
+        let mut pilot = pilot(vec![segment(2.0), segment(2.0)]);
+        let mut t = 0.0;
+        for (position, dt) in seen {
+            t += dt;
+            let duty = pilot.decide(t, position.map_or(Seen::Nothing(None), Seen::Ball)).duty.percent();
+            proptest::prop_assert!(duty == 0.0 || (5.0..=40.0).contains(&duty), "{duty} %");
+        }
+    }
+}

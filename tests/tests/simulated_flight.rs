@@ -92,3 +92,49 @@ fn a_log_is_never_overwritten() {
     assert!(ran.errors.contains("f.mcap exists already"), "{}", ran.errors);
     assert_eq!(std::fs::read(bench.path("f.mcap")).unwrap(), before);
 }
+
+#[test]
+fn a_pulse_of_open_loop_duty_does_not_spoil_the_control_that_follows() {
+    let bench = Bench::default();
+    for (duty, seconds) in [("26.0", "0.2"), ("12.0", "0.3")] {
+        let hold = "[[segment]]\nduration_s = 10.0\nsetpoint_mm.constant = { value = 300.0 }\n";
+        let pulse = format!("[[segment]]\nduration_s = {seconds}\nduty_percent.constant = {{ value = {duty} }}\n");
+        bench.write("pulse.toml", format!("title = \"pulse\"\n{hold}{pulse}{hold}"));
+        let _ = std::fs::remove_file(bench.path("p.mcap"));
+        let _ = bench.output(&["simulate", "--experiment", "pulse.toml", "--log", "p.mcap"]);
+        let csv = bench.output(&["log", "export", "p.mcap"]);
+        let last_seconds: Vec<f64> =
+            csv.lines().rev().take(100).map(|line| line.split(',').nth(4).unwrap().parse().unwrap()).collect();
+        let mean = last_seconds.iter().sum::<f64>() / 100.0;
+        assert!((mean - 300.0).abs() < 20.0, "{duty} % for {seconds} s: {mean} mm after 8 s");
+    }
+}
+
+#[test]
+fn a_picture_never_replaces_anything_but_a_picture() {
+    let bench = Bench::default();
+    for (plot, log) in [("config.toml", "a.mcap"), ("b.mcap", "b.mcap")] {
+        let ran = bench.run(&["simulate", "--duration", "2", "--plot", plot, "--log", log]);
+        assert_eq!(ran.code, Some(1));
+        assert!(ran.errors.contains(&format!("{plot} exists and is no SVG picture")), "{}", ran.errors);
+    }
+    assert!(bench.read("config.toml").contains("[plant]"));
+    assert!(bench.output(&["log", "info", "b.mcap"]).contains("end      finished"));
+    for log in ["c.mcap", "d.mcap"] {
+        let _ = bench.output(&["simulate", "--duration", "2", "--plot", "again.svg", "--log", log]);
+    }
+}
+
+#[test]
+fn a_fault_is_reported_even_when_the_picture_fails_too() {
+    let bench = Bench::default();
+    bench.write(
+        "wild.toml",
+        "title = \"wild\"\n[limits]\nposition_max_mm = 350.0\n[[segment]]\nduration_s = 20.0\n\
+         setpoint_mm.ramp = { from = 200.0, to = 500.0, over_s = 10.0 }\n",
+    );
+    let ran = bench.run(&["simulate", "--experiment", "wild.toml", "--log", "w.mcap", "--plot", "nowhere/p.svg"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("nowhere/p.svg") && ran.errors.contains("below 350 mm"), "{}", ran.errors);
+    assert!(ran.output.contains("flight "), "{}", ran.output);
+}

@@ -64,7 +64,7 @@ pub enum Refusal {
     #[error("{0}")]
     Gain(control::OutOfRange),
     /// The loop is not controlling the ball.
-    #[error("the fan follows an open-loop programme; wait for its end or send `stop`")]
+    #[error("the fan follows an open-loop programme; wait for its end")]
     OpenLoop,
 }
 

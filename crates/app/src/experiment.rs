@@ -28,6 +28,8 @@ use std::path::Path;
 
 /// The largest excitation that may be added to the control value, percent of duty.
 const MAX_EXCITATION_PERCENT: f64 = 20.0;
+/// No pipe is longer, mm.
+const LONGEST_PIPE_MM: f64 = 2000.0;
 
 /// What a flight does over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -146,6 +148,11 @@ impl Experiment {
         if self.segments.is_empty() {
             return Err(("segment".into(), Problem::Message("no [[segment]]: say what the flight shall do")));
         }
+        let limit = |key, value: Option<f64>, min, max| value.map_or(Ok(()), |value| within(key, value, min, max));
+        let lowest = self.limits.position_min_mm.unwrap_or(-LONGEST_PIPE_MM);
+        limit("position_min_mm", self.limits.position_min_mm, -LONGEST_PIPE_MM, LONGEST_PIPE_MM)
+            .and_then(|()| limit("position_max_mm", self.limits.position_max_mm, lowest, LONGEST_PIPE_MM))
+            .map_err(|error| ("limits".to_owned(), Problem::Range(error)))?;
         self.segments.iter().enumerate().try_for_each(|(index, segment)| {
             segment.check(safety).map_err(|(key, problem)| (format!("segment[{index}]{key}"), problem))
         })
@@ -240,6 +247,15 @@ mod tests {
         let experiment = read(TWO).unwrap();
         assert!(experiment.outside_band(-100.0).is_none());
         assert!(experiment.outside_band(551.0).is_some());
+    }
+
+    #[test]
+    fn limits_that_could_not_hold_are_refused() {
+        let message = read(&TWO.replace("position_max_mm = 550.0", "position_max_mm = nan")).unwrap_err();
+        assert!(message.starts_with("e.toml:3: limits.position_max_mm = NaN"), "{message}");
+        let crossed = "position_max_mm = 100.0\nposition_min_mm = 300.0";
+        let message = read(&TWO.replace("position_max_mm = 550.0", crossed)).unwrap_err();
+        assert!(message.contains("limits.position_max_mm = 100 is outside 300 to 2000"), "{message}");
     }
 
     #[test]

@@ -22,8 +22,10 @@ use control::pid::{Limits, Pid, PidState};
 /// Time constant of the velocity's derivative filter, seconds, and its N: 30 ms of smoothing.
 const VELOCITY_TD_S: f64 = 0.3;
 const VELOCITY_N: f64 = 10.0;
-/// How long readings may be missing before the loop stops trusting the last one, in periods.
+/// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
 const MISSING_PERIODS: f64 = 2.5;
+/// How long the first position may take, seconds: a sensor that works and sees a ball needs a hundredth of it.
+const WAIT_S: f64 = 5.0;
 
 /// What the pilot knows before a flight.
 #[derive(Clone, Debug)]
@@ -36,8 +38,8 @@ pub struct Orders {
     pub safety: Safety,
     /// What to do over time.
     pub experiment: Experiment,
-    /// The period of the loop, seconds.
-    pub period_s: f64,
+    /// Time between readings, seconds: the period of the loop or of the sensor, whichever is longer.
+    pub reading_period_s: f64,
 }
 
 /// What was seen in one cycle.
@@ -78,6 +80,8 @@ pub struct Pilot {
     last: Option<(f64, f64)>,
     /// When the programme began.
     began_s: Option<f64>,
+    /// When waiting for the first position began.
+    waiting_since_s: Option<f64>,
     /// A setpoint that was commanded, in force instead of the programme's.
     held_mm: Option<f64>,
     control_percent: f64,
@@ -97,6 +101,7 @@ impl Pilot {
             velocity_mm_per_s: None,
             last: None,
             began_s: None,
+            waiting_since_s: None,
             held_mm: None,
             control_percent: 0.0,
             been_in_band: false,
@@ -161,8 +166,6 @@ impl Pilot {
             }
             (Mode::OpenLoop, Some(Demand::Drive { duty_percent })) => {
                 decision.duty = self.safe_duty(duty_percent);
-                // Where a controller that takes over starts from.
-                self.control_percent = duty_percent - self.orders.compensation.hover_duty_percent;
             }
             (Mode::Coasting, _) => {
                 decision.duty = self.safe_duty(self.orders.compensation.hover_duty_percent);
@@ -202,6 +205,8 @@ impl Pilot {
                     self.mode = Mode::Waiting;
                     self.fault = None;
                     self.last = None;
+                    self.waiting_since_s = None;
+                    self.been_in_band = false;
                 }
             }
             Command::Programme => self.held_mm = None,
@@ -214,12 +219,12 @@ impl Pilot {
         let Seen::Ball(position_mm) = seen else { return None };
         let gap_s = self.last.map(|(last_s, _)| time_s - last_s);
         self.last = Some((time_s, position_mm));
-        if gap_s.is_none_or(|gap_s| gap_s > MISSING_PERIODS * self.orders.period_s) {
+        if gap_s.is_none_or(|gap_s| gap_s > self.missing_s()) {
             // After a hole the derivatives would see its whole jump at once.
             self.velocity = DerivativeFilter::default();
             self.pid = self.pid.after_a_hole();
         }
-        let dt_s = gap_s.unwrap_or(self.orders.period_s).min(MISSING_PERIODS * self.orders.period_s);
+        let dt_s = gap_s.unwrap_or(self.orders.reading_period_s).min(self.missing_s());
         let filtered = self.velocity.step(position_mm, dt_s, VELOCITY_TD_S, VELOCITY_N);
         self.velocity_mm_per_s = Some(filtered / VELOCITY_TD_S);
         Some(dt_s)
@@ -229,7 +234,11 @@ impl Pilot {
         let silent_s = self.last.map_or(0.0, |(last_s, _)| time_s - last_s);
         self.mode = match (self.mode, seen) {
             (Mode::Stopped, _) => Mode::Stopped,
-            (Mode::Waiting, Seen::Nothing(_)) => Mode::Waiting,
+            (Mode::Waiting, Seen::Nothing(fault)) => {
+                let silent_s = time_s - *self.waiting_since_s.get_or_insert(time_s);
+                let fault = fault.unwrap_or(Fault::SensorSilent { silent_s });
+                if silent_s > WAIT_S { self.stop(fault) } else { Mode::Waiting }
+            }
             (Mode::Waiting, Seen::Ball(_)) => {
                 self.began_s.get_or_insert(time_s);
                 self.pid = PidState::default();
@@ -239,7 +248,7 @@ impl Pilot {
                 self.stop(fault.unwrap_or(Fault::SensorSilent { silent_s }))
             }
             (mode, Seen::Nothing(_)) => {
-                if silent_s > MISSING_PERIODS * self.orders.period_s {
+                if silent_s > self.missing_s() {
                     Mode::Coasting
                 } else {
                     mode
@@ -257,8 +266,8 @@ impl Pilot {
             Some(Demand::Drive { .. }) => Mode::OpenLoop,
             _ => {
                 if self.mode == Mode::OpenLoop {
-                    // Take over from where the fan is.
-                    self.pid = PidState::starting_at(self.control_percent);
+                    // The integral still knows hover; the duty of an excitation does not.
+                    self.pid = self.pid.after_a_hole();
                 }
                 Mode::Flying
             }
@@ -292,6 +301,10 @@ impl Pilot {
         let room = Limits { lower: limits.lower - excitation_percent, upper: limits.upper - excitation_percent };
         let control = self.orders.pid.step(&mut self.pid, setpoint_mm, position_mm, dt_s, room);
         limits.hold(control + excitation_percent)
+    }
+
+    fn missing_s(&self) -> f64 {
+        MISSING_PERIODS * self.orders.reading_period_s
     }
 
     fn safe_duty(&self, percent: f64) -> Duty {

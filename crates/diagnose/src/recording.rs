@@ -45,6 +45,25 @@ pub enum RecordingError {
         /// Time of the row.
         to_s: f64,
     },
+    /// Time stands still.
+    #[error("time is {time_s} s in every row; name the column of the time in [import] time_s")]
+    NoTime {
+        /// The time of every row.
+        time_s: f64,
+    },
+    /// A hole that no forecast can cross.
+    #[error(
+        "no row for {} s before row {row}, from {from_s} s to {to_s} s; cut the log there, or, if time is not in \
+         seconds, give its unit as [import] time_s.scale", to_s - from_s
+    )]
+    Hole {
+        /// The row after the hole.
+        row: usize,
+        /// Time of the row before.
+        from_s: f64,
+        /// Time of the row.
+        to_s: f64,
+    },
     /// A number that is none.
     #[error("{quantity} at row {row} is {value}; remove the row or mend the recorder")]
     NotFinite {
@@ -58,6 +77,8 @@ pub enum RecordingError {
 }
 
 impl Recording {
+    /// Longest time between two rows, seconds.
+    pub const LONGEST_HOLE_S: f64 = 60.0;
     /// Fewest readings that a recording may have.
     pub const MIN_READINGS: usize = 20;
 
@@ -82,12 +103,16 @@ impl Recording {
             if sample.time_s < last_s {
                 return Err(RecordingError::TimeBackwards { row, from_s: last_s, to_s: sample.time_s });
             }
+            if last_s.is_finite() && sample.time_s - last_s > Self::LONGEST_HOLE_S {
+                return Err(RecordingError::Hole { row, from_s: last_s, to_s: sample.time_s });
+            }
             last_s = sample.time_s;
         }
         let readings = samples.iter().filter(|s| s.position_mm.is_some()).count();
         match (samples.is_empty(), readings < Self::MIN_READINGS) {
             (true, _) => Err(RecordingError::Empty),
             (_, true) => Err(RecordingError::TooShort { readings, needed: Self::MIN_READINGS }),
+            _ if samples[0].time_s == last_s => Err(RecordingError::NoTime { time_s: last_s }),
             _ => Ok(Self { samples }),
         }
     }
@@ -141,6 +166,17 @@ mod tests {
         not_a_number[7].duty_percent = f64::NAN;
         let error = Recording::new(not_a_number).unwrap_err();
         assert!(matches!(error, RecordingError::NotFinite { row: 8, quantity: "duty_percent", .. }), "{error}");
+    }
+
+    #[test]
+    fn time_that_stands_still_or_jumps_far_is_refused_with_the_unit_to_check() {
+        let mut still = rows(50);
+        still.iter_mut().for_each(|s| s.time_s = 3.0);
+        assert_eq!(Recording::new(still).unwrap_err(), RecordingError::NoTime { time_s: 3.0 });
+        let mut nanoseconds = rows(50);
+        nanoseconds.iter_mut().for_each(|s| s.time_s *= 1e9);
+        let error = Recording::new(nanoseconds).unwrap_err();
+        assert!(matches!(error, RecordingError::Hole { row: 2, .. }) && error.to_string().contains("scale"), "{error}");
     }
 
     #[test]

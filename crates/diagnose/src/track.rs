@@ -79,11 +79,6 @@ impl<'a> Track<'a> {
         Some((row, sample.time_s, sample.position_mm?))
     }
 
-    /// The position that the filter held after each reading, mm, by row.
-    pub fn estimated(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.estimates.iter().map(|(row, filter)| (*row, filter.state[0]))
-    }
-
     /// Forecasts every later reading from what was known after reading number `from`, by the recorded duty.
     pub fn forecasts(&self, from: usize) -> impl Iterator<Item = Forecast> {
         let start = self.estimates.get(from).copied();
@@ -124,7 +119,7 @@ fn reading_variance(model: &Model) -> f64 {
 /// Moves the filter on by `dt_s` under a constant duty.
 fn advance(filter: &mut Kalman<3>, model: &Model, duty_percent: f64, dt_s: f64) {
     let commanded = model.commanded(duty_percent);
-    let steps = (dt_s / MAX_STEP_S).ceil().max(1.0);
+    let steps = (dt_s / model.longest_step_s(MAX_STEP_S)).ceil().max(1.0);
     let dt = dt_s / steps;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive whole number")]
     for _ in 0..steps as u64 {

@@ -109,8 +109,7 @@ impl<I: I2c> Fan<I> {
     }
 }
 
-/// Stops the fan in one transaction of one register, whatever state the chip is in. For the crash path, where there
-/// is no [`Fan`]: a panic, a signal, a separate command after the program was killed.
+/// Stops the fan in one transaction of one register, whatever state the chip is in and a killed program left it in.
 ///
 /// Sets the full-off bit of channel 0, which wins over everything else and does not need auto-increment.
 ///

@@ -60,6 +60,13 @@ impl Model {
         self.effects.check().map_err(|(effect, error)| (format!("effects.{effect}"), error))
     }
 
+    /// The longest integration step, seconds, up to `at_most_s`: no longer than the shortest time constant, so that RK4
+    /// stays stable (its limit is 2.78) and exact to a percent of a percent.
+    #[must_use]
+    pub fn longest_step_s(&self, at_most_s: f64) -> f64 {
+        self.effects.fan_lag.filter(|lag| lag.acts()).map_or(at_most_s, |lag| lag.time_constant_s.min(at_most_s))
+    }
+
     /// The acceleration that `duty_percent` commands, mm/s² about hover: the actuator without its memory.
     #[must_use]
     pub fn commanded(&self, duty_percent: f64) -> f64 {

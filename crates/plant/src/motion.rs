@@ -10,6 +10,7 @@
 //! Linear about hover: v_f − v_eq and v are small beside v_eq.
 //! Source: the thesis, equations 3.1.1.8 and 3.1.1.10 with K_g = gain; RK4 between events.
 
+use crate::effects::FanLag;
 use crate::model::Model;
 use crate::rk4;
 
@@ -40,7 +41,7 @@ impl Motion {
     /// The same step where the pipe has no ends.
     #[must_use]
     pub fn step_in_endless_pipe(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
-        let [y, v, fan] = match model.effects.fan_lag.filter(|lag| lag.time_constant_s > 0.0) {
+        let [y, v, fan] = match model.effects.fan_lag.filter(FanLag::acts) {
             Some(lag) => {
                 let rate = |x: &[f64; 3]| [x[1], x[2] - model.drag_per_s * x[1], lag.rate(commanded, x[2])];
                 rk4::step(rate, &[self.position_mm, self.velocity_mm_per_s, self.fan_mm_per_s2], dt_s)

@@ -64,7 +64,7 @@ impl Simulator {
         if ahead <= 0.0 {
             return;
         }
-        let steps = ceil(ahead / MAX_STEP_S);
+        let steps = ceil(ahead / self.model.longest_step_s(MAX_STEP_S));
         let dt = ahead / steps;
         let kick = sqrt(self.model.noise.acceleration_psd_mm2_per_s3 * dt);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive whole number")]

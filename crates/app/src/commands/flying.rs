@@ -1,17 +1,21 @@
 //! What `run` and `simulate` share: orders from the config, the log's header and name, and the end of a flight.
 
-use super::say;
+use super::{note, say};
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
 use crate::experiment::Experiment;
 use crate::flight::Outcome;
 use crate::log::header::{Header, rfc3339};
 use crate::log::recorder::LogSummary;
-use crate::log::{self, LogError};
+use crate::log::{LogError, flight};
 use crate::pilot::{Orders, Pilot};
 use crate::report::{plot, summary::Summary};
-use anyhow::{Context, Result, bail};
-use std::path::PathBuf;
+use anyhow::{Result, anyhow};
+use hal::BUDGET_US;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
 
 /// A flight as its flags and config want it.
@@ -24,6 +28,9 @@ pub(super) struct Plan {
 
 /// Reads the tables that every flight needs.
 pub(super) fn plan(command: &'static str, args: &FlightArgs) -> Result<Plan> {
+    if let Some(picture) = &args.plot {
+        plot::may_write(picture)?;
+    }
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let table = *config.need(command, "loop", |tables| tables.r#loop.as_ref())?;
     let safety = *config.need(command, "safety", |tables| tables.safety.as_ref())?;
@@ -36,7 +43,7 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs) -> Result<Plan> {
         compensation: *config.need(command, "compensation", |tables| tables.compensation.as_ref())?,
         safety,
         experiment: experiment.clone(),
-        period_s: table.period_s,
+        reading_period_s: table.period_s.max(1e-6 * f64::from(BUDGET_US)),
     };
     Ok(Plan { table, pilot: Pilot::new(orders), experiment, config })
 }
@@ -59,38 +66,59 @@ pub(super) fn log_of(plan: &Plan, args: &FlightArgs, seed: Option<u64>, started:
     (args.log.clone().unwrap_or_else(named), header)
 }
 
-/// Says what the flight was like, from its log, draws it, and turns a bad end into an error.
+/// A flag that SIGINT, SIGTERM, SIGHUP (a lost terminal) and SIGQUIT set, so that the flight lands.
+pub(super) fn landing_signal() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))
+            .map_err(|error| anyhow!("cannot watch for signal {signal}: {error}; the ball would not be landed"))?;
+    }
+    Ok(stop)
+}
+
+/// Says what the flight was like, from its log, and draws it. What is worst decides the error: a fan that is still on, a
+/// fault, the log, then the picture; what is not the error is said as a note.
 pub(super) fn report(
     args: &FlightArgs,
     title: &str,
     outcome: &Outcome,
     log: Result<LogSummary, LogError>,
+    path: &Path,
 ) -> Result<()> {
-    let log = log.map_err(anyhow::Error::from).and_then(|log| {
-        let cycles = log::flight::read(&log.path)?.cycles;
-        let summary = Summary::of(&cycles, Some(outcome.punctuality));
-        if args.json {
-            say(serde_json::to_string(&summary)?)?;
-        } else {
-            say(summary.to_string().trim_end())?;
-            let dropped = if log.dropped == 0 { String::new() } else { format!(" ({} messages dropped)", log.dropped) };
-            say(format_args!("log       {}{dropped}", log.path.display()))?;
+    let dropped = log.as_ref().map_or(0, |log| log.dropped);
+    let told = tell(args, title, outcome, path, dropped);
+    let worst = match (outcome.fan_still_on, outcome.fault) {
+        (Some(kind), _) => {
+            Err(anyhow!("the fan could not be turned off (I2C error {kind:?}); switch off its supply now"))
         }
-        if let Some(path) = &args.plot {
-            plot::flight(path, title, &cycles)?;
-            if !args.json {
-                say(format_args!("picture   {}", path.display()))?;
-            }
+        (None, Some(fault)) => Err(anyhow!("the flight was ended, with the fan off: {fault}")),
+        (None, None) => return log.map(drop).map_err(Into::into).and(told),
+    };
+    for lesser in [log.err().map(anyhow::Error::from), told.err()].into_iter().flatten() {
+        note(lesser);
+    }
+    worst
+}
+
+/// Summary and picture of the cycles that the log kept, however few.
+fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, path: &Path, dropped: u64) -> Result<()> {
+    if outcome.punctuality.cycles == 0 {
+        return say(format_args!("flight    none: it was ended before its first cycle"));
+    }
+    let cycles = flight::read(path)?.cycles;
+    let summary = Summary::of(&cycles, Some(outcome.punctuality));
+    if args.json {
+        say(serde_json::to_string(&summary)?)?;
+    } else {
+        say(summary.to_string().trim_end())?;
+        let dropped = if dropped == 0 { String::new() } else { format!(" ({dropped} messages dropped)") };
+        say(format_args!("log       {}{dropped}", path.display()))?;
+    }
+    if let Some(picture) = &args.plot {
+        plot::flight(picture, title, &cycles)?;
+        if !args.json {
+            say(format_args!("picture   {}", picture.display()))?;
         }
-        Ok(())
-    });
-    // The rig's state matters more than the log's.
-    if let Some(kind) = outcome.fan_still_on {
-        bail!("the fan could not be turned off (I2C error {kind:?}); switch off its supply now");
     }
-    if let Some(fault) = outcome.fault {
-        log?;
-        bail!("the flight was ended, with the fan off: {fault}");
-    }
-    log.context("the flight ended well, but its log did not")
+    Ok(())
 }

@@ -13,6 +13,9 @@ use diagnose::{Gap, free_runs};
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a picture that cannot be written.
 pub fn replay(args: &ReplayArgs) -> Result<()> {
+    if let Some(picture) = &args.plot {
+        plot::may_write(picture)?;
+    }
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
     let log = reader::read(&args.log, config.tables.import.as_ref())?;
@@ -27,7 +30,7 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
         let (file, duration_s) = (args.log.display(), log.recording.duration_s());
         say(format_args!("{file}: {duration_s:.1} s, {readings} readings; model of {}", args.config.config.display()))?;
         say(gap::table(&gap))?;
-        say(gap::sentence(&gap))?;
+        say(gap::sentence(&gap, &log.recording))?;
     }
     if let Some(path) = &args.plot {
         let title = format!("{} and the model's free runs", args.log.display());

@@ -1,19 +1,17 @@
 //! `airball run`: the rig, or the simulated rig, in real time.
 
-use super::flying::{Plan, log_of, plan, report};
-use super::note;
+use super::flying::{Plan, landing_signal, log_of, plan, report};
+use super::{note, say};
 use crate::cli::RunArgs;
 use crate::config;
 use crate::flight::Flight;
 use crate::log::queue::Queue;
 use crate::log::writer::LogWriter;
-use crate::mqtt::Link;
-use crate::rig::{Chips, bench, simulated_in_real_time};
-use anyhow::{Context, Result};
+use crate::mqtt::{Counts, Link};
+use crate::rig::{Chips, bench, claim, simulated_in_real_time};
+use anyhow::Result;
 use embedded_hal::i2c::I2c;
 use hal::Clock;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
 
@@ -28,15 +26,13 @@ const PWM_OFF: f64 = 0.02;
 pub fn run(args: &RunArgs) -> Result<()> {
     let plan = plan("run", &args.flight)?;
     let table = plan.config.need("run", "rig", |tables| tables.rig.as_ref())?;
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).context("cannot watch for Ctrl-C")?;
-    }
+    let stop = landing_signal()?;
     if args.sim {
         let model = plan.config.need("run --sim", "plant", |tables| tables.plant.as_ref())?;
         fly(args, &plan, table, simulated_in_real_time(model, table, args.flight.seed)?, &stop)
     } else {
         let bus = plan.config.need("run", "bus", |tables| tables.bus.as_ref())?;
+        let _claim = claim(bus)?;
         fly(args, &plan, table, bench(bus, table)?, &stop)
     }
 }
@@ -55,15 +51,19 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     }
     let seed = args.sim.then_some(args.flight.seed);
     let (path, header) = log_of(plan, &args.flight, seed, SystemTime::now());
-    let mut queue = Queue::start(LogWriter::create(&path, &header)?)?;
     let mut link = plan.config.tables.mqtt.as_ref().map(|mqtt| Link::start(mqtt, &table.name)).transpose()?;
+    let mut queue = Queue::start(LogWriter::create(&path, &header)?)?;
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 
     let mailbox = link.as_mut().map(|(_, mailbox)| mailbox);
     let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, mailbox);
     let outcome = flight.fly(args.duration.unwrap_or(f64::INFINITY), stop);
-    if let Some((link, _)) = link {
-        link.stop();
+    let counts = link.map(|(link, _)| link.stop());
+    report(&args.flight, &plan.experiment.title, &outcome, queue.finish(), &path)?;
+    match counts.filter(|counts| counts.commands_received > 0 && !args.flight.json) {
+        Some(Counts { commands_received, commands_refused, commands_busy, .. }) => say(format_args!(
+            "commands  {commands_received}: {commands_refused} refused as unreadable, {commands_busy} while busy"
+        )),
+        None => Ok(()),
     }
-    report(&args.flight, &plan.experiment.title, &outcome, queue.finish())
 }

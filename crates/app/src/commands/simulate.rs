@@ -1,6 +1,6 @@
 //! `airball simulate`: the same cycle in virtual time.
 
-use super::flying::{log_of, plan, report};
+use super::flying::{landing_signal, log_of, plan, report};
 use crate::cli::SimulateArgs;
 use crate::flight::Flight;
 use crate::log::header::SIMULATED_START;
@@ -8,7 +8,6 @@ use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
 use crate::rig::simulated_in_virtual_time;
 use anyhow::Result;
-use std::sync::atomic::AtomicBool;
 
 /// How long a simulated flight without an end lasts, seconds.
 const DEFAULT_DURATION_S: f64 = 60.0;
@@ -27,7 +26,7 @@ pub fn simulate(args: &SimulateArgs) -> Result<()> {
     let mut rig = simulated_in_virtual_time(model, table, args.flight.seed)?;
     let endless = plan.experiment.duration_s().is_infinite();
     let duration_s = args.duration.unwrap_or(if endless { DEFAULT_DURATION_S } else { f64::INFINITY });
-    let outcome =
-        Flight::new(&mut rig, plan.pilot, &plan.table, &mut recorder, None).fly(duration_s, &AtomicBool::new(false));
-    report(&args.flight, &plan.experiment.title, &outcome, recorder.finish())
+    let stop = landing_signal()?;
+    let outcome = Flight::new(&mut rig, plan.pilot, &plan.table, &mut recorder, None).fly(duration_s, &stop);
+    report(&args.flight, &plan.experiment.title, &outcome, recorder.finish(), &path)
 }

@@ -102,6 +102,10 @@ impl Config {
             table,
             error,
         })?;
+        tables.check_words().map_err(|(key, message)| ConfigError::Contradiction {
+            place: place(&sources, key),
+            message: format!("{key}: {message}"),
+        })?;
         Ok(Self { tables, path: path.to_owned() })
     }
 

@@ -2,6 +2,7 @@
 
 use crate::log::import::Import;
 use crate::mqtt::config::MqttConfig;
+use crate::mqtt::topics::Topics;
 use control::check::{OutOfRange, within};
 use control::compensation::Compensation;
 use control::pid::Pid;
@@ -134,10 +135,45 @@ impl Tables {
             let (min, max) = self.safety.map_or((-1e6, 1e6), |s| (s.setpoint_min_mm, s.setpoint_max_mm));
             reference.setpoint_mm.check(min, max).map_err(at("reference.setpoint_mm"))?;
         }
+        self.check_across()?;
         self.plant
             .as_ref()
             .map_or(Ok(()), Model::check)
             .map_err(|(table, error)| (if table.is_empty() { "plant".into() } else { format!("plant.{table}") }, error))
+    }
+}
+
+impl Tables {
+    /// Checks what one table says against what another says.
+    fn check_across(&self) -> Result<(), (String, OutOfRange)> {
+        let Some(safety) = self.safety else { return Ok(()) };
+        if let Some(rig) = &self.rig {
+            within("setpoint_max_mm", safety.setpoint_max_mm, 0.0, rig.sensor_to_bottom_mm)
+                .map_err(|error| ("safety".to_owned(), error))?;
+        }
+        if let Some(compensation) = self.compensation {
+            let (lowest, highest) = (safety.duty_min_percent, safety.duty_max_percent);
+            within("hover_duty_percent", compensation.hover_duty_percent, lowest, highest)
+                .map_err(|error| ("compensation".to_owned(), error))?;
+        }
+        Ok(())
+    }
+
+    /// Checks what is no number: names and files.
+    ///
+    /// # Errors
+    /// The dotted key, and what is wrong with it.
+    pub fn check_words(&self) -> Result<(), (&'static str, String)> {
+        if let Some(rig) = &self.rig {
+            Topics::new(&rig.name).map_err(|error| ("rig.name", error.to_string()))?;
+        }
+        if self.bus.as_ref().is_some_and(|bus| bus.device.is_empty()) {
+            return Err(("bus.device", "it is empty; give the I2C bus, for instance /dev/i2c-1".into()));
+        }
+        if self.mqtt.as_ref().is_some_and(|mqtt| mqtt.port == 0) {
+            return Err(("mqtt.port", "no broker listens on port 0; the usual one is 1883".into()));
+        }
+        self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))
     }
 }
 

@@ -110,7 +110,7 @@ pub enum Fault {
         kind: embedded_hal::i2c::ErrorKind,
     },
     /// The ball left the band that the experiment allows.
-    #[error("the ball at {position_mm:.0} mm left the experiment's band of {min_mm:.0} to {max_mm:.0} mm")]
+    #[error("the ball at {position_mm:.0} mm left the experiment's band, {}", band(*.min_mm, *.max_mm))]
     OutsideBand {
         /// Where the ball was.
         position_mm: f64,
@@ -119,6 +119,15 @@ pub enum Fault {
         /// Upper end of the band.
         max_mm: f64,
     },
+}
+
+/// A band in words; either end may be open.
+fn band(min_mm: f64, max_mm: f64) -> String {
+    match (min_mm.is_finite(), max_mm.is_finite()) {
+        (true, true) => format!("{min_mm:.0} to {max_mm:.0} mm"),
+        (true, false) => format!("above {min_mm:.0} mm"),
+        _ => format!("below {max_mm:.0} mm"),
+    }
 }
 
 /// Why a flight ended.

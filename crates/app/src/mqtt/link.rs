@@ -65,16 +65,16 @@ impl Link {
         Ok(())
     }
 
-    /// What passed the link so far.
-    #[must_use]
-    pub fn counts(&self) -> Counts {
-        self.counters.read()
+    /// Sends what the loop said last, says `offline` and leaves the broker. Waits for that a second at most; what
+    /// hangs longer ends with the process. Returns what passed the link.
+    pub fn stop(mut self) -> Counts {
+        self.leave();
+        self.counts()
     }
 
-    /// Sends what the loop said last, says `offline` and leaves the broker. Waits for that a second at most; what
-    /// hangs longer ends with the process.
-    pub fn stop(mut self) {
-        self.leave();
+    /// What passed the link so far.
+    pub(super) fn counts(&self) -> Counts {
+        self.counters.read()
     }
 
     fn leave(&mut self) {

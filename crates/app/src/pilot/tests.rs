@@ -35,7 +35,7 @@ fn pilot(segments: Vec<Segment>) -> Pilot {
             coast_s: 0.3,
         },
         experiment: Experiment { title: "t".into(), limits, segments },
-        period_s: T,
+        reading_period_s: T,
     })
 }
 
@@ -60,6 +60,15 @@ fn the_fan_is_off_until_the_first_position() {
     let mut pilot = pilot(vec![segment(60.0)]);
     assert_eq!(fly(&mut pilot, 0.0, &[Seen::Nothing(None); 20]), (Mode::Waiting, 0.0));
     assert_eq!(fly(&mut pilot, 0.4, &[Seen::Ball(0.0)]).0, Mode::Flying);
+}
+
+#[test]
+fn a_ball_that_never_shows_ends_the_wait_with_its_cause() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    let no_ball = Fault::NoBall { reported_mm: 8190 };
+    assert_eq!(fly(&mut pilot, 0.0, &[Seen::Nothing(Some(no_ball)); 250]).0, Mode::Waiting);
+    assert_eq!(fly(&mut pilot, 5.0, &[Seen::Nothing(Some(no_ball)); 3]), (Mode::Stopped, 0.0));
+    assert_eq!(pilot.fault(), Some(no_ball));
 }
 
 #[test]
@@ -130,7 +139,8 @@ fn commands_hold_a_setpoint_stop_fly_and_return_to_the_programme() {
     pilot.command(Command::Stop).unwrap();
     assert_eq!(fly(&mut pilot, 0.1, &[Seen::Ball(250.0)]), (Mode::Stopped, 0.0));
     pilot.command(Command::Fly).unwrap();
-    assert_eq!(fly(&mut pilot, 0.12, &[Seen::Ball(250.0)]).0, Mode::Flying);
+    // It lies at the bottom now, below the experiment's band, and takes off through it once more.
+    assert_eq!(fly(&mut pilot, 0.12, &[Seen::Ball(0.0), Seen::Ball(1.0)]).0, Mode::Flying);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table, TableComponent};
-use diagnose::Gap;
+use diagnose::{Gap, Recording};
 use serde::Serialize;
 
 /// A model whose error exceeds the floor by less than this is as good as noise allows.
@@ -47,11 +47,14 @@ pub fn table(gap: &Gap) -> String {
 
 /// What the table says, in a sentence that ends in what to do.
 #[must_use]
-pub fn sentence(gap: &Gap) -> String {
+pub fn sentence(gap: &Gap, recording: &Recording) -> String {
     let ahead = gap.horizons_s[2];
     let (Some(error), Some(floor), Some(stay_put)) = (gap.error_mm[2], gap.floor_mm[2], gap.stay_put_mm[2]) else {
-        return "The recording is too short for forecasts over 1 s; record at least 30 s with a moving setpoint."
-            .into();
+        let (rows, duration_s) = (recording.samples().len(), recording.duration_s());
+        return format!(
+            "No two readings are 1 s apart to compare ({rows} rows in {duration_s:.1} s): record at least 30 s with a moving \
+             setpoint, or, if time is not in seconds, give its unit as [import] time_s.scale."
+        );
     };
     if error < AS_GOOD_AS_NOISE * floor {
         return format!(
@@ -68,7 +71,7 @@ pub fn sentence(gap: &Gap) -> String {
 }
 
 fn mm(value: Option<f64>) -> String {
-    value.map_or("too short".into(), |value| format!("{value:.2} mm"))
+    value.map_or("none".into(), |value| format!("{value:.2} mm"))
 }
 
 fn ratio(error: Option<f64>, floor: Option<f64>) -> String {

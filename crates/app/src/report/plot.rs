@@ -22,12 +22,18 @@ const MOST_POINTS: usize = 4000;
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The file cannot be written.
-    #[error("cannot write the picture {}: {source}; check the directory of --plot", path.display())]
+    #[error("cannot write the picture {}: {source}; check the folder of --plot", path.display())]
     Write {
         /// The file.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// Something that is no picture has this name.
+    #[error("{} exists and is no SVG picture; it is kept: give --plot another name", path.display())]
+    Taken {
+        /// The file.
+        path: PathBuf,
     },
     /// The plotting library failed.
     #[error("cannot draw the picture: {0}; please report it with the log")]
@@ -35,6 +41,17 @@ pub enum PlotError {
     /// Nothing to draw.
     #[error("the log has no position to draw; fly for longer than a second")]
     Nothing,
+}
+
+/// Refuses a name for a picture that something else has: a config, a log, a record. An older picture may be replaced.
+///
+/// # Errors
+/// [`PlotError::Taken`] names the file.
+pub fn may_write(path: &Path) -> Result<(), PlotError> {
+    match std::fs::read(path) {
+        Ok(bytes) if !bytes.starts_with(b"<svg") => Err(PlotError::Taken { path: path.to_owned() }),
+        _ => Ok(()),
+    }
 }
 
 /// A line of a picture.
@@ -88,6 +105,7 @@ fn draw(path: &Path, title: &str, position: &[Line], duty: &Line) -> Result<(), 
         panel(&lower, "", "duty, %", std::slice::from_ref(duty))?;
         area.present().map_err(failed)?;
     }
+    may_write(path)?;
     std::fs::write(path, svg).map_err(|source| PlotError::Write { path: path.to_owned(), source })
 }
 

@@ -48,6 +48,11 @@ struct Row {
 /// The steps of a flight, in the order of time.
 #[must_use]
 pub fn steps(cycles: &[Cycle]) -> Vec<Step> {
+    // A stretch without control ends a step, and what follows begins where the ball then is.
+    cycles.split(|cycle| cycle.setpoint_mm.is_none()).flat_map(steps_under_control).collect()
+}
+
+fn steps_under_control(cycles: &[Cycle]) -> Vec<Step> {
     let rows: Vec<Row> = cycles
         .iter()
         .filter_map(|c| Some(Row { time_s: c.time_s, setpoint_mm: c.setpoint_mm?, position_mm: c.position_mm? }))
@@ -149,6 +154,16 @@ mod tests {
         let after = (100..400).map(|k| cycle(f64::from(k) * 0.01, 400.0, 300.0));
         let found = steps(&before.chain(after).collect::<Vec<_>>());
         assert_eq!((found.len(), found[0].settling_s, found[0].overshoot_percent), (1, None, 0.0));
+    }
+
+    #[test]
+    fn a_stretch_without_control_belongs_to_no_step() {
+        let before = (0..300).map(|k| cycle(f64::from(k) * 0.01, 200.0, 200.0));
+        let open = (300..400).map(|k| Cycle { setpoint_mm: None, ..cycle(f64::from(k) * 0.01, 0.0, 500.0) });
+        let after = (400..700).map(|k| cycle(f64::from(k) * 0.01, 200.0, if k < 450 { 400.0 } else { 200.0 }));
+        let found = steps(&before.chain(open).chain(after).collect::<Vec<_>>());
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!((found[0].time_s - 4.0).abs() < 1e-9 && found[0].from_mm == 400.0, "{found:?}");
     }
 
     #[test]

@@ -70,7 +70,9 @@ fn is_settled(cycle: &Cycle, steps: &[Step]) -> bool {
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+    let middle = values.len() / 2;
+    let upper = *values.get(middle)?;
+    Some(if values.len().is_multiple_of(2) { (values[middle - 1] + upper) / 2.0 } else { upper })
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -86,8 +88,11 @@ impl fmt::Display for Summary {
         }
         writeln!(f, "; {:.1} % with a fresh position", self.fresh_percent)?;
         if let (Some(overshoot), steps) = (self.overshoot_percent, self.steps) {
-            let settling = self.settling_s.map_or("none settled".into(), |s| format!("settled to ±5 % in {s:.2} s"));
-            write!(f, "steps     {steps}: overshoot {overshoot:.0} %, {settling} (medians)")?;
+            write!(f, "steps     {steps}: overshoot {overshoot:.0} %")?;
+            if let Some(settling_s) = self.settling_s {
+                write!(f, ", settled to ±5 % in {settling_s:.2} s")?;
+            }
+            write!(f, "{}", if steps > 1 { " (medians)" } else { "" })?;
             let unsettled = self.unsettled;
             writeln!(f, "{}", if unsettled == 0 { String::new() } else { format!("; {unsettled} did not settle") })?;
         }

@@ -5,6 +5,8 @@ use super::clock::Monotonic;
 use crate::config;
 use linux_embedded_hal::I2CError;
 use linux_embedded_hal::I2cdev;
+use nix::fcntl::{Flock, FlockArg};
+use std::fs::File;
 
 /// Why the bench does not start.
 #[derive(Debug, thiserror::Error)]
@@ -21,6 +23,12 @@ pub enum BenchError {
         /// What the system said.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// Somebody else flies this rig.
+    #[error("the I2C bus {device} is taken by another program that flies this rig; end that flight first")]
+    Taken {
+        /// The device file.
+        device: String,
+    },
     /// A chip does not start.
     #[error("bus {device}: {source}")]
     Start {
@@ -29,6 +37,17 @@ pub enum BenchError {
         /// Which chip and why.
         source: Box<StartError<I2CError, I2CError>>,
     },
+}
+
+/// Claims the bus for one flight: a second one would drive the same fan.
+///
+/// # Errors
+/// [`BenchError`]: the device file is missing, or taken.
+pub fn claim(bus: &config::Bus) -> Result<Flock<File>, BenchError> {
+    let device = bus.device.clone();
+    let file = File::options().read(true).write(true).open(&device);
+    let file = file.map_err(|source| BenchError::Open { device: device.clone(), source: Box::new(source) })?;
+    Flock::lock(file, FlockArg::LockExclusiveNonblock).map_err(|_| BenchError::Taken { device })
 }
 
 /// Opens the real bus, a handle for each chip: one handle for both would reopen the device file whenever the

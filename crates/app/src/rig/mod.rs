@@ -12,8 +12,10 @@ mod bench;
 mod chips;
 mod clock;
 mod simulated;
+#[cfg(test)]
+mod tests;
 
-pub use bench::{BenchError, bench};
+pub use bench::{BenchError, bench, claim};
 pub use chips::{Chips, StartError};
 pub use clock::{Monotonic, WorldClock};
 pub use simulated::{SimulatedRig, SimulatedStartError, simulated_in_real_time, simulated_in_virtual_time};

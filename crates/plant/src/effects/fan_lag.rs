@@ -34,6 +34,12 @@ impl Effect for FanLag {
 }
 
 impl FanLag {
+    /// Whether the lag does anything. Below a tenth of a millisecond it is shorter than anything else on the rig.
+    #[must_use]
+    pub fn acts(&self) -> bool {
+        self.time_constant_s >= 1e-4
+    }
+
     /// dA/dt, mm/s³, of a fan that gives `acceleration` and is told to give `commanded`.
     #[must_use]
     pub fn rate(&self, commanded: f64, acceleration: f64) -> f64 {

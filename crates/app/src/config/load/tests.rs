@@ -55,6 +55,26 @@ fn a_missing_key_and_a_wrong_type_point_at_their_table() {
 }
 
 #[test]
+fn what_two_tables_say_must_agree() {
+    let safety = "[safety]\nsetpoint_min_mm = 30.0\nsetpoint_max_mm = 550.0\nduty_min_percent = 10.0\nduty_max_percent = 40.0\n\
+        coast_s = 0.3\n";
+    let message = error_of(&format!("{safety}[rig]\nname = \"r\"\nsensor_to_bottom_mm = 400.0\nfan_pwm_hz = 1526.0\n"));
+    assert!(message.starts_with("/c.toml:3: safety.setpoint_max_mm = 550 is outside 0 to 400"), "{message}");
+    let message = error_of(&format!("{safety}[compensation]\nhover_duty_percent = 60.0\n"));
+    assert!(message.starts_with("/c.toml:8: compensation.hover_duty_percent = 60 is outside 10 to 40"), "{message}");
+}
+
+#[test]
+fn a_name_that_fits_no_topic_and_a_scale_of_nothing_are_found_at_once() {
+    let message = error_of("[rig]\nname = \"a/b\"\nsensor_to_bottom_mm = 583.0\nfan_pwm_hz = 1526.0\n");
+    assert!(message.starts_with("/c.toml:2: rig.name"), "{message}");
+    let message = error_of("[import]\nposition_mm = { column = \"y\", scale = 0.0 }\n");
+    assert!(message.starts_with("/c.toml:1: import"), "{message}");
+    let message = error_of("[mqtt]\nhost = \"h\"\nport = 0\n");
+    assert!(message.starts_with("/c.toml:3: mqtt.port"), "{message}");
+}
+
+#[test]
 fn broken_toml_is_shown_where_it_breaks() {
     let message = error_of("[plant]\ngain = = 3\n");
     assert!(message.contains("line 2"), "{message}");

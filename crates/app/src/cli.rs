@@ -47,10 +47,10 @@ pub struct FlightArgs {
     /// Which config.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Fly this experiment instead of the config's [reference]
+    /// Fly this experiment instead of the reference of the config
     #[arg(long, value_name = "FILE")]
     pub experiment: Option<PathBuf>,
-    /// Log of the flight (MCAP) [default: a name with the time in the directory of [log]]
+    /// Log of the flight (MCAP) [default: a name with the time in the directory that the config's table log names]
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
     /// Seed of the simulated rig's noise

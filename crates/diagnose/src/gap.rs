@@ -125,7 +125,7 @@ fn horizons(track: &Track, recording: &Recording) -> [Errors; 3] {
     errors
 }
 
-/// A free run: what the model expects of every reading over [`FREE_RUN_S`], from what was known at its start.
+/// A free run: what the model expects of every reading over 10 s, from what was known at its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeRun {
     /// The reading that it starts from, mm.

@@ -4,6 +4,7 @@
 //! forecasts, beside what noise alone would give. Works on the recorded duty and the real time stamps, and
 //! does no file or network access.
 
+mod check;
 mod gap;
 mod recording;
 mod track;
@@ -11,6 +12,7 @@ mod track;
 #[cfg(test)]
 mod tests_support;
 
+pub use check::{Finding, check};
 pub use gap::{FreeRun, Gap, free_runs};
 pub use recording::{Recording, RecordingError, Sample};
 pub use track::{Forecast, Track};

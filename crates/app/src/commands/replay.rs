@@ -6,7 +6,7 @@ use crate::config::Config;
 use crate::log::reader;
 use crate::report::{gap, plot};
 use anyhow::Result;
-use diagnose::{Gap, free_runs};
+use diagnose::{Gap, check, free_runs};
 
 /// Measures the gap and says it.
 ///
@@ -21,6 +21,9 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     let log = reader::read(&args.log, config.tables.import.as_ref())?;
     if let Some(lost) = &log.truncated {
         note(format_args!("{}: {lost}", args.log.display()));
+    }
+    for finding in check(&log.recording, model) {
+        note(format_args!("{}: {finding}", args.log.display()));
     }
     let gap = Gap::measure(model, &log.recording);
     if args.json {

@@ -1,0 +1,229 @@
+//! The check of a record: is it fit to answer, and what can it not answer?
+//!
+//! Works on the rows alone, before any model runs. Every finding is a sentence with its numbers that ends in what to do.
+//! Spread is measured robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
+
+use crate::recording::{Recording, Sample};
+use plant::Model;
+
+/// A time between rows so many times longer than usual is a gap.
+const GAP: f64 = 3.0;
+/// A reading so many robust deviations off its neighbours is an outlier: chance gives one in 10⁸.
+const OUTLIER: f64 = 6.0;
+/// More exact repeats in a row than this, of a position that otherwise moves, are a sensor that refreshes late.
+const REPEATS: usize = 3;
+/// A VL53L0X without a target says one of these numbers.
+const NO_TARGET_MM: [f64; 2] = [8190.0, 8191.0];
+/// A duty that moves less than this, percent, excites nothing: four steps of a 12-bit chip.
+const STILL_PERCENT: f64 = 0.1;
+
+/// Something about a record that its reader should know.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Finding {
+    /// The duty hardly moves.
+    #[error(
+        "the duty stays within {range_percent:.3} %, which excites nothing: gain, lag and dead zone cannot be told from such \
+         a record; fly one with a moving setpoint"
+    )]
+    StillDuty {
+        /// Largest minus smallest duty, percent.
+        range_percent: f64,
+    },
+    /// The duty looks like a fraction.
+    #[error(
+        "every duty lies within 0 to 1, as fractions do; if they are fractions, say [import] duty_percent.scale = 100"
+    )]
+    FractionalDuty,
+    /// The position never moves.
+    #[error(
+        "the position is {position_mm} mm in every row; check that the sensor was read, and the column of [import]"
+    )]
+    StillPosition {
+        /// The one position, mm.
+        position_mm: f64,
+    },
+    /// Readings outside the model's pipe.
+    #[error(
+        "{count} readings lie outside the model's pipe of 0 to {length_mm} mm, the furthest at {furthest_mm:.1} mm; check \
+         plant.pipe_length_mm and the scale and offset of [import]"
+    )]
+    OutsidePipe {
+        /// How many.
+        count: usize,
+        /// The one furthest outside, mm.
+        furthest_mm: f64,
+        /// Length of the model's pipe, mm.
+        length_mm: f64,
+    },
+    /// Readings that are codes for "no target".
+    #[error("{count} readings are 8190 or 8191, which a VL53L0X says without a target; leave those cells empty")]
+    NoTarget {
+        /// How many.
+        count: usize,
+    },
+    /// Time between rows is uneven.
+    #[error(
+        "{count} gaps between rows, the longest {longest_s:.3} s where {usual_s:.4} s is usual; forecasts cross them by the duty before them"
+    )]
+    Gaps {
+        /// How many.
+        count: usize,
+        /// The longest, seconds.
+        longest_s: f64,
+        /// The usual time between rows, seconds.
+        usual_s: f64,
+    },
+    /// Readings far from their neighbours.
+    #[error(
+        "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of all; the filter takes them as they are: look at them first"
+    )]
+    Outliers {
+        /// How many.
+        count: usize,
+        /// Share of all readings, percent.
+        percent: f64,
+        /// The limit, mm.
+        limit_mm: f64,
+    },
+    /// The same reading again and again.
+    #[error(
+        "{percent:.0} % of the readings repeat the one before for {longest} rows and more at a time: the sensor refreshes slower than the loop reads; mark repeats by a column `fresh`, or leave them empty"
+    )]
+    Repeats {
+        /// Share of readings in such runs, percent.
+        percent: f64,
+        /// The longest run, rows.
+        longest: usize,
+    },
+}
+
+/// What the reader of `recording` should know before comparing it with `model`.
+#[must_use]
+pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
+    let samples = recording.samples();
+    let readings: Vec<f64> = samples.iter().filter_map(|sample| sample.position_mm).collect();
+    let still = readings.iter().all(|reading| Some(reading) == readings.first());
+    let of_position = if still {
+        vec![readings.first().map(|&position_mm| Finding::StillPosition { position_mm })]
+    } else {
+        vec![no_target(&readings), outside_pipe(&readings, model), outliers(&readings, model), repeats(&readings)]
+    };
+    duty(samples).into_iter().chain([gaps(samples)]).chain(of_position).flatten().collect()
+}
+
+fn duty(samples: &[Sample]) -> [Option<Finding>; 2] {
+    let (low, high) = samples
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.duty_percent), high.max(s.duty_percent)));
+    let fraction = low >= 0.0 && high <= 1.0 && high > low;
+    let still = high - low < STILL_PERCENT && !fraction;
+    [fraction.then_some(Finding::FractionalDuty), still.then_some(Finding::StillDuty { range_percent: high - low })]
+}
+
+fn gaps(samples: &[Sample]) -> Option<Finding> {
+    let steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let usual_s = median(steps.clone())?;
+    let long = || steps.iter().filter(|step| **step > GAP * usual_s);
+    let longest_s = long().copied().fold(0.0, f64::max);
+    (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s })
+}
+
+fn no_target(readings: &[f64]) -> Option<Finding> {
+    let count = readings.iter().filter(|reading| NO_TARGET_MM.contains(reading)).count();
+    (count > 0).then_some(Finding::NoTarget { count })
+}
+
+fn outside_pipe(readings: &[f64], model: &Model) -> Option<Finding> {
+    // Noise carries a ball that rests at an end a little beyond it.
+    let slack_mm = OUTLIER * model.noise.sensor_mm;
+    let beyond = |reading: f64| (-reading).max(reading - model.pipe_length_mm);
+    let outside = || readings.iter().copied().filter(|reading| beyond(*reading) > slack_mm);
+    let furthest_mm = outside().max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)))?;
+    Some(Finding::OutsidePipe { count: outside().count(), furthest_mm, length_mm: model.pipe_length_mm })
+}
+
+/// A reading against the mean of its neighbours: what the ball does on the way cancels, what the sensor does once stays.
+fn outliers(readings: &[f64], model: &Model) -> Option<Finding> {
+    let odd: Vec<f64> = readings.windows(3).map(|r| r[1] - (r[0] + r[2]) / 2.0).collect();
+    let deviation = 1.4826 * median(odd.iter().map(|value| value.abs()).collect())?;
+    // No less than the believed noise allows: the deviation of this difference is σ·√1.5.
+    let limit_mm = OUTLIER * deviation.max(1.5_f64.sqrt() * model.noise.sensor_mm);
+    let single = |w: &[f64]| w[1].abs() > limit_mm && w[1].abs() > w[0].abs() && w[1].abs() >= w[2].abs();
+    let count = odd.windows(3).filter(|w| single(w)).count();
+    let percent = 100.0 * count as f64 / readings.len() as f64;
+    (count > 0).then_some(Finding::Outliers { count, percent, limit_mm })
+}
+
+fn repeats(readings: &[f64]) -> Option<Finding> {
+    let runs = || readings.chunk_by(|a, b| a == b).map(<[f64]>::len).filter(|run| *run > REPEATS);
+    let percent = 100.0 * runs().sum::<usize>() as f64 / readings.len() as f64;
+    (percent > 20.0).then(|| Finding::Repeats { percent, longest: runs().max().unwrap_or_default() })
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Finding, check};
+    use crate::tests_support::{model, record};
+    use crate::{Recording, Sample};
+
+    /// The findings of a good flight after `spoil` has changed its rows.
+    fn findings(spoil: impl FnOnce(&mut Vec<Sample>)) -> Vec<Finding> {
+        let mut samples = record(&model(), 1, 40).samples().to_vec();
+        spoil(&mut samples);
+        check(&Recording::new(samples).unwrap(), &model())
+    }
+
+    #[test]
+    fn a_good_flight_has_no_findings() {
+        for seed in 0..10 {
+            assert_eq!(check(&record(&model(), seed, 40), &model()), []);
+        }
+    }
+
+    #[test]
+    fn single_wild_readings_are_counted() {
+        let found = findings(|rows| [300, 900, 1500].iter().for_each(|&k| rows[k].position_mm = Some(500.0)));
+        assert!(matches!(found[..], [Finding::Outliers { count: 3, .. }]), "{found:?}");
+    }
+
+    #[test]
+    fn codes_of_the_sensor_are_told_from_positions() {
+        let found = findings(|rows| rows[700].position_mm = Some(8190.0));
+        assert!(found.contains(&Finding::NoTarget { count: 1 }), "{found:?}");
+        assert!(found.iter().any(|f| matches!(f, Finding::OutsidePipe { count: 1, .. })), "{found:?}");
+    }
+
+    #[test]
+    fn a_hole_in_time_is_a_gap() {
+        let found = findings(|rows| drop(rows.drain(500..520)));
+        assert!(
+            matches!(found[..], [Finding::Gaps { count: 1, longest_s, .. }] if (longest_s - 0.42).abs() < 1e-9),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn a_sensor_that_refreshes_late_shows_in_repeats() {
+        let found = findings(|rows| {
+            for k in 0..rows.len() {
+                rows[k].position_mm = rows[k - k % 5].position_mm;
+            }
+        });
+        assert!(found.iter().any(|f| matches!(f, Finding::Repeats { longest, .. } if *longest >= 5)), "{found:?}");
+    }
+
+    #[test]
+    fn a_duty_that_is_a_fraction_or_never_moves_and_a_position_that_never_moves_are_named() {
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent /= 100.0));
+        assert!(found.contains(&Finding::FractionalDuty), "{found:?}");
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent = 21.4));
+        assert!(found.contains(&Finding::StillDuty { range_percent: 0.0 }), "{found:?}");
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.position_mm = Some(7.0)));
+        assert_eq!(found, [Finding::StillPosition { position_mm: 7.0 }]);
+    }
+}

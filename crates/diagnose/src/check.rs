@@ -87,7 +87,8 @@ pub enum Finding {
     },
     /// The same reading again and again.
     #[error(
-        "{percent:.0} % of the readings repeat the one before for {longest} rows and more at a time: the sensor refreshes slower than the loop reads; mark repeats by a column `fresh`, or leave them empty"
+        "{percent:.0} % of the readings are repeated, up to {longest} times: the ball stands still, the readings are coarse, or \
+         the sensor refreshes slower than the loop reads; in the last case mark repeats by a column `fresh` or leave them empty"
     )]
     Repeats {
         /// Share of readings in such runs, percent.

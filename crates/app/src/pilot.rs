@@ -9,13 +9,15 @@
 //! It gets samples and times and returns a duty. It reads no clock, no bus and no file, so that whatever it
 //! does can be tested without a rig.
 
+mod exchange;
+
+pub use exchange::{Decision, Orders, Seen};
+
 use crate::command::{Command, Refusal};
-use crate::config::Safety;
-use crate::experiment::{Demand, Experiment};
+use crate::experiment::Demand;
 use crate::log::record::{Fault, Mode};
 use control::Duty;
 use control::check::within;
-use control::compensation::Compensation;
 use control::filter::DerivativeFilter;
 use control::pid::{Limits, Pid, PidState};
 
@@ -26,47 +28,6 @@ const VELOCITY_N: f64 = 10.0;
 const MISSING_PERIODS: f64 = 2.5;
 /// How long the first position may take, seconds: a sensor that works and sees a ball needs a hundredth of it.
 const WAIT_S: f64 = 5.0;
-
-/// What the pilot knows before a flight.
-#[derive(Clone, Debug)]
-pub struct Orders {
-    /// Gains at the start.
-    pub pid: Pid,
-    /// From control value to duty.
-    pub compensation: Compensation,
-    /// What must not be exceeded.
-    pub safety: Safety,
-    /// What to do over time.
-    pub experiment: Experiment,
-    /// Time between readings, seconds: the period of the loop or of the sensor, whichever is longer.
-    pub reading_period_s: f64,
-}
-
-/// What was seen in one cycle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
-    /// The ball, mm above the bottom.
-    Ball(f64),
-    /// Nothing new, because of this fault if there is one.
-    Nothing(Option<Fault>),
-}
-
-/// What one cycle does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decision {
-    /// What the loop is doing.
-    pub mode: Mode,
-    /// Commanded position, mm.
-    pub setpoint_mm: Option<f64>,
-    /// Control value, percent about hover.
-    pub control_percent: Option<f64>,
-    /// The duty to write.
-    pub duty: Duty,
-    /// The estimated velocity, mm/s.
-    pub velocity_mm_per_s: Option<f64>,
-    /// The last position seen, mm.
-    pub position_mm: Option<f64>,
-}
 
 /// Decides, and remembers what it needs for that.
 #[derive(Clone, Debug)]

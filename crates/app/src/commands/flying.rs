@@ -6,7 +6,7 @@ use crate::config::{Config, Loop};
 use crate::experiment::Experiment;
 use crate::flight::Outcome;
 use crate::log::header::{Header, rfc3339};
-use crate::log::recorder::LogSummary;
+use crate::log::writer::LogSummary;
 use crate::log::{LogError, flight};
 use crate::pilot::{Orders, Pilot};
 use crate::report::{plot, summary::Summary};

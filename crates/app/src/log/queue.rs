@@ -6,8 +6,8 @@
 use super::{
     LogError,
     record::{Cycle, Event},
-    recorder::{Inline, LogSummary, Recorder},
-    writer::LogWriter,
+    recorder::{Inline, Recorder},
+    writer::{LogSummary, LogWriter},
 };
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::{

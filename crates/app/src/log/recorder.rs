@@ -6,12 +6,11 @@
 use super::{
     LogError,
     record::{Cycle, Event},
-    writer::LogWriter,
+    writer::{LogSummary, LogWriter},
 };
 use std::{
     fs::File,
     io::{BufWriter, Seek, Write},
-    path::PathBuf,
 };
 
 /// Takes what a flight leaves behind.
@@ -24,19 +23,6 @@ pub trait Recorder {
     fn dropped(&self) -> u64 {
         0
     }
-}
-
-/// What became of a log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogSummary {
-    /// The file.
-    pub path: PathBuf,
-    /// Cycles in it.
-    pub cycles: u64,
-    /// Events in it.
-    pub events: u64,
-    /// Cycles and events that were lost because the disk was too slow.
-    pub dropped: u64,
 }
 
 /// Writes in the calling thread; for virtual time.

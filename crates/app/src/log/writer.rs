@@ -11,7 +11,6 @@ use super::{
     LogError,
     header::{ABOUT, CONFIG, Header, TOML},
     record::{Cycle, Event, EventMessage},
-    recorder::LogSummary,
     schema,
 };
 use mcap::{Compression, McapError, McapResult, WriteOptions, records::MessageHeader, records::Metadata};
@@ -48,6 +47,19 @@ pub struct LogWriter<W: Write + Seek = BufWriter<File>> {
 struct Channel {
     id: u16,
     messages: u64,
+}
+
+/// What became of a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogSummary {
+    /// The file.
+    pub path: PathBuf,
+    /// Cycles in it.
+    pub cycles: u64,
+    /// Events in it.
+    pub events: u64,
+    /// Cycles and events that were lost because the disk was too slow.
+    pub dropped: u64,
 }
 
 impl LogWriter {

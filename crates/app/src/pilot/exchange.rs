@@ -1,0 +1,49 @@
+//! What goes into the pilot and what comes out: orders before the flight, then sight against decision, cycle by cycle.
+
+use crate::config::Safety;
+use crate::experiment::Experiment;
+use crate::log::record::{Fault, Mode};
+use control::Duty;
+use control::compensation::Compensation;
+use control::pid::Pid;
+
+/// What the pilot knows before a flight.
+#[derive(Clone, Debug)]
+pub struct Orders {
+    /// Gains at the start.
+    pub pid: Pid,
+    /// From control value to duty.
+    pub compensation: Compensation,
+    /// What must not be exceeded.
+    pub safety: Safety,
+    /// What to do over time.
+    pub experiment: Experiment,
+    /// Time between readings, seconds: the period of the loop or of the sensor, whichever is longer.
+    pub reading_period_s: f64,
+}
+
+/// What was seen in one cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// The ball, mm above the bottom.
+    Ball(f64),
+    /// Nothing new, because of this fault if there is one.
+    Nothing(Option<Fault>),
+}
+
+/// What one cycle does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decision {
+    /// What the loop is doing.
+    pub mode: Mode,
+    /// Commanded position, mm.
+    pub setpoint_mm: Option<f64>,
+    /// Control value, percent about hover.
+    pub control_percent: Option<f64>,
+    /// The duty to write.
+    pub duty: Duty,
+    /// The estimated velocity, mm/s.
+    pub velocity_mm_per_s: Option<f64>,
+    /// The last position seen, mm.
+    pub position_mm: Option<f64>,
+}

@@ -5,14 +5,20 @@
 //! does no file or network access.
 
 mod check;
+mod fit;
 mod gap;
+mod likelihood;
 mod recording;
 mod track;
+mod which;
 
 #[cfg(test)]
 mod tests_support;
 
 pub use check::{Finding, check};
+pub use fit::{BASE, Fit, Free, Problem};
 pub use gap::{FreeRun, Gap, free_runs};
+pub use likelihood::{Surprise, in_free_flight, surprises};
 pub use recording::{Recording, RecordingError, Sample};
 pub use track::{Forecast, Track};
+pub use which::{Candidate, candidates};

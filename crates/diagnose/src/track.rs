@@ -11,6 +11,7 @@
 //! and for whatever acts on the duty alone. Each stretch between two rows uses its real length.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
+use crate::likelihood::Surprise;
 use crate::recording::{Recording, Sample};
 use control::kalman::Kalman;
 use nalgebra::{Matrix3, RowVector3, Vector3};
@@ -32,6 +33,8 @@ pub struct Track<'a> {
     samples: &'a [Sample],
     /// Rows that hold a reading, and the estimate after it.
     estimates: Vec<(usize, Kalman<3>)>,
+    /// Every reading but the first, as it was seen coming.
+    surprises: Vec<Surprise>,
 }
 
 /// What a model expects of a later reading.
@@ -51,6 +54,7 @@ impl<'a> Track<'a> {
     pub fn new(model: &'a Model, recording: &'a Recording) -> Self {
         let samples = recording.samples();
         let mut estimates = Vec::with_capacity(samples.len());
+        let mut surprises = Vec::with_capacity(samples.len());
         let mut filter: Option<Kalman<3>> = None;
         for (row, sample) in samples.iter().enumerate() {
             if let (Some(filter), Some(before)) = (&mut filter, row.checked_sub(1).map(|r| &samples[r])) {
@@ -58,11 +62,20 @@ impl<'a> Track<'a> {
             }
             if let Some(reading) = sample.position_mm {
                 let filter = filter.get_or_insert_with(|| prior(model, reading, sample.duty_percent));
-                filter.update(reading, &POSITION, reading_variance(model));
+                let surprise = take(filter, row, reading, reading_variance(model));
+                if !estimates.is_empty() {
+                    surprises.push(surprise);
+                }
                 estimates.push((row, *filter));
             }
         }
-        Self { model, samples, estimates }
+        Self { model, samples, estimates, surprises }
+    }
+
+    /// Every reading but the first, which has nothing to be compared with, as the model saw it coming.
+    #[must_use]
+    pub fn into_surprises(self) -> Vec<Surprise> {
+        self.surprises
     }
 
     /// How many readings the recording has.
@@ -114,6 +127,15 @@ fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> Kalman<3> {
 /// A reading's variance, never quite 0: a sensor without noise still leaves the filter a division.
 fn reading_variance(model: &Model) -> f64 {
     model.noise.sensor_mm.powi(2).max(1e-9)
+}
+
+/// Takes a reading, as far as it is no wild one: its weight divides the variance of the innovation.
+fn take(filter: &mut Kalman<3>, row: usize, reading: f64, variance: f64) -> Surprise {
+    let (expected, expected_variance) = filter.expect(&POSITION, variance);
+    let surprise = Surprise::of(row, reading - expected, expected_variance);
+    let widened = expected_variance / surprise.weight.max(1e-6) - expected_variance;
+    filter.update(reading, &POSITION, variance + widened);
+    surprise
 }
 
 /// Moves the filter on by `dt_s` under a constant duty.

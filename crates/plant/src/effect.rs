@@ -38,6 +38,8 @@ pub struct Entry {
     pub stage: Stage,
     /// Its numbers.
     pub params: &'static [Param],
+    /// Sizes that a rig may show, small and large: where a search for the effect starts.
+    pub sizes: &'static [&'static [f64]],
     /// How a log shows it.
     pub in_a_log: &'static str,
     /// How to mend it on a rig.
@@ -51,6 +53,9 @@ pub trait Effect {
 
     /// The values of `ENTRY.params`, in their order.
     fn values(&self) -> Vec<f64>;
+
+    /// The effect with these values of `ENTRY.params`, in their order. A value that is missing is neutral.
+    fn from_values(values: &[f64]) -> Self;
 
     /// Checks every value against its bounds.
     ///

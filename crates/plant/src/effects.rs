@@ -41,6 +41,31 @@ macro_rules! catalogue {
                 Ok(())
             }
 
+            /// The values of the effect `name`, in the order of its entry's parameters. `None`: it is off, or there is none.
+            #[must_use]
+            pub fn values(&self, name: &str) -> Option<Vec<f64>> {
+                match name {
+                    $(stringify!($name) => self.$name.as_ref().map(Effect::values),)*
+                    _ => None,
+                }
+            }
+
+            /// Switches the effect `name` on with these values. A name that is not in the catalogue changes nothing.
+            pub fn set(&mut self, name: &str, values: &[f64]) {
+                match name {
+                    $(stringify!($name) => self.$name = Some(Effect::from_values(values)),)*
+                    _ => {}
+                }
+            }
+
+            /// Switches the effect `name` off.
+            pub fn remove(&mut self, name: &str) {
+                match name {
+                    $(stringify!($name) => self.$name = None,)*
+                    _ => {}
+                }
+            }
+
             /// The entries of the effects that are on, in the order of the signal path.
             #[must_use]
             pub fn present(&self) -> Vec<Entry> {

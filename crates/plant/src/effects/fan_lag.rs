@@ -24,12 +24,17 @@ impl Effect for FanLag {
         name: "fan_lag",
         stage: Stage::Actuator,
         params: &[Param { name: "time_constant_s", min: 0.0, max: 5.0, neutral: 0.0 }],
+        sizes: &[&[0.05], &[0.2]],
         in_a_log: "the ball answers late to every change of duty, and oscillates at gains that the simulator calls safe",
         mend: "a lighter rotor or a fan with active braking; in the controller, more derivative action or less gain",
     };
 
     fn values(&self) -> Vec<f64> {
         vec![self.time_constant_s]
+    }
+
+    fn from_values(values: &[f64]) -> Self {
+        Self { time_constant_s: values.first().copied().unwrap_or_default() }
     }
 }
 

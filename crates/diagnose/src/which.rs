@@ -1,0 +1,149 @@
+//! Which effect: every effect of the catalogue is fitted together with the base parameters and scored on stretches of
+//! the record that it was not fitted to.
+//!
+//! ```text
+//! gain = Σ over both halves of  ln p(half | effect, fitted to the other half) − ln p(half | belief, fitted likewise)
+//! ```
+//!
+//! The halves are interleaved stretches, so that a drift or a programme's phases fall into both. What is worth nothing on the
+//! other half was noise. The innovation of a reading already knows all readings before it, whichever half they are in.
+
+use crate::fit::{BASE, Fit, Free, Problem};
+use crate::likelihood::in_free_flight;
+use crate::recording::Recording;
+use plant::{Effects, Entry, Model};
+
+/// Length of the stretches that alternate between the halves, seconds: longer than a filter remembers.
+const STRETCH_S: f64 = 5.0;
+
+/// An effect, and how much better the record is explained with it.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The effect.
+    pub entry: Entry,
+    /// Its model fitted to the whole record.
+    pub fit: Fit,
+    /// Gain on the halves that it was not fitted to, nats.
+    pub gain: f64,
+}
+
+/// Fits `belief` and each effect that it lacks; returns the fitted belief and the effects, the best first.
+#[must_use]
+pub fn candidates(belief: &Model, recording: &Recording) -> (Fit, Vec<Candidate>) {
+    let search = Search::new(belief, recording);
+    let own = search.free_of(belief);
+    let base = search.whole(belief, &own);
+    let halves = search.halves(&base.model, &own);
+    let absent = Effects::CATALOGUE.iter().filter(|entry| belief.effects.values(entry.name).is_none());
+    let mut all: Vec<Candidate> = absent
+        .filter_map(|entry| {
+            let starts = entry.sizes.iter().map(|size| {
+                let mut model = base.model.clone();
+                model.effects.set(entry.name, size);
+                let free = [own.clone(), free_of_effect(entry)].concat();
+                search.whole(&model, &free)
+            });
+            let fit = starts.max_by(|a, b| search.score(a).total_cmp(&search.score(b)))?;
+            let gain = search.halves(&fit.model, &fit.free) - halves;
+            Some(Candidate { entry: *entry, fit, gain })
+        })
+        .collect();
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    (base, all)
+}
+
+/// The numbers of an effect that a fit may move.
+fn free_of_effect(entry: &Entry) -> Vec<Free> {
+    let sizes = entry.sizes.first().copied().unwrap_or_default();
+    let free = |(index, size): (usize, &f64)| Free::Effect { name: entry.name, index, size: size.abs() };
+    sizes.iter().enumerate().map(free).collect()
+}
+
+/// A record, a belief about it, and its halves.
+struct Search<'a> {
+    belief: &'a Model,
+    recording: &'a Recording,
+    counts: Vec<bool>,
+    halves: [Vec<bool>; 2],
+}
+
+impl<'a> Search<'a> {
+    fn new(belief: &'a Model, recording: &'a Recording) -> Self {
+        let counts = in_free_flight(belief, recording);
+        let start_s = recording.samples().first().map_or(0.0, |first| first.time_s);
+        let halves = [0.0, 1.0].map(|half| {
+            let rows = recording.samples().iter().zip(&counts);
+            rows.map(|(s, counts)| *counts && ((s.time_s - start_s) / STRETCH_S).floor() % 2.0 == half).collect()
+        });
+        Self { belief, recording, counts, halves }
+    }
+
+    /// The base parameters, and those of the effects that the belief already has: what is believed is never exact.
+    fn free_of(&self, belief: &Model) -> Vec<Free> {
+        let own = belief.effects.present();
+        BASE.into_iter().chain(own.iter().flat_map(free_of_effect)).collect()
+    }
+
+    fn fit(&self, start: &Model, free: &[Free], counts: &[bool]) -> Fit {
+        Problem { recording: self.recording, belief: self.belief, counts }.fit(start, free)
+    }
+
+    fn whole(&self, start: &Model, free: &[Free]) -> Fit {
+        self.fit(start, free, &self.counts)
+    }
+
+    fn score(&self, fit: &Fit) -> f64 {
+        fit.log_likelihood(|row| self.counts[row])
+    }
+
+    /// The likelihood of each half under what was fitted to the other, nats.
+    fn halves(&self, start: &Model, free: &[Free]) -> f64 {
+        let [first, second] = &self.halves;
+        [(first, second), (second, first)]
+            .map(|(fitted, scored)| self.fit(start, free, fitted).log_likelihood(|row| scored[row]))
+            .iter()
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::candidates;
+    use crate::tests_support::{model, record};
+    use plant::effects::DeadZone;
+    use plant::{Effects, Model};
+
+    #[test]
+    fn recovers_the_fan_lag_it_was_given() {
+        let rig = model();
+        let belief = Model { effects: Effects::default(), drag_per_s: 1.95, ..rig.clone() };
+        for seed in 0..4 {
+            let (_, found) = candidates(&belief, &record(&rig, seed, 60));
+            assert_eq!(found[0].entry.name, "fan_lag");
+            assert!(found[0].gain > 20.0, "{}", found[0].gain);
+            let lag = found[0].fit.model.effects.fan_lag.unwrap().time_constant_s;
+            assert!((0.1..0.4).contains(&lag), "{lag} s of 0.2 s");
+        }
+    }
+
+    #[test]
+    fn recovers_the_dead_zone_it_was_given() {
+        let zone = DeadZone { lower_percent: -0.3, upper_percent: 0.3 };
+        let rig = Model { effects: Effects { dead_zone: Some(zone), ..model().effects }, ..model() };
+        for seed in 0..4 {
+            let (_, found) = candidates(&model(), &record(&rig, seed, 60));
+            let width = found[0].fit.model.effects.dead_zone.map(|z| z.upper_percent - z.lower_percent).unwrap();
+            assert!(found[0].gain > 5.0 && (0.3..0.9).contains(&width), "{} nats, {width} %", found[0].gain);
+        }
+    }
+
+    #[test]
+    fn blames_nothing_when_nothing_is_wrong() {
+        for seed in 0..8 {
+            let (_, found) = candidates(&model(), &record(&model(), seed, 60));
+            for candidate in found {
+                assert!(candidate.gain < 3.0, "seed {seed}: {} gains {}", candidate.entry.name, candidate.gain);
+            }
+        }
+    }
+}

@@ -78,6 +78,12 @@ impl<'a> Track<'a> {
         self.surprises
     }
 
+    /// What was known after each reading but the last: its row, and position, velocity and fan acceleration.
+    pub fn states(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let known = self.estimates.iter().take(self.estimates.len().saturating_sub(1));
+        known.map(|(row, filter)| (*row, [filter.state[0], filter.state[1], filter.state[2]]))
+    }
+
     /// How many readings the recording has.
     #[must_use]
     pub fn readings(&self) -> usize {

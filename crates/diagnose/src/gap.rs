@@ -71,10 +71,34 @@ impl Gap {
     /// Measures the gap between `model` and `recording`.
     #[must_use]
     pub fn measure(model: &Model, recording: &Recording) -> Self {
+        Self::measure_where(model, recording, &|_| true)
+    }
+
+    /// The gap over both of two halves of equal size.
+    #[must_use]
+    pub fn pooled([a, b]: [Self; 2]) -> Self {
+        let both = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => Some(((a * a + b * b) / 2.0).sqrt()),
+            (one, other) => one.or(other),
+        };
+        let all = |get: fn(&Self) -> &[Option<f64>; 3]| std::array::from_fn(|h| both(get(&a)[h], get(&b)[h]));
+        Self {
+            horizons_s: a.horizons_s,
+            error_mm: all(|gap| &gap.error_mm),
+            stay_put_mm: all(|gap| &gap.stay_put_mm),
+            floor_mm: all(|gap| &gap.floor_mm),
+            free_run_10s_mm: both(a.free_run_10s_mm, b.free_run_10s_mm),
+            floor_free_run_10s_mm: both(a.floor_free_run_10s_mm, b.floor_free_run_10s_mm),
+        }
+    }
+
+    /// Measures the gap of the forecasts and free runs that start from rows for which `counts` holds.
+    #[must_use]
+    pub fn measure_where(model: &Model, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> Self {
         let track = Track::new(model, recording);
-        let at_horizons = horizons(&track, recording);
+        let at_horizons = horizons(&track, recording, counts);
         let mut free = Errors::default();
-        for run in runs(&track, recording) {
+        for run in runs(&track, recording).into_iter().filter(|run| counts(run.row)) {
             for forecast in run.forecasts {
                 free.add(recording.samples()[forecast.row].position_mm, run.start_mm, forecast);
             }
@@ -100,13 +124,13 @@ fn starts(track: &Track, recording: &Recording) -> impl Iterator<Item = usize> {
     (warm.unwrap_or(track.readings())..track.readings()).step_by(steps.div_ceil(ENOUGH_STEPS).max(1))
 }
 
-fn horizons(track: &Track, recording: &Recording) -> [Errors; 3] {
+fn horizons(track: &Track, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> [Errors; 3] {
     let samples = recording.samples();
     // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
     let half_period_s = recording.duration_s() / samples.len() as f64 / 2.0;
     let mut errors = [Errors::default(); 3];
     for from in starts(track, recording) {
-        let Some((_, start_s, start_mm)) = track.reading(from) else { continue };
+        let Some((_, start_s, start_mm)) = track.reading(from).filter(|(row, ..)| counts(*row)) else { continue };
         let mut horizon = 0;
         for forecast in track.forecasts(from) {
             let ahead_s = samples[forecast.row].time_s - start_s;
@@ -128,7 +152,9 @@ fn horizons(track: &Track, recording: &Recording) -> [Errors; 3] {
 /// A free run: what the model expects of every reading over 10 s, from what was known at its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeRun {
-    /// The reading that it starts from, mm.
+    /// The row of the reading that it starts from.
+    pub row: usize,
+    /// That reading, mm.
     pub start_mm: f64,
     /// What is expected of the readings after it.
     pub forecasts: Vec<Forecast>,
@@ -146,13 +172,13 @@ fn runs(track: &Track, recording: &Recording) -> Vec<FreeRun> {
     let mut next_s = first.time_s + WARM_UP_S;
     let mut runs = Vec::new();
     for from in 0..track.readings() {
-        let Some((_, start_s, start_mm)) = track.reading(from) else { continue };
+        let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
         if start_s < next_s || start_s + FREE_RUN_S > last.time_s {
             continue;
         }
         next_s = start_s + FREE_RUN_S;
         let forecasts = track.forecasts(from).take_while(|f| samples[f.row].time_s <= next_s).collect();
-        runs.push(FreeRun { start_mm, forecasts });
+        runs.push(FreeRun { row, start_mm, forecasts });
     }
     runs
 }

@@ -5,6 +5,7 @@
 //! does no file or network access.
 
 mod check;
+mod diagnosis;
 mod fit;
 mod gap;
 mod likelihood;
@@ -17,10 +18,11 @@ mod which;
 mod tests_support;
 
 pub use check::{Finding, check};
+pub use diagnosis::{Diagnosis, Named, Verdict, diagnose};
 pub use fit::{BASE, Fit, Free, Problem};
 pub use gap::{FreeRun, Gap, free_runs};
 pub use likelihood::{Surprise, in_free_flight, surprises};
 pub use places::{Place, colour, places};
 pub use recording::{Recording, RecordingError, Sample};
 pub use track::{Forecast, Track};
-pub use which::{Candidate, candidates};
+pub use which::Candidate;

@@ -27,31 +27,6 @@ pub struct Candidate {
     pub gain: f64,
 }
 
-/// Fits `belief` and each effect that it lacks; returns the fitted belief and the effects, the best first.
-#[must_use]
-pub fn candidates(belief: &Model, recording: &Recording) -> (Fit, Vec<Candidate>) {
-    let search = Search::new(belief, recording);
-    let own = search.free_of(belief);
-    let base = search.whole(belief, &own);
-    let halves = search.halves(&base.model, &own);
-    let absent = Effects::CATALOGUE.iter().filter(|entry| belief.effects.values(entry.name).is_none());
-    let mut all: Vec<Candidate> = absent
-        .filter_map(|entry| {
-            let starts = entry.sizes.iter().map(|size| {
-                let mut model = base.model.clone();
-                model.effects.set(entry.name, size);
-                let free = [own.clone(), free_of_effect(entry)].concat();
-                search.whole(&model, &free)
-            });
-            let fit = starts.max_by(|a, b| search.score(a).total_cmp(&search.score(b)))?;
-            let gain = search.halves(&fit.model, &fit.free) - halves;
-            Some(Candidate { entry: *entry, fit, gain })
-        })
-        .collect();
-    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    (base, all)
-}
-
 /// The numbers of an effect that a fit may move.
 fn free_of_effect(entry: &Entry) -> Vec<Free> {
     let sizes = entry.sizes.first().copied().unwrap_or_default();
@@ -60,7 +35,7 @@ fn free_of_effect(entry: &Entry) -> Vec<Free> {
 }
 
 /// A record, a belief about it, and its halves.
-struct Search<'a> {
+pub(crate) struct Search<'a> {
     belief: &'a Model,
     recording: &'a Recording,
     counts: Vec<bool>,
@@ -68,7 +43,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(belief: &'a Model, recording: &'a Recording) -> Self {
+    pub(crate) fn new(belief: &'a Model, recording: &'a Recording) -> Self {
         let counts = in_free_flight(belief, recording);
         let start_s = recording.samples().first().map_or(0.0, |first| first.time_s);
         let halves = [0.0, 1.0].map(|half| {
@@ -79,7 +54,7 @@ impl<'a> Search<'a> {
     }
 
     /// The base parameters, and those of the effects that the belief already has: what is believed is never exact.
-    fn free_of(&self, belief: &Model) -> Vec<Free> {
+    pub(crate) fn free_of(&self, belief: &Model) -> Vec<Free> {
         let own = belief.effects.present();
         BASE.into_iter().chain(own.iter().flat_map(free_of_effect)).collect()
     }
@@ -88,8 +63,43 @@ impl<'a> Search<'a> {
         Problem { recording: self.recording, belief: self.belief, counts }.fit(start, free)
     }
 
-    fn whole(&self, start: &Model, free: &[Free]) -> Fit {
+    pub(crate) fn whole(&self, start: &Model, free: &[Free]) -> Fit {
         self.fit(start, free, &self.counts)
+    }
+
+    /// The record.
+    pub(crate) const fn recording(&self) -> &'a Recording {
+        self.recording
+    }
+
+    /// Adds each effect that `so_far` lacks to it; the best first.
+    pub(crate) fn candidates(&self, so_far: &Fit) -> Vec<Candidate> {
+        let halves = self.halves(&so_far.model, &so_far.free);
+        let absent = Effects::CATALOGUE.iter().filter(|entry| so_far.model.effects.values(entry.name).is_none());
+        let mut all: Vec<Candidate> = absent.filter_map(|entry| self.candidate(so_far, entry, halves)).collect();
+        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        all
+    }
+
+    fn candidate(&self, so_far: &Fit, entry: &Entry, halves: f64) -> Option<Candidate> {
+        let free = [so_far.free.clone(), free_of_effect(entry)].concat();
+        let fits = entry.sizes.iter().map(|size| {
+            let mut model = so_far.model.clone();
+            model.effects.set(entry.name, size);
+            self.whole(&model, &free)
+        });
+        let fit = fits.max_by(|a, b| self.score(a).total_cmp(&self.score(b)))?;
+        let gain = self.halves(&fit.model, &fit.free) - halves;
+        Some(Candidate { entry: *entry, fit, gain })
+    }
+
+    /// For each half: the model fitted to the other (or `start` itself, if nothing is free), and which rows the half has.
+    pub(crate) fn crossed(&self, start: &Model, free: Option<&[Free]>) -> [(Model, &[bool]); 2] {
+        let [first, second] = &self.halves;
+        [(first, second), (second, first)].map(|(fitted, scored)| {
+            let model = free.map_or_else(|| start.clone(), |free| self.fit(start, free, fitted).model);
+            (model, scored.as_slice())
+        })
     }
 
     fn score(&self, fit: &Fit) -> f64 {
@@ -108,17 +118,22 @@ impl<'a> Search<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::candidates;
+    use super::{Candidate, Search};
     use crate::tests_support::{model, record};
     use plant::effects::DeadZone;
     use plant::{Effects, Model};
+
+    fn candidates(belief: &Model, recording: &crate::Recording) -> Vec<Candidate> {
+        let search = Search::new(belief, recording);
+        search.candidates(&search.whole(belief, &search.free_of(belief)))
+    }
 
     #[test]
     fn recovers_the_fan_lag_it_was_given() {
         let rig = model();
         let belief = Model { effects: Effects::default(), drag_per_s: 1.95, ..rig.clone() };
         for seed in 0..4 {
-            let (_, found) = candidates(&belief, &record(&rig, seed, 60));
+            let found = candidates(&belief, &record(&rig, seed, 60));
             assert_eq!(found[0].entry.name, "fan_lag");
             assert!(found[0].gain > 20.0, "{}", found[0].gain);
             let lag = found[0].fit.model.effects.fan_lag.unwrap().time_constant_s;
@@ -131,7 +146,7 @@ mod tests {
         let zone = DeadZone { lower_percent: -0.3, upper_percent: 0.3 };
         let rig = Model { effects: Effects { dead_zone: Some(zone), ..model().effects }, ..model() };
         for seed in 0..4 {
-            let (_, found) = candidates(&model(), &record(&rig, seed, 60));
+            let found = candidates(&model(), &record(&rig, seed, 60));
             let width = found[0].fit.model.effects.dead_zone.map(|z| z.upper_percent - z.lower_percent).unwrap();
             assert!(found[0].gain > 5.0 && (0.3..0.9).contains(&width), "{} nats, {width} %", found[0].gain);
         }
@@ -140,7 +155,7 @@ mod tests {
     #[test]
     fn blames_nothing_when_nothing_is_wrong() {
         for seed in 0..8 {
-            let (_, found) = candidates(&model(), &record(&model(), seed, 60));
+            let found = candidates(&model(), &record(&model(), seed, 60));
             for candidate in found {
                 assert!(candidate.gain < 3.0, "seed {seed}: {} gains {}", candidate.entry.name, candidate.gain);
             }

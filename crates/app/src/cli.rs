@@ -22,6 +22,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Run a log through a model: how far its forecasts are off, beside what noise alone gives
     Replay(ReplayArgs),
+    /// Say which effect separates a log from a model, where, and how far it closes the gap
+    Diagnose(DiagnoseArgs),
     /// Check or print a config
     #[command(subcommand)]
     Config(ConfigCommand),
@@ -102,6 +104,23 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Write the gap as JSON, and nothing else, to standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `airball diagnose`
+#[derive(Debug, Args)]
+pub struct DiagnoseArgs {
+    /// The log: MCAP of this program, or CSV
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// Which model, and how to read a foreign CSV.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Write the mended model as a config patch for --patch
+    #[arg(long, value_name = "FILE")]
+    pub patch_out: Option<PathBuf>,
+    /// Write the diagnosis as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
 }

@@ -26,6 +26,9 @@ const NUDGE: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Before the first reading nothing is known of the velocity but that a ball in a pipe stays below 2 m/s.
 const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
 
+/// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
+const WILD_IN_A_ROW: u32 = 2;
+
 /// A model's filter along a recording: its estimate after each reading.
 #[derive(Debug)]
 pub struct Track<'a> {
@@ -56,13 +59,15 @@ impl<'a> Track<'a> {
         let mut estimates = Vec::with_capacity(samples.len());
         let mut surprises = Vec::with_capacity(samples.len());
         let mut filter: Option<Kalman<3>> = None;
+        let mut wild_run = 0;
         for (row, sample) in samples.iter().enumerate() {
             if let (Some(filter), Some(before)) = (&mut filter, row.checked_sub(1).map(|r| &samples[r])) {
                 advance(filter, model, before.duty_percent, sample.time_s - before.time_s);
             }
             if let Some(reading) = sample.position_mm {
                 let filter = filter.get_or_insert_with(|| prior(model, reading, sample.duty_percent));
-                let surprise = take(filter, row, reading, reading_variance(model));
+                let surprise = take(filter, row, reading, reading_variance(model), wild_run >= WILD_IN_A_ROW);
+                wild_run = if surprise.weight < 0.5 { wild_run + 1 } else { 0 };
                 if !estimates.is_empty() {
                     surprises.push(surprise);
                 }
@@ -135,12 +140,13 @@ fn reading_variance(model: &Model) -> f64 {
     model.noise.sensor_mm.powi(2).max(1e-9)
 }
 
-/// Takes a reading, as far as it is no wild one: its weight divides the variance of the innovation.
-fn take(filter: &mut Kalman<3>, row: usize, reading: f64, variance: f64) -> Surprise {
+/// Takes a reading as far as it is no wild one: its weight divides the variance of the innovation. `believed`: take it
+/// whatever it looks like.
+fn take(filter: &mut Kalman<3>, row: usize, reading: f64, variance: f64, believed: bool) -> Surprise {
     let (expected, expected_variance) = filter.expect(&POSITION, variance);
     let surprise = Surprise::of(row, reading - expected, expected_variance);
-    let widened = expected_variance / surprise.weight.max(1e-6) - expected_variance;
-    filter.update(reading, &POSITION, variance + widened);
+    let weight = if believed { 1.0 } else { surprise.weight.max(1e-6) };
+    filter.update(reading, &POSITION, variance + expected_variance / weight - expected_variance);
     surprise
 }
 
@@ -227,6 +233,25 @@ mod tests {
         }
         // 1040 almost independent errors: five standard errors are 0.22.
         assert!((sum / count - 1.0_f64).abs() < 0.22, "{}", sum / count);
+    }
+
+    #[test]
+    fn one_wild_reading_is_passed_over_and_a_ball_that_moved_is_followed() {
+        let own = model();
+        let good = record(&own, 5, 20);
+        let spoilt = |rows: std::ops::Range<usize>| {
+            let rows = good.samples().iter().enumerate().map(|(k, s)| {
+                let jump = if rows.contains(&k) { 150.0 } else { 0.0 };
+                crate::Sample { position_mm: s.position_mm.map(|mm| mm + jump), ..*s }
+            });
+            crate::Recording::new(rows.collect()).unwrap()
+        };
+        let expected_after = |recording: &crate::Recording, row: usize| {
+            Track::new(&own, recording).forecasts(row).next().unwrap().position_mm
+        };
+        let clean = expected_after(&good, 500);
+        assert!((expected_after(&spoilt(500..501), 500) - clean).abs() < 1.0);
+        assert!((expected_after(&spoilt(500..1000), 510) - clean).abs() > 100.0);
     }
 
     #[test]

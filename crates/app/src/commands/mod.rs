@@ -1,6 +1,7 @@
 //! One file a command: reads its flags and tables, calls what does the work, prints the result.
 
 pub mod config;
+pub mod diagnose;
 mod flying;
 pub mod log;
 mod output;

@@ -1,0 +1,268 @@
+//! A diagnosis as a document for programs (`airball.diagnosis/1`), as words for people, and as a patch for the simulator.
+
+use diagnose::{Diagnosis, Free, Gap, Named, Place, Verdict};
+use plant::{Model, Stage};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Places that a document lists at most.
+const MOST_PLACES: usize = 8;
+
+/// The document that `diagnose --json` writes.
+#[derive(Debug, Serialize)]
+pub struct DiagnosisDocument {
+    schema: &'static str,
+    verdict: Verdict,
+    effects: Vec<EffectEntry>,
+    parameters: BTreeMap<&'static str, ParameterEntry>,
+    gap: GapEntry,
+    r#where: WhereEntry,
+    check: CheckEntry,
+    next_experiment: Option<String>,
+    version: &'static str,
+    config_patch: String,
+}
+
+#[derive(Debug, Serialize)]
+struct EffectEntry {
+    name: &'static str,
+    change: &'static str,
+    probability: f64,
+    indistinguishable_from: Vec<&'static str>,
+    parameters: BTreeMap<&'static str, Interval>,
+}
+
+/// A value with its 90 % interval; `null` ends where the record does not determine it.
+#[derive(Debug, Serialize)]
+struct Interval {
+    value: f64,
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterEntry {
+    nominal: f64,
+    #[serde(flatten)]
+    interval: Interval,
+}
+
+#[derive(Debug, Serialize)]
+struct GapEntry {
+    horizons_s: [f64; 3],
+    nominal_mm: [Option<f64>; 3],
+    refitted_mm: [Option<f64>; 3],
+    mended_mm: [Option<f64>; 3],
+    floor_mm: [Option<f64>; 3],
+    stay_put_mm: [Option<f64>; 3],
+    free_run_10s_mm: BTreeMap<&'static str, Option<f64>>,
+    closed: Option<BTreeMap<&'static str, f64>>,
+}
+
+#[derive(Debug, Serialize)]
+struct WhereEntry {
+    stage: Vec<StageEntry>,
+    regions: Vec<Place>,
+}
+
+#[derive(Debug, Serialize)]
+struct StageEntry {
+    name: &'static str,
+    share: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct CheckEntry {
+    findings: Vec<String>,
+}
+
+impl DiagnosisDocument {
+    /// The document of a diagnosis of a rig that was believed to be `belief`.
+    #[must_use]
+    pub fn of(found: &Diagnosis, belief: &Model) -> Self {
+        let half = found.half_intervals().unwrap_or_default();
+        Self {
+            schema: "airball.diagnosis/1",
+            verdict: found.verdict,
+            effects: found.effects.iter().map(|named| effect(named, found, &half)).collect(),
+            parameters: parameters(found, belief, &half),
+            gap: gap(found),
+            r#where: WhereEntry { stage: stages(found), regions: regions(found) },
+            check: CheckEntry { findings: found.findings.iter().map(ToString::to_string).collect() },
+            next_experiment: None,
+            version: env!("CARGO_PKG_VERSION"),
+            config_patch: patch(found),
+        }
+    }
+}
+
+fn interval(
+    value: f64,
+    half: &[(Free, f64)],
+    wanted: impl Fn(&Free) -> bool,
+    ends: impl Fn(f64) -> (f64, f64),
+) -> Interval {
+    let ends =
+        half.iter().find(|(free, _)| wanted(free)).map(|(_, half)| ends(*half)).filter(|(l, h)| (h - l).is_finite());
+    Interval { value, low: ends.map(|ends| ends.0), high: ends.map(|ends| ends.1) }
+}
+
+fn effect(named: &Named, found: &Diagnosis, half: &[(Free, f64)]) -> EffectEntry {
+    let entry = named.candidate.entry;
+    let values = found.mended.model.effects.values(entry.name).unwrap_or_default();
+    let parameters = entry.params.iter().zip(&values).enumerate().map(|(at, (param, value))| {
+        let mine =
+            |free: &Free| matches!(free, Free::Effect { name, index, .. } if *name == entry.name && *index == at);
+        let size = entry.sizes.first().and_then(|size| size.get(at)).map_or(0.0, |size| size.abs());
+        let ends = |half: f64| ((value - size * half).max(param.min), (value + size * half).min(param.max));
+        (param.name, interval(*value, half, mine, ends))
+    });
+    EffectEntry {
+        name: entry.name,
+        change: "added",
+        probability: named.probability,
+        indistinguishable_from: named.indistinguishable_from.clone(),
+        parameters: parameters.collect(),
+    }
+}
+
+/// Gain, drag and hover: what was believed, and what the mended model has.
+fn parameters(found: &Diagnosis, belief: &Model, half: &[(Free, f64)]) -> BTreeMap<&'static str, ParameterEntry> {
+    let mended = &found.mended.model;
+    let ratio = |value: f64| move |half: f64| (value * (-half).exp(), value * half.exp());
+    let (gain, drag, hover) = (mended.gain_mm_per_s2_per_percent, mended.drag_per_s, mended.hover_duty_percent);
+    let shift = |half: f64| (hover - 0.1 * half, hover + 0.1 * half);
+    BTreeMap::from([
+        (
+            "gain_mm_per_s2_per_percent",
+            ParameterEntry {
+                nominal: belief.gain_mm_per_s2_per_percent,
+                interval: interval(gain, half, |free| *free == Free::Gain, ratio(gain)),
+            },
+        ),
+        (
+            "drag_per_s",
+            ParameterEntry {
+                nominal: belief.drag_per_s,
+                interval: interval(drag, half, |free| *free == Free::Drag, ratio(drag)),
+            },
+        ),
+        (
+            "hover_duty_percent",
+            ParameterEntry {
+                nominal: belief.hover_duty_percent,
+                interval: interval(hover, half, |free| *free == Free::Hover, shift),
+            },
+        ),
+    ])
+}
+
+fn gap(found: &Diagnosis) -> GapEntry {
+    let [nominal, refitted, mended] = &found.gaps;
+    let free = |gap: &Gap| gap.free_run_10s_mm;
+    GapEntry {
+        horizons_s: nominal.horizons_s,
+        nominal_mm: nominal.error_mm,
+        refitted_mm: refitted.error_mm,
+        mended_mm: mended.error_mm,
+        floor_mm: mended.floor_mm,
+        stay_put_mm: nominal.stay_put_mm,
+        free_run_10s_mm: BTreeMap::from([
+            ("nominal", free(nominal)),
+            ("refitted", free(refitted)),
+            ("mended", free(mended)),
+            ("floor", mended.floor_free_run_10s_mm),
+        ]),
+        closed: found.closed().map(|value| BTreeMap::from([("value", value)])),
+    }
+}
+
+/// Each stage's share of the likelihood gained by the effects that were found.
+fn stages(found: &Diagnosis) -> Vec<StageEntry> {
+    let total: f64 = found.effects.iter().map(|named| named.candidate.gain).sum();
+    let names = [(Stage::Actuator, "actuator"), (Stage::Air, "air"), (Stage::Ball, "ball"), (Stage::Sensor, "sensor")];
+    let share = |stage| {
+        let own = found.effects.iter().filter(|named| named.candidate.entry.stage == stage);
+        own.map(|named| named.candidate.gain).sum::<f64>() / total
+    };
+    let all = names.iter().map(|(stage, name)| StageEntry { name, share: share(*stage) });
+    all.filter(|entry| entry.share > 0.0).collect()
+}
+
+fn regions(found: &Diagnosis) -> Vec<Place> {
+    found.places.iter().filter(|place| place.p_value < 0.05).take(MOST_PLACES).cloned().collect()
+}
+
+/// The mended model as a patch that `simulate` and `replay` take; empty where nothing needs mending.
+#[must_use]
+pub fn patch(found: &Diagnosis) -> String {
+    if matches!(found.verdict, Verdict::NoGap | Verdict::InsufficientData) {
+        return String::new();
+    }
+    let model = &found.mended.model;
+    let mut patch = String::from("[plant]\n");
+    for (key, value) in [
+        ("gain_mm_per_s2_per_percent", model.gain_mm_per_s2_per_percent),
+        ("drag_per_s", model.drag_per_s),
+        ("hover_duty_percent", model.hover_duty_percent),
+    ] {
+        // Writing to a string cannot fail.
+        let _ = writeln!(patch, "{key} = {value:?}");
+    }
+    for entry in model.effects.present() {
+        let _ = writeln!(patch, "\n[plant.effects.{}]", entry.name);
+        for (param, value) in entry.params.iter().zip(model.effects.values(entry.name).unwrap_or_default()) {
+            let _ = writeln!(patch, "{} = {value:?}", param.name);
+        }
+    }
+    patch
+}
+
+/// The verdict in a sentence, then a line for each thing that was found.
+#[must_use]
+pub fn words(found: &Diagnosis) -> String {
+    let mut words = match found.verdict {
+        Verdict::NoGap => "No gap: the model forecasts this record as well as noise allows.".to_owned(),
+        Verdict::Parameters => {
+            "Only base parameters moved; no effect is missing that this record could show.".to_owned()
+        }
+        Verdict::Effect => "The rig does something that the model lacks.".to_owned(),
+        Verdict::Unexplained => "Something is left that no effect of the catalogue explains.".to_owned(),
+        Verdict::InsufficientData => {
+            "This record cannot answer: fly one with a moving setpoint, at least 30 s in free flight.".to_owned()
+        }
+    };
+    for named in &found.effects {
+        let entry = named.candidate.entry;
+        let values = found.mended.model.effects.values(entry.name).unwrap_or_default();
+        let numbers: Vec<String> =
+            entry.params.iter().zip(values).map(|(param, value)| format!("{} = {value:.3}", param.name)).collect();
+        let _ = write!(words, "\n{:<22} {:.0} % sure   {}", entry.name, 100.0 * named.probability, numbers.join(", "));
+        if !named.indistinguishable_from.is_empty() {
+            let _ = write!(words, "   (cannot be told from {})", named.indistinguishable_from.join(", "));
+        }
+        let _ = write!(words, "\n{:22} in a log: {}\n{:22} mend: {}", "", entry.in_a_log, "", entry.mend);
+    }
+    for place in regions(found).iter().take(3) {
+        let _ = write!(
+            words,
+            "\nwrong where {} is {:.1} to {:.1} (p = {:.3})",
+            place.signal, place.from, place.to, place.p_value
+        );
+    }
+    let [nominal, refitted, mended] = &found.gaps;
+    let at = |gap: &Gap| gap.error_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));
+    let floor = mended.floor_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));
+    let _ = write!(
+        words,
+        "\nerror 1 s ahead, on stretches not fitted to: {} mm as believed, {} refitted, {} mended, {floor} by noise alone",
+        at(nominal),
+        at(refitted),
+        at(mended)
+    );
+    if let Some(closed) = found.closed() {
+        let _ = write!(words, "\n{:.0} % of the gap is closed", 100.0 * closed);
+    }
+    words
+}

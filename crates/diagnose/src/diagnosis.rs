@@ -13,7 +13,7 @@ use crate::gap::Gap;
 use crate::likelihood::in_free_flight;
 use crate::places::{Place, colour, places};
 use crate::recording::Recording;
-use crate::which::{Candidate, Search};
+use crate::which::{CONTAINS, Candidate, Search};
 use plant::Model;
 
 /// Held-out gain, nats, that an effect must bring to be named: e⁵ to 1.
@@ -84,7 +84,10 @@ pub fn diagnose(belief: &Model, recording: &Recording) -> Diagnosis {
     let refitted = search.whole(belief, &search.free_of(belief));
     let mut mended = refitted.clone();
     let mut effects = Vec::new();
-    while effects.len() < MOST_EFFECTS {
+    let readings = refitted.surprises.iter().filter(|s| counts[s.row]).count();
+    let hopeless = findings.iter().any(|f| matches!(f, Finding::StillDuty { .. } | Finding::StillPosition { .. }));
+    let answers = readings >= ENOUGH_READINGS && !hopeless;
+    while answers && effects.len() < MOST_EFFECTS {
         let Some(named) = next_effect(&search, &mended) else { break };
         mended = named.candidate.fit.clone();
         effects.push(named);
@@ -93,9 +96,7 @@ pub fn diagnose(belief: &Model, recording: &Recording) -> Diagnosis {
     let places_before = places(&refitted.model, recording, &counts);
     let left = places(&mended.model, recording, &counts).first().map_or(1.0, |place| place.p_value);
     let coloured = colour(&mended.surprises, &counts);
-    let readings = refitted.surprises.iter().filter(|s| counts[s.row]).count();
-    let hopeless = findings.iter().any(|f| matches!(f, Finding::StillDuty { .. } | Finding::StillPosition { .. }));
-    let verdict = if readings < ENOUGH_READINGS || hopeless {
+    let verdict = if !answers {
         Verdict::InsufficientData
     } else if left <= LEFT_OVER || coloured > COLOURED {
         Verdict::Unexplained
@@ -115,11 +116,17 @@ fn next_effect(search: &Search<'_>, so_far: &Fit) -> Option<Named> {
     let best = all.first().filter(|best| best.gain > NAMED)?;
     let weight = |gain: f64| (gain - best.gain).exp();
     let near: Vec<&'static str> =
-        all.iter().skip(1).filter(|c| c.gain > best.gain - TOLD_APART && c.gain > 0.0).map(|c| c.entry.name).collect();
+        all.iter().skip(1).filter(|c| is_alternative(c, best)).map(|c| c.entry.name).collect();
     let in_set: f64 = 1.0 + all.iter().filter(|c| near.contains(&c.entry.name)).map(|c| weight(c.gain)).sum::<f64>();
     let others: f64 = all.iter().map(|c| weight(c.gain)).sum::<f64>() + weight(0.0);
     let probability = in_set / others;
     Some(Named { candidate: all.swap_remove(0), probability, indistinguishable_from: near })
+}
+
+/// Whether `other` explains the record about as well as `best`, and does not do so by containing it.
+fn is_alternative(other: &Candidate, best: &Candidate) -> bool {
+    let contains = CONTAINS.contains(&(other.entry.name, best.entry.name));
+    !contains && other.gain > 0.0 && other.gain > best.gain - TOLD_APART
 }
 
 /// Held-out forecast errors of the belief and of the fits, each made anew on the other half.

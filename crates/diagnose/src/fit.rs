@@ -140,11 +140,17 @@ impl Problem<'_> {
     /// Moves the numbers `free` of `start` to where the readings that count are most likely.
     #[must_use]
     pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
+        self.fit_in_steps(start, free, MOST_STEPS)
+    }
+
+    /// The same in so many steps at most.
+    #[must_use]
+    pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Fit {
         let mut best = start.clone();
         let mut seen = surprises(&best, self.recording);
         let mut damping = 1e-3;
         let (mut gradient, mut information) = self.slope(&best, free, &seen);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..most_steps {
             let found = self.step(&best, free, &seen, (&gradient, &information), &mut damping);
             let Some((model, there, gain)) = found else { break };
             (best, seen) = (model, there);

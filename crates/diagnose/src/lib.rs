@@ -4,7 +4,9 @@
 //! forecasts, beside what noise alone would give. Works on the recorded duty and the real time stamps, and
 //! does no file or network access.
 
+mod arrival;
 mod check;
+mod cursor;
 mod diagnosis;
 mod fit;
 mod gap;

@@ -9,7 +9,6 @@
 //! Source: Huber, *Robust Statistics*, the gross-error model.
 
 use crate::recording::Recording;
-use crate::track::Track;
 use plant::Model;
 
 /// Share of wild readings that every model grants.
@@ -33,16 +32,29 @@ pub struct Surprise {
 }
 
 impl Surprise {
-    /// Weighs the residual of a reading.
+    /// Weighs the residual of a reading. `outliers`: probability and size of wild readings that the model believes in.
     #[must_use]
-    pub fn of(row: usize, residual_mm: f64, variance_mm2: f64) -> Self {
-        let square = residual_mm * residual_mm / variance_mm2;
-        let normal =
-            |width: f64| -0.5 * (square / (width * width) + (std::f64::consts::TAU * variance_mm2).ln()) - width.ln();
-        let (good, wild) = (normal(1.0) + (1.0 - WILD_SHARE).ln(), normal(WILD_WIDTH) + WILD_SHARE.ln());
-        let most = good.max(wild);
-        let log_density = most + ((good - most).exp() + (wild - most).exp()).ln();
+    pub fn of(row: usize, residual_mm: f64, variance_mm2: f64, outliers: Option<(f64, f64)>) -> Self {
+        let normal = |off_mm: f64, width: f64| {
+            let square = (residual_mm - off_mm).powi(2) / variance_mm2;
+            -0.5 * (square / (width * width) + (std::f64::consts::TAU * variance_mm2).ln()) - width.ln()
+        };
+        let (share, size_mm) = outliers.unwrap_or_default();
+        let good = normal(0.0, 1.0) + ((1.0 - WILD_SHARE) * (1.0 - share)).ln();
+        let wild = normal(0.0, WILD_WIDTH) + WILD_SHARE.ln();
+        let sides = [size_mm, -size_mm].map(|off| normal(off, 1.0) + ((1.0 - WILD_SHARE) * share / 2.0).ln());
+        let most = good.max(wild).max(sides[0]).max(sides[1]);
+        let log_density =
+            most + [good, wild, sides[0], sides[1]].map(|part| (part - most).exp()).iter().sum::<f64>().ln();
         Self { row, residual_mm, variance_mm2, weight: (good - log_density).exp(), log_density }
+    }
+
+    /// A reading that can only repeat the one before: certain to within the recording's resolution if it does, and as good as
+    /// impossible if it does not.
+    #[must_use]
+    pub fn of_repeat(row: usize, repeats: bool, resolution_mm: f64) -> Self {
+        let log_density = -resolution_mm.ln() + if repeats { 0.0 } else { WILD_SHARE.ln() - WILD_WIDTH };
+        Self { row, residual_mm: 0.0, variance_mm2: 1.0, weight: 1.0, log_density }
     }
 
     /// ν/√S: normal with variance 1 when the model is right.
@@ -76,7 +88,7 @@ pub fn in_free_flight(model: &Model, recording: &Recording) -> Vec<bool> {
 /// The log-likelihood of every reading of `recording` under `model`, nats.
 #[must_use]
 pub fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
-    Track::new(model, recording).into_surprises()
+    crate::track::surprises(model, recording)
 }
 
 #[cfg(test)]
@@ -86,15 +98,17 @@ mod tests {
     #[test]
     fn the_density_integrates_to_one() {
         let step = 0.01;
-        let total: f64 =
-            (-20_000..20_000).map(|k| Surprise::of(0, f64::from(k) * step, 4.0).log_density.exp() * step).sum();
-        assert!((total - 1.0).abs() < 1e-9, "{total}");
+        for outliers in [None, Some((0.1, 30.0)), Some((1.0, 0.0))] {
+            let density = |k| Surprise::of(0, f64::from(k) * step, 4.0, outliers).log_density.exp();
+            let total: f64 = (-20_000..20_000).map(|k| density(k) * step).sum();
+            assert!((total - 1.0).abs() < 1e-9, "{outliers:?}: {total}");
+        }
     }
 
     #[test]
     fn a_usual_reading_counts_fully_and_a_wild_one_hardly() {
-        assert!(Surprise::of(0, 2.0, 4.0).weight > 0.99);
-        let wild = Surprise::of(0, 20.0, 4.0);
+        assert!(Surprise::of(0, 2.0, 4.0, None).weight > 0.99);
+        let wild = Surprise::of(0, 20.0, 4.0, None);
         assert!(wild.weight < 1e-10 && wild.log_density > -13.0, "{wild:?}");
     }
 }

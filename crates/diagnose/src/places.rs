@@ -78,7 +78,7 @@ fn regressors(model: &Model, recording: &Recording, counts: &[bool]) -> Vec<([f6
     let track = Track::new(model, recording);
     let before: Vec<[f64; 4]> = track
         .states()
-        .map(|(row, [position, velocity, _])| [samples[row].duty_percent, position, velocity, samples[row].time_s])
+        .map(|(row, position, velocity)| [samples[row].duty_percent, position, velocity, samples[row].time_s])
         .collect();
     let known = before.into_iter().zip(track.into_surprises());
     known.filter(|(_, s)| counts[s.row]).map(|(known, s)| (known, s.weight * s.standardised())).collect()

@@ -19,6 +19,7 @@ pub struct Sample {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     samples: Vec<Sample>,
+    resolution_mm: f64,
 }
 
 /// Why rows are no recording. Row numbers count from 1 at the first row of data.
@@ -113,7 +114,7 @@ impl Recording {
             (true, _) => Err(RecordingError::Empty),
             (_, true) => Err(RecordingError::TooShort { readings, needed: Self::MIN_READINGS }),
             _ if samples[0].time_s == last_s => Err(RecordingError::NoTime { time_s: last_s }),
-            _ => Ok(Self { samples }),
+            _ => Ok(Self { resolution_mm: resolution(&samples), samples }),
         }
     }
 
@@ -121,6 +122,12 @@ impl Recording {
     #[must_use]
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// The smallest step between two readings in a row, mm.
+    #[must_use]
+    pub const fn resolution_mm(&self) -> f64 {
+        self.resolution_mm
     }
 
     /// From the first row to the last, seconds.
@@ -131,6 +138,13 @@ impl Recording {
             _ => 0.0,
         }
     }
+}
+
+fn resolution(samples: &[Sample]) -> f64 {
+    let readings: Vec<f64> = samples.iter().filter_map(|sample| sample.position_mm).collect();
+    let steps = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 1e-6);
+    let smallest = steps.fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() { smallest } else { 1.0 }
 }
 
 #[cfg(test)]

@@ -12,9 +12,17 @@ use crate::fit::{BASE, Fit, Free, Problem};
 use crate::likelihood::in_free_flight;
 use crate::recording::Recording;
 use plant::{Effects, Entry, Model};
+use rayon::prelude::*;
 
 /// Length of the stretches that alternate between the halves, seconds: longer than a filter remembers.
 const STRETCH_S: f64 = 5.0;
+/// Scoring steps of a first look at an effect, and what it must gain in them, nats, to be fitted in full.
+const FIRST_STEPS: usize = 3;
+const WORTH_A_LOOK: f64 = 4.0;
+/// Gains this close are alike, nats.
+const ALIKE: f64 = 2.0;
+/// Effects that contain a simpler one, and the simpler one: the simpler name wins, and the other is no alternative to it.
+pub(crate) const CONTAINS: [(&str, &str); 1] = [("spin_asymmetry", "fan_lag")];
 
 /// An effect, and how much better the record is explained with it.
 #[derive(Clone, Debug)]
@@ -25,6 +33,20 @@ pub struct Candidate {
     pub fit: Fit,
     /// Gain on the halves that it was not fitted to, nats.
     pub gain: f64,
+}
+
+/// The simpler of two names that explain the record alike comes first: an effect with more numbers can imitate it.
+fn prefer_the_simple(all: &mut [Candidate]) {
+    let Some(best) = all.first().map(|best| best.gain) else { return };
+    let alike = all.partition_point(|candidate| candidate.gain > best - ALIKE);
+    all[..alike].sort_by_key(|candidate| candidate.entry.params.len());
+}
+
+/// Whether the effect is absent from `model` and may be added to it.
+fn goes_with(model: &Model, entry: &Entry) -> bool {
+    let mut with = model.clone();
+    with.effects.set(entry.name, entry.sizes.first().copied().unwrap_or_default());
+    model.effects.values(entry.name).is_none() && with.effects.check().is_ok()
 }
 
 /// The numbers of an effect that a fit may move.
@@ -75,9 +97,10 @@ impl<'a> Search<'a> {
     /// Adds each effect that `so_far` lacks to it; the best first.
     pub(crate) fn candidates(&self, so_far: &Fit) -> Vec<Candidate> {
         let halves = self.halves(&so_far.model, &so_far.free);
-        let absent = Effects::CATALOGUE.iter().filter(|entry| so_far.model.effects.values(entry.name).is_none());
+        let absent = Effects::CATALOGUE.par_iter().filter(|entry| goes_with(&so_far.model, entry));
         let mut all: Vec<Candidate> = absent.filter_map(|entry| self.candidate(so_far, entry, halves)).collect();
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        prefer_the_simple(&mut all);
         all
     }
 
@@ -86,9 +109,19 @@ impl<'a> Search<'a> {
         let fits = entry.sizes.iter().map(|size| {
             let mut model = so_far.model.clone();
             model.effects.set(entry.name, size);
-            self.whole(&model, &free)
+            Problem { recording: self.recording, belief: self.belief, counts: &self.counts }.fit_in_steps(
+                &model,
+                &free,
+                FIRST_STEPS,
+            )
         });
         let fit = fits.max_by(|a, b| self.score(a).total_cmp(&self.score(b)))?;
+        // What gains nothing even where it was fitted is not worth the rest.
+        let at_first = self.score(&fit) - self.score(so_far);
+        if at_first < WORTH_A_LOOK {
+            return Some(Candidate { entry: *entry, fit, gain: at_first.min(0.0) });
+        }
+        let fit = self.whole(&fit.model, &free);
         let gain = self.halves(&fit.model, &fit.free) - halves;
         Some(Candidate { entry: *entry, fit, gain })
     }

@@ -1,7 +1,9 @@
 //! What an effect is: one small module with its equation, parameters, looks and mend, and an [`Entry`] that
 //! the config file, the simulator, the diagnosis and the report all read.
 
-use control::check::{OutOfRange, within};
+use crate::model::Model;
+use crate::unsound::Unsound;
+use control::check::within;
 
 /// Where on the signal path an effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,7 +28,16 @@ pub struct Param {
     /// Largest value accepted.
     pub max: f64,
     /// The value at which the effect does nothing.
-    pub neutral: f64,
+    pub neutral: Neutral,
+}
+
+/// Where a number does nothing, the others of its effect being neutral too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Neutral {
+    /// At this value.
+    At(f64),
+    /// At the model's length of the pipe.
+    PipeLength,
 }
 
 /// An effect's line in the catalogue.
@@ -36,9 +47,9 @@ pub struct Entry {
     pub name: &'static str,
     /// Where it acts.
     pub stage: Stage,
-    /// Its numbers.
+    /// Its numbers, as far as a log can tell them.
     pub params: &'static [Param],
-    /// Sizes that a rig may show, small and large: where a search for the effect starts.
+    /// Sizes that a rig may show: where a search for the effect starts.
     pub sizes: &'static [&'static [f64]],
     /// How a log shows it.
     pub in_a_log: &'static str,
@@ -46,23 +57,60 @@ pub struct Entry {
     pub mend: &'static str,
 }
 
+impl Entry {
+    /// The values at which the effect does nothing to `model`, in the order of `params`.
+    #[must_use]
+    pub fn neutral(&self, model: &Model) -> Vec<f64> {
+        let value = |param: &Param| match param.neutral {
+            Neutral::At(value) => value,
+            Neutral::PipeLength => model.pipe_length_mm,
+        };
+        self.params.iter().map(value).collect()
+    }
+}
+
 /// Implemented by each effect of the catalogue.
-pub trait Effect {
+pub trait Effect: Sized {
     /// The effect's line in the catalogue.
     const ENTRY: Entry;
 
     /// The values of `ENTRY.params`, in their order.
     fn values(&self) -> Vec<f64>;
 
-    /// The effect with these values of `ENTRY.params`, in their order. A value that is missing is neutral.
+    /// The effect with these values of `ENTRY.params`. A missing one is NaN, which no check accepts.
     fn from_values(values: &[f64]) -> Self;
+
+    /// Changes the values of `ENTRY.params` and nothing else.
+    fn set_values(&mut self, values: &[f64]) {
+        *self = Self::from_values(values);
+    }
 
     /// Checks every value against its bounds.
     ///
     /// # Errors
-    /// [`OutOfRange`] names the first value outside its bounds.
-    fn check(&self) -> Result<(), OutOfRange> {
-        let params = Self::ENTRY.params.iter();
-        params.zip(self.values()).try_for_each(|(param, value)| within(param.name, value, param.min, param.max))
+    /// [`Unsound`] names the first value outside its bounds, or what contradicts what.
+    fn check(&self) -> Result<(), Unsound> {
+        within_bounds(self)
     }
 }
+
+/// Checks the values of `ENTRY.params` against their bounds.
+pub(crate) fn within_bounds<E: Effect>(effect: &E) -> Result<(), Unsound> {
+    let mut params = E::ENTRY.params.iter().zip(effect.values());
+    params.try_for_each(|(param, value)| Ok(within(param.name, value, param.min, param.max)?))
+}
+
+/// `values` and `from_values` of an effect whose fields are its parameters, in the order of its entry.
+macro_rules! values_in_order {
+    ($($field:ident),+) => {
+        fn values(&self) -> Vec<f64> {
+            vec![$(self.$field),+]
+        }
+
+        fn from_values(values: &[f64]) -> Self {
+            let mut values = values.iter().copied();
+            Self { $($field: values.next().unwrap_or(f64::NAN)),+ }
+        }
+    };
+}
+pub(crate) use values_in_order;

@@ -1,18 +1,37 @@
-//! The catalogue of effects. A new effect is its module here and one line in the list below; config file,
+//! The catalogue of effects. A new effect is its module and one line in the list below; config file,
 //! simulator, diagnosis and report pick it up.
 
 mod dead_zone;
+mod duty_quantisation;
+mod end_stop;
 mod fan_lag;
-
-pub use dead_zone::DeadZone;
-pub use fan_lag::FanLag;
+mod force_asymmetry;
+mod gain_drift;
+mod height_dependent_flow;
+mod hover_drift;
+mod hysteresis;
+mod quadratic_drag;
+mod saturation;
+mod sensor_delay;
+mod sensor_lag;
+mod sensor_noise;
+mod sensor_outliers;
+mod sensor_quantisation;
+mod spin_asymmetry;
+mod stale_samples;
+mod thrust_curve;
+mod transport_delay;
+mod turbulence;
+mod wall_friction;
 
 use crate::effect::{Effect, Entry};
-use control::OutOfRange;
+use crate::unsound::Unsound;
 use serde::{Deserialize, Serialize};
 
 macro_rules! catalogue {
-    ($($name:ident: $effect:ty),* $(,)?) => {
+    ($($name:ident: $effect:ident),* $(,)?) => {
+        $(pub use $name::$effect;)*
+
         /// The effects that are on. `None` is off; there are no other switches.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
@@ -28,20 +47,13 @@ macro_rules! catalogue {
             /// Every effect there is, in the order of the signal path.
             pub const CATALOGUE: &[Entry] = &[$(<$effect>::ENTRY),*];
 
-            /// Checks the numbers of every effect that is on.
-            ///
-            /// # Errors
-            /// The effect's name and its first number outside its bounds.
-            pub fn check(&self) -> Result<(), (&'static str, OutOfRange)> {
-                $(
-                    if let Some(effect) = &self.$name {
-                        effect.check().map_err(|error| (stringify!($name), error))?;
-                    }
-                )*
-                Ok(())
+            /// The entries of the effects that are on, in the order of the signal path.
+            #[must_use]
+            pub fn present(&self) -> Vec<Entry> {
+                Self::CATALOGUE.iter().filter(|entry| self.values(entry.name).is_some()).copied().collect()
             }
 
-            /// The values of the effect `name`, in the order of its entry's parameters. `None`: it is off, or there is none.
+            /// The values of an effect that is on, in the order of its entry.
             #[must_use]
             pub fn values(&self, name: &str) -> Option<Vec<f64>> {
                 match name {
@@ -50,71 +62,85 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Switches the effect `name` on with these values. A name that is not in the catalogue changes nothing.
-            pub fn set(&mut self, name: &str, values: &[f64]) {
+            /// Switches an effect on with these values, or changes them where it is on.
+            /// False, and nothing has changed: there is no effect of that name.
+            pub fn set(&mut self, name: &str, values: &[f64]) -> bool {
                 match name {
-                    $(stringify!($name) => self.$name = Some(Effect::from_values(values)),)*
-                    _ => {}
+                    $(
+                        stringify!($name) => self.$name
+                            .get_or_insert_with(|| <$effect>::from_values(values))
+                            .set_values(values),
+                    )*
+                    _ => return false,
+                }
+                true
+            }
+
+            /// Switches an effect off. False: it was not on.
+            pub fn remove(&mut self, name: &str) -> bool {
+                match name {
+                    $(stringify!($name) => self.$name.take().is_some(),)*
+                    _ => false,
                 }
             }
 
-            /// Switches the effect `name` off.
-            pub fn remove(&mut self, name: &str) {
-                match name {
-                    $(stringify!($name) => self.$name = None,)*
-                    _ => {}
-                }
-            }
-
-            /// The entries of the effects that are on, in the order of the signal path.
-            #[must_use]
-            pub fn present(&self) -> Vec<Entry> {
-                let mut present = Vec::new();
+            /// Checks the numbers of each effect that is on.
+            fn check_each(&self) -> Result<(), (&'static str, Unsound)> {
                 $(
-                    if self.$name.is_some() {
-                        present.push(<$effect>::ENTRY);
+                    if let Some(effect) = &self.$name {
+                        effect.check().map_err(|error| (stringify!($name), error))?;
                     }
                 )*
-                present
+                Ok(())
             }
         }
     };
 }
 
 catalogue! {
+    transport_delay: TransportDelay,
+    duty_quantisation: DutyQuantisation,
     dead_zone: DeadZone,
+    hysteresis: Hysteresis,
+    force_asymmetry: ForceAsymmetry,
+    thrust_curve: ThrustCurve,
+    saturation: Saturation,
     fan_lag: FanLag,
+    spin_asymmetry: SpinAsymmetry,
+    gain_drift: GainDrift,
+    hover_drift: HoverDrift,
+    height_dependent_flow: HeightDependentFlow,
+    turbulence: Turbulence,
+    quadratic_drag: QuadraticDrag,
+    wall_friction: WallFriction,
+    end_stop: EndStop,
+    sensor_lag: SensorLag,
+    sensor_delay: SensorDelay,
+    sensor_noise: SensorNoise,
+    sensor_outliers: SensorOutliers,
+    sensor_quantisation: SensorQuantisation,
+    stale_samples: StaleSamples,
+}
+
+impl Effects {
+    /// The catalogue's entry of that name.
+    #[must_use]
+    pub fn entry(name: &str) -> Option<&'static Entry> {
+        Self::CATALOGUE.iter().find(|entry| entry.name == name)
+    }
+
+    /// Checks the numbers of every effect that is on, and that the effects go together.
+    ///
+    /// # Errors
+    /// The effect's name and what is wrong with it.
+    pub fn check(&self) -> Result<(), (&'static str, Unsound)> {
+        if self.fan_lag.is_some() && self.spin_asymmetry.is_some() {
+            let message = "spin_asymmetry contains fan_lag (up_s = down_s); delete one of the two tables";
+            return Err(("spin_asymmetry", Unsound::Contradiction { key: "", message }));
+        }
+        self.check_each()
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Effects, FanLag};
-    use crate::effect::{Effect, Stage};
-
-    #[test]
-    fn every_table_of_the_config_has_the_name_of_its_entry() {
-        let effects = Effects { fan_lag: Some(FanLag { time_constant_s: 0.3 }), ..Effects::default() };
-        assert_eq!(effects.present(), [FanLag::ENTRY]);
-        assert_eq!(FanLag::ENTRY.name, "fan_lag");
-    }
-
-    #[test]
-    fn the_catalogue_follows_the_signal_path_and_explains_every_entry() {
-        let order = [Stage::Actuator, Stage::Air, Stage::Ball, Stage::Sensor];
-        let place = |stage| order.iter().position(|s| *s == stage);
-        assert!(Effects::CATALOGUE.is_sorted_by_key(|entry| place(entry.stage)));
-        for entry in Effects::CATALOGUE {
-            assert!(!entry.params.is_empty() && entry.in_a_log.len() > 20 && entry.mend.len() > 20, "{}", entry.name);
-            for param in entry.params {
-                assert!((param.min..=param.max).contains(&param.neutral), "{}.{}", entry.name, param.name);
-            }
-        }
-    }
-
-    #[test]
-    fn a_number_outside_its_bounds_is_refused_by_effect_and_key() {
-        let effects = Effects { fan_lag: Some(FanLag { time_constant_s: -0.1 }), ..Effects::default() };
-        let (effect, error) = effects.check().unwrap_err();
-        assert_eq!((effect, error.key, error.value), ("fan_lag", "time_constant_s", -0.1));
-    }
-}
+mod tests;

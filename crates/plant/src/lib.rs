@@ -5,21 +5,30 @@
 //! ```
 //!
 //! [`Model`] is the belief about a rig (the config's `[plant]`), [`Effects`] the part of it that can be
-//! switched, [`Motion`] the state, [`Simulator`] a rig that flies by the model and its noise.
+//! switched, [`Actuator`] the way from the duty to the commanded acceleration, [`Motion`] the state behind it,
+//! [`Simulator`] a rig that flies by the model and its noise.
 //! Position in mm, upward; velocity in mm/s; acceleration in mm/s²; duty in percent; time in s.
 //! Mathematics comes from `libm` only, so that every target computes the same bits.
 
+mod actuator;
 mod effect;
 pub mod effects;
+mod flow;
+mod lag;
 mod model;
 mod motion;
 mod normal;
 mod rk4;
+mod root;
+mod sensor;
 mod simulator;
+mod unsound;
 
-pub use effect::{Effect, Entry, Param, Stage};
+pub use actuator::Actuator;
+pub use effect::{Effect, Entry, Neutral, Param, Stage};
 pub use effects::Effects;
 pub use model::{Model, Noise};
 pub use motion::Motion;
 pub use normal::Normal;
 pub use simulator::Simulator;
+pub use unsound::Unsound;

@@ -6,7 +6,9 @@
 //!
 //! Source: the thesis, equation 3.1.1.14. The effects come on top, in the order of the signal path.
 
+use crate::actuator::Actuator;
 use crate::effects::Effects;
+use crate::unsound::Unsound;
 use control::check::{OutOfRange, within};
 use serde::{Deserialize, Serialize};
 
@@ -40,11 +42,11 @@ pub struct Noise {
 }
 
 impl Model {
-    /// Checks every number against its bounds.
+    /// Checks every number against its bounds, and that the effects go together.
     ///
     /// # Errors
-    /// The table below `[plant]` (empty for `[plant]` itself) and the first number outside its bounds.
-    pub fn check(&self) -> Result<(), (String, OutOfRange)> {
+    /// The table below `[plant]` (empty for `[plant]` itself) and the first thing wrong there.
+    pub fn check(&self) -> Result<(), (String, Unsound)> {
         let base = || -> Result<(), OutOfRange> {
             within("gain_mm_per_s2_per_percent", self.gain_mm_per_s2_per_percent, 1e-6, 1e6)?;
             within("drag_per_s", self.drag_per_s, 0.0, 1e3)?;
@@ -55,31 +57,33 @@ impl Model {
             within("sensor_mm", self.noise.sensor_mm, 0.0, 1e3)?;
             within("acceleration_psd_mm2_per_s3", self.noise.acceleration_psd_mm2_per_s3, 0.0, 1e9)
         };
-        base().map_err(|error| (String::new(), error))?;
-        noise().map_err(|error| ("noise".into(), error))?;
+        base().map_err(|error| (String::new(), error.into()))?;
+        noise().map_err(|error| ("noise".into(), error.into()))?;
         self.effects.check().map_err(|(effect, error)| (format!("effects.{effect}"), error))
     }
 
-    /// The longest integration step, seconds, up to `at_most_s`: no longer than the shortest time constant, so that RK4
-    /// stays stable (its limit is 2.78) and exact to a percent of a percent.
-    #[must_use]
-    pub fn longest_step_s(&self, at_most_s: f64) -> f64 {
-        self.effects.fan_lag.filter(|lag| lag.acts()).map_or(at_most_s, |lag| lag.time_constant_s.min(at_most_s))
-    }
-
-    /// The acceleration that `duty_percent` commands, mm/s² about hover: the actuator without its memory.
+    /// The acceleration that a duty commands which has acted for ever before time 0, mm/s² about hover.
     #[must_use]
     pub fn commanded(&self, duty_percent: f64) -> f64 {
-        let about_hover = duty_percent - self.hover_duty_percent;
-        let effective = self.effects.dead_zone.map_or(about_hover, |zone| zone.effective(about_hover));
-        self.gain_mm_per_s2_per_percent * effective
+        Actuator::new(self, duty_percent).commanded(self, 0.0)
+    }
+
+    /// Where the ball's way ends, mm: bottom and top.
+    #[must_use]
+    pub fn ends_mm(&self) -> (f64, f64) {
+        self.effects.end_stop.map_or((0.0, self.pipe_length_mm), |stop| (stop.bottom_mm, stop.top_mm))
+    }
+
+    /// The velocity after a hit at an end, mm/s. The ends of the pipe itself give no bounce.
+    pub(crate) fn rebound(&self, velocity_mm_per_s: f64) -> f64 {
+        self.effects.end_stop.map_or(0.0, |stop| stop.rebound(velocity_mm_per_s))
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::{Model, Noise};
-    use crate::effects::{DeadZone, Effects, FanLag};
+    use crate::effects::{Effects, FanLag};
 
     /// The three-pole model G_c of the thesis.
     pub(crate) fn thesis() -> Model {
@@ -94,15 +98,6 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_dead_zone_acts_before_the_gain() {
-        let zone = DeadZone { lower_percent: -0.3, upper_percent: 0.3 };
-        let model = Model { effects: Effects { dead_zone: Some(zone), ..Effects::default() }, ..thesis() };
-        assert_eq!(model.commanded(21.6), 0.0);
-        assert!((model.commanded(22.4) - 827.2 * 0.7).abs() < 1e-9);
-        assert!((model.commanded(20.4) + 827.2 * 0.7).abs() < 1e-9);
-    }
-
-    #[test]
     fn a_wrong_number_is_named_with_its_table() {
         let mut model = thesis();
         assert!(model.check().is_ok());
@@ -111,6 +106,6 @@ pub(crate) mod tests {
         model = thesis();
         model.effects.fan_lag = Some(FanLag { time_constant_s: 9.0 });
         let (table, error) = model.check().unwrap_err();
-        assert_eq!((table.as_str(), error.key), ("effects.fan_lag", "time_constant_s"));
+        assert_eq!((table.as_str(), error.key()), ("effects.fan_lag", "time_constant_s"));
     }
 }

@@ -1,18 +1,21 @@
-//! The ball in its air stream.
+//! The ball in its air stream, event by event.
 //!
 //! ```text
-//! dy/dt = v
-//! dv/dt = A − a·v               A: acceleration by the fan's air about hover    a: linear drag
-//! dA/dt = fan lag, or A = A_cmd without it
-//! at an end of the pipe the ball rests: y stays at 0 or L until the force points inward
+//! y free, or held at rest: by friction while |net| ≤ f, at an end while the ball would leave the pipe
+//! v crosses 0 with friction: the ball stops at that instant
+//! y crosses an end:          v ← −e·v at that instant; a hop shorter than the step is none
 //! ```
 //!
-//! Linear about hover: v_f − v_eq and v are small beside v_eq.
-//! Source: the thesis, equations 3.1.1.8 and 3.1.1.10 with K_g = gain; RK4 between events.
+//! The instants are solved for, so that a step of any length ends where a hundred short ones do. A ball that is
+//! held is asked anew at each step whether it breaks away.
+//! Source: see [`crate::effects::WallFriction`] and [`crate::effects::EndStop`].
 
-use crate::effects::FanLag;
+use crate::flow::Flow;
 use crate::model::Model;
-use crate::rk4;
+use crate::root::falling_zero;
+
+/// More events than this in one step are the chatter of a ball at rest.
+const MAX_EVENTS: u32 = 8;
 
 /// State of the plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,109 +26,141 @@ pub struct Motion {
     pub velocity_mm_per_s: f64,
     /// A, mm/s²: what the fan's air does to the ball at rest, about hover.
     pub fan_mm_per_s2: f64,
+    /// w, mm/s²: what turbulence adds to it.
+    pub turbulence_mm_per_s2: f64,
+    /// s, mm: the position as the sensor's lag shows it; without that effect the position itself.
+    pub sensed_mm: f64,
+}
+
+/// Where the ball's way ends.
+#[derive(Clone, Copy)]
+struct Ends {
+    bottom: f64,
+    top: f64,
+}
+
+impl Ends {
+    const NONE: Self = Self { bottom: f64::NEG_INFINITY, top: f64::INFINITY };
+
+    /// The end that lies before `position` on the way out, and the direction of that way.
+    fn passed(&self, position: f64) -> Option<(f64, f64)> {
+        if position < self.bottom {
+            Some((self.bottom, -1.0))
+        } else if position > self.top {
+            Some((self.top, 1.0))
+        } else {
+            None
+        }
+    }
+
+    /// The way out for a ball at an end: −1 at the bottom, +1 at the top, 0 elsewhere.
+    fn way_out(&self, position: f64) -> f64 {
+        if position <= self.bottom {
+            -1.0
+        } else if position >= self.top {
+            1.0
+        } else {
+            0.0
+        }
+    }
 }
 
 impl Motion {
     /// The ball at rest at `position_mm` with the fan settled at `commanded` mm/s².
     #[must_use]
     pub const fn at_rest(position_mm: f64, commanded: f64) -> Self {
-        Self { position_mm, velocity_mm_per_s: 0.0, fan_mm_per_s2: commanded }
+        Self {
+            position_mm,
+            velocity_mm_per_s: 0.0,
+            fan_mm_per_s2: commanded,
+            turbulence_mm_per_s2: 0.0,
+            sensed_mm: position_mm,
+        }
     }
 
-    /// One RK4 step of `dt_s` under a constant `commanded` acceleration, mm/s², and the ends of the pipe.
+    /// The mean motion over `dt_s` under a constant `commanded` acceleration, mm/s²: nothing random is added.
     #[must_use]
     pub fn step(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
-        self.step_in_endless_pipe(model, commanded, dt_s).within_pipe(model.pipe_length_mm)
+        let (bottom, top) = model.ends_mm();
+        self.advance(&Flow { model, commanded }, Ends { bottom, top }, dt_s)
     }
 
     /// The same step where the pipe has no ends.
     #[must_use]
     pub fn step_in_endless_pipe(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
-        let [y, v, fan] = match model.effects.fan_lag.filter(FanLag::acts) {
-            Some(lag) => {
-                let rate = |x: &[f64; 3]| [x[1], x[2] - model.drag_per_s * x[1], lag.rate(commanded, x[2])];
-                rk4::step(rate, &[self.position_mm, self.velocity_mm_per_s, self.fan_mm_per_s2], dt_s)
-            }
-            None => {
-                let rate = |x: &[f64; 2]| [x[1], commanded - model.drag_per_s * x[1]];
-                let [y, v] = rk4::step(rate, &[self.position_mm, self.velocity_mm_per_s], dt_s);
-                [y, v, commanded]
-            }
-        };
-        Self { position_mm: y, velocity_mm_per_s: v, fan_mm_per_s2: fan }
+        self.advance(&Flow { model, commanded }, Ends::NONE, dt_s)
     }
 
-    /// The ends of the pipe: the ball stops there without a bounce.
-    #[must_use]
-    fn within_pipe(self, length_mm: f64) -> Self {
-        if self.position_mm < 0.0 {
-            Self { position_mm: 0.0, velocity_mm_per_s: self.velocity_mm_per_s.max(0.0), ..self }
-        } else if self.position_mm > length_mm {
-            Self { position_mm: length_mm, velocity_mm_per_s: self.velocity_mm_per_s.min(0.0), ..self }
-        } else {
-            self
+    fn advance(&self, flow: &Flow<'_>, ends: Ends, dt_s: f64) -> Self {
+        if ends.way_out(self.position_mm) == 0.0 && flow.model.effects.wall_friction.is_none() {
+            // The usual case, and the only one that has to be fast: in the air before the step and after it.
+            let free = flow.free(self, 0.0, dt_s);
+            if ends.passed(free.position_mm).is_none() {
+                return free;
+            }
         }
+        self.advance_through_events(flow, ends, dt_s)
+    }
+
+    fn advance_through_events(mut self, flow: &Flow<'_>, ends: Ends, dt_s: f64) -> Self {
+        let mut left = dt_s;
+        if let Some((end, _)) = ends.passed(self.position_mm) {
+            self = self.moved_to(end, self.velocity_mm_per_s, flow.model);
+        }
+        for _ in 0..MAX_EVENTS {
+            let (after, used) = self.until_event(flow, ends, left);
+            (self, left) = (after, left - used);
+            if left <= 0.0 {
+                return self;
+            }
+        }
+        flow.held(&self, left)
+    }
+
+    /// Moves on to the next event, or for all of `dt_s`; and how long that took.
+    fn until_event(mut self, flow: &Flow<'_>, ends: Ends, dt_s: f64) -> (Self, f64) {
+        let out = ends.way_out(self.position_mm);
+        if self.velocity_mm_per_s * out > 0.0 {
+            self.velocity_mm_per_s = flow.model.rebound(self.velocity_mm_per_s);
+        }
+        let friction = flow.model.effects.wall_friction.filter(|friction| friction.acceleration_mm_per_s2 > 0.0);
+        let v = self.velocity_mm_per_s;
+        if v == 0.0 && friction.is_some_and(|friction| friction.holds(flow.net(&self))) {
+            return (flow.held(&self, dt_s), dt_s);
+        }
+        let Some(friction) = friction else {
+            return self.until_end(flow, 0.0, ends, (flow.free(&self, 0.0, dt_s), dt_s));
+        };
+        let direction = if v == 0.0 { flow.net(&self) } else { v }.signum();
+        let friction = friction.acceleration(direction);
+        let slide = |t: f64| flow.free(&self, friction, t);
+        let mut last = (slide(dt_s), dt_s);
+        if last.0.velocity_mm_per_s * direction < 0.0 {
+            let stop = falling_zero(|t| slide(t).velocity_mm_per_s * direction, dt_s);
+            last = (Self { velocity_mm_per_s: 0.0, ..slide(stop) }, stop);
+        }
+        self.until_end(flow, friction, ends, last)
+    }
+
+    /// What becomes of a free motion to `last` when an end of the pipe is in its way.
+    fn until_end(&self, flow: &Flow<'_>, friction: f64, ends: Ends, last: (Self, f64)) -> (Self, f64) {
+        let Some((end, out)) = ends.passed(last.0.position_mm) else { return last };
+        if self.position_mm == end {
+            // A hop shorter than the step, or none: the ball rests.
+            return (flow.held(self, last.1), last.1);
+        }
+        let free = |t: f64| flow.free(self, friction, t);
+        let hit = falling_zero(|t| (end - free(t).position_mm) * out, last.1);
+        let at_hit = free(hit);
+        (at_hit.moved_to(end, flow.model.rebound(at_hit.velocity_mm_per_s), flow.model), hit)
+    }
+
+    /// The same at another position and velocity.
+    fn moved_to(self, position_mm: f64, velocity_mm_per_s: f64, model: &Model) -> Self {
+        let sensed_mm = if model.effects.sensor_lag.is_some() { self.sensed_mm } else { position_mm };
+        Self { position_mm, velocity_mm_per_s, sensed_mm, ..self }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::Motion;
-    use crate::effects::{DeadZone, Effects, FanLag};
-    use crate::model::{Model, tests::thesis};
-    use libm::exp;
-
-    fn fly(model: &Model, duty: f64, seconds: f64, steps: u32, start: Motion) -> Motion {
-        let commanded = model.commanded(duty);
-        let dt = seconds / f64::from(steps);
-        (0..steps).fold(start, |motion, _| motion.step(model, commanded, dt))
-    }
-
-    #[test]
-    fn a_duty_step_without_lag_is_the_closed_form() {
-        let model = Model { pipe_length_mm: 1e6, effects: Effects::default(), ..thesis() };
-        let (t, a) = (0.8, model.drag_per_s);
-        let force = model.gain_mm_per_s2_per_percent * 0.5;
-        let end = fly(&model, model.hover_duty_percent + 0.5, t, 800, Motion::at_rest(0.0, 0.0));
-        let exact = force / a * (t - (1.0 - exp(-a * t)) / a);
-        assert!((end.position_mm - exact).abs() < 1e-9, "{} mm, exact {exact} mm", end.position_mm);
-    }
-
-    #[test]
-    fn a_duty_step_through_the_double_pole_of_g_c_is_the_closed_form() {
-        // τ = 1/a: velocity F/a·(1 − (1 + a·t)·e^(−a·t)), position its integral.
-        let a = 3.896;
-        let lag = FanLag { time_constant_s: 1.0 / a };
-        let effects = Effects { fan_lag: Some(lag), ..Effects::default() };
-        let model = Model { pipe_length_mm: 1e6, effects, ..thesis() };
-        let force = model.gain_mm_per_s2_per_percent;
-        let t = 1.0;
-        let end = fly(&model, model.hover_duty_percent + 1.0, t, 1000, Motion::at_rest(0.0, 0.0));
-        let decay = exp(-a * t);
-        let velocity = force / a * (1.0 - (1.0 + a * t) * decay);
-        let position = force / a * (t - 2.0 / a * (1.0 - decay) + t * decay);
-        assert!((end.velocity_mm_per_s - velocity).abs() < 1e-8, "{} mm/s, exact {velocity}", end.velocity_mm_per_s);
-        assert!((end.position_mm - position).abs() < 1e-8, "{} mm, exact {position}", end.position_mm);
-    }
-
-    #[test]
-    fn the_ball_rests_at_both_ends_and_leaves_them_when_pushed() {
-        let model = Model { effects: Effects::default(), ..thesis() };
-        let bottom = fly(&model, model.hover_duty_percent - 3.0, 2.0, 2000, Motion::at_rest(100.0, 0.0));
-        assert_eq!((bottom.position_mm, bottom.velocity_mm_per_s), (0.0, 0.0));
-        let top = fly(&model, model.hover_duty_percent + 3.0, 3.0, 3000, bottom);
-        assert_eq!((top.position_mm, top.velocity_mm_per_s), (model.pipe_length_mm, 0.0));
-        let falling = fly(&model, model.hover_duty_percent - 1.0, 0.1, 100, top);
-        assert!(falling.position_mm < model.pipe_length_mm && falling.velocity_mm_per_s < 0.0);
-    }
-
-    #[test]
-    fn neutral_effects_change_nothing_bit_for_bit() {
-        let bare = Model { effects: Effects::default(), ..thesis() };
-        let zone = DeadZone { lower_percent: 0.0, upper_percent: 0.0 };
-        let lag = FanLag { time_constant_s: 0.0 };
-        let neutral = Model { effects: Effects { dead_zone: Some(zone), fan_lag: Some(lag) }, ..bare.clone() };
-        let start = Motion::at_rest(50.0, 0.0);
-        assert_eq!(fly(&neutral, 21.9, 0.4, 400, start), fly(&bare, 21.9, 0.4, 400, start));
-    }
-}
+mod tests;

@@ -38,8 +38,8 @@ impl Normal {
         radius * cos(angle)
     }
 
-    /// Uniform in [0, 1), 53 bits.
-    fn uniform(&mut self) -> f64 {
+    /// The next number uniform in [0, 1), 53 bits.
+    pub fn uniform(&mut self) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "53 bits fit a float exactly")]
         let mantissa = (self.generator.next_u64() >> 11) as f64;
         mantissa / (1_u64 << 53) as f64

@@ -4,6 +4,7 @@
 //! that set it last.
 
 use super::tables::Tables;
+use plant::Unsound;
 use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -97,10 +98,14 @@ impl Config {
             sources.push(read_source(patch, "--patch FILE")?);
         }
         let tables: Tables = parse(&sources)?;
-        tables.check().map_err(|(table, error)| ConfigError::Range {
-            place: place(&sources, &format!("{table}.{}", error.key)),
-            table,
-            error,
+        tables.check().map_err(|(table, error)| {
+            let place = place(&sources, &format!("{table}.{}", error.key()));
+            match error {
+                Unsound::Range(error) => ConfigError::Range { place, table, error },
+                Unsound::Contradiction { message, .. } => {
+                    ConfigError::Contradiction { place, message: format!("{table}: {message}") }
+                }
+            }
         })?;
         tables.check_words().map_err(|(key, message)| ConfigError::Contradiction {
             place: place(&sources, key),

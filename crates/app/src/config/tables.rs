@@ -7,7 +7,7 @@ use control::check::{OutOfRange, within};
 use control::compensation::Compensation;
 use control::pid::Pid;
 use control::waveform::Waveform;
-use plant::Model;
+use plant::{Model, Unsound};
 use serde::{Deserialize, Serialize};
 
 /// Everything that a config file may hold.
@@ -123,9 +123,18 @@ impl Tables {
     /// Checks every number of every table that is present.
     ///
     /// # Errors
-    /// The table (dotted) and the first number outside its bounds.
-    pub fn check(&self) -> Result<(), (String, OutOfRange)> {
-        let at = |table: &'static str| move |error| (table.to_owned(), error);
+    /// The table (dotted) and the first thing wrong in it.
+    pub fn check(&self) -> Result<(), (String, Unsound)> {
+        self.check_loop().map_err(|(table, error)| (table.to_owned(), error.into()))?;
+        self.plant
+            .as_ref()
+            .map_or(Ok(()), Model::check)
+            .map_err(|(table, error)| (if table.is_empty() { "plant".into() } else { format!("plant.{table}") }, error))
+    }
+
+    /// Everything but the plant.
+    fn check_loop(&self) -> Result<(), (&'static str, OutOfRange)> {
+        let at = |table: &'static str| move |error| (table, error);
         self.rig.as_ref().map_or(Ok(()), Rig::check).map_err(at("rig"))?;
         self.r#loop.map_or(Ok(()), |table| table.check()).map_err(at("loop"))?;
         self.controller.map_or(Ok(()), |table| table.pid.check()).map_err(at("controller.pid"))?;
@@ -135,26 +144,22 @@ impl Tables {
             let (min, max) = self.safety.map_or((-1e6, 1e6), |s| (s.setpoint_min_mm, s.setpoint_max_mm));
             reference.setpoint_mm.check(min, max).map_err(at("reference.setpoint_mm"))?;
         }
-        self.check_across()?;
-        self.plant
-            .as_ref()
-            .map_or(Ok(()), Model::check)
-            .map_err(|(table, error)| (if table.is_empty() { "plant".into() } else { format!("plant.{table}") }, error))
+        self.check_across()
     }
 }
 
 impl Tables {
     /// Checks what one table says against what another says.
-    fn check_across(&self) -> Result<(), (String, OutOfRange)> {
+    fn check_across(&self) -> Result<(), (&'static str, OutOfRange)> {
         let Some(safety) = self.safety else { return Ok(()) };
         if let Some(rig) = &self.rig {
             within("setpoint_max_mm", safety.setpoint_max_mm, 0.0, rig.sensor_to_bottom_mm)
-                .map_err(|error| ("safety".to_owned(), error))?;
+                .map_err(|error| ("safety", error))?;
         }
         if let Some(compensation) = self.compensation {
             let (lowest, highest) = (safety.duty_min_percent, safety.duty_max_percent);
             within("hover_duty_percent", compensation.hover_duty_percent, lowest, highest)
-                .map_err(|error| ("compensation".to_owned(), error))?;
+                .map_err(|error| ("compensation", error))?;
         }
         Ok(())
     }

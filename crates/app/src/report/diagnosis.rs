@@ -57,7 +57,13 @@ struct GapEntry {
     floor_mm: [Option<f64>; 3],
     stay_put_mm: [Option<f64>; 3],
     free_run_10s_mm: BTreeMap<&'static str, Option<f64>>,
-    closed: Option<BTreeMap<&'static str, f64>>,
+    closed: Option<Closed>,
+}
+
+/// The share of the gap that is closed at 1 s, not clipped.
+#[derive(Debug, Serialize)]
+struct Closed {
+    value: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -174,7 +180,7 @@ fn gap(found: &Diagnosis) -> GapEntry {
             ("mended", free(mended)),
             ("floor", mended.floor_free_run_10s_mm),
         ]),
-        closed: found.closed().map(|value| BTreeMap::from([("value", value)])),
+        closed: found.closed().map(|value| Closed { value }),
     }
 }
 

@@ -10,7 +10,7 @@
 //! that only the width is certain from a log.
 //! Source: the thesis, section 3.2.1, whose rig has 21.1 to 21.7 % about a hover of 21.4 %.
 
-use crate::effect::{Effect, Entry, Param, Stage};
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// No force between the edges; outside, force is measured from the edge.
@@ -28,22 +28,15 @@ impl Effect for DeadZone {
         name: "dead_zone",
         stage: Stage::Actuator,
         params: &[
-            Param { name: "lower_percent", min: -10.0, max: 0.0, neutral: 0.0 },
-            Param { name: "upper_percent", min: 0.0, max: 10.0, neutral: 0.0 },
+            Param { name: "lower_percent", min: -10.0, max: 0.0, neutral: Neutral::At(0.0) },
+            Param { name: "upper_percent", min: 0.0, max: 10.0, neutral: Neutral::At(0.0) },
         ],
         sizes: &[&[-0.15, 0.15], &[-0.4, 0.4]],
         in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop hunts",
         mend: "correct it in [compensation.dead_zone] with the same two numbers, or fan and driver with finer steps",
     };
 
-    fn values(&self) -> Vec<f64> {
-        vec![self.lower_percent, self.upper_percent]
-    }
-
-    fn from_values(values: &[f64]) -> Self {
-        let [lower_percent, upper_percent] = [0, 1].map(|i| values.get(i).copied().unwrap_or_default());
-        Self { lower_percent, upper_percent }
-    }
+    values_in_order!(lower_percent, upper_percent);
 }
 
 impl DeadZone {

@@ -4,11 +4,12 @@
 //! dA/dt = (A_cmd − A) / τ      A, A_cmd: acceleration of the ball by the air about hover, mm/s²; τ in s
 //! ```
 //!
-//! Assumes one τ for spin-up and coast-down; real fans coast down more slowly.
+//! Assumes one τ for spin-up and coast-down; `spin_asymmetry` has two.
 //! Source: linearised momentum balance of the rotor; the thesis, equation 3.1.1.12, and its model G_c with
 //! τ = 1/3.896 s.
 
-use crate::effect::{Effect, Entry, Param, Stage};
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::lag::decay;
 use serde::{Deserialize, Serialize};
 
 /// The force follows the commanded force as a first-order lag.
@@ -23,31 +24,32 @@ impl Effect for FanLag {
     const ENTRY: Entry = Entry {
         name: "fan_lag",
         stage: Stage::Actuator,
-        params: &[Param { name: "time_constant_s", min: 0.0, max: 5.0, neutral: 0.0 }],
+        params: &[Param { name: "time_constant_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0) }],
         sizes: &[&[0.05], &[0.2]],
         in_a_log: "the ball answers late to every change of duty, and oscillates at gains that the simulator calls safe",
         mend: "a lighter rotor or a fan with active braking; in the controller, more derivative action or less gain",
     };
 
-    fn values(&self) -> Vec<f64> {
-        vec![self.time_constant_s]
-    }
-
-    fn from_values(values: &[f64]) -> Self {
-        Self { time_constant_s: values.first().copied().unwrap_or_default() }
-    }
+    values_in_order!(time_constant_s);
 }
 
 impl FanLag {
-    /// Whether the lag does anything. Below a tenth of a millisecond it is shorter than anything else on the rig.
+    /// A, mm/s², `dt_s` after it was `acceleration`, under a constant command.
     #[must_use]
-    pub fn acts(&self) -> bool {
-        self.time_constant_s >= 1e-4
+    pub fn after(&self, commanded: f64, acceleration: f64, dt_s: f64) -> f64 {
+        commanded + (acceleration - commanded) * decay(self.time_constant_s, dt_s)
     }
+}
 
-    /// dA/dt, mm/s³, of a fan that gives `acceleration` and is told to give `commanded`.
-    #[must_use]
-    pub fn rate(&self, commanded: f64, acceleration: f64) -> f64 {
-        (commanded - acceleration) / self.time_constant_s
+#[cfg(test)]
+mod tests {
+    use super::FanLag;
+
+    #[test]
+    fn a_step_of_the_command_has_covered_63_percent_after_one_time_constant() {
+        let lag = FanLag { time_constant_s: 0.3 };
+        let after = (0..300).fold(0.0, |a, _| lag.after(100.0, a, 0.001));
+        let exact = 100.0 * (1.0 - (-1.0_f64).exp());
+        assert!((after - exact).abs() < 1e-10, "{after} mm/s², exact {exact} mm/s²");
     }
 }

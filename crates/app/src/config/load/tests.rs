@@ -47,6 +47,17 @@ fn a_value_out_of_range_is_named_with_its_line_and_bounds() {
 }
 
 #[test]
+fn what_contradicts_something_else_is_named_with_its_line() {
+    let lags = "\n[plant.effects.fan_lag]\ntime_constant_s = 0.2\n\n[plant.effects.spin_asymmetry]\nup_s = 0.1\ndown_s = 0.2\n";
+    let message = error_of(&format!("{GOOD}{lags}"));
+    assert!(message.starts_with("/c.toml:14: plant.effects.spin_asymmetry: "), "{message}");
+    assert!(message.contains("fan_lag") && message.contains("delete one"), "{message}");
+    let stops = "\n[plant.effects.end_stop]\nbottom_mm = 400.0\ntop_mm = 300.0\nrestitution = 0.5\n";
+    let message = error_of(&format!("{GOOD}{stops}"));
+    assert!(message.starts_with("/c.toml:12: plant.effects.end_stop: bottom_mm is not below top_mm"), "{message}");
+}
+
+#[test]
 fn a_missing_key_and_a_wrong_type_point_at_their_table() {
     let message = error_of(&GOOD.replace("drag_per_s = 3.896\n", ""));
     assert!(message.starts_with("/c.toml:1: plant: missing field `drag_per_s`"), "{message}");

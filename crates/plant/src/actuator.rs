@@ -1,0 +1,95 @@
+//! From the duty that is written to the acceleration that it commands: the fan without its inertia.
+//!
+//! ```text
+//! duty(t − delay) → nearest step → u = duty − hover − drift·t → play → dead zone → thrust curve
+//!   → gain·asymmetry·(1 + drift·t) → limits = commanded acceleration
+//! ```
+//!
+//! The result does not depend on where the ball is: along a recorded duty it can be computed once.
+//! Source: the order of the signal path, from the wire to the air.
+
+use crate::model::Model;
+use std::collections::VecDeque;
+
+/// What the actuator remembers. What is set is the [`Model`], which every call takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Actuator {
+    /// When a duty that is on its way begins to act, and the duty.
+    on_their_way: VecDeque<(f64, f64)>,
+    /// The duty in force, percent.
+    duty_percent: f64,
+    /// Where the play stands, percent about hover.
+    play_percent: f64,
+}
+
+impl Actuator {
+    /// An actuator on which `duty_percent` has acted for ever before time 0, its play centred.
+    #[must_use]
+    pub fn new(model: &Model, duty_percent: f64) -> Self {
+        let play_percent = about_hover(model, duty_percent, 0.0);
+        Self { on_their_way: VecDeque::new(), duty_percent, play_percent }
+    }
+
+    /// Writes a duty at `time_s`. Times must not fall from call to call, of this and of [`Self::commanded`].
+    pub fn write(&mut self, model: &Model, time_s: f64, duty_percent: f64) {
+        match model.effects.transport_delay.filter(|delay| delay.delay_s > 0.0) {
+            Some(delay) => self.on_their_way.push_back((delay.acts_at(time_s), duty_percent)),
+            None => self.take(model, time_s, duty_percent),
+        }
+    }
+
+    /// The next instant after `after_s` at which the command jumps; integration steps should end there.
+    #[must_use]
+    pub fn next_jump_s(&self, after_s: f64) -> Option<f64> {
+        self.on_their_way.iter().map(|(at_s, _)| *at_s).find(|at_s| *at_s > after_s)
+    }
+
+    /// The commanded acceleration at `time_s`, mm/s² about hover.
+    pub fn commanded(&mut self, model: &Model, time_s: f64) -> f64 {
+        while let Some(&(at_s, duty_percent)) = self.on_their_way.front().filter(|(at_s, _)| *at_s <= time_s) {
+            self.on_their_way.pop_front();
+            self.take(model, at_s, duty_percent);
+        }
+        self.follow(model, time_s);
+        force(model, self.play_percent, time_s)
+    }
+
+    /// Whether the command moves between its jumps.
+    #[must_use]
+    pub fn drifts(model: &Model) -> bool {
+        model.effects.hover_drift.is_some() || model.effects.gain_drift.is_some()
+    }
+
+    /// Puts a duty in force; the play first goes where the old one has drifted until then.
+    fn take(&mut self, model: &Model, time_s: f64, duty_percent: f64) {
+        self.follow(model, time_s);
+        self.duty_percent = duty_percent;
+        self.follow(model, time_s);
+    }
+
+    fn follow(&mut self, model: &Model, time_s: f64) {
+        let input = about_hover(model, self.duty_percent, time_s);
+        self.play_percent = model.effects.hysteresis.map_or(input, |play| play.follow(self.play_percent, input));
+    }
+}
+
+/// u: the duty in force about hover, percent.
+fn about_hover(model: &Model, duty_percent: f64, time_s: f64) -> f64 {
+    let effects = &model.effects;
+    let duty_percent = effects.duty_quantisation.map_or(duty_percent, |steps| steps.rounded(duty_percent));
+    duty_percent - model.hover_duty_percent - effects.hover_drift.map_or(0.0, |drift| drift.shift_percent(time_s))
+}
+
+/// The acceleration that a duty about hover commands once it is through the play, mm/s².
+fn force(model: &Model, about_hover_percent: f64, time_s: f64) -> f64 {
+    let effects = &model.effects;
+    let u = effects.dead_zone.map_or(about_hover_percent, |zone| zone.effective(about_hover_percent));
+    let u = effects.thrust_curve.map_or(u, |curve| curve.bent(u));
+    let asymmetry = effects.force_asymmetry.map_or(1.0, |asymmetry| asymmetry.gain_factor(u));
+    let drift = effects.gain_drift.map_or(1.0, |drift| drift.gain_factor(time_s));
+    let commanded = model.gain_mm_per_s2_per_percent * asymmetry * drift * u;
+    effects.saturation.map_or(commanded, |saturation| saturation.limited(commanded))
+}
+
+#[cfg(test)]
+mod tests;

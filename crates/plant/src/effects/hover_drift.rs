@@ -1,0 +1,40 @@
+//! Hover drift: the duty that holds the ball ramps.
+//!
+//! ```text
+//! u = duty − hover − rate·t      u, duty, hover in percent; rate in percent per s; t in s from the start of the record
+//! ```
+//!
+//! A straight line: warming up, which levels off, is one only over a short record.
+//! Source: motor temperature and supply voltage shift the speed at a given duty.
+
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use serde::{Deserialize, Serialize};
+
+/// The duty at hover grows or falls linearly with time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HoverDrift {
+    /// Rise of the hover duty, percent per second.
+    pub percent_per_s: f64,
+}
+
+impl Effect for HoverDrift {
+    const ENTRY: Entry = Entry {
+        name: "hover_drift",
+        stage: Stage::Actuator,
+        params: &[Param { name: "percent_per_s", min: -1.0, max: 1.0, neutral: Neutral::At(0.0) }],
+        sizes: &[&[0.002], &[-0.002]],
+        in_a_log: "the mean duty of a held ball climbs or falls over the log, and an open-loop flight bends away",
+        mend: "let the rig warm up first, regulate the fan's supply, and give the controller an integral term",
+    };
+
+    values_in_order!(percent_per_s);
+}
+
+impl HoverDrift {
+    /// How far the hover duty has moved by `time_s`, percent.
+    #[must_use]
+    pub fn shift_percent(&self, time_s: f64) -> f64 {
+        self.percent_per_s * time_s
+    }
+}

@@ -1,0 +1,41 @@
+//! Quadratic drag: the air brakes a fast ball more than in proportion.
+//!
+//! ```text
+//! a = −c·v·|v|      a in mm/s², v in mm/s, c in 1/mm
+//! ```
+//!
+//! On top of the linear drag about hover. Leaves out that the drag is really of the speed relative to the air,
+//! of which the linear drag is the first term.
+//! Source: the thesis, equation 3.1.1.3, the square of its relative speed.
+
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use serde::{Deserialize, Serialize};
+
+/// Drag that grows with the square of the speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct QuadraticDrag {
+    /// c: deceleration per squared speed, 1/mm.
+    pub coefficient_per_mm: f64,
+}
+
+impl Effect for QuadraticDrag {
+    const ENTRY: Entry = Entry {
+        name: "quadratic_drag",
+        stage: Stage::Ball,
+        params: &[Param { name: "coefficient_per_mm", min: 0.0, max: 0.05, neutral: Neutral::At(0.0) }],
+        sizes: &[&[0.002], &[0.006]],
+        in_a_log: "slow moves fit the drag, fast ones are braked harder than the simulator says",
+        mend: "nothing to mend: it is the physics of a sphere. Limit the speed of the setpoint, or put it into the simulator",
+    };
+
+    values_in_order!(coefficient_per_mm);
+}
+
+impl QuadraticDrag {
+    /// The acceleration that the drag adds, mm/s².
+    #[must_use]
+    pub fn acceleration(&self, velocity_mm_per_s: f64) -> f64 {
+        -self.coefficient_per_mm * velocity_mm_per_s * velocity_mm_per_s.abs()
+    }
+}

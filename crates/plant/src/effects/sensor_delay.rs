@@ -1,0 +1,40 @@
+//! Sensor delay: the reading is old.
+//!
+//! ```text
+//! reading at t = position at t − delay      delay in s
+//! ```
+//!
+//! From a log alone it is the same as a delay of the duty, but for the rows at the very ends of the record.
+//! Source: a VL53L0X gives the mean over its timing budget, 20 ms at least, after the budget has passed.
+
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use serde::{Deserialize, Serialize};
+
+/// The reading is where the ball was a fixed time ago.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorDelay {
+    /// Age of a reading, seconds.
+    pub delay_s: f64,
+}
+
+impl Effect for SensorDelay {
+    const ENTRY: Entry = Entry {
+        name: "sensor_delay",
+        stage: Stage::Sensor,
+        params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0) }],
+        sizes: &[&[0.03], &[0.1]],
+        in_a_log: "everything that the duty does shows a fixed time late, and the loop oscillates at gains called safe",
+        mend: "a shorter timing budget, reading right after the measurement is ready; a filter that predicts over the delay",
+    };
+
+    values_in_order!(delay_s);
+}
+
+impl SensorDelay {
+    /// The instant that a reading at `time_s` shows, seconds.
+    #[must_use]
+    pub fn seen_at(&self, time_s: f64) -> f64 {
+        time_s - self.delay_s
+    }
+}

@@ -1,0 +1,52 @@
+//! Sensor outliers: now and then a reading is wild.
+//!
+//! ```text
+//! reading' = reading + size      with probability p/2        sizes in mm
+//! reading' = reading − size      with probability p/2
+//! ```
+//!
+//! Independent from reading to reading, and all of one size; real ones come in runs and sizes.
+//! Source: a time-of-flight sensor sees the wall or a second path instead of the ball.
+
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use serde::{Deserialize, Serialize};
+
+/// Some readings are off by a fixed amount, up or down.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorOutliers {
+    /// p: the chance that a reading is wild.
+    pub probability: f64,
+    /// How far a wild reading is off, mm.
+    pub size_mm: f64,
+}
+
+impl Effect for SensorOutliers {
+    const ENTRY: Entry = Entry {
+        name: "sensor_outliers",
+        stage: Stage::Sensor,
+        params: &[
+            Param { name: "probability", min: 0.0, max: 1.0, neutral: Neutral::At(0.0) },
+            Param { name: "size_mm", min: 0.0, max: 2000.0, neutral: Neutral::At(0.0) },
+        ],
+        sizes: &[&[0.01, 30.0]],
+        in_a_log: "single readings jump away and back faster than a ball can move, and the duty answers with spikes",
+        mend: "narrow the sensor's view, darken the pipe; refuse readings that no ball could have reached",
+    };
+
+    values_in_order!(probability, size_mm);
+}
+
+impl SensorOutliers {
+    /// What is added to a reading, mm, by a number `uniform` in [0, 1).
+    #[must_use]
+    pub fn offset_mm(&self, uniform: f64) -> f64 {
+        if uniform < self.probability / 2.0 {
+            -self.size_mm
+        } else if uniform < self.probability {
+            self.size_mm
+        } else {
+            0.0
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Sensor quantisation: the readings are coarse.
+//!
+//! ```text
+//! reading' = step·round(reading / step)      in mm, halves away from zero
+//! ```
+//!
+//! The grid starts at the bottom of the pipe.
+//! Source: a VL53L0X reports whole millimetres; other sensors, and logs that were rounded, are coarser.
+
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use libm::round;
+use serde::{Deserialize, Serialize};
+
+/// A reading is the nearest multiple of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorQuantisation {
+    /// Step, mm.
+    pub step_mm: f64,
+}
+
+impl Effect for SensorQuantisation {
+    const ENTRY: Entry = Entry {
+        name: "sensor_quantisation",
+        stage: Stage::Sensor,
+        params: &[Param { name: "step_mm", min: 0.0, max: 200.0, neutral: Neutral::At(0.0) }],
+        sizes: &[&[3.0], &[8.0]],
+        in_a_log: "only certain positions occur, and the speed from one reading to the next is zero or a jump",
+        mend: "a sensor or a log format with finer steps; a filter in place of bare differences",
+    };
+
+    values_in_order!(step_mm);
+}
+
+impl SensorQuantisation {
+    /// What becomes of `reading_mm`.
+    #[must_use]
+    pub fn rounded(&self, reading_mm: f64) -> f64 {
+        if self.step_mm > 0.0 { self.step_mm * round(reading_mm / self.step_mm) } else { reading_mm }
+    }
+}

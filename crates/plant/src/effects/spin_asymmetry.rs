@@ -1,0 +1,61 @@
+//! Spin asymmetry: the fan spins up faster than it coasts down.
+//!
+//! ```text
+//! dA/dt = (A_cmd − A) / τ      τ = up where A_cmd > A, else down; A, A_cmd in mm/s², τ in s
+//! ```
+//!
+//! With up = down it is `fan_lag`, which is why a config may hold only one of the two. Leaves out that both
+//! times depend on the speed.
+//! Source: motor torque spins the rotor up, only drag slows it down.
+
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::lag::decay;
+use serde::{Deserialize, Serialize};
+
+/// The force follows the commanded force with one lag on the way up and another on the way down.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpinAsymmetry {
+    /// Time constant while the force grows, seconds.
+    pub up_s: f64,
+    /// Time constant while the force falls, seconds.
+    pub down_s: f64,
+}
+
+impl Effect for SpinAsymmetry {
+    const ENTRY: Entry = Entry {
+        name: "spin_asymmetry",
+        stage: Stage::Actuator,
+        params: &[
+            Param { name: "up_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0) },
+            Param { name: "down_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0) },
+        ],
+        sizes: &[&[0.1, 0.25], &[0.25, 0.1]],
+        in_a_log: "the ball answers a rise of duty sooner than a fall, and rides higher when the duty moves fast about hover",
+        mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); less gain for moves down",
+    };
+
+    values_in_order!(up_s, down_s);
+}
+
+impl SpinAsymmetry {
+    /// A, mm/s², `dt_s` after it was `acceleration`, under a constant command, which it never crosses.
+    #[must_use]
+    pub fn after(&self, commanded: f64, acceleration: f64, dt_s: f64) -> f64 {
+        let time_constant_s = if commanded > acceleration { self.up_s } else { self.down_s };
+        commanded + (acceleration - commanded) * decay(time_constant_s, dt_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SpinAsymmetry;
+
+    #[test]
+    fn each_direction_has_its_own_time_constant() {
+        let spin = SpinAsymmetry { up_s: 0.1, down_s: 0.4 };
+        let (up, down) = (spin.after(100.0, 0.0, 0.1), spin.after(0.0, 100.0, 0.4));
+        assert!((up - 100.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12, "{up}");
+        assert!((down - 100.0 * (-1.0_f64).exp()).abs() < 1e-12, "{down}");
+    }
+}

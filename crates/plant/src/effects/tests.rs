@@ -1,0 +1,74 @@
+//! What the catalogue promises of every effect in it.
+
+use super::{Effects, FanLag, SpinAsymmetry};
+use crate::effect::Stage;
+use crate::model::tests::thesis;
+use crate::unsound::Unsound;
+
+#[test]
+fn the_catalogue_follows_the_signal_path_and_explains_every_entry() {
+    let order = [Stage::Actuator, Stage::Air, Stage::Ball, Stage::Sensor];
+    let place = |stage| order.iter().position(|s| *s == stage);
+    assert_eq!(Effects::CATALOGUE.len(), 22);
+    assert!(Effects::CATALOGUE.is_sorted_by_key(|entry| place(entry.stage)));
+    for entry in Effects::CATALOGUE {
+        assert!(!entry.params.is_empty() && entry.in_a_log.len() > 20 && entry.mend.len() > 20, "{}", entry.name);
+        for (param, neutral) in entry.params.iter().zip(entry.neutral(&thesis())) {
+            assert!((param.min..=param.max).contains(&neutral), "{}.{}", entry.name, param.name);
+        }
+    }
+}
+
+#[test]
+fn every_effect_is_set_read_and_removed_by_the_name_of_its_entry() {
+    for entry in Effects::CATALOGUE {
+        let mut effects = Effects::default();
+        assert!(!effects.remove(entry.name) && effects.values(entry.name).is_none(), "{}", entry.name);
+        // Off the middle, each by another fraction, so that a swap of two fields shows.
+        let values: Vec<f64> =
+            (1..).zip(entry.params).map(|(k, p)| p.min + (p.max - p.min) * (0.7 + 0.05 * f64::from(k))).collect();
+        assert!(effects.set(entry.name, &values));
+        assert_eq!(effects.values(entry.name), Some(values.clone()));
+        assert_eq!((effects.present(), Effects::entry(entry.name)), (vec![*entry], Some(entry)));
+        assert!(effects.check().is_ok(), "{}", entry.name);
+        let text = format!("{effects:?}");
+        for (param, value) in entry.params.iter().zip(&values) {
+            assert!(text.contains(&format!("{}: {value:?}", param.name)), "{} is not {value} in {text}", param.name);
+        }
+        assert!(effects.remove(entry.name));
+        assert_eq!(effects, Effects::default());
+    }
+    assert!(!Effects::default().set("fan_lagg", &[0.1]) && Effects::entry("fan_lagg").is_none());
+}
+
+#[test]
+fn a_number_outside_its_bounds_is_refused_by_effect_and_key_for_every_effect() {
+    for entry in Effects::CATALOGUE {
+        for (k, param) in entry.params.iter().enumerate() {
+            for wrong in [param.min - 1.0, param.max + 1.0, f64::NAN] {
+                let mut values = entry.neutral(&thesis());
+                values[k] = wrong;
+                let mut effects = Effects::default();
+                effects.set(entry.name, &values);
+                let (effect, error) = effects.check().unwrap_err();
+                assert_eq!((effect, error.key()), (entry.name, param.name));
+                assert!(matches!(error, Unsound::Range(_)), "{error}");
+            }
+        }
+        let mut effects = Effects::default();
+        effects.set(entry.name, &[]);
+        assert!(effects.check().is_err(), "missing values of {} are refused", entry.name);
+    }
+}
+
+#[test]
+fn two_lags_of_one_fan_are_refused() {
+    let effects = Effects {
+        fan_lag: Some(FanLag { time_constant_s: 0.2 }),
+        spin_asymmetry: Some(SpinAsymmetry { up_s: 0.1, down_s: 0.3 }),
+        ..Effects::default()
+    };
+    let (effect, error) = effects.check().unwrap_err();
+    assert_eq!(effect, "spin_asymmetry");
+    assert!(error.to_string().contains("delete one of the two tables"), "{error}");
+}

@@ -1,0 +1,71 @@
+//! Turbulence: the air pushes at random, and goes on pushing the same way for a while.
+//!
+//! ```text
+//! dw = −w/τ·dt + σ·√(2/τ)·dW            w: acceleration, mm/s²; σ its standard deviation; τ in s
+//! w(t + h) = w(t)·ρ + σ·√(1 − ρ²)·n      ρ = e^(−h/τ), n standard normal: exact for any step
+//! ```
+//!
+//! Stationary from the start. Leaves out that turbulence grows with the flow and changes with the height.
+//! Source: Uhlenbeck and Ornstein, *On the Theory of the Brownian Motion*, Phys. Rev. 36 (1930); the update is
+//! Gillespie's, Phys. Rev. E 54 (1996).
+
+use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::lag;
+use libm::sqrt;
+use serde::{Deserialize, Serialize};
+
+/// A coloured random force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Turbulence {
+    /// σ: standard deviation of the acceleration, mm/s².
+    pub sigma_mm_per_s2: f64,
+    /// τ: time over which it forgets itself, seconds.
+    pub correlation_s: f64,
+}
+
+impl Effect for Turbulence {
+    const ENTRY: Entry = Entry {
+        name: "turbulence",
+        stage: Stage::Air,
+        params: &[
+            Param { name: "sigma_mm_per_s2", min: 0.0, max: 1e4, neutral: Neutral::At(0.0) },
+            Param { name: "correlation_s", min: 0.01, max: 10.0, neutral: Neutral::At(0.5) },
+        ],
+        sizes: &[&[100.0, 0.5]],
+        in_a_log: "the ball wanders slowly and never twice the same way, whatever the duty, height, speed or time",
+        mend: "a flow straightener above the fan (a bundle of straws), a smoother inlet, no draught in the room",
+    };
+
+    values_in_order!(sigma_mm_per_s2, correlation_s);
+}
+
+impl Turbulence {
+    /// ρ: what is left of a push after `dt_s`.
+    #[must_use]
+    pub fn decay(&self, dt_s: f64) -> f64 {
+        lag::decay(self.correlation_s, dt_s)
+    }
+
+    /// Standard deviation of what `dt_s` adds at random, mm/s².
+    #[must_use]
+    pub fn kick(&self, dt_s: f64) -> f64 {
+        let decay = self.decay(dt_s);
+        self.sigma_mm_per_s2 * sqrt(1.0 - decay * decay)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Turbulence;
+
+    #[test]
+    fn the_variance_stays_what_it_is_for_any_step() {
+        let turbulence = Turbulence { sigma_mm_per_s2: 80.0, correlation_s: 0.3 };
+        for dt in [1e-4, 0.01, 1.0, 100.0] {
+            let (decay, kick) = (turbulence.decay(dt), turbulence.kick(dt));
+            let variance = 6400.0 * decay * decay + kick * kick;
+            assert!((variance - 6400.0).abs() < 1e-8, "{variance} at {dt} s");
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! From the position to the reading: what the sensor does after its lag.
+//!
+//! ```text
+//! s(t − delay) → + σ·n → ± size, now and then → nearest step → held until the next refresh
+//! ```
+//!
+//! Where the ball was is interpolated linearly between integration steps of at most 1 ms, which is exact to
+//! a·dt²/8, 1e-4 mm at 1000 mm/s². Before time 0 it was where it was at time 0.
+//! Source: the order of the signal path inside a digital range sensor.
+
+use crate::model::Model;
+use crate::normal::Normal;
+use std::collections::VecDeque;
+
+/// Stream numbers of the sensor's random numbers: one each, so that one effect leaves another's numbers alone.
+const NOISE_STREAM: u64 = 1;
+const OUTLIER_STREAM: u64 = 3;
+
+/// What a sensor remembers. What is set is the [`Model`], which every call takes.
+#[derive(Clone, Debug)]
+pub(crate) struct Sensor {
+    /// Time and position behind the lag, as far back as a reading may reach.
+    past: VecDeque<(f64, f64)>,
+    /// The last reading and when it was taken.
+    held: Option<(f64, f64)>,
+    noise: Normal,
+    outliers: Normal,
+}
+
+impl Sensor {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self {
+            past: VecDeque::new(),
+            held: None,
+            noise: Normal::new(seed, NOISE_STREAM),
+            outliers: Normal::new(seed, OUTLIER_STREAM),
+        }
+    }
+
+    /// Remembers where the ball is, once at time 0 and then after every step.
+    #[inline]
+    pub(crate) fn follow(&mut self, model: &Model, time_s: f64, sensed_mm: f64) {
+        let reach = reach_s(model);
+        if reach > 0.0 {
+            self.past.push_back((time_s, sensed_mm));
+            while self.past.get(1).is_some_and(|(second_s, _)| *second_s <= time_s - reach) {
+                self.past.pop_front();
+            }
+        }
+    }
+
+    /// The reading at `time_s`, mm, where the ball is at `sensed_mm` behind the lag.
+    pub(crate) fn reading(&mut self, model: &Model, time_s: f64, sensed_mm: f64) -> f64 {
+        let Some(stale) = model.effects.stale_samples.filter(|stale| stale.hold_s > 0.0) else {
+            return self.measure(model, time_s, sensed_mm);
+        };
+        let refreshed_s = stale.refreshed_at(time_s);
+        // Whichever of two instants within one refresh was asked first, it is the same refresh.
+        if let Some((_, reading)) = self.held.filter(|(taken_s, _)| refreshed_s - taken_s < stale.hold_s / 2.0) {
+            return reading;
+        }
+        let reading = self.measure(model, refreshed_s, sensed_mm);
+        self.held = Some((refreshed_s, reading));
+        reading
+    }
+
+    /// A fresh measurement at `time_s`.
+    fn measure(&mut self, model: &Model, time_s: f64, sensed_mm: f64) -> f64 {
+        let effects = &model.effects;
+        let seen_at = effects.sensor_delay.map_or(time_s, |delay| delay.seen_at(time_s));
+        let sigma = effects.sensor_noise.map_or(model.noise.sensor_mm, |noise| noise.total_mm(model.noise.sensor_mm));
+        let mut reading = self.seen(seen_at).unwrap_or(sensed_mm) + sigma * self.noise.draw();
+        if let Some(outliers) = effects.sensor_outliers {
+            reading += outliers.offset_mm(self.outliers.uniform());
+        }
+        effects.sensor_quantisation.map_or(reading, |steps| steps.rounded(reading))
+    }
+
+    /// The position at `time_s`. `None`: nothing is remembered, because nothing needs it.
+    fn seen(&self, time_s: f64) -> Option<f64> {
+        let next = self.past.partition_point(|(at_s, _)| *at_s < time_s);
+        let after = self.past.get(next).or(self.past.back())?;
+        let before = self.past.get(next.checked_sub(1).unwrap_or(next)).unwrap_or(after);
+        let span = after.0 - before.0;
+        let part = if span > 0.0 { ((time_s - before.0) / span).clamp(0.0, 1.0) } else { 1.0 };
+        Some(before.1 + (after.1 - before.1) * part)
+    }
+}
+
+/// How far back a reading may reach, seconds.
+fn reach_s(model: &Model) -> f64 {
+    let delay = model.effects.sensor_delay.map_or(0.0, |delay| delay.delay_s);
+    delay + model.effects.stale_samples.map_or(0.0, |stale| stale.hold_s)
+}
+
+#[cfg(test)]
+mod tests;

@@ -64,7 +64,7 @@ mod tests {
         let held = Recording::new(held).unwrap();
         let stale = Effects { stale_samples: Some(StaleSamples { hold_s: 0.1 }), ..model().effects };
         let found = arrivals(&Model { effects: stale.clone(), ..model() }, &held);
-        let wanted = |k: usize| if k % 5 == 0 { Arrival::Fresh } else { Arrival::Repeat };
+        let wanted = |k: usize| if k.is_multiple_of(5) { Arrival::Fresh } else { Arrival::Repeat };
         assert!(found.iter().enumerate().all(|(k, arrival)| *arrival == wanted(k)), "{found:?}");
         assert!(arrivals(&model(), &held).iter().all(|arrival| *arrival == Arrival::Fresh));
         let early = arrivals(&Model { effects: stale, ..model() }, &good);

@@ -3,6 +3,10 @@
 use serde_json::Value;
 use system_tests::{Bench, root};
 
+/// An experiment that takes the ball out of its own band.
+const WILD: &str = "title = \"wild\"\n[limits]\nposition_max_mm = 350.0\n[[segment]]\nduration_s = 20.0\n\
+    setpoint_mm.ramp = { from = 200.0, to = 500.0, over_s = 10.0 }\n";
+
 fn summary(bench: &Bench, arguments: &[&str]) -> Value {
     let flags = [&["simulate", "--json"], arguments].concat();
     serde_json::from_str(&bench.output(&flags)).unwrap()
@@ -71,11 +75,7 @@ fn every_experiment_of_the_project_flies_to_its_end() {
 #[test]
 fn an_experiment_that_throws_the_ball_out_of_its_band_ends_with_a_fault() {
     let bench = Bench::default();
-    bench.write(
-        "wild.toml",
-        "title = \"wild\"\n[limits]\nposition_max_mm = 350.0\n[[segment]]\nduration_s = 20.0\n\
-         setpoint_mm.ramp = { from = 200.0, to = 500.0, over_s = 10.0 }\n",
-    );
+    bench.write("wild.toml", WILD);
     let ran = bench.run(&["simulate", "--experiment", "wild.toml", "--log", "w.mcap"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("left the experiment's band") && ran.errors.contains("fan off"), "{}", ran.errors);
@@ -128,11 +128,7 @@ fn a_picture_never_replaces_anything_but_a_picture() {
 #[test]
 fn a_fault_is_reported_even_when_the_picture_fails_too() {
     let bench = Bench::default();
-    bench.write(
-        "wild.toml",
-        "title = \"wild\"\n[limits]\nposition_max_mm = 350.0\n[[segment]]\nduration_s = 20.0\n\
-         setpoint_mm.ramp = { from = 200.0, to = 500.0, over_s = 10.0 }\n",
-    );
+    bench.write("wild.toml", WILD);
     let ran = bench.run(&["simulate", "--experiment", "wild.toml", "--log", "w.mcap", "--plot", "nowhere/p.svg"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("nowhere/p.svg") && ran.errors.contains("below 350 mm"), "{}", ran.errors);

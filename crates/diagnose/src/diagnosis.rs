@@ -10,7 +10,6 @@
 use crate::check::{Finding, check};
 use crate::fit::{Fit, Free};
 use crate::gap::Gap;
-use crate::likelihood::in_free_flight;
 use crate::places::{Place, colour, places};
 use crate::recording::Recording;
 use crate::which::{CONTAINS, Candidate, Search};
@@ -79,8 +78,8 @@ pub struct Diagnosis {
 #[must_use]
 pub fn diagnose(belief: &Model, recording: &Recording) -> Diagnosis {
     let findings = check(recording, belief);
-    let counts = in_free_flight(belief, recording);
     let search = Search::new(belief, recording);
+    let counts = search.counts();
     let refitted = search.whole(belief, &search.free_of(belief));
     let mut mended = refitted.clone();
     let mut effects = Vec::new();
@@ -93,9 +92,9 @@ pub fn diagnose(belief: &Model, recording: &Recording) -> Diagnosis {
         effects.push(named);
     }
     let gaps = held_out(&search, belief, [&refitted, &mended]);
-    let places_before = places(&refitted.model, recording, &counts);
-    let left = places(&mended.model, recording, &counts).first().map_or(1.0, |place| place.p_value);
-    let coloured = colour(&mended.surprises, &counts);
+    let places_before = places(&refitted.model, recording, counts);
+    let left = places(&mended.model, recording, counts).first().map_or(1.0, |place| place.p_value);
+    let coloured = colour(&mended.surprises, counts);
     let verdict = if !answers {
         Verdict::InsufficientData
     } else if left <= LEFT_OVER || coloured > COLOURED {

@@ -81,12 +81,21 @@ impl<'a> Search<'a> {
         BASE.into_iter().chain(own.iter().flat_map(free_of_effect)).collect()
     }
 
+    fn problem<'b>(&'b self, counts: &'b [bool]) -> Problem<'b> {
+        Problem { recording: self.recording, belief: self.belief, counts }
+    }
+
     fn fit(&self, start: &Model, free: &[Free], counts: &[bool]) -> Fit {
-        Problem { recording: self.recording, belief: self.belief, counts }.fit(start, free)
+        self.problem(counts).fit(start, free)
     }
 
     pub(crate) fn whole(&self, start: &Model, free: &[Free]) -> Fit {
         self.fit(start, free, &self.counts)
+    }
+
+    /// Which rows count.
+    pub(crate) fn counts(&self) -> &[bool] {
+        &self.counts
     }
 
     /// The record.

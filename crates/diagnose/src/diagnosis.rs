@@ -74,11 +74,18 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
 }
 
+/// How to search.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Effects that the search may not name, as if the catalogue did not hold them.
+    pub without: Vec<String>,
+}
+
 /// Compares `belief` with `recording` and says what separates them.
 #[must_use]
-pub fn diagnose(belief: &Model, recording: &Recording) -> Diagnosis {
+pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Diagnosis {
     let findings = check(recording, belief);
-    let search = Search::new(belief, recording);
+    let search = Search::new(belief, recording, &options.without);
     let counts = search.counts();
     let refitted = search.whole(belief, &search.free_of(belief));
     let mut mended = refitted.clone();
@@ -169,14 +176,14 @@ impl Diagnosis {
 
 #[cfg(test)]
 mod tests {
-    use super::{Verdict, diagnose};
+    use super::{Options, Verdict, diagnose};
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
 
     #[test]
     fn a_rig_as_believed_has_no_gap() {
         for seed in 20..26 {
-            let found = diagnose(&model(), &record(&model(), seed, 60));
+            let found = diagnose(&model(), &record(&model(), seed, 60), &Options::default());
             assert_eq!(found.verdict, Verdict::NoGap, "seed {seed}: {:?}", found.places.first());
         }
     }
@@ -184,7 +191,7 @@ mod tests {
     #[test]
     fn a_missing_lag_is_named_and_the_mended_model_closes_the_gap() {
         let belief = Model { effects: Effects::default(), ..model() };
-        let found = diagnose(&belief, &record(&model(), 4, 80));
+        let found = diagnose(&belief, &record(&model(), 4, 80), &Options::default());
         assert_eq!(found.verdict, Verdict::Effect);
         // A lag of the sensor differs from one of the fan by the colour of the noise alone.
         let named = &found.effects[0];
@@ -196,7 +203,7 @@ mod tests {
     #[test]
     fn a_gain_that_is_off_is_a_matter_of_parameters() {
         let belief = Model { gain_mm_per_s2_per_percent: 170.0, hover_duty_percent: 21.9, ..model() };
-        let found = diagnose(&belief, &record(&model(), 4, 80));
+        let found = diagnose(&belief, &record(&model(), 4, 80), &Options::default());
         assert_eq!(found.verdict, Verdict::Parameters);
     }
 }

@@ -20,7 +20,7 @@ mod which;
 mod tests_support;
 
 pub use check::{Finding, check};
-pub use diagnosis::{Diagnosis, Named, Verdict, diagnose};
+pub use diagnosis::{Diagnosis, Named, Options, Verdict, diagnose};
 pub use fit::{BASE, Fit, Free, Problem};
 pub use gap::{FreeRun, Gap, free_runs};
 pub use likelihood::{Surprise, in_free_flight, surprises};

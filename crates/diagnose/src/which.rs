@@ -60,19 +60,20 @@ fn free_of_effect(entry: &Entry) -> Vec<Free> {
 pub(crate) struct Search<'a> {
     belief: &'a Model,
     recording: &'a Recording,
+    without: &'a [String],
     counts: Vec<bool>,
     halves: [Vec<bool>; 2],
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(belief: &'a Model, recording: &'a Recording) -> Self {
+    pub(crate) fn new(belief: &'a Model, recording: &'a Recording, without: &'a [String]) -> Self {
         let counts = in_free_flight(belief, recording);
         let start_s = recording.samples().first().map_or(0.0, |first| first.time_s);
         let halves = [0.0, 1.0].map(|half| {
             let rows = recording.samples().iter().zip(&counts);
             rows.map(|(s, counts)| *counts && ((s.time_s - start_s) / STRETCH_S).floor() % 2.0 == half).collect()
         });
-        Self { belief, recording, counts, halves }
+        Self { belief, recording, without, counts, halves }
     }
 
     /// The base parameters, and those of the effects that the belief already has: what is believed is never exact.
@@ -106,7 +107,8 @@ impl<'a> Search<'a> {
     /// Adds each effect that `so_far` lacks to it; the best first.
     pub(crate) fn candidates(&self, so_far: &Fit) -> Vec<Candidate> {
         let halves = self.halves(&so_far.model, &so_far.free);
-        let absent = Effects::CATALOGUE.par_iter().filter(|entry| goes_with(&so_far.model, entry));
+        let known = |entry: &&Entry| !self.without.iter().any(|name| name == entry.name);
+        let absent = Effects::CATALOGUE.par_iter().filter(known).filter(|entry| goes_with(&so_far.model, entry));
         let mut all: Vec<Candidate> = absent.filter_map(|entry| self.candidate(so_far, entry, halves)).collect();
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
@@ -166,7 +168,7 @@ mod tests {
     use plant::{Effects, Model};
 
     fn candidates(belief: &Model, recording: &crate::Recording) -> Vec<Candidate> {
-        let search = Search::new(belief, recording);
+        let search = Search::new(belief, recording, &[]);
         search.candidates(&search.whole(belief, &search.free_of(belief)))
     }
 

@@ -18,7 +18,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     if let Some(lost) = &log.truncated {
         note(format_args!("{}: {lost}", args.log.display()));
     }
-    let found = diagnose::diagnose(model, &log.recording);
+    let found = diagnose::diagnose(model, &log.recording, &diagnose::Options::default());
     if let Some(path) = &args.patch_out {
         std::fs::write(path, patch(&found))
             .map_err(|error| anyhow!("cannot write the patch {}: {error}; check the folder", path.display()))?;

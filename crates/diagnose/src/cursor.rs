@@ -13,10 +13,9 @@
 //! first. Each stretch uses its real length and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
-use crate::likelihood::Surprise;
+use crate::likelihood::{Reading, Surprise};
 use crate::recording::Sample;
-use control::kalman::Kalman;
-use nalgebra::{RowSVector, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 use plant::{Actuator, Model, Motion};
 
 const STATES: usize = 5;
@@ -25,19 +24,24 @@ type Square = SMatrix<f64, STATES, STATES>;
 
 /// Longest integration step, seconds: RK4 is exact to 1e-6 of a rig's motion there.
 const MAX_STEP_S: f64 = 0.02;
-/// Steps of the central differences, each small beside a flight and large beside rounding.
+/// Steps of the differences, each small beside a flight and large beside rounding.
 const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3];
 /// Before the first reading nothing is known of the velocity but that a ball in a pipe stays below 2 m/s.
 pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
+/// Lengths of steps that are remembered: a clock of whole milliseconds has few.
+const STEPS_KNOWN: usize = 16;
 /// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
 const WILD_IN_A_ROW: u32 = 2;
+/// The same for a sensor that is believed to have wild readings: they may come in bursts.
+const WILD_IN_A_BURST: u32 = 5;
 
 /// The filter, where it is, and the fan's part of the way there.
 #[derive(Clone, Debug)]
 pub(crate) struct Cursor<'a> {
     model: &'a Model,
     samples: &'a [Sample],
-    filter: Kalman<STATES>,
+    state: State,
+    covariance: Square,
     actuator: Actuator,
     /// Time of the filter since the start of the record, seconds.
     time_s: f64,
@@ -46,60 +50,109 @@ pub(crate) struct Cursor<'a> {
     wild_run: u32,
 }
 
+/// How a step of a certain length moves doubt: Φ and Q.
+type Doubt = (Square, Square);
+
+/// The last steps' Φ and Q by their length: where the model is linear, steps of one length share them.
+#[derive(Debug)]
+pub(crate) struct Steps {
+    linear: bool,
+    known: Vec<(f64, Doubt)>,
+    next: usize,
+}
+
+impl Steps {
+    /// Steps of `model`.
+    pub(crate) fn of(model: &Model) -> Self {
+        let effects = &model.effects;
+        let bent = effects.quadratic_drag.is_some() || effects.wall_friction.is_some() || effects.spin_asymmetry.is_some();
+        Self { linear: !bent, known: Vec::new(), next: 0 }
+    }
+
+    fn doubt(&mut self, dt: f64, compute: impl FnOnce() -> Doubt) -> Doubt {
+        if !self.linear {
+            return compute();
+        }
+        if let Some((_, doubt)) = self.known.iter().find(|(known, _)| *known == dt) {
+            return *doubt;
+        }
+        let doubt = compute();
+        if self.known.len() < STEPS_KNOWN {
+            self.known.push((dt, doubt));
+        } else {
+            self.known[self.next] = (dt, doubt);
+            self.next = (self.next + 1) % STEPS_KNOWN;
+        }
+        doubt
+    }
+}
+
 impl<'a> Cursor<'a> {
     /// A filter that knows the first reading, at row `row`, and nothing else.
-    pub(crate) fn new(model: &'a Model, samples: &'a [Sample], row: usize, reading_mm: f64) -> Self {
+    pub(crate) fn new(model: &'a Model, samples: &'a [Sample], row: usize, reading_mm: f64, steps: &mut Steps) -> Self {
         let first_duty = samples.first().map_or(0.0, |first| first.duty_percent);
         let time_s = reading_time(model, samples, row).unwrap_or_default();
-        let actuator = Actuator::new(model, first_duty);
+        let (state, covariance) = prior(model, reading_mm, first_duty);
         let mut cursor = Self {
             model,
             samples,
-            filter: prior(model, reading_mm, first_duty),
-            actuator,
+            state,
+            covariance,
+            actuator: Actuator::new(model, first_duty),
             time_s: time_s.min(0.0),
             next_write: 0,
             wild_run: 0,
         };
-        cursor.go_to(time_s);
-        cursor.filter = Kalman { covariance: prior(model, reading_mm, first_duty).covariance, ..cursor.filter };
-        cursor.filter.state[0] = reading_mm;
-        cursor.filter.state[4] = reading_mm;
+        cursor.go_to(time_s, steps);
+        cursor.covariance = covariance;
+        cursor.state[0] = reading_mm;
+        cursor.state[4] = reading_mm;
         cursor
     }
 
     /// Moves the filter to when the reading of `row` was taken.
-    pub(crate) fn go_to_row(&mut self, row: usize) {
+    pub(crate) fn go_to_row(&mut self, row: usize, steps: &mut Steps) {
         if let Some(time_s) = reading_time(self.model, self.samples, row) {
-            self.go_to(time_s);
+            self.go_to(time_s, steps);
         }
     }
 
     /// What the reading here would be, mm, and its variance, mm².
     pub(crate) fn expect(&self) -> (f64, f64) {
-        self.filter.expect(&row_of(self.model), reading_variance(self.model))
+        let seen = seen_state(self.model);
+        (self.state[seen], self.covariance[(seen, seen)] + reading_variance(self.model))
     }
 
-    /// Takes the reading of `row` as far as it is no wild one: its weight divides the variance of the innovation.
-    pub(crate) fn take(&mut self, row: usize, reading_mm: f64) -> Surprise {
-        let variance = reading_variance(self.model);
-        let (expected, expected_variance) = self.expect();
-        let outliers = self.model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
-        let surprise = Surprise::of(row, reading_mm - expected, expected_variance, outliers);
-        let weight = if self.wild_run >= WILD_IN_A_ROW { 1.0 } else { surprise.weight.max(1e-6) };
-        let widened = variance + expected_variance / weight - expected_variance;
-        self.filter.update(reading_mm, &row_of(self.model), widened);
-        self.wild_run = if surprise.weight < 0.5 { self.wild_run + 1 } else { 0 };
+    /// The same for a reading as the file shows it, rounded by a coarse sensor.
+    pub(crate) fn expect_rounded(&self) -> (f64, f64) {
+        let rounding = self.model.effects.sensor_quantisation.map_or(0.0, |steps| steps.step_mm.powi(2) / 12.0);
+        let (position_mm, variance_mm2) = self.expect();
+        (position_mm, variance_mm2 + rounding)
+    }
+
+    /// Takes a reading as far as it is no wild one: a wild one moves nothing.
+    pub(crate) fn take(&mut self, reading: Reading) -> Surprise {
+        let (expected, variance) = self.expect();
+        let surprise = Surprise::of(reading, expected, variance);
+        let (weight, pull) = if self.wild_run >= if reading.outliers.is_some() { WILD_IN_A_BURST } else { WILD_IN_A_ROW } {
+            (1.0, (reading.position_mm - expected) / variance.sqrt())
+        } else {
+            (surprise.weight, surprise.pull)
+        };
+        let towards = self.covariance.column(seen_state(self.model)).into_owned();
+        self.state += towards * (pull / variance.sqrt());
+        self.covariance -= towards * towards.transpose() * (weight / variance);
+        self.wild_run = if surprise.weight < 0.5 && reading.coarse.is_none() { self.wild_run + 1 } else { 0 };
         surprise
     }
 
     /// Position and velocity, mm and mm/s.
     pub(crate) fn position_and_velocity(&self) -> (f64, f64) {
-        (self.filter.state[0], self.filter.state[1])
+        (self.state[0], self.state[1])
     }
 
     /// Flies on to `time_s`, through every duty that is written and every jump of the command on the way.
-    fn go_to(&mut self, time_s: f64) {
+    fn go_to(&mut self, time_s: f64, steps: &mut Steps) {
         let start_s = self.samples.first().map_or(0.0, |first| first.time_s);
         while self.time_s < time_s || self.next_write == 0 {
             let written = self.samples.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
@@ -113,12 +166,12 @@ impl<'a> Cursor<'a> {
                 break;
             }
             let jump_s = self.actuator.next_jump_s(self.time_s).unwrap_or(f64::INFINITY);
-            self.fly_to(time_s.min(write_s).min(jump_s));
+            self.fly_to(time_s.min(write_s).min(jump_s), steps);
         }
     }
 
     /// Flies on to `time_s`, until which the command does not jump.
-    fn fly_to(&mut self, time_s: f64) {
+    fn fly_to(&mut self, time_s: f64, known: &mut Steps) {
         let (start, ahead) = (self.time_s, time_s - self.time_s);
         let steps = (ahead / MAX_STEP_S).ceil().max(1.0);
         let dt = ahead / steps;
@@ -129,13 +182,13 @@ impl<'a> Cursor<'a> {
             if drifts {
                 commanded = self.actuator.commanded(self.model, (start + (step as f64 + 0.5) * dt).max(0.0));
             }
-            self.step(commanded, dt);
+            self.step(commanded, dt, known);
         }
         self.time_s = time_s;
     }
 
-    fn step(&mut self, commanded: f64, dt: f64) {
-        let x = &self.filter.state;
+    fn step(&mut self, commanded: f64, dt: f64, known: &mut Steps) {
+        let x = &self.state;
         let motion = Motion {
             position_mm: x[0],
             velocity_mm_per_s: x[1],
@@ -143,12 +196,14 @@ impl<'a> Cursor<'a> {
             turbulence_mm_per_s2: x[3],
             sensed_mm: x[4],
         };
+        let next = motion.step(self.model, commanded, dt);
         // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
-        let flow = |nudged: &Motion| nudged.step_in_endless_pipe(self.model, commanded, dt);
-        let transition = derivative(self.model, flow, &motion);
-        let next = vector(&motion.step(self.model, commanded, dt));
-        let noise = process_noise(self.model, &transition, dt);
-        self.filter.predict(next, &transition, &noise);
+        let (transition, noise) = known.doubt(dt, || {
+            let transition = derivative(self.model, |nudged| nudged.step_in_endless_pipe(self.model, commanded, dt), &motion);
+            (transition, process_noise(self.model, &transition, dt))
+        });
+        self.state = vector(&next);
+        self.covariance = transition * self.covariance * transition.transpose() + noise;
     }
 }
 
@@ -158,8 +213,8 @@ fn reading_time(model: &Model, samples: &[Sample], row: usize) -> Option<f64> {
     Some(since_start_s - model.effects.sensor_delay.map_or(0.0, |delay| delay.delay_s))
 }
 
-/// The filter before its first reading, which it then takes as it takes every other.
-fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> Kalman<STATES> {
+/// The filter before its first reading, which it then takes as it takes every other: state and covariance.
+fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> (State, Square) {
     let commanded = model.commanded(duty_percent);
     let effects = &model.effects;
     // How far the fan may be from where it is told to go: it may stand still.
@@ -168,28 +223,20 @@ fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> Kalman<STATES> {
     let air = effects.turbulence.map_or(0.0, |turbulence| turbulence.sigma_mm_per_s2);
     let sensed = if effects.sensor_lag.is_some() { model.pipe_length_mm } else { 0.0 };
     let deviations = State::from([model.pipe_length_mm, VELOCITY_PRIOR_MM_PER_S, fan, air, sensed]);
-    Kalman {
-        state: State::from([reading_mm, 0.0, commanded, 0.0, reading_mm]),
-        covariance: Square::from_diagonal(&deviations.component_mul(&deviations)),
-    }
+    let state = State::from([reading_mm, 0.0, commanded, 0.0, reading_mm]);
+    (state, Square::from_diagonal(&deviations.component_mul(&deviations)))
 }
 
 /// Which part of the state the reading shows.
-fn row_of(model: &Model) -> RowSVector<f64, STATES> {
-    if model.effects.sensor_lag.is_some() {
-        RowSVector::from([0.0, 0.0, 0.0, 0.0, 1.0])
-    } else {
-        RowSVector::from([1.0, 0.0, 0.0, 0.0, 0.0])
-    }
+const fn seen_state(model: &Model) -> usize {
+    if model.effects.sensor_lag.is_some() { 4 } else { 0 }
 }
 
-/// A reading's variance, never quite 0: a sensor without noise still leaves the filter a division. A coarse reading adds
-/// the variance of its rounding.
+/// A reading's variance, never quite 0: a sensor without noise still leaves the filter a division.
 fn reading_variance(model: &Model) -> f64 {
     let believed = model.noise.sensor_mm;
     let sigma = model.effects.sensor_noise.map_or(believed, |noise| noise.total_mm(believed));
-    let rounding = model.effects.sensor_quantisation.map_or(0.0, |steps| steps.step_mm.powi(2) / 12.0);
-    (sigma.powi(2) + rounding).max(1e-9)
+    sigma.powi(2).max(1e-9)
 }
 
 /// The covariance that the air gathers over a step with this `transition`.
@@ -216,7 +263,7 @@ fn vector(motion: &Motion) -> State {
     ])
 }
 
-/// ∂flow/∂x at `motion` by central differences, for the states that this model remembers.
+/// ∂flow/∂x at `motion` by differences, for the states that this model remembers.
 fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
     let effects = &model.effects;
     let remembered = [

@@ -8,25 +8,32 @@
 //! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
 use crate::check::{Finding, check};
-use crate::fit::{Fit, Free};
-use crate::gap::Gap;
-use crate::places::{Place, colour, places};
+use crate::fit::{Fit, Problem};
+use crate::folds::Folds;
+use crate::free::Free;
+use crate::gap::{Gap, Tally, tallies};
+use crate::places::{Place, places};
+use crate::residue::Residue;
 use crate::recording::Recording;
-use crate::which::{CONTAINS, Candidate, Search};
+use crate::which::{CONTAINS, Candidate, Search, Tried};
 use plant::Model;
+use rayon::prelude::*;
 
 /// Held-out gain, nats, that an effect must bring to be named: e⁵ to 1.
-const NAMED: f64 = 5.0;
+const NAMED: f64 = 6.0;
 /// Effects that explain the record within so many nats of the best cannot be told from it.
-const TOLD_APART: f64 = 4.0;
-/// Effects named at most; what is left then is unexplained.
-const MOST_EFFECTS: usize = 3;
+const TOLD_APART: f64 = 3.0;
+/// The same for effects that act alike on whatever the duty does.
+const TWINS_TOLD_APART: f64 = 15.0;
+const TWINS: [&[&str]; 2] = [&["transport_delay", "sensor_delay"], &["fan_lag", "sensor_lag"]];
+/// Nats that count as one: likelihoods take the model for right, and no model is.
+const DOUBT: f64 = 2.5;
+/// The effect that can follow any missing force.
+const TURBULENCE: &str = "turbulence";
+/// Effects at most that a record can name; if there are more, the answer is not to be trusted.
+const MOST_EFFECTS: usize = 2;
 /// Readings in free flight that a diagnosis needs.
 const ENOUGH_READINGS: usize = 300;
-/// Significance of what is left over, after all that was looked at.
-const LEFT_OVER: f64 = 0.002;
-/// Colour of the innovations that is no chance, in deviations.
-const COLOURED: f64 = 6.0;
 
 /// What is wrong, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -62,6 +69,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// What was found, in the order it was found.
     pub effects: Vec<Named>,
+    /// What each effect gained that was tried, search by search.
+    pub rounds: Vec<Vec<Tried>>,
     /// The belief with its base parameters refitted.
     pub refitted: Fit,
     /// The belief with refitted parameters and the effects that were found.
@@ -70,6 +79,8 @@ pub struct Diagnosis {
     pub gaps: [Gap; 3],
     /// Where the refitted belief is wrong, the most significant place first.
     pub places: Vec<Place>,
+    /// What is left over.
+    pub residue: Residue,
     /// What the record cannot answer.
     pub findings: Vec<Finding>,
 }
@@ -85,67 +96,130 @@ pub struct Options {
 #[must_use]
 pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Diagnosis {
     let findings = check(recording, belief);
-    let search = Search::new(belief, recording, &options.without);
-    let counts = search.counts();
-    let refitted = search.whole(belief, &search.free_of(belief));
-    let mut mended = refitted.clone();
-    let mut effects = Vec::new();
-    let readings = refitted.surprises.iter().filter(|s| counts[s.row]).count();
+    let folds = Folds::new(belief, recording);
+    let search = Search::new(belief, recording, &folds, &options.without);
+    let refitted = search.refitted();
+    let readings = refitted.surprises.iter().filter(|s| folds.counts(s.row)).count();
     let hopeless = findings.iter().any(|f| matches!(f, Finding::StillDuty { .. } | Finding::StillPosition { .. }));
     let answers = readings >= ENOUGH_READINGS && !hopeless;
-    while answers && effects.len() < MOST_EFFECTS {
-        let Some(named) = next_effect(&search, &mended) else { break };
-        mended = named.candidate.fit.clone();
-        effects.push(named);
-    }
-    let gaps = held_out(&search, belief, [&refitted, &mended]);
-    let places_before = places(&refitted.model, recording, counts);
-    let left = places(&mended.model, recording, counts).first().map_or(1.0, |place| place.p_value);
-    let coloured = colour(&mended.surprises, counts);
+    let found = if answers { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
+    let stretches = held_out(&search, belief, [&refitted, &found.fit]);
+    let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
     let verdict = if !answers {
         Verdict::InsufficientData
-    } else if left <= LEFT_OVER || coloured > COLOURED {
+    } else if found.residue.is_significant() || found.effects.len() > MOST_EFFECTS {
         Verdict::Unexplained
-    } else if !effects.is_empty() {
+    } else if !found.effects.is_empty() {
         Verdict::Effect
     } else if parameters_matter(&gaps) {
         Verdict::Parameters
     } else {
         Verdict::NoGap
     };
-    Diagnosis { verdict, effects, refitted, mended, gaps, places: places_before, findings }
+    let places = places(&refitted.model, recording, &folds);
+    let Explanation { effects, rounds, fit: mended, residue } = found;
+    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, residue, findings }
 }
 
-/// The effect that explains most of what `so_far` leaves, if any explains enough.
-fn next_effect(search: &Search<'_>, so_far: &Fit) -> Option<Named> {
-    let mut all = search.candidates(so_far);
-    let best = all.first().filter(|best| best.gain > NAMED)?;
+/// The effects that explain a record, one after another.
+struct Explanation {
+    effects: Vec<Named>,
+    rounds: Vec<Vec<Tried>>,
+    fit: Fit,
+    residue: Residue,
+}
+
+impl Explanation {
+    fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
+        let residue = Residue::of(search.problem(), refitted);
+        Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), residue }
+    }
+}
+
+/// Finds effects until none explains more. Where a turbulence was found that cannot be one, the search is made without it:
+/// what it followed is missing, and better left unexplained.
+fn explain(search: &Search<'_>, refitted: &Fit) -> Explanation {
+    let found = explain_by(search, refitted);
+    let turbulent = found.effects.iter().any(|named| named.candidate.entry.name == TURBULENCE);
+    if turbulent && !found.residue.allows_turbulence() {
+        explain_by(&search.without_too(TURBULENCE), refitted)
+    } else {
+        found
+    }
+}
+
+fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
+    let mut fit = refitted.clone();
+    let (mut effects, mut rounds): (Vec<Named>, _) = (Vec::new(), Vec::new());
+    while effects.len() <= MOST_EFFECTS {
+        let (named, tried) = next_effect(search, &fit);
+        rounds.push(tried);
+        let Some(named) = named else { break };
+        fit = named.candidate.fit.clone();
+        effects.push(named);
+        if effects.len() == 2 {
+            revise_first(search, &mut effects, &mut fit);
+        }
+    }
+    let residue = Residue::of(search.problem(), &fit);
+    Explanation { effects, rounds, fit, residue }
+}
+
+/// With the second effect known, the first is looked for again: it may have stood in for both.
+fn revise_first(search: &Search<'_>, effects: &mut [Named], fit: &mut Fit) {
+    let [first, _] = effects else { return };
+    let without_first = search.removed(fit, first.candidate.entry.name);
+    if let (Some(again), _) = next_effect(search, &without_first) {
+        *fit = again.candidate.fit.clone();
+        *first = again;
+    }
+}
+
+/// The effect that explains most of what `so_far` leaves, if any explains enough; and what each that was tried gained.
+fn next_effect(search: &Search<'_>, so_far: &Fit) -> (Option<Named>, Vec<Tried>) {
+    let (mut all, tried) = search.candidates(so_far);
+    // A coloured force follows any missing force: it comes first only where nothing else explains half as much.
+    let turbulence = all.first().filter(|best| best.entry.name == TURBULENCE).map_or(f64::INFINITY, |best| best.gain);
+    if all.get(1).is_some_and(|second| second.gain > NAMED.max(turbulence / 2.0)) {
+        let turbulence = all.remove(0);
+        all.push(Candidate { gain: 0.0, ..turbulence });
+    }
+    let Some(best) = all.first().filter(|best| best.gain > NAMED) else { return (None, tried) };
     let near: Vec<&'static str> =
         all.iter().skip(1).filter(|c| is_alternative(c, best)).map(|c| c.entry.name).collect();
     // A name that contains the best one says the same: it takes nothing from the probability of the set.
     let in_set = |c: &&Candidate| near.contains(&c.entry.name) || is_or_contains(c, best);
-    let weight = |c: &Candidate| (c.gain - best.gain).exp();
+    let weight = |c: &Candidate| ((c.gain - best.gain) / DOUBT).exp();
     let set: f64 = all.iter().filter(in_set).map(weight).sum();
-    let probability = set / (all.iter().map(weight).sum::<f64>() + (-best.gain).exp());
-    Some(Named { candidate: all.swap_remove(0), probability, indistinguishable_from: near })
+    let probability = set / (all.iter().map(weight).sum::<f64>() + (-best.gain / DOUBT).exp());
+    (Some(Named { candidate: all.swap_remove(0), probability, indistinguishable_from: near }), tried)
 }
 
-/// Whether `other` explains the record about as well as `best`, and does not do so by containing it.
+/// Whether `other` explains the record about as well as `best`, and does not do so by containing it. Twins differ by the
+/// colour of noise alone, which is worth less than what the duty says: they are told apart by much.
 fn is_alternative(other: &Candidate, best: &Candidate) -> bool {
-    !is_or_contains(other, best) && other.gain > 0.0 && other.gain > best.gain - TOLD_APART
+    let twins = TWINS.iter().any(|class| class.contains(&other.entry.name) && class.contains(&best.entry.name));
+    let apart = if twins { TWINS_TOLD_APART } else { TOLD_APART };
+    !is_or_contains(other, best) && other.gain > 0.0 && other.gain > best.gain - apart
 }
 
 fn is_or_contains(other: &Candidate, best: &Candidate) -> bool {
     other.entry.name == best.entry.name || CONTAINS.contains(&(other.entry.name, best.entry.name))
 }
 
-/// Held-out forecast errors of the belief and of the fits, each made anew on the other half.
-fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Gap; 3] {
-    let gap_of = |fit: Option<&Fit>| {
-        let halves = search.crossed(fit.map_or(belief, |fit| &fit.model), fit.map(|fit| fit.free.as_slice()));
-        Gap::pooled(halves.map(|(model, scored)| Gap::measure_where(&model, search.recording(), &|row| scored[row])))
+/// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.
+fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>; 3] {
+    let Problem { recording, folds, .. } = *search.problem();
+    let of = |models: Vec<Model>| {
+        let one = |(fold, model): (usize, &Model)| {
+            tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
+        };
+        let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
+        let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
+        (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
     };
-    [gap_of(None), gap_of(Some(fits[0])), gap_of(Some(fits[1]))]
+    let [refitted, mended] = fits.map(|fit| of(search.problem().without_each_fold(fit)));
+    [tallies(belief, recording, &|row| folds.stretch(row)), refitted, mended]
 }
 
 /// Moving the base parameters lowers the error at 1 s by more than 5 % of the floor and 0.5 mm.

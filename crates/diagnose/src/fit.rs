@@ -1,102 +1,34 @@
-//! Fitting a model to a recording: maximum likelihood by Fisher scoring.
+//! Fitting a model to a recording: maximum posterior by Fisher scoring.
 //!
 //! ```text
-//! L = Σ ln p(ν_k)                 ν_k, S_k: innovation and its variance, functions of the parameters θ
-//! g = Σ w·( −ν·∂ν/S + ½·(ν²/S − 1)·∂lnS )
-//! H = Σ w·(  ∂ν·∂νᵀ/S + ½·∂lnS·∂lnSᵀ )        Levenberg–Marquardt: (H + λ·diag H)·δ = g
+//! L = Σ ln p(ν_k) + ln prior(θ)   ν_k = y_k − ŷ_k, S_k: innovation and its variance, functions of the parameters θ
+//! g = Σ w·( ν·∂ŷ/S + ½·(ν²/S − 1)·∂lnS )
+//! H = Σ w·( ∂ŷ·∂ŷᵀ/S + ½·∂lnS·∂lnSᵀ )          Levenberg–Marquardt: (H + λ·diag H)·δ = g
 //! ```
 //!
-//! An owner's belief is worth something: gain, drag and hover are held to it by a wide prior (30 %, 30 %, 0.5 %), which
-//! decides only where the record cannot, along the ridge on which gain, drag and a lag trade against each other.
-//!
-//! Derivatives are differences of whole filter runs. θ is scaled: ratios are logarithms, the rest counts in sizes that a rig would
-//! show, so that one λ serves all. The covariance of θ is H⁻¹ when the model is right.
+//! Derivatives are differences of whole filter runs, in the scales of [`Free`], so that one λ serves all. Gradient and information are kept by
+//! fold, so that a fit without a fold is one step away. The covariance of θ is H⁻¹ when the model is right.
 //! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
 
-use crate::likelihood::{Surprise, surprises};
+use crate::folds::Folds;
+use crate::free::{Free, prior};
+use crate::likelihood::Surprise;
 use crate::recording::Recording;
+use crate::track::surprises;
 use nalgebra::{DMatrix, DVector};
-use plant::{Effects, Model};
+use plant::Model;
 
 /// Scoring steps at most; a fit that needs more creeps along a valley that the record cannot resolve.
 const MOST_STEPS: usize = 15;
 /// A step that gains less than this, nats, is the last.
-const GAIN_ENOUGH: f64 = 0.02;
+const GAIN_ENOUGH: f64 = 0.05;
 /// Length of the differences in scaled parameters.
 const DIFFERENCE: f64 = 0.01;
+/// Times that a step is shortened.
+const SHORTER: usize = 6;
 
-/// A number of the model that a fit may move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Free {
-    /// `gain_mm_per_s2_per_percent`, as a ratio.
-    Gain,
-    /// `drag_per_s`, as a ratio.
-    Drag,
-    /// `hover_duty_percent`.
-    Hover,
-    /// `noise.sensor_mm`, as a ratio.
-    SensorNoise,
-    /// `noise.acceleration_psd_mm2_per_s3`, as a ratio.
-    AirNoise,
-    /// A number of an effect that is on.
-    Effect {
-        /// The effect.
-        name: &'static str,
-        /// Which of its parameters.
-        index: usize,
-        /// A size that a rig would show.
-        size: f64,
-    },
-}
-
-/// The numbers that every model has, noise last.
-pub const BASE: [Free; 5] = [Free::Gain, Free::Drag, Free::Hover, Free::SensorNoise, Free::AirNoise];
-
-impl Free {
-    /// Deviation of the owner's belief in the number's own scale; infinite where nothing is believed.
-    const fn doubt(self) -> f64 {
-        match self {
-            Self::Gain | Self::Drag => 0.3,
-            Self::Hover => 5.0,
-            Self::SensorNoise | Self::AirNoise | Self::Effect { .. } => f64::INFINITY,
-        }
-    }
-
-    /// How far `model` is from `belief`, in the number's own scale. Only asked where something is believed.
-    fn distance(self, model: &Model, belief: &Model) -> f64 {
-        match self {
-            Self::Gain => (model.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent).ln(),
-            Self::Drag => (model.drag_per_s.max(1e-3) / belief.drag_per_s.max(1e-3)).ln(),
-            Self::Hover => (model.hover_duty_percent - belief.hover_duty_percent) / 0.1,
-            Self::SensorNoise | Self::AirNoise | Self::Effect { .. } => 0.0,
-        }
-    }
-
-    /// The model with this number moved by `by` in its own scale, within its bounds.
-    fn moved(self, model: &Model, by: f64) -> Model {
-        let mut model = model.clone();
-        let ratio = by.clamp(-3.0, 3.0).exp();
-        match self {
-            Self::Gain => model.gain_mm_per_s2_per_percent *= ratio,
-            Self::Drag => model.drag_per_s = (model.drag_per_s.max(1e-3) * ratio).min(1e3),
-            Self::Hover => model.hover_duty_percent += 0.1 * by,
-            Self::SensorNoise => model.noise.sensor_mm = model.noise.sensor_mm.max(1e-4) * ratio,
-            Self::AirNoise => {
-                model.noise.acceleration_psd_mm2_per_s3 = model.noise.acceleration_psd_mm2_per_s3.max(1e-4) * ratio;
-            }
-            Self::Effect { name, index, size } => {
-                let mut values = model.effects.values(name).unwrap_or_default();
-                let param =
-                    Effects::CATALOGUE.iter().find(|entry| entry.name == name).and_then(|e| e.params.get(index));
-                if let (Some(value), Some(param)) = (values.get_mut(index), param) {
-                    *value = (*value + size * by).clamp(param.min, param.max);
-                }
-                model.effects.set(name, &values);
-            }
-        }
-        model
-    }
-}
+/// Nats, fold by fold.
+pub type Worth = [f64; Folds::COUNT];
 
 /// A model fitted to a recording.
 #[derive(Clone, Debug)]
@@ -107,8 +39,24 @@ pub struct Fit {
     pub free: Vec<Free>,
     /// The readings as the model sees them.
     pub surprises: Vec<Surprise>,
-    /// H at the best.
-    information: DMatrix<f64>,
+    /// ln prior at the best, up to a constant.
+    pub log_prior: f64,
+    slope: Slope,
+}
+
+/// Gradient and information of the likelihood fold by fold, and of the prior.
+#[derive(Clone, Debug)]
+struct Slope {
+    folds: Vec<(DVector<f64>, DMatrix<f64>)>,
+    prior: (DVector<f64>, DMatrix<f64>),
+}
+
+impl Slope {
+    /// Sums over all folds but `left_out`.
+    fn total(&self, left_out: Option<usize>) -> (DVector<f64>, DMatrix<f64>) {
+        let kept = self.folds.iter().enumerate().filter(|(fold, _)| Some(*fold) != left_out);
+        kept.fold(self.prior.clone(), |(g, h), (_, (gradient, information))| (g + gradient, h + information))
+    }
 }
 
 impl Fit {
@@ -121,113 +69,193 @@ impl Fit {
     /// Standard deviations of the moved numbers in their own scale, if the record determines them.
     #[must_use]
     pub fn deviations(&self) -> Option<Vec<f64>> {
-        let covariance = self.information.clone().try_inverse()?;
+        let covariance = self.slope.total(None).1.try_inverse()?;
         Some(covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect())
     }
 }
 
 /// What is to be fitted to what.
+#[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {
     /// The rows.
     pub recording: &'a Recording,
     /// The owner's belief, which the prior holds to.
     pub belief: &'a Model,
-    /// Which rows count.
-    pub counts: &'a [bool],
+    /// Which rows count, and in which fold.
+    pub folds: &'a Folds,
+}
+
+/// Everything about one point of a fit.
+struct Point {
+    model: Model,
+    surprises: Vec<Surprise>,
+    total: f64,
 }
 
 impl Problem<'_> {
     /// Moves the numbers `free` of `start` to where the readings that count are most likely.
     #[must_use]
     pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
-        self.fit_in_steps(start, free, MOST_STEPS)
+        let (best, slope) = self.climb(start, free, MOST_STEPS);
+        let slope = slope.unwrap_or_else(|| self.slope(&best, free));
+        let log_prior = prior(free, &best.model, self.belief);
+        Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
     }
 
-    /// The same in so many steps at most.
-    #[must_use]
-    pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Fit {
-        let mut best = start.clone();
-        let mut seen = surprises(&best, self.recording);
+    /// A first look: the model after so many steps, and its likelihood and prior, nats.
+    pub(crate) fn look(&self, start: &Model, free: &[Free], steps: usize) -> (Model, f64) {
+        let (best, _) = self.climb(start, free, steps);
+        (best.model, best.total)
+    }
+
+    /// Likelihood and prior of `model` as it is, nats.
+    pub(crate) fn total(&self, model: &Model, free: &[Free]) -> f64 {
+        self.point(model.clone(), free).total
+    }
+
+    /// Climbs so many steps at most. The slope is that of the last step's start, if that step hardly moved.
+    fn climb(&self, start: &Model, free: &[Free], most_steps: usize) -> (Point, Option<Slope>) {
+        let mut best = self.point(start.clone(), free);
         let mut damping = 1e-3;
-        let (mut gradient, mut information) = self.slope(&best, free, &seen);
         for _ in 0..most_steps {
-            let found = self.step(&best, free, &seen, (&gradient, &information), &mut damping);
-            let Some((model, there, gain)) = found else { break };
-            (best, seen) = (model, there);
-            (gradient, information) = self.slope(&best, free, &seen);
+            let slope = self.slope(&best, free);
+            let Some(next) = self.step(&best, free, &slope.total(None), &mut damping) else {
+                return (best, Some(slope));
+            };
+            let gain = next.total - best.total;
+            best = next;
             if gain < GAIN_ENOUGH {
-                break;
+                return (best, Some(slope));
             }
         }
-        Fit { model: best, free: free.to_vec(), surprises: seen, information }
+        (best, None)
     }
 
-    /// Log-likelihood of the readings that count, and the prior.
-    fn total(&self, model: &Model, free: &[Free], seen: &[Surprise]) -> f64 {
-        let likelihood: f64 = seen.iter().filter(|s| self.counts[s.row]).map(|s| s.log_density).sum();
-        let prior: f64 = free.iter().map(|free| (free.distance(model, self.belief) / free.doubt()).powi(2)).sum();
-        likelihood - prior / 2.0
+    /// The models that the same fit gives without each fold in turn: one scoring step from the fit to all.
+    #[must_use]
+    pub fn without_each_fold(&self, fit: &Fit) -> Vec<Model> {
+        (0..Folds::COUNT).map(|fold| self.without(fit, fold).0).collect()
     }
 
-    /// One damped scoring step: the better model, its readings and its gain in nats. `None`: none was found.
+    /// What each fold is worth under the model that was fitted without it, nats.
+    #[must_use]
+    pub fn held_out(&self, fit: &Fit) -> Worth {
+        std::array::from_fn(|fold| self.without(fit, fold).1[fold])
+    }
+
+    /// The fit without a fold, and what each fold is worth under it.
+    fn without(&self, fit: &Fit, fold: usize) -> (Model, Worth) {
+        let kept = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
+        let here = self.of_each_fold(&fit.surprises);
+        let before = kept(&here) + fit.log_prior;
+        let (gradient, information) = fit.slope.total(Some(fold));
+        let Some(mut direction) = information.cholesky().map(|factor| factor.solve(&gradient)) else {
+            return (fit.model.clone(), here);
+        };
+        for _ in 0..SHORTER {
+            let model = moved(&fit.model, &fit.free, &direction);
+            let there = self.by_fold(&model);
+            if kept(&there) + prior(&fit.free, &model, self.belief) > before - GAIN_ENOUGH {
+                return (model, there);
+            }
+            direction /= 4.0;
+        }
+        (fit.model.clone(), here)
+    }
+
+    /// What each fold is worth under `model` as it is, nats.
+    #[must_use]
+    pub fn by_fold(&self, model: &Model) -> Worth {
+        self.of_each_fold(&surprises(model, self.recording))
+    }
+
+    fn of_each_fold(&self, surprises: &[Surprise]) -> Worth {
+        let mut worth = Worth::default();
+        for s in surprises {
+            if let Some(fold) = self.folds.of(s.row) {
+                worth[fold] += s.log_density;
+            }
+        }
+        worth
+    }
+
+    fn point(&self, model: Model, free: &[Free]) -> Point {
+        let surprises = surprises(&model, self.recording);
+        let likelihood: f64 = surprises.iter().filter(|s| self.folds.of(s.row).is_some()).map(|s| s.log_density).sum();
+        let total = likelihood + prior(free, &model, self.belief);
+        Point { model, surprises, total }
+    }
+
+    /// One damped scoring step to a better point. `None`: none was found.
     fn step(
         &self,
-        best: &Model,
+        best: &Point,
         free: &[Free],
-        seen: &[Surprise],
-        (gradient, information): (&DVector<f64>, &DMatrix<f64>),
+        (gradient, information): &(DVector<f64>, DMatrix<f64>),
         damping: &mut f64,
-    ) -> Option<(Model, Vec<Surprise>, f64)> {
-        let before = self.total(best, free, seen);
-        for _ in 0..6 {
+    ) -> Option<Point> {
+        for _ in 0..SHORTER {
             let mut damped = information.clone();
             for i in 0..free.len() {
                 damped[(i, i)] = damped[(i, i)] * (1.0 + *damping) + 1e-9;
             }
             let direction = damped.cholesky().map(|factor| factor.solve(gradient))?;
-            let model =
-                free.iter().zip(direction.iter()).fold(best.clone(), |model, (free, by)| free.moved(&model, *by));
-            let there = surprises(&model, self.recording);
-            let gain = self.total(&model, free, &there) - before;
-            if gain > 0.0 {
+            let there = self.point(moved(&best.model, free, &direction), free);
+            if there.total > best.total {
                 *damping = (*damping * 0.2).max(1e-6);
-                return Some((model, there, gain));
+                return Some(there);
             }
             *damping *= 8.0;
         }
         None
     }
 
-    /// Gradient and information of the likelihood and the prior at `model`.
-    fn slope(&self, model: &Model, free: &[Free], seen: &[Surprise]) -> (DVector<f64>, DMatrix<f64>) {
+    /// Gradient and information of likelihood and prior at `point`.
+    fn slope(&self, point: &Point, free: &[Free]) -> Slope {
         let nudged: Vec<Vec<Surprise>> =
-            free.iter().map(|free| surprises(&free.moved(model, DIFFERENCE), self.recording)).collect();
-        let (mut gradient, mut information) = (DVector::zeros(free.len()), DMatrix::zeros(free.len(), free.len()));
-        for (k, s) in seen.iter().enumerate().filter(|(_, s)| self.counts[s.row]) {
+            free.iter().map(|free| surprises(&free.moved(&point.model, DIFFERENCE), self.recording)).collect();
+        let n = free.len();
+        let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
+        let mut folds = vec![zero.clone(); Folds::COUNT];
+        let (mut shift, mut spread) = (vec![0.0; n], vec![0.0; n]);
+        for (k, s) in point.surprises.iter().enumerate() {
+            let Some(fold) = self.folds.of(s.row) else { continue };
             let deviation = s.variance_mm2.sqrt();
-            let residual = |i: usize| (nudged[i][k].residual_mm - s.residual_mm) / DIFFERENCE / deviation;
-            let spread = |i: usize| (nudged[i][k].variance_mm2 / s.variance_mm2).ln() / DIFFERENCE;
-            let by: Vec<(f64, f64)> = (0..free.len()).map(|i| (residual(i), spread(i))).collect();
-            let e = s.standardised();
-            for (i, (residual, spread)) in by.iter().enumerate() {
-                gradient[i] += s.weight * (-e * residual + 0.5 * (e * e - 1.0) * spread);
-                for (j, (residual_j, spread_j)) in by.iter().enumerate() {
-                    information[(i, j)] += s.weight * (residual * residual_j + 0.5 * spread * spread_j);
+            for i in 0..n {
+                shift[i] = (nudged[i][k].expected_mm - s.expected_mm) / DIFFERENCE / deviation;
+                spread[i] = (nudged[i][k].variance_mm2 / s.variance_mm2).ln() / DIFFERENCE;
+            }
+            let (gradient, information) = &mut folds[fold];
+            for i in 0..n {
+                gradient[i] += s.pull * shift[i] + 0.5 * s.stretch * spread[i];
+                for j in 0..=i {
+                    information[(i, j)] += s.weight * (shift[i] * shift[j] + 0.5 * spread[i] * spread[j]);
                 }
             }
         }
-        for (i, free) in free.iter().enumerate() {
-            gradient[i] -= free.distance(model, self.belief) / free.doubt().powi(2);
-            information[(i, i)] += 1.0 / free.doubt().powi(2);
+        for (_, information) in &mut folds {
+            information.fill_upper_triangle_with_lower_triangle();
         }
-        (gradient, information)
+        let mut prior = zero;
+        for (i, free) in free.iter().enumerate() {
+            let (_, slope, curvature) = free.prior(&point.model, self.belief);
+            prior.0[i] = slope;
+            prior.1[(i, i)] = curvature;
+        }
+        Slope { folds, prior }
     }
+}
+
+/// The model with every free number moved along `direction`.
+fn moved(model: &Model, free: &[Free], direction: &DVector<f64>) -> Model {
+    free.iter().zip(direction.iter()).fold(model.clone(), |model, (free, by)| free.moved(&model, *by))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{BASE, Free, Problem};
-    use crate::likelihood::in_free_flight;
+    use super::Problem;
+    use crate::folds::Folds;
+    use crate::free::{BASE, Free};
     use crate::tests_support::{model, record};
     use plant::Model;
 
@@ -240,8 +268,8 @@ mod tests {
         let (mut inside, mut all) = (0, 0);
         for seed in 0..8 {
             let recording = record(&rig, seed, 60);
-            let counts = in_free_flight(&rig, &recording);
-            let problem = Problem { recording: &recording, belief: &rig, counts: &counts };
+            let folds = Folds::new(&rig, &recording);
+            let problem = Problem { recording: &recording, belief: &rig, folds: &folds };
             let fitted = problem.fit(&wrong, &free);
             let deviations = fitted.deviations().unwrap();
             let off = [

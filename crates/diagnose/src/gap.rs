@@ -54,6 +54,11 @@ impl MeanSquare {
         self.count += 1.0;
     }
 
+    fn merge(&mut self, other: Self) {
+        self.sum += other.sum;
+        self.count += other.count;
+    }
+
     fn root(self) -> Option<f64> {
         (self.count > 0.0).then(|| (self.sum / self.count).sqrt())
     }
@@ -67,6 +72,44 @@ struct Errors {
     floor: MeanSquare,
 }
 
+/// Errors of forecasts, as sums that can be added up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    horizons: [Errors; 3],
+    free_run: Errors,
+}
+
+impl Tally {
+    /// Mean squares at the longest horizon: of the model, and of noise alone.
+    pub(crate) fn squares_at_1_s(&self) -> Option<(f64, f64)> {
+        let Errors { model, floor, .. } = self.horizons[2];
+        (model.count > 0.0).then(|| (model.sum / model.count, floor.sum / floor.count))
+    }
+
+    /// The sums of several.
+    pub(crate) fn sum<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
+        all.fold(Self::default(), |mut sum, one| {
+            for (into, from) in sum.horizons.iter_mut().zip(&one.horizons) {
+                into.merge(from);
+            }
+            sum.free_run.merge(&one.free_run);
+            sum
+        })
+    }
+
+    /// The root mean squares.
+    pub(crate) fn gap(&self) -> Gap {
+        Gap {
+            horizons_s: HORIZONS_S,
+            error_mm: self.horizons.map(|errors| errors.model.root()),
+            stay_put_mm: self.horizons.map(|errors| errors.stay_put.root()),
+            floor_mm: self.horizons.map(|errors| errors.floor.root()),
+            free_run_10s_mm: self.free_run.model.root(),
+            floor_free_run_10s_mm: self.free_run.floor.root(),
+        }
+    }
+}
+
 impl Gap {
     /// Measures the gap between `model` and `recording`.
     #[must_use]
@@ -74,44 +117,31 @@ impl Gap {
         Self::measure_where(model, recording, &|_| true)
     }
 
-    /// The gap over both of two halves of equal size.
-    #[must_use]
-    pub fn pooled([a, b]: [Self; 2]) -> Self {
-        let both = |a: Option<f64>, b: Option<f64>| match (a, b) {
-            (Some(a), Some(b)) => Some(((a * a + b * b) / 2.0).sqrt()),
-            (one, other) => one.or(other),
-        };
-        let all = |get: fn(&Self) -> &[Option<f64>; 3]| std::array::from_fn(|h| both(get(&a)[h], get(&b)[h]));
-        Self {
-            horizons_s: a.horizons_s,
-            error_mm: all(|gap| &gap.error_mm),
-            stay_put_mm: all(|gap| &gap.stay_put_mm),
-            floor_mm: all(|gap| &gap.floor_mm),
-            free_run_10s_mm: both(a.free_run_10s_mm, b.free_run_10s_mm),
-            floor_free_run_10s_mm: both(a.floor_free_run_10s_mm, b.floor_free_run_10s_mm),
-        }
-    }
-
     /// Measures the gap of the forecasts and free runs that start from rows for which `counts` holds.
     #[must_use]
     pub fn measure_where(model: &Model, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> Self {
-        let track = Track::new(model, recording);
-        let at_horizons = horizons(&track, recording, counts);
-        let mut free = Errors::default();
-        for run in runs(&track, recording).into_iter().filter(|run| counts(run.row)) {
-            for forecast in run.forecasts {
-                free.add(recording.samples()[forecast.row].position_mm, run.start_mm, forecast);
-            }
-        }
-        Self {
-            horizons_s: HORIZONS_S,
-            error_mm: at_horizons.map(|errors| errors.model.root()),
-            stay_put_mm: at_horizons.map(|errors| errors.stay_put.root()),
-            floor_mm: at_horizons.map(|errors| errors.floor.root()),
-            free_run_10s_mm: free.model.root(),
-            floor_free_run_10s_mm: free.floor.root(),
-        }
+        Tally::sum(tallies(model, recording, &|row| counts(row).then_some(0)).iter()).gap()
     }
+}
+
+/// Errors of the forecasts and free runs that start from each row, by the group that `group` puts it in.
+pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize) -> Option<usize>) -> Vec<Tally> {
+    let track = Track::new(model, recording);
+    let mut all: Vec<Tally> = Vec::new();
+    let mut add = |group: usize, tally: Tally| {
+        all.resize(all.len().max(group + 1), Tally::default());
+        all[group] = Tally::sum([all[group], tally].iter());
+    };
+    horizons(&track, recording, group, &mut |group, horizons| add(group, Tally { horizons, ..Tally::default() }));
+    for run in runs(&track, recording) {
+        let Some(group) = group(run.row) else { continue };
+        let mut free_run = Errors::default();
+        for forecast in run.forecasts {
+            free_run.add(recording.samples()[forecast.row].position_mm, run.start_mm, forecast);
+        }
+        add(group, Tally { free_run, ..Tally::default() });
+    }
+    all
 }
 
 /// The readings that forecasts start from, thinned where all would take too many steps.
@@ -124,13 +154,19 @@ fn starts(track: &Track, recording: &Recording) -> impl Iterator<Item = usize> {
     (warm.unwrap_or(track.readings())..track.readings()).step_by(steps.div_ceil(ENOUGH_STEPS).max(1))
 }
 
-fn horizons(track: &Track, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> [Errors; 3] {
+fn horizons(
+    track: &Track,
+    recording: &Recording,
+    group: &dyn Fn(usize) -> Option<usize>,
+    show: &mut dyn FnMut(usize, [Errors; 3]),
+) {
     let samples = recording.samples();
     // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
     let half_period_s = recording.duration_s() / samples.len() as f64 / 2.0;
-    let mut errors = [Errors::default(); 3];
     for from in starts(track, recording) {
-        let Some((_, start_s, start_mm)) = track.reading(from).filter(|(row, ..)| counts(*row)) else { continue };
+        let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
+        let Some(group) = group(row) else { continue };
+        let mut errors = [Errors::default(); 3];
         let mut horizon = 0;
         for forecast in track.forecasts(from) {
             let ahead_s = samples[forecast.row].time_s - start_s;
@@ -145,8 +181,8 @@ fn horizons(track: &Track, recording: &Recording, counts: &dyn Fn(usize) -> bool
                 break;
             }
         }
+        show(group, errors);
     }
-    errors
 }
 
 /// A free run: what the model expects of every reading over 10 s, from what was known at its start.
@@ -184,6 +220,12 @@ fn runs(track: &Track, recording: &Recording) -> Vec<FreeRun> {
 }
 
 impl Errors {
+    fn merge(&mut self, other: &Self) {
+        self.model.merge(other.model);
+        self.stay_put.merge(other.stay_put);
+        self.floor.merge(other.floor);
+    }
+
     fn add(&mut self, reading_mm: Option<f64>, start_mm: f64, forecast: Forecast) {
         let Some(reading_mm) = reading_mm else { return };
         self.model.add((forecast.position_mm - reading_mm).powi(2));

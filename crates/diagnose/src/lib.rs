@@ -6,13 +6,19 @@
 
 mod arrival;
 mod check;
+mod coarse;
 mod cursor;
 mod diagnosis;
 mod fit;
+mod folds;
+mod free;
+mod grid;
 mod gap;
 mod likelihood;
 mod places;
 mod recording;
+mod residue;
+mod starts;
 mod track;
 mod which;
 
@@ -21,10 +27,13 @@ mod tests_support;
 
 pub use check::{Finding, check};
 pub use diagnosis::{Diagnosis, Named, Options, Verdict, diagnose};
-pub use fit::{BASE, Fit, Free, Problem};
+pub use fit::{Fit, Problem};
+pub use folds::Folds;
+pub use free::{BASE, Free, prior};
 pub use gap::{FreeRun, Gap, free_runs};
 pub use likelihood::{Surprise, in_free_flight, surprises};
-pub use places::{Place, colour, places};
+pub use places::{Place, places};
 pub use recording::{Recording, RecordingError, Sample};
+pub use residue::Residue;
 pub use track::{Forecast, Track};
-pub use which::Candidate;
+pub use which::{Candidate, Tried};

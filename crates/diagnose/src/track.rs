@@ -1,14 +1,16 @@
 //! A model's filter along a whole recording, and forecasts from any of its readings.
 
 use crate::arrival::{Arrival, arrivals};
-use crate::cursor::Cursor;
-use crate::likelihood::Surprise;
+use crate::cursor::{Cursor, Steps};
+use crate::grid::{Grid, OFF_GRID};
+use crate::likelihood::{Reading, Surprise};
 use crate::recording::{Recording, Sample};
 use plant::Model;
 
 /// A model's filter along a recording: where it is after each reading.
 #[derive(Debug)]
 pub struct Track<'a> {
+    model: &'a Model,
     samples: &'a [Sample],
     /// Rows that hold a reading, and the filter after it.
     estimates: Vec<(usize, Cursor<'a>)>,
@@ -33,17 +35,24 @@ pub struct Forecast {
 /// and the filter, unless the model says that the sensor only repeated itself.
 fn along<'a>(model: &'a Model, recording: &'a Recording, mut show: impl FnMut(usize, Surprise, Option<&Cursor<'a>>)) {
     let samples = recording.samples();
+    let mut steps = Steps::of(model);
     let mut filter: Option<Cursor<'a>> = None;
+    let grid = model.effects.sensor_quantisation.map(|coarse| Grid::of(recording, coarse.step_mm));
+    let outliers = model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
     for (row, (sample, arrival)) in samples.iter().zip(arrivals(model, recording)).enumerate() {
         let Some(reading) = sample.position_mm else { continue };
-        let cursor = filter.get_or_insert_with(|| Cursor::new(model, samples, row, reading));
+        let cursor = filter.get_or_insert_with(|| Cursor::new(model, samples, row, reading, &mut steps));
         match arrival {
             Arrival::Absent => {}
             Arrival::Repeat => show(row, Surprise::of_repeat(row, true, recording.resolution_mm()), None),
             Arrival::TooEarly => show(row, Surprise::of_repeat(row, false, recording.resolution_mm()), None),
             Arrival::Fresh => {
-                cursor.go_to_row(row);
-                let surprise = cursor.take(row, reading);
+                cursor.go_to_row(row, &mut steps);
+                let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
+                let mut surprise = cursor.take(Reading { row, position_mm: reading, outliers, coarse });
+                if grid.is_some() && coarse.is_none() {
+                    surprise.log_density -= OFF_GRID;
+                }
                 show(row, surprise, Some(cursor));
             }
         }
@@ -72,7 +81,7 @@ impl<'a> Track<'a> {
             }
             estimates.push((row, cursor.clone()));
         });
-        Self { samples: recording.samples(), estimates, surprises, arrivals: arrivals(model, recording) }
+        Self { model, samples: recording.samples(), estimates, surprises, arrivals: arrivals(model, recording) }
     }
 
     /// Every reading but the first, as the model saw it coming.
@@ -109,13 +118,14 @@ impl<'a> Track<'a> {
         let start = self.estimates.get(from);
         let mut row = start.map_or(self.samples.len(), |(row, _)| *row);
         let mut cursor = start.map(|(_, cursor)| cursor.clone());
+        let mut steps = Steps::of(self.model);
         std::iter::from_fn(move || {
             let cursor = cursor.as_mut()?;
             loop {
                 row += 1;
                 if *self.arrivals.get(row)? == Arrival::Fresh {
-                    cursor.go_to_row(row);
-                    let (position_mm, variance_mm2) = cursor.expect();
+                    cursor.go_to_row(row, &mut steps);
+                    let (position_mm, variance_mm2) = cursor.expect_rounded();
                     return Some(Forecast { row, position_mm, variance_mm2 });
                 }
             }

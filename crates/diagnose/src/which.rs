@@ -2,25 +2,42 @@
 //! the record that it was not fitted to.
 //!
 //! ```text
-//! gain = Σ over both halves of  ln p(half | effect, fitted to the other half) − ln p(half | belief, fitted likewise)
+//! gain = Σ over folds of  ln p(fold | effect, fitted to the others) − ln p(fold | without, fitted likewise)  + Δ ln prior
 //! ```
 //!
-//! The halves are interleaved stretches, so that a drift or a programme's phases fall into both. What is worth nothing on the
-//! other half was noise. The innovation of a reading already knows all readings before it, whichever half they are in.
+//! What is worth nothing on the other folds was noise. Staged: a few scoring steps of few numbers from each start, the most promising in full.
 
-use crate::fit::{BASE, Fit, Free, Problem};
-use crate::likelihood::in_free_flight;
+use crate::fit::{Fit, Problem, Worth};
+use crate::folds::Folds;
+use crate::free::{BASE, Free, free_of_effect, prior};
 use crate::recording::Recording;
+use crate::starts::starts;
 use plant::{Effects, Entry, Model};
 use rayon::prelude::*;
 
-/// Length of the stretches that alternate between the halves, seconds: longer than a filter remembers.
-const STRETCH_S: f64 = 5.0;
-/// Scoring steps of a first look at an effect, and what it must gain in them, nats, to be fitted in full.
-const FIRST_STEPS: usize = 3;
-const WORTH_A_LOOK: f64 = 4.0;
+/// Scoring steps of a first look at an effect, from how many of its starts, and what it must gain, nats, to be fitted in full.
+const FIRST_STEPS: usize = 2;
+const STARTS: usize = 2;
+const AS_GOOD: f64 = 10.0;
+const WORTH_A_LOOK: f64 = 2.5;
+/// How many are fitted in full, and how far behind the best they may be at the first look: nats, and a share of its gain.
+const FULL_FITS: usize = 8;
+const BEHIND: f64 = 20.0;
+const BEHIND_SHARE: f64 = 0.4;
+/// What each number of an effect beyond the first may gain by chance, nats.
+const COST_OF_A_NUMBER: f64 = 1.5;
 /// Gains this close are alike, nats.
 const ALIKE: f64 = 2.0;
+/// With more starts than this the choice among them is part of what is scored.
+const MANY_STARTS: usize = 4;
+/// Orders of noise about the believed that a refit may start from, and what that must be worth, nats.
+const AIR_ORDERS: [f64; 5] = [0.1, 1.0, 10.0, 100.0, 1000.0];
+const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
+const OTHER_ORDER: f64 = 50.0;
+/// What moves at a first look beside the effect's own numbers.
+const FIRST: [Free; 4] = [Free::Gain, Free::Drag, Free::Hover, Free::AirNoise];
+/// Effects that explain why there is more noise than believed.
+const NOISES: [&str; 4] = ["turbulence", "sensor_noise", "sensor_outliers", "sensor_quantisation"];
 /// Effects that contain a simpler one, and the simpler one: the simpler name wins, and the other is no alternative to it.
 pub(crate) const CONTAINS: [(&str, &str); 1] = [("spin_asymmetry", "fan_lag")];
 
@@ -31,7 +48,16 @@ pub struct Candidate {
     pub entry: Entry,
     /// Its model fitted to the whole record.
     pub fit: Fit,
-    /// Gain on the halves that it was not fitted to, nats.
+    /// Gain on the folds that it was not fitted to, and of the prior, nats.
+    pub gain: f64,
+}
+
+/// An effect that was tried, and what it gained, nats.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Tried {
+    /// The effect.
+    pub name: &'static str,
+    /// Its gain; of one that was not fitted in full, at the first look.
     pub gain: f64,
 }
 
@@ -42,134 +68,195 @@ fn prefer_the_simple(all: &mut [Candidate]) {
     all[..alike].sort_by_key(|candidate| candidate.entry.params.len());
 }
 
-/// Whether the effect is absent from `model` and may be added to it.
-fn goes_with(model: &Model, entry: &Entry) -> bool {
-    let mut with = model.clone();
-    with.effects.set(entry.name, entry.sizes.first().copied().unwrap_or_default());
-    model.effects.values(entry.name).is_none() && with.effects.check().is_ok()
-}
-
-/// The numbers of an effect that a fit may move.
-fn free_of_effect(entry: &Entry) -> Vec<Free> {
-    let sizes = entry.sizes.first().copied().unwrap_or_default();
-    let free = |(index, size): (usize, &f64)| Free::Effect { name: entry.name, index, size: size.abs() };
-    sizes.iter().enumerate().map(free).collect()
-}
-
-/// A record, a belief about it, and its halves.
+/// A record, a belief about it, and its folds.
 pub(crate) struct Search<'a> {
-    belief: &'a Model,
-    recording: &'a Recording,
-    without: &'a [String],
-    counts: Vec<bool>,
-    halves: [Vec<bool>; 2],
+    problem: Problem<'a>,
+    without: Vec<String>,
+}
+
+/// `fit` with an effect added at these values: the model and what may move. An effect that contains a simpler one takes its place.
+fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Free>)> {
+    let mut model = fit.model.clone();
+    if model.effects.values(entry.name).is_some() {
+        return None;
+    }
+    let contained = CONTAINS.iter().find(|(whole, _)| *whole == entry.name).map(|(_, part)| *part);
+    let removed = contained.filter(|part| model.effects.remove(part));
+    model.effects.set(entry.name, values);
+    model.effects.check().ok()?;
+    let kept = fit.free.iter().filter(|free| !matches!(free, Free::Effect { name, .. } if Some(*name) == removed));
+    Some((model, kept.copied().chain(free_of_effect(entry.name, values)).collect()))
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(belief: &'a Model, recording: &'a Recording, without: &'a [String]) -> Self {
-        let counts = in_free_flight(belief, recording);
-        let start_s = recording.samples().first().map_or(0.0, |first| first.time_s);
-        let halves = [0.0, 1.0].map(|half| {
-            let rows = recording.samples().iter().zip(&counts);
-            rows.map(|(s, counts)| *counts && ((s.time_s - start_s) / STRETCH_S).floor() % 2.0 == half).collect()
-        });
-        Self { belief, recording, without, counts, halves }
+    pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, without: &[String]) -> Self {
+        Self { problem: Problem { recording, belief, folds }, without: without.to_vec() }
     }
 
-    /// The base parameters, and those of the effects that the belief already has: what is believed is never exact.
-    pub(crate) fn free_of(&self, belief: &Model) -> Vec<Free> {
+    pub(crate) const fn problem(&self) -> &Problem<'a> {
+        &self.problem
+    }
+
+    /// The same search without one more effect.
+    pub(crate) fn without_too(&self, name: &str) -> Self {
+        let without = self.without.iter().cloned().chain([name.to_owned()]).collect();
+        Self { problem: self.problem, without }
+    }
+
+    /// `fit` without an effect that it has, fitted anew.
+    pub(crate) fn removed(&self, fit: &Fit, name: &str) -> Fit {
+        let mut model = fit.model.clone();
+        model.effects.remove(name);
+        let others = fit.free.iter().filter(|free| !matches!(free, Free::Effect { name: own, .. } if *own == name));
+        let mut free: Vec<Free> = others.copied().collect();
+        // What it had taken the place of comes back.
+        for entry in self.problem.belief.effects.present().iter().filter(|e| CONTAINS.contains(&(name, e.name))) {
+            let values = self.problem.belief.effects.values(entry.name).unwrap_or_default();
+            model.effects.set(entry.name, &values);
+            free.extend(free_of_effect(entry.name, &values));
+        }
+        self.problem.fit(&model, &free)
+    }
+
+    /// The belief with its base parameters fitted, and those of the effects that it has: what is believed is never exact.
+    pub(crate) fn refitted(&self) -> Fit {
+        let belief = self.problem.belief;
         let own = belief.effects.present();
-        BASE.into_iter().chain(own.iter().flat_map(free_of_effect)).collect()
+        let of_effect = |entry: &Entry| free_of_effect(entry.name, &belief.effects.values(entry.name).unwrap_or_default());
+        let free: Vec<Free> = BASE.into_iter().chain(own.iter().flat_map(of_effect)).collect();
+        self.problem.fit(&self.with_noise_that_fits(&free), &free)
     }
 
-    fn problem<'b>(&'b self, counts: &'b [bool]) -> Problem<'b> {
-        Problem { recording: self.recording, belief: self.belief, counts }
+    /// The belief, or the belief with noise of another order, if that is much nearer to the record: where every reading looks wild, there is no slope
+    /// to climb.
+    fn with_noise_that_fits(&self, free: &[Free]) -> Model {
+        let belief = self.problem.belief;
+        let factors = AIR_ORDERS.iter().flat_map(|air| SENSOR_ORDERS.iter().map(move |sensor| (*air, *sensor)));
+        let rated = factors.collect::<Vec<_>>().into_par_iter().map(|(air, sensor): (f64, f64)| {
+            let model = Free::SensorNoise.moved(&Free::AirNoise.moved(belief, air.ln()), sensor.ln());
+            (self.problem.total(&model, free), model)
+        });
+        let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
+        let here = self.problem.total(belief, free);
+        best.filter(|(total, _)| *total > here + OTHER_ORDER).map_or_else(|| belief.clone(), |(_, model)| model)
     }
 
-    fn fit(&self, start: &Model, free: &[Free], counts: &[bool]) -> Fit {
-        self.problem(counts).fit(start, free)
-    }
-
-    pub(crate) fn whole(&self, start: &Model, free: &[Free]) -> Fit {
-        self.fit(start, free, &self.counts)
-    }
-
-    /// Which rows count.
-    pub(crate) fn counts(&self) -> &[bool] {
-        &self.counts
-    }
-
-    /// The record.
-    pub(crate) const fn recording(&self) -> &'a Recording {
-        self.recording
-    }
-
-    /// Adds each effect that `so_far` lacks to it; the best first.
-    pub(crate) fn candidates(&self, so_far: &Fit) -> Vec<Candidate> {
-        let halves = self.halves(&so_far.model, &so_far.free);
+    /// Adds each effect that `so_far` lacks to it: the best first, and what each that was tried has gained.
+    pub(crate) fn candidates(&self, so_far: &Fit) -> (Vec<Candidate>, Vec<Tried>) {
+        let before = self.problem.held_out(so_far);
         let known = |entry: &&Entry| !self.without.iter().any(|name| name == entry.name);
-        let absent = Effects::CATALOGUE.par_iter().filter(known).filter(|entry| goes_with(&so_far.model, entry));
-        let mut all: Vec<Candidate> = absent.filter_map(|entry| self.candidate(so_far, entry, halves)).collect();
+        let looks = Effects::CATALOGUE.par_iter().filter(known).filter_map(|entry| self.look(so_far, entry));
+        let mut looks: Vec<Look> = looks.collect();
+        looks.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let best = looks.first().map_or(0.0, |look| look.gain);
+        let enough = WORTH_A_LOOK.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
+        let promising = looks.par_iter().take(FULL_FITS).filter(|look| look.gain > enough);
+        let mut all: Vec<Candidate> = promising.map(|look| self.in_full(look, so_far, &before)).collect();
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
-        all
+        let fitted = all.iter().map(|candidate| Tried { name: candidate.entry.name, gain: candidate.gain });
+        let rest = looks.iter().filter(|look| !all.iter().any(|c| c.entry.name == look.entry.name));
+        let tried = fitted.chain(rest.map(|look| Tried { name: look.entry.name, gain: look.gain.min(0.0) })).collect();
+        (all, tried)
     }
 
-    fn candidate(&self, so_far: &Fit, entry: &Entry, halves: f64) -> Option<Candidate> {
-        let free = [so_far.free.clone(), free_of_effect(entry)].concat();
-        let fits = entry.sizes.iter().map(|size| {
-            let mut model = so_far.model.clone();
-            model.effects.set(entry.name, size);
-            Problem { recording: self.recording, belief: self.belief, counts: &self.counts }.fit_in_steps(
-                &model,
-                &free,
-                FIRST_STEPS,
-            )
+    /// A few steps of the numbers that matter most from the effect's best starts; the best of them.
+    fn look(&self, so_far: &Fit, entry: &Entry) -> Option<Look> {
+        let rated = self.rated_starts(so_far, entry);
+        let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
+        let as_good = |start: &&Start| worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
+        let looks = rated.iter().take(STARTS).filter(as_good).map(|start| {
+            let own = start.free.iter().filter(|free| !so_far.free.contains(free));
+            let few: Vec<Free> = FIRST.into_iter().chain(own.copied()).collect();
+            let (model, total) = self.problem.look(&start.model, &few, FIRST_STEPS);
+            let of = |free: &[Free]| prior(free, &model, self.problem.belief);
+            let gain = total - of(&few) + of(&start.free);
+            Look { entry: *entry, model, free: start.free.clone(), gain, cost: 0.0, rivals: Vec::new() }
         });
-        let fit = fits.max_by(|a, b| self.score(a).total_cmp(&self.score(b)))?;
-        // What gains nothing even where it was fitted is not worth the rest.
-        let at_first = self.score(&fit) - self.score(so_far);
-        if at_first < WORTH_A_LOOK {
-            return Some(Candidate { entry: *entry, fit, gain: at_first.min(0.0) });
+        let best = looks.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+        let before = so_far.log_likelihood(|row| self.problem.folds.counts(row)) + so_far.log_prior;
+        let rivals = if rated.len() > MANY_STARTS { rated.iter().map(|start| start.by_fold).collect() } else { Vec::new() };
+        let cost = COST_OF_A_NUMBER * best.free.len().saturating_sub(so_far.free.len() + 1) as f64 + (rated.len() as f64).ln();
+        Some(Look { gain: best.gain - before, rivals, cost, ..best })
+    }
+
+    /// Every start of the effect, the one that explains most as it is first.
+    fn rated_starts(&self, so_far: &Fit, entry: &Entry) -> Vec<Start> {
+        let all = starts(entry, &so_far.model, self.problem.recording);
+        let rated = all.into_par_iter().filter_map(|values| {
+            let (mut model, free) = added(so_far, entry, &values)?;
+            if NOISES.contains(&entry.name) {
+                // What the noise had to grow by is what such an effect is there to explain.
+                model.noise = self.problem.belief.noise;
+            }
+            let by_fold = self.problem.by_fold(&model);
+            Some(Start { model, free, by_fold })
+        });
+        let mut rated: Vec<Start> = rated.collect();
+        rated.sort_by(|a, b| b.by_fold.iter().sum::<f64>().total_cmp(&a.by_fold.iter().sum()));
+        rated
+    }
+
+    fn in_full(&self, look: &Look, so_far: &Fit, before: &Worth) -> Candidate {
+        let fit = self.problem.fit(&look.model, &look.free);
+        let mut after = self.problem.held_out(&fit);
+        for (fold, after) in after.iter_mut().enumerate() {
+            if let Some(other) = chosen_without(fold, &look.rivals) {
+                *after = after.min(other);
+            }
         }
-        let fit = self.whole(&fit.model, &free);
-        let gain = self.halves(&fit.model, &fit.free) - halves;
-        Some(Candidate { entry: *entry, fit, gain })
+        let folds: Worth = std::array::from_fn(|fold| after[fold] - before[fold]);
+        let gain = gain(&folds) + fit.log_prior - so_far.log_prior - look.cost;
+        Candidate { entry: look.entry, fit, gain }
     }
+}
 
-    /// For each half: the model fitted to the other (or `start` itself, if nothing is free), and which rows the half has.
-    pub(crate) fn crossed(&self, start: &Model, free: Option<&[Free]>) -> [(Model, &[bool]); 2] {
-        let [first, second] = &self.halves;
-        [(first, second), (second, first)].map(|(fitted, scored)| {
-            let model = free.map_or_else(|| start.clone(), |free| self.fit(start, free, fitted).model);
-            (model, scored.as_slice())
-        })
-    }
+/// Of many starts, the one that the other folds would have chosen, where it is not the one that all choose: what it is worth on this fold.
+fn chosen_without(fold: usize, starts: &[Worth]) -> Option<f64> {
+    let rest = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
+    let other = starts.iter().enumerate().max_by(|a, b| rest(a.1).total_cmp(&rest(b.1)))?;
+    (other.0 != 0).then_some(other.1[fold])
+}
 
-    fn score(&self, fit: &Fit) -> f64 {
-        fit.log_likelihood(|row| self.counts[row])
-    }
+/// The sum over folds, as far as they agree: what one fold alone gains, an effect that acts only there would gain by chance,
+/// because the other folds have no say in its numbers.
+fn gain(folds: &Worth) -> f64 {
+    let sum: f64 = folds.iter().sum();
+    let most = folds.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    sum.min(2.0 * (sum - most))
+}
 
-    /// The likelihood of each half under what was fitted to the other, nats.
-    fn halves(&self, start: &Model, free: &[Free]) -> f64 {
-        let [first, second] = &self.halves;
-        [(first, second), (second, first)]
-            .map(|(fitted, scored)| self.fit(start, free, fitted).log_likelihood(|row| scored[row]))
-            .iter()
-            .sum()
-    }
+/// A start of the search for an effect, and what each fold is worth there.
+struct Start {
+    model: Model,
+    free: Vec<Free>,
+    by_fold: Worth,
+}
+
+/// A first look at an effect.
+struct Look {
+    entry: Entry,
+    model: Model,
+    free: Vec<Free>,
+    gain: f64,
+    /// What the choice among starts and numbers is worth by chance, nats.
+    cost: f64,
+    /// What each fold is worth at each start, the best first, where there were many.
+    rivals: Vec<Worth>,
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Candidate, Search};
+    use crate::folds::Folds;
     use crate::tests_support::{model, record};
     use plant::effects::DeadZone;
     use plant::{Effects, Model};
 
     fn candidates(belief: &Model, recording: &crate::Recording) -> Vec<Candidate> {
-        let search = Search::new(belief, recording, &[]);
-        search.candidates(&search.whole(belief, &search.free_of(belief)))
+        let folds = Folds::new(belief, recording);
+        let search = Search::new(belief, recording, &folds, &[]);
+        search.candidates(&search.refitted()).0
     }
 
     #[test]

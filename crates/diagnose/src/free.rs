@@ -1,0 +1,129 @@
+//! What a fit may move, in scales of its own, and what the owner's belief in it is worth.
+//!
+//! ```text
+//! −ln p(d) = (ν + 1)/2 · ln( 1 + d²/(ν·s²) )        d: distance from the belief, Student's t with scale s
+//! ```
+//!
+//! An owner knows gain and drag to some percent, unless they are off altogether: a scale of 5 % with the tails of a
+//! Cauchy distribution (ν = 1), so that a number that moved far costs a few nats and no more, and moves all the way. The noise of a
+//! sensor is measured on a ball at rest and better known (2 %), the noise of the air less (10 %), both with ν = 10: what they
+//! would have to grow by to explain a record is worth an effect. The numbers of an effect that is not believed are free.
+
+use plant::{Effects, Model};
+
+/// A number of the model that a fit may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Free {
+    /// `gain_mm_per_s2_per_percent`, as a ratio.
+    Gain,
+    /// `drag_per_s`, as a ratio.
+    Drag,
+    /// `hover_duty_percent`, in tenths.
+    Hover,
+    /// `noise.sensor_mm`, as a ratio.
+    SensorNoise,
+    /// `noise.acceleration_psd_mm2_per_s3`, as a ratio.
+    AirNoise,
+    /// A number of an effect that is on.
+    Effect {
+        /// The effect.
+        name: &'static str,
+        /// Which of its parameters.
+        index: usize,
+        /// A size that a rig would show.
+        size: f64,
+    },
+}
+
+/// The numbers that every model has, noise last.
+pub const BASE: [Free; 5] = [Free::Gain, Free::Drag, Free::Hover, Free::SensorNoise, Free::AirNoise];
+
+/// Share of its value within which an owner knows a number of an effect.
+const EFFECT_KNOWN: f64 = 0.07;
+/// Least ratio that drag and noise are kept above, so that a belief of 0 can move.
+const LEAST: f64 = 1e-3;
+
+/// The numbers of an effect, each in the size of `values`.
+pub(crate) fn free_of_effect(name: &'static str, values: &[f64]) -> Vec<Free> {
+    let entry = Effects::entry(name);
+    let usual = |index: usize| entry.and_then(|e| e.sizes.first()).and_then(|sizes| sizes.get(index)).copied();
+    let size = |index: usize, value: f64| value.abs().max(0.1 * usual(index).unwrap_or(1.0).abs());
+    let numbers = values.iter().enumerate().take(entry.map_or(0, |e| e.sizes.first().map_or(0, |s| s.len())));
+    numbers.map(|(index, value)| Free::Effect { name, index, size: size(index, *value) }).collect()
+}
+
+impl Free {
+    /// Scale and degrees of freedom of the owner's belief; `None` where nothing is believed.
+    fn belief(self, belief: &Model) -> Option<(f64, f64)> {
+        match self {
+            Self::Gain | Self::Drag => Some((0.05, 1.0)),
+            Self::Hover => Some((1.0, 1.0)),
+            Self::SensorNoise => Some((0.02, 10.0)),
+            Self::AirNoise => Some((0.1, 10.0)),
+            Self::Effect { name, index, size } => {
+                let believed = *belief.effects.values(name)?.get(index)?;
+                Some((EFFECT_KNOWN * believed.abs().max(0.1 * size) / size, 1.0))
+            }
+        }
+    }
+
+    /// How far `model` is from `belief`, in the number's own scale.
+    #[must_use]
+    pub fn distance(self, model: &Model, belief: &Model) -> f64 {
+        let ratio = |a: f64, b: f64| (a.max(LEAST) / b.max(LEAST)).ln();
+        match self {
+            Self::Gain => (model.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent).ln(),
+            Self::Drag => ratio(model.drag_per_s, belief.drag_per_s),
+            Self::Hover => (model.hover_duty_percent - belief.hover_duty_percent) / 0.1,
+            Self::SensorNoise => ratio(model.noise.sensor_mm, belief.noise.sensor_mm),
+            Self::AirNoise => {
+                ratio(model.noise.acceleration_psd_mm2_per_s3, belief.noise.acceleration_psd_mm2_per_s3)
+            }
+            Self::Effect { name, index, size } => {
+                let value = |model: &Model| model.effects.values(name).and_then(|values| values.get(index).copied());
+                value(model).zip(value(belief)).map_or(0.0, |(there, believed)| (there - believed) / size)
+            }
+        }
+    }
+
+    /// ln of the prior density of where `model` is, up to a constant; its slope; and a curvature that bounds it.
+    pub(crate) fn prior(self, model: &Model, belief: &Model) -> (f64, f64, f64) {
+        let Some((scale, tail)) = self.belief(belief) else { return (0.0, 0.0, 0.0) };
+        let d = self.distance(model, belief);
+        let width = tail * scale * scale;
+        let curvature = (tail + 1.0) / (width + d * d);
+        (-(tail + 1.0) / 2.0 * (d * d / width).ln_1p(), -d * curvature, curvature)
+    }
+
+    /// The model with this number moved by `by` in its own scale, within its bounds.
+    #[must_use]
+    pub fn moved(self, model: &Model, by: f64) -> Model {
+        let mut model = model.clone();
+        let ratio = by.clamp(-9.0, 9.0).exp();
+        match self {
+            Self::Gain => model.gain_mm_per_s2_per_percent *= ratio,
+            Self::Drag => model.drag_per_s = (model.drag_per_s.max(LEAST) * ratio).min(1e3),
+            Self::Hover => model.hover_duty_percent += 0.1 * by,
+            Self::SensorNoise => model.noise.sensor_mm = model.noise.sensor_mm.max(LEAST) * ratio,
+            Self::AirNoise => {
+                let psd = &mut model.noise.acceleration_psd_mm2_per_s3;
+                *psd = psd.max(LEAST) * ratio;
+            }
+            Self::Effect { name, index, size } => {
+                let mut values = model.effects.values(name).unwrap_or_default();
+                let param = Effects::entry(name).and_then(|entry| entry.params.get(index));
+                if let (Some(value), Some(param)) = (values.get_mut(index), param) {
+                    *value = (*value + size * by).clamp(param.min, param.max);
+                }
+                model.effects.set(name, &values);
+            }
+        }
+        model
+    }
+}
+
+/// ln of the prior density of `model`, up to a constant, over the numbers that a fit moved.
+#[must_use]
+pub fn prior(free: &[Free], model: &Model, belief: &Model) -> f64 {
+    free.iter().map(|free| free.prior(model, belief).0).sum()
+}

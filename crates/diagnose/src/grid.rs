@@ -1,0 +1,96 @@
+//! Whether the readings lie on a grid that is coarser than the file: what a coarse sensor leaves behind.
+//!
+//! ```text
+//! on the grid: |y − φ − s·round((y − φ)/s)| ≤ 0.8·r     s: step, φ: phase, r: resolution of the file
+//! ```
+//!
+//! By chance a reading lies there once in s/r times, so that each one that does speaks for the step.
+
+use crate::recording::Recording;
+use plant::Model;
+
+/// Share of the readings that must lie on a grid: wild ones may not.
+const ON_GRID: f64 = 0.97;
+/// Steps of the scan, as a ratio, and its bounds, mm.
+const FINER: f64 = 1.0004;
+const COARSEST_MM: f64 = 60.0;
+/// What a reading off the grid costs, nats: only a wild one is there.
+pub(crate) const OFF_GRID: f64 = 12.0;
+/// How far off a grid a reading may be, in resolutions of the file: half of one is its rounding.
+const EDGE: f64 = 0.8;
+/// A step that counts as coarse is this many times the noise of a reading.
+const COARSE: f64 = 1.2;
+
+/// Every reading that occurs, and how often.
+struct Levels(Vec<(f64, f64)>);
+
+impl Levels {
+    fn of(recording: &Recording) -> Self {
+        let mut readings: Vec<f64> = recording.samples().iter().filter_map(|sample| sample.position_mm).collect();
+        readings.sort_by(f64::total_cmp);
+        Self(readings.chunk_by(|a, b| a == b).map(|same| (same[0], same.len() as f64)).collect())
+    }
+
+    /// The file's resolution, mm: the coarsest of the usual ones that holds every reading.
+    fn file_resolution_mm(&self) -> f64 {
+        let holds = |r: &&f64| self.0.iter().all(|(y, _)| (y / **r - (y / **r).round()).abs() < 1e-4);
+        [1.0, 0.5, 0.25, 0.1, 0.05].iter().find(holds).copied().unwrap_or(0.01)
+    }
+
+    /// The phase at which most readings lie on a grid of `step` mm: the circular mean.
+    fn phase_mm(&self, step: f64) -> f64 {
+        let turn = std::f64::consts::TAU / step;
+        let sum = |(s, c), (y, n): &(f64, f64)| (s + n * (turn * y).sin(), c + n * (turn * y).cos());
+        let (sin, cos): (f64, f64) = self.0.iter().fold((0.0, 0.0), sum);
+        sin.atan2(cos) / turn
+    }
+
+    /// Share of the readings that lie on a grid of `step` mm.
+    fn share(&self, step: f64, fine: f64) -> f64 {
+        let phase = self.phase_mm(step);
+        let (on, all) = self.0.iter().fold((0.0, 0.0), |(on, all), (y, n)| {
+            (on + if lies_on(*y, step, phase, fine) { *n } else { 0.0 }, all + n)
+        });
+        on / f64::max(all, 1.0)
+    }
+}
+
+fn lies_on(y: f64, step: f64, phase: f64, fine: f64) -> bool {
+    let off = (y - phase) / step;
+    (off - off.round()).abs() * step <= EDGE * fine
+}
+
+/// A sensor with steps: which readings it can give, in a file of some resolution.
+pub(crate) struct Grid {
+    step: f64,
+    fine: f64,
+    phase: f64,
+}
+
+impl Grid {
+    /// The grid of steps of `step` mm on which most readings lie.
+    pub(crate) fn of(recording: &Recording, step: f64) -> Self {
+        let levels = Levels::of(recording);
+        let fine = levels.file_resolution_mm();
+        let step = step.max(fine);
+        Self { step, fine, phase: levels.phase_mm(step) }
+    }
+
+    /// Step and resolution of the file, mm, for a reading that the sensor can give.
+    pub(crate) fn cell(&self, y: f64) -> Option<(f64, f64)> {
+        lies_on(y, self.step, self.phase, self.fine).then_some((self.step, self.fine))
+    }
+}
+
+/// The coarsest grid that the readings lie on, if it is coarse beside the believed noise and the file.
+pub(crate) fn grid_mm(recording: &Recording, model: &Model) -> Option<f64> {
+    let levels = Levels::of(recording);
+    let fine = levels.file_resolution_mm();
+    let least = (COARSE * model.noise.sensor_mm).max(2.0 * fine);
+    let narrow = levels.0.windows(2).filter(|pair| pair[1].0 - pair[0].0 < 0.9 * least).count();
+    if narrow > levels.0.len() / 10 {
+        return None;
+    }
+    let scan = std::iter::successors(Some(COARSEST_MM), |step| Some(step / FINER));
+    scan.take_while(|step| *step > least).find(|step| levels.share(*step, fine) >= ON_GRID)
+}

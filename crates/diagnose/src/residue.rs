@@ -1,0 +1,247 @@
+//! What is left over: whether the innovations of a mended model are still more than noise.
+//!
+//! ```text
+//! e_k = ν_k/√S_k           white, mean 0, variance 1 under a right model, whatever the loop does
+//! colour    Q = n(n+2)·Σ r_l²/(n−l), l ≤ L            Ljung and Box: (Q − L)/√(2L)
+//! line      g = max_f |Σ e_k·exp(−2πi·f·t_k)|²/n      exponential with mean 1 at each frequency
+//! clumps    energy of stretches of 1 s against white: (Var Σe² / (n_b·(m₄ − 1)) − 1)·√(B/2)
+//! energy    the largest |z| of mean e² in sixths of duty, height, speed and time
+//! regressed nats that e_k gains on folds kept back by ridge regression on what was known before it
+//! air       (d + g·σ²)/σ: how far the noise of the air had to grow, in deviations, its prior taken away
+//! ```
+//!
+//! Sources: Ljung and Box, Biometrika 65 (1978); Fisher's test for a hidden period, Proc. R. Soc. A 125 (1929).
+
+use crate::fit::Fit;
+use crate::fit::Problem;
+use crate::free::Free;
+use crate::places::{Row, rows, sixths};
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+/// Statistics of what is left over. Each is large where something is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Residue {
+    /// Portmanteau over half a second, deviations.
+    pub colour: f64,
+    /// −ln of the chance of so strong a line anywhere in the spectrum.
+    pub line: f64,
+    /// Uneven energy from second to second, deviations.
+    pub clumps: f64,
+    /// Uneven energy over places: −ln of its chance.
+    pub energy: f64,
+    /// Uneven mean over places: −ln of its chance.
+    pub mean: f64,
+    /// Held-out nats of a regression on what was known.
+    pub regressed: f64,
+    /// Growth of the air's noise, deviations.
+    pub air: f64,
+    /// The same as a ratio of the believed one.
+    pub air_ratio: f64,
+}
+
+/// What is no chance: each limit is passed by about one right model in a thousand.
+const COLOUR: f64 = 5.5;
+const CHANCE: f64 = 6.0;
+const REGRESSED: f64 = 5.0;
+const CLUMPS: f64 = 5.5;
+const AIR: f64 = 4.0;
+/// Noise of the air that grew by less than this, as a ratio, is no gap.
+const AIR_RATIO: f64 = 1.3;
+/// White noise that a right turbulence leaves as it was believed, as ratios.
+const UNTOUCHED: std::ops::Range<f64> = 0.6..1.6;
+
+/// Lags of the portmanteau, seconds.
+const LAGS_S: f64 = 0.5;
+/// Frequencies that are looked at for a line, Hz.
+const SLOWEST_HZ: f64 = 0.03;
+const FASTEST_HZ: f64 = 5.0;
+/// Windows of past innovations that the regression sees: their ends, in readings before.
+const WINDOWS: [usize; 9] = [1, 2, 4, 7, 12, 20, 35, 60, 100];
+/// Ridge: as if each coefficient had been seen to be 0 in so many readings.
+const RIDGE: f64 = 30.0;
+
+impl Residue {
+    /// Whether something is left over.
+    #[must_use]
+    pub fn is_significant(&self) -> bool {
+        let chances = [self.line, self.energy, self.mean];
+        self.colour > COLOUR
+            || self.clumps > CLUMPS
+            || self.regressed > REGRESSED
+            || chances.iter().any(|surprise| *surprise > CHANCE)
+            || (self.air > AIR && self.air_ratio > AIR_RATIO)
+    }
+
+    /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
+    /// coloured force follows whatever is missing, but it does so at the cost of the white noise.
+    #[must_use]
+    pub fn allows_turbulence(&self) -> bool {
+        !self.is_significant() && UNTOUCHED.contains(&self.air_ratio)
+    }
+
+    /// Judges the innovations of `fit`.
+    #[must_use]
+    pub fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
+        let rows = rows(&fit.model, problem.recording, problem.folds);
+        let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
+        let (air, air_ratio) = air(problem, fit);
+        Self {
+            colour: colour(&e, lags(&rows)),
+            line: line(&rows),
+            clumps: clumps(&rows),
+            energy: energy(&rows),
+            mean: mean(&rows),
+            regressed: regressed(&rows, problem),
+            air,
+            air_ratio,
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
+fn lags(rows: &[Row]) -> usize {
+    let span_s = rows.last().map_or(0.0, |row| row.time_s) - rows.first().map_or(0.0, |row| row.time_s);
+    ((LAGS_S * rows.len() as f64 / span_s.max(1e-9)) as usize).clamp(5, 60)
+}
+
+/// The portmanteau of white innovations: 0 on average, in standard deviations of its own.
+fn colour(e: &[f64], lags: usize) -> f64 {
+    let n = e.len() as f64;
+    let power: f64 = e.iter().map(|e| e * e).sum();
+    let correlation = |lag: usize| e.iter().zip(e.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>() / power.max(1e-12);
+    let q: f64 = (1..=lags).map(|lag| correlation(lag).powi(2) * n * (n + 2.0) / (n - lag as f64)).sum();
+    // χ² with as many degrees of freedom as lags.
+    (q - lags as f64) / (2.0 * lags as f64).sqrt()
+}
+
+fn line(rows: &[Row]) -> f64 {
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return 0.0 };
+    let span_s = last.time_s - first.time_s;
+    let step_hz = 0.5 / span_s.max(1.0);
+    let mean = rows.iter().map(|row| row.pull).sum::<f64>() / rows.len() as f64;
+    let power: f64 = rows.iter().map(|row| (row.pull - mean).powi(2)).sum();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundreds of frequencies")]
+    let count = ((FASTEST_HZ - SLOWEST_HZ) / step_hz) as usize;
+    let height = |k: usize| {
+        let turn = std::f64::consts::TAU * (SLOWEST_HZ + k as f64 * step_hz);
+        let (s, c) = rows.iter().fold((0.0, 0.0), |(s, c), row| {
+            let (sin, cos) = (turn * row.time_s).sin_cos();
+            (s + (row.pull - mean) * sin, c + (row.pull - mean) * cos)
+        });
+        (s * s + c * c) / power
+    };
+    // Two steps an independent frequency.
+    (0..count).map(height).fold(0.0, f64::max) - (count as f64 / 2.0).ln()
+}
+
+fn clumps(rows: &[Row]) -> f64 {
+    let energies = |row: &Row| row.pull * row.pull;
+    let n = rows.len() as f64;
+    let m2 = rows.iter().map(energies).sum::<f64>() / n;
+    let variance = rows.iter().map(|row| (energies(row) - m2).powi(2)).sum::<f64>() / n;
+    let seconds: Vec<&[Row]> = rows.chunk_by(|a, b| a.time_s.floor() == b.time_s.floor()).collect();
+    let z2 = |second: &&[Row]| {
+        let count = second.len() as f64;
+        (second.iter().map(energies).sum::<f64>() - count * m2).powi(2) / (count * variance.max(1e-12))
+    };
+    let blocks = seconds.len() as f64;
+    (seconds.iter().map(z2).sum::<f64>() / blocks - 1.0) * (blocks / 2.0).sqrt()
+}
+
+/// −ln of the chance that any of `count` normal numbers is so far out.
+fn surprise(z: f64, count: usize) -> f64 {
+    let chance = libm::erfc(z.abs() / std::f64::consts::SQRT_2);
+    -(count as f64 * chance).max(1e-300).ln()
+}
+
+fn largest(rows: &[Row], value: impl Fn(&Row) -> f64) -> f64 {
+    let n = rows.len() as f64;
+    let m = rows.iter().map(&value).sum::<f64>() / n;
+    let variance = rows.iter().map(|row| (value(row) - m).powi(2)).sum::<f64>() / n;
+    let places: Vec<Vec<usize>> = (0..4).flat_map(|signal| sixths(rows, signal)).map(|place| place.3).collect();
+    let z = |place: &Vec<usize>| {
+        let count = place.len() as f64;
+        let excess = place.iter().map(|&k| value(&rows[k]) - m).sum::<f64>();
+        (excess / (count * (1.0 - count / n) * variance).max(1e-12).sqrt()).abs()
+    };
+    let most = places.iter().map(z).fold(0.0, f64::max);
+    surprise(most, places.len())
+}
+
+fn energy(rows: &[Row]) -> f64 {
+    largest(rows, |row| row.pull * row.pull)
+}
+
+fn mean(rows: &[Row]) -> f64 {
+    largest(rows, |row| row.pull)
+}
+
+/// Nats that a linear regression on what was known gains on folds kept back.
+fn regressed(rows: &[Row], problem: &Problem<'_>) -> f64 {
+    let features = features(rows);
+    let width = features.first().map_or(0, Vec::len);
+    let folds: Vec<usize> = rows.iter().map(|row| problem.folds.of(row.row).unwrap_or_default()).collect();
+    let mut parts = vec![(DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width)); crate::Folds::COUNT];
+    for ((x, row), fold) in features.iter().zip(rows).zip(&folds) {
+        let (squares, products) = &mut parts[*fold];
+        for i in 0..width {
+            products[i] += x[i] * row.pull;
+            for j in 0..=i {
+                squares[(i, j)] += x[i] * x[j];
+            }
+        }
+    }
+    let mut nats = 0.0;
+    for fold in 0..crate::Folds::COUNT {
+        let mut squares = DMatrix::<f64>::identity(width, width) * RIDGE;
+        let mut products = DVector::zeros(width);
+        for (_, (s, p)) in parts.iter().enumerate().filter(|(other, _)| *other != fold) {
+            squares += s;
+            products += p;
+        }
+        squares.fill_upper_triangle_with_lower_triangle();
+        let Some(weights) = squares.cholesky().map(|factor| factor.solve(&products)) else { continue };
+        for ((x, row), _) in features.iter().zip(rows).zip(&folds).filter(|(_, own)| **own == fold) {
+            let guess: f64 = x.iter().zip(weights.iter()).map(|(x, w)| x * w).sum();
+            nats += 0.5 * (row.pull * row.pull - (row.pull - guess).powi(2));
+        }
+    }
+    nats
+}
+
+/// Places of duty, height, speed and time, and means of past innovations.
+fn features(rows: &[Row]) -> Vec<Vec<f64>> {
+    let places: Vec<Vec<usize>> = (0..4).flat_map(|signal| sixths(rows, signal)).map(|place| place.3).collect();
+    let width = places.len() + WINDOWS.len() - 1;
+    let mut features = vec![vec![0.0; width]; rows.len()];
+    for (at, place) in places.iter().enumerate() {
+        for &k in place {
+            features[k][at] = 1.0;
+        }
+    }
+    let mut sums = vec![0.0];
+    for row in rows {
+        sums.push(sums.last().copied().unwrap_or_default() + row.pull);
+    }
+    for k in 0..rows.len() {
+        for (at, window) in WINDOWS.windows(2).enumerate() {
+            let (from, to) = (k.saturating_sub(window[1]), (k + 1).saturating_sub(window[0]).min(k));
+            let length = (window[1] - window[0]) as f64;
+            features[k][places.len() + at] = (sums[to] - sums[from.min(to)]) / length.sqrt();
+        }
+    }
+    features
+}
+
+/// How far the noise of the air had to grow: in deviations, and as a ratio of the believed.
+fn air(problem: &Problem<'_>, fit: &Fit) -> (f64, f64) {
+    let at = fit.free.iter().position(|free| *free == Free::AirNoise);
+    let Some((at, deviations)) = at.zip(fit.deviations()) else { return (0.0, 1.0) };
+    let d = Free::AirNoise.distance(&fit.model, problem.belief);
+    let (_, slope, curvature) = Free::AirNoise.prior(&fit.model, problem.belief);
+    // What the record alone says: the prior's part of the information is taken away, and with it its pull.
+    let information = (1.0 / deviations[at].powi(2) - curvature).max(1e-6);
+    let alone = d - slope / information;
+    (alone * information.sqrt(), alone.exp())
+}

@@ -1,0 +1,81 @@
+//! Where a search for an effect starts: its usual sizes, or what the record suggests.
+//!
+//! A limit that the record never reaches, a stop that the ball never meets or a grid that is a little off have no slope to climb:
+//! their searches start where the record says that there is something to find.
+
+use crate::grid::grid_mm;
+use crate::recording::Recording;
+use plant::{Actuator, Entry, Model};
+
+/// Shares of the range of commanded acceleration at which a saturation is looked for.
+const LIMITS: [f64; 3] = [0.9, 0.6, 0.35];
+
+/// Steps of duty that are looked for.
+const FINEST_PERCENT: f64 = 0.3;
+const COARSEST_PERCENT: f64 = 2.5;
+
+/// Values of `entry` to start from, for a record of a rig that so far is `model`.
+pub(crate) fn starts(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
+    let usual = || entry.sizes.iter().map(|sizes| sizes.to_vec()).collect();
+    match entry.name {
+        "saturation" => limits(model, recording),
+        "end_stop" => stops(model, recording),
+        "sensor_quantisation" => grid_mm(recording, model).map(|step| vec![step]).into_iter().collect(),
+        "duty_quantisation" => steps(model).map(|step| vec![step]).collect(),
+        "stale_samples" => holds(recording),
+        "gain_drift" | "hover_drift" => {
+            let whole = 0.2 / recording.duration_s().max(1.0);
+            vec![vec![whole], vec![-whole]]
+        }
+        "sensor_outliers" => [20.0, 40.0, 80.0, 160.0].map(|size| vec![0.02, size]).to_vec(),
+        "thrust_curve" => [0.01, 0.03, -0.01, -0.03].map(|curvature| vec![curvature]).to_vec(),
+        "wall_friction" => [8.0, 20.0, 50.0].map(|friction| vec![friction]).to_vec(),
+        _ => usual(),
+    }
+}
+
+/// Steps of duty whose grids about hover are a quarter of a step apart: each is a valley of its own.
+fn steps(model: &Model) -> impl Iterator<Item = f64> {
+    let hover = model.hover_duty_percent.abs().max(1.0);
+    let next = move |step: &f64| Some(step + (step * step / (4.0 * hover)).max(0.02 * step));
+    std::iter::successors(Some(FINEST_PERCENT), next).take_while(|step| *step < COARSEST_PERCENT)
+}
+
+/// Sorted values at a share of their order.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
+    let at = (share * sorted.len().saturating_sub(1) as f64) as usize;
+    sorted.get(at).copied().unwrap_or_default()
+}
+
+fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
+    let mut actuator = Actuator::new(model, recording.samples().first().map_or(0.0, |s| s.duty_percent));
+    let start_s = recording.samples().first().map_or(0.0, |s| s.time_s);
+    let mut commanded: Vec<f64> = recording
+        .samples()
+        .iter()
+        .map(|s| {
+            actuator.write(model, s.time_s - start_s, s.duty_percent);
+            actuator.commanded(model, s.time_s - start_s)
+        })
+        .collect();
+    commanded.sort_by(f64::total_cmp);
+    let (low, high) = (quantile(&commanded, 0.002).min(-1.0), quantile(&commanded, 0.998).max(1.0));
+    LIMITS.map(|share| vec![share * low, share * high]).to_vec()
+}
+
+fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
+    let mut heights: Vec<f64> = recording.samples().iter().filter_map(|s| s.position_mm).collect();
+    heights.sort_by(f64::total_cmp);
+    let (low, high) = (quantile(&heights, 0.01), quantile(&heights, 0.99));
+    vec![vec![0.0, high, 0.4], vec![low, model.pipe_length_mm, 0.4]]
+}
+
+/// Mean time between readings that differ, if many do not.
+fn holds(recording: &Recording) -> Vec<Vec<f64>> {
+    let readings: Vec<f64> = recording.samples().iter().filter_map(|s| s.position_mm).collect();
+    let changes = readings.windows(2).filter(|pair| pair[0] != pair[1]).count().max(1);
+    let period_s = recording.duration_s() / readings.len().max(1) as f64;
+    let hold_s = recording.duration_s() / changes as f64;
+    [0.9, 1.0, 1.15, 1.3].map(|factor| vec![(factor * hold_s).max(2.0 * period_s)]).to_vec()
+}

@@ -79,7 +79,9 @@ impl Motion {
     }
 
     /// The mean motion over `dt_s` under a constant `commanded` acceleration, mm/s²: nothing random is added.
+    // Inlined as `Flow::free` is, for the same reason; what happens at an event is kept out of the way.
     #[must_use]
+    #[inline(always)]
     pub fn step(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
         let (bottom, top) = model.ends_mm();
         self.advance(&Flow { model, commanded }, Ends { bottom, top }, dt_s)
@@ -91,10 +93,11 @@ impl Motion {
         self.advance(&Flow { model, commanded }, Ends::NONE, dt_s)
     }
 
-    fn advance(&self, flow: &Flow<'_>, ends: Ends, dt_s: f64) -> Self {
+    #[inline(always)]
+    fn advance(self, flow: &Flow<'_>, ends: Ends, dt_s: f64) -> Self {
         if ends.way_out(self.position_mm) == 0.0 && flow.model.effects.wall_friction.is_none() {
             // The usual case, and the only one that has to be fast: in the air before the step and after it.
-            let free = flow.free(self, 0.0, dt_s);
+            let free = flow.free(&self, 0.0, dt_s);
             if ends.passed(free.position_mm).is_none() {
                 return free;
             }
@@ -102,6 +105,7 @@ impl Motion {
         self.advance_through_events(flow, ends, dt_s)
     }
 
+    #[inline(never)]
     fn advance_through_events(mut self, flow: &Flow<'_>, ends: Ends, dt_s: f64) -> Self {
         let mut left = dt_s;
         if let Some((end, _)) = ends.passed(self.position_mm) {

@@ -96,6 +96,7 @@ impl Simulator {
         let coloured = self.model.effects.turbulence.map(|turbulence| turbulence.kick(dt));
         let drifts = Actuator::drifts(&self.model);
         let mut commanded = self.actuator.commanded(&self.model, start);
+        let mut motion = self.motion;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive whole number")]
         for step in 1..=steps as u64 {
             #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³ steps")]
@@ -103,24 +104,27 @@ impl Simulator {
             if drifts {
                 commanded = self.actuator.commanded(&self.model, end - dt / 2.0);
             }
-            self.motion = self.motion.step(&self.model, commanded, dt);
-            self.kick(white, coloured, dt);
-            self.sensor.follow(&self.model, end, self.motion.sensed_mm);
+            motion = motion.step(&self.model, commanded, dt);
+            self.kick(&mut motion, white, coloured, dt);
+            self.sensor.follow(&self.model, end, motion.sensed_mm);
         }
-        self.time_s = time_s;
+        (self.motion, self.time_s) = (motion, time_s);
     }
 
     /// What a step adds at random.
-    fn kick(&mut self, white: f64, coloured: Option<f64>, dt_s: f64) {
+    #[inline(always)]
+    fn kick(&mut self, motion: &mut Motion, white: f64, coloured: Option<f64>, dt_s: f64) {
         if let Some(coloured) = coloured {
             let push = coloured * self.turbulence.draw();
-            self.motion.turbulence_mm_per_s2 += push;
+            motion.turbulence_mm_per_s2 += push;
             // A ball that is held at rest is not pushed off by what it will feel in the next step anyway.
-            if self.motion.velocity_mm_per_s != 0.0 {
-                self.motion.velocity_mm_per_s += push * dt_s / 2.0;
+            if motion.velocity_mm_per_s != 0.0 {
+                motion.velocity_mm_per_s += push * dt_s / 2.0;
             }
         }
-        self.motion.velocity_mm_per_s += white * self.process.draw();
+        if white > 0.0 {
+            motion.velocity_mm_per_s += white * self.process.draw();
+        }
     }
 }
 

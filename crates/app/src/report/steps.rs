@@ -2,10 +2,12 @@
 //!
 //! ```text
 //! overshoot   largest excursion beyond the new setpoint, as a share of the jump
+//! peak        time from the jump to the largest excursion beyond the new setpoint that comes within five times the time to
+//!             half of the way, where it goes beyond by 2.5 % of the jump: later peaks are not the first, and smaller ones are noise
 //! settling    time from the jump until the position stays within ±5 % of the jump for a second
 //! ```
 //!
-//! Both on the centred mean of five readings, so that one noisy reading decides nothing. A second is enough: air that
+//! All on the centred mean of five readings, so that one noisy reading decides nothing. A second is enough: air that
 //! is never still pushes a settled ball out of any band if one waits for long.
 //! Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
 
@@ -21,6 +23,25 @@ const FOLLOWED_S: f64 = 1.0;
 const HELD_S: f64 = 1.0;
 /// Readings on each side of the centred mean.
 const HALF_MEAN: usize = 2;
+/// The first peak comes within so many times the time to half of the way: 4.1 times at a damping of 0.7, less below.
+const PEAK_WITHIN: f64 = 5.0;
+
+/// What one row says of the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// When, seconds.
+    pub time_s: f64,
+    /// Commanded position, mm. `None`: the controller is off.
+    pub setpoint_mm: Option<f64>,
+    /// Position, mm, if one was read.
+    pub position_mm: Option<f64>,
+}
+
+impl From<&Cycle> for Moment {
+    fn from(cycle: &Cycle) -> Self {
+        Self { time_s: cycle.time_s, setpoint_mm: cycle.setpoint_mm, position_mm: cycle.position_mm }
+    }
+}
 
 /// How the ball followed one jump of the setpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +54,8 @@ pub struct Step {
     pub to_mm: f64,
     /// Largest excursion beyond the new setpoint, percent of the jump.
     pub overshoot_percent: f64,
+    /// Time of the first peak, seconds. `None`: it did not go visibly beyond the new setpoint.
+    pub peak_s: Option<f64>,
     /// Time until it stays within the band, seconds. `None`: it did not before the next jump.
     pub settling_s: Option<f64>,
 }
@@ -48,12 +71,18 @@ struct Row {
 /// The steps of a flight, in the order of time.
 #[must_use]
 pub fn steps(cycles: &[Cycle]) -> Vec<Step> {
-    // A stretch without control ends a step, and what follows begins where the ball then is.
-    cycles.split(|cycle| cycle.setpoint_mm.is_none()).flat_map(steps_under_control).collect()
+    steps_of(&cycles.iter().map(Moment::from).collect::<Vec<_>>())
 }
 
-fn steps_under_control(cycles: &[Cycle]) -> Vec<Step> {
-    let rows: Vec<Row> = cycles
+/// The steps of any rows in the order of time.
+#[must_use]
+pub fn steps_of(moments: &[Moment]) -> Vec<Step> {
+    // A stretch without control ends a step, and what follows begins where the ball then is.
+    moments.split(|moment| moment.setpoint_mm.is_none()).flat_map(steps_under_control).collect()
+}
+
+fn steps_under_control(moments: &[Moment]) -> Vec<Step> {
+    let rows: Vec<Row> = moments
         .iter()
         .filter_map(|c| Some(Row { time_s: c.time_s, setpoint_mm: c.setpoint_mm?, position_mm: c.position_mm? }))
         .collect();
@@ -84,8 +113,18 @@ fn step(rows: &[Row], start: usize, end: usize) -> Option<Step> {
         from_mm,
         to_mm: first.setpoint_mm,
         overshoot_percent: 100.0 * beyond / jump.abs(),
+        peak_s: first_peak(&errors, jump).map(|time_s| time_s - first.time_s),
         settling_s: settled_s.map(|time_s| time_s - first.time_s),
     })
+}
+
+/// When the ball was furthest beyond the new setpoint for the first time, if by half of the band at least.
+fn first_peak(errors: &[(f64, f64)], jump: f64) -> Option<f64> {
+    let start_s = errors.first()?.0;
+    let half_way = errors.iter().find(|(_, error)| error * jump.signum() >= -0.5 * jump.abs())?.0 - start_s;
+    let early = errors.iter().take_while(|(time_s, _)| time_s - start_s <= PEAK_WITHIN * half_way);
+    let (time_s, error) = early.max_by(|a, b| (a.1 * jump).total_cmp(&(b.1 * jump)))?;
+    (error * jump > BAND / 2.0 * jump * jump).then_some(*time_s)
 }
 
 /// The first time from which the error stays within `band_mm` for [`HELD_S`].
@@ -144,6 +183,8 @@ mod tests {
         assert_eq!(found.len(), 1);
         let overshoot = 100.0 * (-std::f64::consts::PI * delta / (1.0 - delta * delta).sqrt()).exp();
         assert!((found[0].overshoot_percent - overshoot).abs() < 0.3, "{found:?}, exact {overshoot} %");
+        let peak_s = std::f64::consts::PI / damped;
+        assert!((found[0].peak_s.unwrap() - peak_s).abs() < 0.03, "{found:?}, exact {peak_s} s");
         let last_outside = (0..500).map(|k| f64::from(k) * 0.01).rfind(|t| (response(*t) - 1.0).abs() > 0.05).unwrap();
         assert!((found[0].settling_s.unwrap() - last_outside).abs() < 0.03, "{found:?}, exact {last_outside} s");
     }
@@ -154,6 +195,7 @@ mod tests {
         let after = (100..400).map(|k| cycle(f64::from(k) * 0.01, 400.0, 300.0));
         let found = steps(&before.chain(after).collect::<Vec<_>>());
         assert_eq!((found.len(), found[0].settling_s, found[0].overshoot_percent), (1, None, 0.0));
+        assert_eq!(found[0].peak_s, None);
     }
 
     #[test]

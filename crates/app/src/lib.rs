@@ -1,10 +1,12 @@
 //! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
 
 pub mod cli;
+pub mod closed_loop;
 pub mod command;
 pub mod commands;
 pub mod config;
 pub mod deadline;
+pub mod desk;
 pub mod experiment;
 pub mod flight;
 pub mod log;

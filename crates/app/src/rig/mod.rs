@@ -7,10 +7,13 @@
 //!            for each chip            for each chip               for each chip
 //! clock      monotonic                monotonic                   the emulated world's own
 //! ```
+//!
+//! [`Direct`] is a simulated rig of whose chips nothing is known: another people's.
 
 mod bench;
 mod chips;
 mod clock;
+mod direct;
 mod simulated;
 #[cfg(test)]
 mod tests;
@@ -18,6 +21,7 @@ mod tests;
 pub use bench::{BenchError, bench, claim};
 pub use chips::{Chips, StartError};
 pub use clock::{Monotonic, WorldClock};
+pub use direct::Direct;
 pub use simulated::{SimulatedRig, SimulatedStartError, simulated_in_real_time, simulated_in_virtual_time};
 
 use control::{Duty, Millimetres};

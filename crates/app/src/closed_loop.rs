@@ -1,0 +1,140 @@
+//! The closed loop before and after the mend: how the ball followed the steps of a record, and how it follows them when the
+//! record's own controller flies the believed model and the mended one.
+//!
+//! ```text
+//! overshoot, peak time, settling to ±5 %      medians over the steps; a step that never settled counts as infinitely slow
+//! critical gain                               see `critical_gain`
+//! ```
+//!
+//! The steps are flown in virtual time with the noise of each model, by several seeds where the record is short: noise adds to
+//! the overshoot of a record, and adds as much to that of a simulation. What was added to the control as an excitation is in no
+//! log and is not flown. Definitions of the figures: see [`crate::report::steps`].
+
+mod critical_gain;
+mod stretch;
+
+use crate::config::Tables;
+use crate::desk::Desk;
+use crate::log::reader::LoadedLog;
+use crate::report::steps::{Moment, Step, steps_of};
+use critical_gain::critical_gain;
+use plant::Model;
+use rayon::prelude::*;
+use serde::Serialize;
+use stretch::Stretch;
+
+/// Simulated seconds that are enough for medians, and flights at most.
+const ENOUGH_S: f64 = 240.0;
+const MOST_SEEDS: u64 = 4;
+
+/// What one quantity is in the record and in the two simulations; `None` where there is nothing to say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Compared {
+    /// On the rig.
+    pub recorded: Option<f64>,
+    /// The model as believed, flown by the record's controller.
+    pub nominal: Option<f64>,
+    /// The mended model, flown by it.
+    pub mended: Option<f64>,
+}
+
+/// A quantity that only a simulation can show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Simulated {
+    /// The model as believed.
+    pub nominal: Option<f64>,
+    /// The mended model.
+    pub mended: Option<f64>,
+}
+
+/// The figures of the closed loop, as the document of a diagnosis holds them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ClosedLoop {
+    /// Steps of the record that were looked at.
+    pub steps: usize,
+    /// Largest excursion beyond the new setpoint, percent of the jump.
+    pub overshoot_percent: Compared,
+    /// Time of the first visible peak beyond the new setpoint, seconds.
+    pub peak_time_s: Compared,
+    /// The band that counts as settled, percent of the jump to either side.
+    pub settling_band_percent: f64,
+    /// Time until the ball stays in that band, seconds.
+    pub settling_s: Compared,
+    /// The smallest multiple of the loop's proportional gain at which it loses stability.
+    pub critical_gain_ratio: Simulated,
+}
+
+/// Medians over steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figures {
+    overshoot_percent: Option<f64>,
+    peak_s: Option<f64>,
+    settling_s: Option<f64>,
+}
+
+impl ClosedLoop {
+    /// Measures a log, and the two models where the controller that flew it is known. No `mended` model: nothing was mended.
+    #[must_use]
+    pub fn measure(log: &LoadedLog, tables: &Tables, belief: &Model, mended: Option<&Model>) -> Self {
+        let desk = Desk::that_flew(log, tables);
+        let stretch = Stretch::of(log);
+        let steps = stretch.as_ref().map_or_else(Vec::new, |stretch| steps_of(stretch.moments()));
+        let desk_with_steps = desk.as_ref().zip(stretch.as_ref().filter(|_| !steps.is_empty()));
+        let models = [Some(belief), mended];
+        let (flown, critical) = rayon::join(
+            || models.map(|model| desk_with_steps.zip(model).map(|((desk, stretch), model)| fly(desk, stretch, model))),
+            || models.map(|model| desk.as_ref().zip(model).and_then(|(desk, model)| critical_gain(desk, model))),
+        );
+        let figures = [Figures::of(&steps), flown[0].unwrap_or_default(), flown[1].unwrap_or_default()];
+        Self {
+            steps: steps.len(),
+            overshoot_percent: compared(figures.map(|figures| figures.overshoot_percent)),
+            peak_time_s: compared(figures.map(|figures| figures.peak_s)),
+            settling_band_percent: 5.0,
+            settling_s: compared(figures.map(|figures| figures.settling_s)),
+            critical_gain_ratio: Simulated { nominal: critical[0], mended: critical[1] },
+        }
+    }
+}
+
+const fn compared([recorded, nominal, mended]: [Option<f64>; 3]) -> Compared {
+    Compared { recorded, nominal, mended }
+}
+
+/// The figures of `model` on the steps of the record. A loop that lost the ball has none.
+fn fly(desk: &Desk, stretch: &Stretch, model: &Model) -> Figures {
+    let (programme, lead_s) = stretch.programme(desk, model);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
+    let seeds = ((ENOUGH_S / stretch.duration_s()).ceil() as u64).clamp(1, MOST_SEEDS);
+    let flights: Vec<Option<Vec<Step>>> = (1..=seeds)
+        .into_par_iter()
+        .map(|seed| {
+            let flown = desk.fly(model, &programme, seed);
+            let later = flown.cycles.iter().filter(|cycle| cycle.time_s >= lead_s);
+            flown.fault.is_none().then(|| steps_of(&later.map(Moment::from).collect::<Vec<_>>()))
+        })
+        .collect();
+    let all: Option<Vec<Vec<Step>>> = flights.into_iter().collect();
+    all.map_or_else(Figures::default, |all| Figures::of(&all.concat()))
+}
+
+impl Figures {
+    fn of(steps: &[Step]) -> Self {
+        Self {
+            overshoot_percent: median(steps.iter().map(|step| Some(step.overshoot_percent))),
+            peak_s: median(steps.iter().map(|step| step.peak_s)),
+            settling_s: median(steps.iter().map(|step| step.settling_s)),
+        }
+    }
+}
+
+/// The median, where what never came is later than everything. `None`: it came in half of the cases at most, or there are none.
+fn median(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::INFINITY)).collect();
+    values.sort_by(f64::total_cmp);
+    let (upper, lower) = (values.get(values.len() / 2)?, values.get(values.len().checked_sub(1)? / 2)?);
+    Some((lower + upper) / 2.0).filter(|median| median.is_finite())
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,48 @@
+//! A simulated rig without chips: what the plant reads is what the loop sees, and a duty acts as it is written.
+//!
+//! For rigs of whose sensor and fan driver nothing is known but the model. Time moves only when the loop sleeps.
+
+use super::{Rig, Sighting};
+use control::{Duty, Millimetres};
+use embedded_hal::i2c::ErrorKind;
+use plant::{Model, Simulator};
+use std::cell::Cell;
+
+/// The plant, asked and driven without a bus.
+pub struct Direct {
+    simulator: Simulator,
+    now_s: Cell<f64>,
+}
+
+impl Direct {
+    /// A rig with the ball at the bottom of its way and the fan off, at time 0.
+    #[must_use]
+    pub fn new(model: &Model, seed: u64) -> Self {
+        Self { simulator: Simulator::new(model.clone(), seed), now_s: Cell::new(0.0) }
+    }
+}
+
+impl Rig for Direct {
+    fn now_s(&self) -> f64 {
+        self.now_s.get()
+    }
+
+    fn sleep_until_s(&self, t_s: f64) {
+        self.now_s.set(self.now_s.get().max(t_s));
+    }
+
+    fn align(&mut self) -> Result<(), ErrorKind> {
+        Ok(())
+    }
+
+    fn position(&mut self) -> Result<Sighting, ErrorKind> {
+        self.simulator.advance_to(self.now_s.get());
+        Ok(Sighting::Ball(Millimetres(self.simulator.reading_mm())))
+    }
+
+    fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
+        self.simulator.advance_to(self.now_s.get());
+        self.simulator.drive(duty.percent());
+        Ok(duty)
+    }
+}

@@ -11,6 +11,7 @@ pub mod experiment;
 pub mod flight;
 pub mod log;
 pub mod mqtt;
+pub mod next;
 pub mod pilot;
 pub mod report;
 pub mod rig;

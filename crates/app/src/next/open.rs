@@ -1,0 +1,49 @@
+//! What a record leaves open for want of excitation, and the models that stand in for what may be missing.
+
+use super::Rival;
+use crate::log::reader::LoadedLog;
+use diagnose::{Diagnosis, Verdict, in_free_flight};
+use plant::{Effects, Model};
+
+/// A record shorter than this in free flight, seconds, or whose ball stays within this share of its way, is thin.
+const SHORT_S: f64 = 30.0;
+const NARROW: f64 = 0.1;
+/// Effects of every stage, between them asking for small force, large force, speed and height.
+const STAND_INS: [&str; 4] = ["dead_zone", "transport_delay", "thrust_curve", "height_dependent_flow"];
+/// The name of the belief among its stand-ins.
+pub(super) const AS_BELIEVED: &str = "the model as believed";
+
+/// What is open, in a sentence; `None` where another flight would not say more than this one.
+pub(super) fn question(found: &Diagnosis, log: &LoadedLog, belief: &Model) -> Option<String> {
+    let open = matches!(found.verdict, Verdict::InsufficientData | Verdict::NoGap | Verdict::Unexplained);
+    let counts = in_free_flight(belief, &log.recording);
+    let samples = log.recording.samples();
+    let mut heights: Vec<f64> =
+        samples.iter().zip(&counts).filter(|(_, counts)| **counts).filter_map(|(s, _)| s.position_mm).collect();
+    heights.sort_by(f64::total_cmp);
+    let free_s = log.recording.duration_s() * heights.len() as f64 / samples.len().max(1) as f64;
+    let (bottom, top) = belief.ends_mm();
+    let at = |share: usize| heights.get(heights.len().saturating_sub(1) * share / 100).copied().unwrap_or_default();
+    let spread_mm = at(95) - at(5);
+    let thin = free_s < SHORT_S || spread_mm < NARROW * (top - bottom);
+    (open && (thin || found.verdict == Verdict::InsufficientData)).then(|| {
+        format!(
+            "This record asks little of the rig: {free_s:.0} s in free flight, within {spread_mm:.0} mm of {:.0} mm of pipe.",
+            top - bottom
+        )
+    })
+}
+
+/// The belief, and the belief with one effect each that a flight should be able to show.
+pub(super) fn stand_ins(belief: &Model) -> Vec<Rival> {
+    let with = |name: &&'static str| {
+        let entry = Effects::entry(name)?;
+        let mut model = belief.clone();
+        if model.effects.values(name).is_some() {
+            return None;
+        }
+        model.effects.set(name, entry.sizes.last()?);
+        model.check().is_ok().then_some((*name, model))
+    };
+    std::iter::once((AS_BELIEVED, belief.clone())).chain(STAND_INS.iter().filter_map(with)).collect()
+}

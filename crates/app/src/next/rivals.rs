@@ -1,0 +1,81 @@
+//! Who the rivals are, which of them no flight can part, and which further signal would.
+//!
+//! A delay of the duty and a delay of the reading shift the same readings by the same time: exact twins on these two signals. In
+//! general a recorded fan speed cuts the path between the actuator and the rest, and a second position sensor cuts it before
+//! the sensor, so that two effects on different sides of a cut are told apart there.
+
+use super::Rival;
+use super::score::numbers_of;
+use crate::log::reader::LoadedLog;
+use diagnose::{Diagnosis, Fit, Named, Problem, in_free_flight};
+use plant::{Effects, Model, Stage};
+
+/// Effects that no flight tells apart by duty and position.
+const TWINS: [&str; 2] = ["transport_delay", "sensor_delay"];
+/// Rivals that are looked at, at most; every pair of them is flown against each other.
+const MOST: usize = 3;
+/// Scoring steps of the fit that puts a rival in the winner's place.
+const STEPS: usize = 6;
+
+/// The models that explain the record alike, for the first effect that could not be told from others. Empty: there is none.
+pub(super) fn of(found: &Diagnosis, log: &LoadedLog, belief: &Model) -> Vec<Rival> {
+    let Some(named) = found.effects.iter().find(|named| !named.indistinguishable_from.is_empty()) else {
+        return Vec::new();
+    };
+    let winner = (named.candidate.entry.name, found.mended.model.clone());
+    let others = named.indistinguishable_from.iter().take(MOST - 1);
+    let others = others.filter_map(|name| Some((*name, in_place_of(named, name, found, log, belief)?)));
+    std::iter::once(winner).chain(others).collect()
+}
+
+/// The mended model with `rival` in place of the effect that was named, fitted to the record.
+fn in_place_of(named: &Named, rival: &str, found: &Diagnosis, log: &LoadedLog, belief: &Model) -> Option<Model> {
+    let counts = in_free_flight(belief, &log.recording);
+    let problem = Problem { recording: &log.recording, belief, counts: &counts };
+    let fits = Effects::entry(rival)?.sizes.iter().filter_map(|size| {
+        let mut model = found.mended.model.clone();
+        model.effects.remove(named.candidate.entry.name);
+        model.effects.set(rival, size);
+        let free = numbers_of(&model);
+        model.check().is_ok().then(|| problem.fit_in_steps(&model, &free, STEPS))
+    });
+    let score = |fit: &Fit| fit.log_likelihood(|row| counts[row]);
+    fits.max_by(|a, b| score(a).total_cmp(&score(b))).map(|fit| fit.model)
+}
+
+/// Whether this rival is a twin of one that comes before it.
+pub(super) fn is_second_twin((name, _): &Rival, rivals: &[Rival]) -> bool {
+    let first = rivals.iter().find(|(name, _)| TWINS.contains(name));
+    TWINS.contains(name) && first.is_some_and(|(first, _)| first != name)
+}
+
+/// Which further signal tells apart what no flight does, in a sentence. `left`: the names that the next experiment leaves open.
+pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], log: &LoadedLog) -> Option<String> {
+    // A name is open as long as it has a rival that is not told from it; a twin is open with its twin.
+    let twin = |name: &&'static str| TWINS.contains(name) && TWINS.iter().any(|twin| left.contains(twin));
+    let names: Vec<&'static str> =
+        rivals.iter().map(|(name, _)| *name).filter(|name| left.contains(name) || twin(name)).collect();
+    if names.len() < 2 {
+        return None;
+    }
+    let stage = |name: &&str| Effects::entry(name).map(|entry| entry.stage);
+    let stages: Vec<Stage> = names.iter().filter_map(stage).collect();
+    let cut = |side: Stage| stages.contains(&side) && stages.iter().any(|stage| *stage != side);
+    let mut signals = Vec::new();
+    if cut(Stage::Actuator) && log.fan_rpm.is_empty() {
+        signals.push("`fan_rpm`, the speed of the fan by a tachometer");
+    }
+    if cut(Stage::Sensor) && log.position2_mm.is_empty() {
+        signals.push("`position2_mm`, the position by a second sensor");
+    }
+    let names = names.join(" and ");
+    Some(match signals.join(" or ") {
+        signals if signals.is_empty() => format!(
+            "{names} look alike in every experiment of the list; a longer record of the kind at hand is the way to tell them apart"
+        ),
+        signals => format!(
+            "{names} look alike in duty and position whatever is flown; record {signals}, which shows on which side of it the \
+             effect acts"
+        ),
+    })
+}

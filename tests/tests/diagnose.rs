@@ -57,3 +57,35 @@ fn a_record_that_cannot_answer_says_so_and_names_nothing() {
     assert_eq!(found["effects"], serde_json::json!([]));
     assert!(found["check"]["findings"].as_array().unwrap().len() >= 2, "{found}");
 }
+
+#[test]
+fn the_closed_loop_is_told_before_and_after_the_mend() {
+    let bench = Bench::default();
+    bench.write("late.toml", "[plant.effects.transport_delay]\ndelay_s = 0.12\n");
+    let _ = bench.output(&["simulate", "--patch", "late.toml", "--duration", "70", "--log", "f.mcap"]);
+    let found = diagnose(&bench, &["f.mcap", "--next-out", "next.toml"]);
+    let looped = &found["gap"]["closed_loop"];
+    assert_eq!(looped["steps"], 9, "{looped}");
+    let overshoot = |who: &str| looped["overshoot_percent"][who].as_f64().unwrap();
+    assert!((overshoot("mended") - overshoot("recorded")).abs() < 5.0, "{looped}");
+    assert!(overshoot("nominal") < overshoot("recorded") - 2.0, "{looped}");
+    let critical = |who: &str| looped["critical_gain_ratio"][who].as_f64().unwrap();
+    assert!(critical("mended") < 0.5 * critical("nominal"), "{looped}");
+    // A delay of the duty and one of the reading are twins: no flight parts them, and no file pretends to.
+    let findings = found["check"]["findings"].as_array().unwrap();
+    assert!(findings.iter().any(|finding| finding.as_str().unwrap().contains("fan_rpm")), "{findings:?}");
+    assert!(found["next_experiment"].is_null() && !bench.path("next.toml").exists());
+}
+
+#[test]
+fn the_next_experiment_of_a_record_that_cannot_answer_is_a_file_that_flies() {
+    let bench = Bench::default();
+    let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
+    bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
+    let found = diagnose(&bench, &["still.csv", "--next-out", "next.toml"]);
+    let next = &found["next_experiment"];
+    assert_eq!(next["file"], bench.read("next.toml"), "{found}");
+    assert!(next["expected_nats"].as_f64().unwrap() > 2.0 && next["separates"].as_array().unwrap().len() > 1, "{next}");
+    let _ = bench.output(&["simulate", "--experiment", "next.toml", "--log", "next.mcap"]);
+    assert!(bench.output(&["diagnose", "still.csv"]).contains("next: fly \""));
+}

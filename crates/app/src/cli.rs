@@ -120,6 +120,9 @@ pub struct DiagnoseArgs {
     /// Write the mended model as a config patch for --patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
+    /// Write the experiment to fly next, for --experiment; none is written where none is called for
+    #[arg(long, value_name = "FILE")]
+    pub next_out: Option<PathBuf>,
     /// Write the diagnosis as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,

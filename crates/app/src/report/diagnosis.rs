@@ -1,5 +1,7 @@
 //! A diagnosis as a document for programs (`airball.diagnosis/1`), as words for people, and as a patch for the simulator.
 
+use crate::closed_loop::ClosedLoop;
+use crate::next::{Advice, Next};
 use diagnose::{Diagnosis, Free, Gap, Named, Place, Verdict};
 use plant::{Model, Stage};
 use serde::Serialize;
@@ -19,7 +21,7 @@ pub struct DiagnosisDocument {
     gap: GapEntry,
     r#where: WhereEntry,
     check: CheckEntry,
-    next_experiment: Option<String>,
+    next_experiment: Option<Next>,
     version: &'static str,
     config_patch: String,
 }
@@ -57,6 +59,7 @@ struct GapEntry {
     floor_mm: [Option<f64>; 3],
     stay_put_mm: [Option<f64>; 3],
     free_run_10s_mm: BTreeMap<&'static str, Option<f64>>,
+    closed_loop: ClosedLoop,
     closed: Option<Closed>,
 }
 
@@ -84,23 +87,28 @@ struct CheckEntry {
 }
 
 impl DiagnosisDocument {
-    /// The document of a diagnosis of a rig that was believed to be `belief`.
+    /// The document of a diagnosis of a rig that was believed to be `belief`, with its closed loop and what to fly next.
     #[must_use]
-    pub fn of(found: &Diagnosis, belief: &Model) -> Self {
+    pub fn of(found: &Diagnosis, belief: &Model, closed_loop: &ClosedLoop, advice: &Advice) -> Self {
         let half = found.half_intervals().unwrap_or_default();
         Self {
             schema: "airball.diagnosis/1",
             verdict: found.verdict,
             effects: found.effects.iter().map(|named| effect(named, found, &half)).collect(),
             parameters: parameters(found, belief, &half),
-            gap: gap(found),
+            gap: gap(found, *closed_loop),
             r#where: WhereEntry { stage: stages(found), regions: regions(found) },
-            check: CheckEntry { findings: found.findings.iter().map(ToString::to_string).collect() },
-            next_experiment: None,
+            check: CheckEntry { findings: findings(found, advice) },
+            next_experiment: advice.experiment.clone(),
             version: env!("CARGO_PKG_VERSION"),
             config_patch: patch(found),
         }
     }
+}
+
+/// What the record cannot answer, in sentences.
+fn findings(found: &Diagnosis, advice: &Advice) -> Vec<String> {
+    found.findings.iter().map(ToString::to_string).chain(advice.findings.iter().cloned()).collect()
 }
 
 fn interval(
@@ -164,7 +172,7 @@ fn parameters(found: &Diagnosis, belief: &Model, half: &[(Free, f64)]) -> BTreeM
     ])
 }
 
-fn gap(found: &Diagnosis) -> GapEntry {
+fn gap(found: &Diagnosis, closed_loop: ClosedLoop) -> GapEntry {
     let [nominal, refitted, mended] = &found.gaps;
     let free = |gap: &Gap| gap.free_run_10s_mm;
     GapEntry {
@@ -180,6 +188,7 @@ fn gap(found: &Diagnosis) -> GapEntry {
             ("mended", free(mended)),
             ("floor", mended.floor_free_run_10s_mm),
         ]),
+        closed_loop,
         closed: found.closed().map(|value| Closed { value }),
     }
 }

@@ -1,7 +1,10 @@
-//! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, and the [`plot`] of both.
+//! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, and the [`diagnosis`] with
+//! its [`closed_loop`] and what to fly [`next`].
 
+pub mod closed_loop;
 pub mod diagnosis;
 pub mod gap;
+pub mod next;
 pub mod plot;
 pub mod steps;
 pub mod summary;

@@ -1,0 +1,56 @@
+//! The closed loop in words: what was recorded, what the believed model does, what the mended one does.
+
+use crate::closed_loop::{ClosedLoop, Compared};
+
+/// A line on the steps and one on stability, each only where there is something to say.
+#[must_use]
+pub fn words(found: &ClosedLoop) -> Vec<String> {
+    let mut lines = Vec::new();
+    if found.steps > 0 {
+        let band = found.settling_band_percent;
+        lines.push(format!(
+            "closed loop, medians of {} steps: overshoot {}; first peak {}; settled to ±{band} % {}",
+            found.steps,
+            three(&found.overshoot_percent, 0, "%"),
+            three(&found.peak_time_s, 2, "s"),
+            three(&found.settling_s, 2, "s"),
+        ));
+    }
+    let critical = found.critical_gain_ratio;
+    if let Some(nominal) = critical.nominal {
+        let mended = critical.mended.map_or(String::new(), |mended| format!(", {mended:.1} times mended"));
+        lines.push(format!("the loop loses stability at {nominal:.1} times its gain as believed{mended}"));
+    } else if let Some(mended) = critical.mended {
+        lines.push(format!("the loop loses stability at {mended:.1} times its gain mended"));
+    }
+    lines
+}
+
+fn three(of: &Compared, digits: usize, unit: &str) -> String {
+    let known = [(of.recorded, "recorded"), (of.nominal, "as believed"), (of.mended, "mended")];
+    let words: Vec<String> =
+        known.iter().filter_map(|(value, who)| Some(format!("{:.digits$} {unit} {who}", (*value)?))).collect();
+    if words.is_empty() { "never".into() } else { words.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::words;
+    use crate::closed_loop::{ClosedLoop, Compared, Simulated};
+
+    #[test]
+    fn what_is_not_known_is_not_said() {
+        let overshoot_percent = Compared { recorded: Some(12.0), ..Compared::default() };
+        let found = ClosedLoop {
+            steps: 3,
+            overshoot_percent,
+            peak_time_s: Compared::default(),
+            settling_band_percent: 5.0,
+            settling_s: Compared::default(),
+            critical_gain_ratio: Simulated::default(),
+        };
+        let line = "closed loop, medians of 3 steps: overshoot 12 % recorded; first peak never; settled to ±5 % never";
+        assert_eq!(words(&found), [line]);
+        assert!(words(&ClosedLoop { steps: 0, ..found }).is_empty());
+    }
+}

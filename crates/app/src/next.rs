@@ -5,7 +5,7 @@
 //! score      = min over pairs of rivals of min( nats(A, B), nats(B, A) )
 //! ```
 //!
-//! Rivals are models that explain the record alike. Each experiment of a list ([`candidates`]) is flown in virtual time on each of
+//! Rivals are models that explain the record alike. Each experiment of a list ([`mod@candidates`]) is flown in virtual time on each of
 //! them by the controller at hand ([`Desk`]); one that would bring the ball to an end of its way, or the duty to its limits, under
 //! any rival is not safe and is dropped. The best few are scored again with each rival's numbers moved to suit the record of the
 //! other, because the next diagnosis will fit them too: what a gain can imitate separates nothing.

@@ -7,13 +7,13 @@ use crate::closed_loop::{ClosedLoop, Compared};
 pub fn words(found: &ClosedLoop) -> Vec<String> {
     let mut lines = Vec::new();
     if found.steps > 0 {
-        let band = found.settling_band_percent;
+        let (band, overshoot) = (found.settling_band_percent, found.overshoot_percent);
         lines.push(format!(
-            "closed loop, medians of {} steps: overshoot {}; first peak {}; settled to ±{band} % {}",
+            "closed loop, medians of {} steps: overshoot {}; first peak {}; settled to ±{band} %: {}",
             found.steps,
-            three(&found.overshoot_percent, 0, "%"),
-            three(&found.peak_time_s, 2, "s"),
-            three(&found.settling_s, 2, "s"),
+            three(overshoot, overshoot, 0, "%", ""),
+            three(found.peak_time_s, overshoot, 2, "s", "none"),
+            three(found.settling_s, overshoot, 2, "s", "not"),
         ));
     }
     let critical = found.critical_gain_ratio;
@@ -26,11 +26,18 @@ pub fn words(found: &ClosedLoop) -> Vec<String> {
     lines
 }
 
-fn three(of: &Compared, digits: usize, unit: &str) -> String {
-    let known = [(of.recorded, "recorded"), (of.nominal, "as believed"), (of.mended, "mended")];
-    let words: Vec<String> =
-        known.iter().filter_map(|(value, who)| Some(format!("{:.digits$} {unit} {who}", (*value)?))).collect();
-    if words.is_empty() { "never".into() } else { words.join(", ") }
+/// A quantity of those who flew, which are those who have an overshoot; `absent` is said of who has none of it.
+fn three(of: Compared, flew: Compared, digits: usize, unit: &str, absent: &str) -> String {
+    let say = |value: Option<f64>, flew: Option<f64>, who: &str| {
+        flew?;
+        Some(value.map_or(format!("{absent} {who}"), |value| format!("{value:.digits$} {unit} {who}")))
+    };
+    let words = [
+        say(of.recorded, flew.recorded, "recorded"),
+        say(of.nominal, flew.nominal, "as believed"),
+        say(of.mended, flew.mended, "mended"),
+    ];
+    words.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -49,7 +56,8 @@ mod tests {
             settling_s: Compared::default(),
             critical_gain_ratio: Simulated::default(),
         };
-        let line = "closed loop, medians of 3 steps: overshoot 12 % recorded; first peak never; settled to ±5 % never";
+        let line = "closed loop, medians of 3 steps: overshoot 12 % recorded; first peak none recorded; \
+                    settled to ±5 %: not recorded";
         assert_eq!(words(&found), [line]);
         assert!(words(&ClosedLoop { steps: 0, ..found }).is_empty());
     }

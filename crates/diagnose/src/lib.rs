@@ -5,6 +5,7 @@
 //! does no file or network access.
 
 mod arrival;
+pub mod blind;
 mod check;
 mod coarse;
 mod cursor;

@@ -1,0 +1,119 @@
+//! A diagnosis as its document (`airball.diagnosis/1`) says it: the part that can be scored.
+
+use crate::diagnosis::Verdict;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// What was answered about a case.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Answer {
+    /// The verdict.
+    #[serde(with = "Word")]
+    pub verdict: Verdict,
+    /// The effects that were named, most important first.
+    pub effects: Vec<NamedEffect>,
+    /// Gain, drag and hover.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Interval>,
+    /// How far the gap is closed.
+    #[serde(default)]
+    pub gap: AnsweredGap,
+    /// Where the gap is.
+    #[serde(default)]
+    pub r#where: AnsweredPlace,
+}
+
+/// An effect that was named.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct NamedEffect {
+    /// Its name.
+    pub name: String,
+    /// `added`, `retuned` or `removed`.
+    #[serde(default)]
+    pub change: String,
+    /// The chance that it, or one of those below, acts.
+    pub probability: f64,
+    /// Effects that it cannot be told from.
+    #[serde(default)]
+    pub indistinguishable_from: Vec<String>,
+    /// Its values.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Interval>,
+}
+
+/// A value with its 90 % interval, where there is one.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+pub struct Interval {
+    /// The value.
+    pub value: f64,
+    /// Lower end.
+    #[serde(default)]
+    pub low: Option<f64>,
+    /// Upper end.
+    #[serde(default)]
+    pub high: Option<f64>,
+}
+
+/// What an answer says of the gap.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct AnsweredGap {
+    /// The share that is closed at 1 s.
+    #[serde(default)]
+    pub closed: Option<AnsweredClosed>,
+}
+
+/// The share that is closed.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct AnsweredClosed {
+    /// The share.
+    pub value: f64,
+}
+
+/// What an answer says of the place.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct AnsweredPlace {
+    /// Stages with their shares.
+    #[serde(default)]
+    pub stage: Vec<AnsweredStage>,
+}
+
+/// A stage and its share.
+#[derive(Clone, Debug, Deserialize)]
+pub struct AnsweredStage {
+    /// The stage.
+    pub name: String,
+    /// Its share.
+    pub share: f64,
+}
+
+/// How a verdict is read: a new one does not compile before it is read here too.
+#[derive(Deserialize)]
+#[serde(remote = "Verdict", rename_all = "snake_case")]
+enum Word {
+    NoGap,
+    Parameters,
+    Effect,
+    Unexplained,
+    InsufficientData,
+}
+
+impl Answer {
+    /// The verdict as its document writes it.
+    #[must_use]
+    pub const fn word(&self) -> &'static str {
+        match self.verdict {
+            Verdict::NoGap => "no_gap",
+            Verdict::Parameters => "parameters",
+            Verdict::Effect => "effect",
+            Verdict::Unexplained => "unexplained",
+            Verdict::InsufficientData => "insufficient_data",
+        }
+    }
+
+    /// The stage with the largest share.
+    #[must_use]
+    pub fn stage(&self) -> Option<&str> {
+        let stages = self.r#where.stage.iter();
+        stages.max_by(|a, b| a.share.total_cmp(&b.share)).map(|stage| stage.name.as_str())
+    }
+}

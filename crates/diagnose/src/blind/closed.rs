@@ -1,0 +1,95 @@
+//! The share of the gap that the true effects close, to hold the claimed share against.
+//!
+//! ```text
+//! closed = (E_belief² − E_true²) / (E_belief² − F_true²)          at 1 s, over the readings in free flight
+//! ```
+//!
+//! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue writes them. Nothing is fitted,
+//! so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too little to close, neither.
+
+use super::truth::CaseTruth;
+use crate::gap::Gap;
+use crate::likelihood::in_free_flight;
+use crate::recording::Recording;
+use plant::{Effects, Model};
+
+/// A gap is worth closing when the error exceeds the floor by so much, as in the diagnosis.
+const WORTH_CLOSING: f64 = 1.05;
+
+/// The share of the gap at 1 s between `belief` and `recording` that the true model closes.
+#[must_use]
+pub fn closed_of_truth(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<f64> {
+    let model = true_model(belief, truth)?;
+    let counts = in_free_flight(belief, recording);
+    let gap = |model: &Model| Gap::measure_where(model, recording, &|row| counts[row]);
+    let (nominal, best) = (gap(belief), gap(&model));
+    let (before, after, floor) = (nominal.error_mm[2]?, best.error_mm[2]?, best.floor_mm[2]?);
+    let open = before * before - floor * floor;
+    (before > WORTH_CLOSING * floor).then(|| (before * before - after * after) / open)
+}
+
+/// The rig in terms of the catalogue, if it can be written so.
+fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
+    let mut model = Model {
+        gain_mm_per_s2_per_percent: *truth.base.get("gain_mm_per_s2_per_percent")?,
+        drag_per_s: *truth.base.get("drag_per_s")?,
+        hover_duty_percent: *truth.base.get("hover_duty_percent")?,
+        effects: Effects::default(),
+        ..belief.clone()
+    };
+    for effect in &truth.rig_effects {
+        let entry = Effects::entry(&effect.name)?;
+        let neutral = entry.neutral(&model);
+        let own = entry.params.iter().zip(neutral);
+        let values: Vec<f64> =
+            own.map(|(param, neutral)| effect.parameters.get(param.name).copied().unwrap_or(neutral)).collect();
+        model.effects.set(&effect.name, &values);
+    }
+    model.check().is_ok().then_some(model)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::closed_of_truth;
+    use crate::blind::truth::{CaseTruth, Kind, TrueEffect};
+    use crate::tests_support::{model, record};
+    use plant::{Effects, Model};
+
+    fn truth(effect: &str) -> CaseTruth {
+        let rig = model();
+        let base = [
+            ("gain_mm_per_s2_per_percent", rig.gain_mm_per_s2_per_percent),
+            ("drag_per_s", rig.drag_per_s),
+            ("hover_duty_percent", rig.hover_duty_percent),
+        ];
+        let lag = TrueEffect {
+            name: effect.into(),
+            change: "added".into(),
+            parameters: [("time_constant_s".to_owned(), 0.2)].into(),
+            stage: "actuator".into(),
+        };
+        CaseTruth {
+            case: "case-000".into(),
+            kind: Kind::Single,
+            effects: vec![lag.clone()],
+            moved: Vec::new(),
+            base: base.map(|(key, value)| (key.to_owned(), value)).into(),
+            rig_effects: vec![lag],
+        }
+    }
+
+    #[test]
+    fn the_true_effects_close_the_whole_gap_of_a_rig_that_the_catalogue_can_write() {
+        let belief = Model { effects: Effects::default(), ..model() };
+        let closed = closed_of_truth(&belief, &truth("fan_lag"), &record(&model(), 3, 80)).unwrap();
+        assert!((closed - 1.0).abs() < 0.1, "{closed}");
+    }
+
+    #[test]
+    fn nothing_is_closed_where_nothing_is_open_or_the_catalogue_has_no_word() {
+        let recording = record(&model(), 3, 80);
+        assert_eq!(closed_of_truth(&model(), &truth("fan_lag"), &recording), None);
+        let belief = Model { effects: Effects::default(), ..model() };
+        assert_eq!(closed_of_truth(&belief, &truth("gusts"), &recording), None);
+    }
+}

@@ -1,0 +1,67 @@
+//! When an entry names an effect.
+//!
+//! - An entry says "this name, or one of those that it cannot be told from": it names every effect in that set, and no other.
+//! - A twin that is not in the set is not named: `transport_delay` alone is wrong about a delay of the sensor, although no record
+//!   could tell. `fan_lag` is wrong about `spin_asymmetry`, whose second number it lacks, and `spin_asymmetry` about `fan_lag`:
+//!   it claims an asymmetry that is not there.
+//! - An entry names one effect at a time: two effects are both named when two entries name one each.
+//! - The size of a set counts a class of twins once: listing a true twin is honest, listing anything else is vague.
+
+use super::answer::{Answer, NamedEffect};
+use super::truth::TrueEffect;
+
+/// Names that a record can hardly tell apart, or not at all.
+const CLASSES: [&[&str]; 2] = [&["transport_delay", "sensor_delay"], &["fan_lag", "sensor_lag", "spin_asymmetry"]];
+
+/// What stands in for an effect that the catalogue lacks: the effect, and the names that imitate it. A symmetric lag does not
+/// imitate an asymmetric one.
+const STAND_INS: [(&str, &[&str]); 4] = [
+    ("transport_delay", &["sensor_delay"]),
+    ("sensor_delay", &["transport_delay"]),
+    ("fan_lag", &["sensor_lag", "spin_asymmetry"]),
+    ("sensor_lag", &["fan_lag", "spin_asymmetry"]),
+];
+
+/// All names of an entry.
+pub(super) fn set(entry: &NamedEffect) -> impl Iterator<Item = &str> {
+    std::iter::once(entry.name.as_str()).chain(entry.indistinguishable_from.iter().map(String::as_str))
+}
+
+/// Whether the entry names the effect.
+pub(super) fn names(entry: &NamedEffect, effect: &str) -> bool {
+    set(entry).any(|name| name == effect)
+}
+
+/// Whether the entry names something that imitates the effect.
+pub(super) fn names_stand_in(entry: &NamedEffect, effect: &str) -> bool {
+    let imitators = STAND_INS.iter().find(|(name, _)| *name == effect).map_or(&[][..], |(_, imitators)| imitators);
+    set(entry).any(|name| imitators.contains(&name))
+}
+
+/// How many different things an entry says: its names, a class of twins counted once.
+pub(super) fn size(entry: &NamedEffect) -> usize {
+    let class = |name: &str| CLASSES.iter().find(|class| class.contains(&name)).map(|class| class[0].to_owned());
+    let mut classes: Vec<String> = set(entry).map(|name| class(name).unwrap_or_else(|| name.to_owned())).collect();
+    classes.sort_unstable();
+    classes.dedup();
+    classes.len()
+}
+
+/// How many of the true effects are named, each by an entry of its own.
+pub(super) fn named(answer: &Answer, truth: &[TrueEffect]) -> usize {
+    match_up(truth, &mut vec![false; answer.effects.len()], answer)
+}
+
+/// The best way to give each effect an entry: there are never more than a handful of either.
+fn match_up(truth: &[TrueEffect], taken: &mut Vec<bool>, answer: &Answer) -> usize {
+    let Some((first, rest)) = truth.split_first() else { return 0 };
+    let mut best = match_up(rest, taken, answer);
+    for (at, entry) in answer.effects.iter().enumerate() {
+        if !taken[at] && names(entry, &first.name) {
+            taken[at] = true;
+            best = best.max(1 + match_up(rest, taken, answer));
+            taken[at] = false;
+        }
+    }
+    best
+}

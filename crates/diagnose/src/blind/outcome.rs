@@ -1,0 +1,108 @@
+//! What an answer is worth, in a word.
+//!
+//! | kind | right | partly |
+//! |---|---|---|
+//! | `none`, `parameters` | `no_gap` or `parameters`, no effect named | |
+//! | `single` | the first entry names the effect | a later entry does |
+//! | `pair` | two entries name one each | one effect is named |
+//! | `outside` | `unexplained` | |
+//! | effect left out of the search | `unexplained`, or the first entry names what imitates the effect | |
+//!
+//! `unexplained` beside an entry that names the effect is as right as `effect`: something may well be left. What is neither is
+//! `unexplained` (honest), silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or unreadable), or wrong.
+
+use super::Case;
+use super::answer::Answer;
+use super::names::{named, names, names_stand_in};
+use super::truth::Kind;
+use crate::diagnosis::Verdict;
+use serde::Serialize;
+
+/// What an answer is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// As it should be.
+    Right,
+    /// One of two effects, or not in the first place.
+    Partly,
+    /// Something is wrong, it says, and does not name it.
+    Unexplained,
+    /// Says that no effect is missing.
+    Silent,
+    /// Names what is not there.
+    Wrong,
+    /// The record was not read, or could not answer.
+    NoAnswer,
+}
+
+impl Outcome {
+    /// Its word in reports.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Partly => "partly",
+            Self::Unexplained => "unexplained",
+            Self::Silent => "silent",
+            Self::Wrong => "wrong",
+            Self::NoAnswer => "no answer",
+        }
+    }
+}
+
+/// What the answer about a case is worth.
+pub(super) fn outcome(case: &Case) -> Outcome {
+    let Some(answer) = &case.answer else { return Outcome::NoAnswer };
+    let truth = &case.truth.effects;
+    match case.truth.kind {
+        Kind::None | Kind::Parameters if no_alarm(answer) && answered(answer) => Outcome::Right,
+        Kind::Single if first_names(answer, case) => Outcome::Right,
+        Kind::Pair if named(answer, truth) == truth.len() => Outcome::Right,
+        Kind::Outside if answer.verdict == Verdict::Unexplained => Outcome::Right,
+        Kind::Single | Kind::Pair if named(answer, truth) > 0 => Outcome::Partly,
+        _ => short_of_right(answer),
+    }
+}
+
+/// What the answer is worth that was not allowed to name the true effect. `None`: that was not asked.
+pub(super) fn outcome_left_out(case: &Case) -> Option<Outcome> {
+    let (answer, effect) = (case.left_out.as_ref()?, case.truth.effects.first()?);
+    let stands_in = answer.effects.first().is_some_and(|entry| names_stand_in(entry, &effect.name));
+    let right = stands_in || answer.verdict == Verdict::Unexplained;
+    Some(if right { Outcome::Right } else { short_of_right(answer) })
+}
+
+fn short_of_right(answer: &Answer) -> Outcome {
+    match answer.verdict {
+        Verdict::InsufficientData => Outcome::NoAnswer,
+        Verdict::Unexplained => Outcome::Unexplained,
+        _ if answer.effects.is_empty() => Outcome::Silent,
+        _ => Outcome::Wrong,
+    }
+}
+
+/// Whether the first entry names the (first) true effect.
+fn first_names(answer: &Answer, case: &Case) -> bool {
+    let pair = answer.effects.first().zip(case.truth.effects.first());
+    pair.is_some_and(|(entry, effect)| names(entry, &effect.name))
+}
+
+/// Whether a verdict was given at all.
+pub(super) fn answered(answer: &Answer) -> bool {
+    answer.verdict != Verdict::InsufficientData
+}
+
+/// Whether nothing is claimed beyond moved base parameters.
+pub(super) fn no_alarm(answer: &Answer) -> bool {
+    answer.effects.is_empty() && !matches!(answer.verdict, Verdict::Effect | Verdict::Unexplained)
+}
+
+/// Whether the effects that are named are those that act, all of them and no other, and nothing is left.
+pub(super) fn exact(case: &Case) -> bool {
+    let truth = &case.truth.effects;
+    case.answer.as_ref().is_some_and(|answer| {
+        let complete = answer.effects.len() == truth.len() && named(answer, truth) == truth.len();
+        complete && answer.verdict == Verdict::Effect
+    })
+}

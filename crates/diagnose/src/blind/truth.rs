@@ -1,0 +1,102 @@
+//! The truth about withheld cases (`world.truth/1`) and what their records could tell at best, as their files hold them.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Values of parameters by their keys.
+pub type Values = BTreeMap<String, f64>;
+
+/// The opened truth of a set of cases.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Truth {
+    /// Name and version of the form.
+    pub schema: String,
+    /// The cases in order.
+    pub cases: Vec<CaseTruth>,
+}
+
+impl Truth {
+    /// The form that this program reads.
+    pub const SCHEMA: &'static str = "world.truth/1";
+}
+
+/// What a rig differs from its belief by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Nothing but what an owner never knows exactly.
+    None,
+    /// Base parameters.
+    Parameters,
+    /// One effect of the catalogue.
+    Single,
+    /// Two effects of the catalogue.
+    Pair,
+    /// Something that the catalogue does not hold.
+    Outside,
+}
+
+impl Kind {
+    /// Every kind, in the order of reports.
+    pub const ALL: [Self; 5] = [Self::None, Self::Parameters, Self::Single, Self::Pair, Self::Outside];
+
+    /// Its word in truths and reports.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Parameters => "parameters",
+            Self::Single => "single",
+            Self::Pair => "pair",
+            Self::Outside => "outside",
+        }
+    }
+}
+
+/// The truth of one case.
+#[derive(Clone, Debug, Deserialize)]
+pub struct CaseTruth {
+    /// Its name, and that of its files.
+    pub case: String,
+    /// What rig and belief differ by.
+    pub kind: Kind,
+    /// The effects that they differ by.
+    #[serde(default)]
+    pub effects: Vec<TrueEffect>,
+    /// Base parameters that are far from the belief.
+    #[serde(default)]
+    pub moved: Vec<String>,
+    /// True gain, drag and hover.
+    pub base: Values,
+    /// Everything that acts, known to the owner or not.
+    #[serde(default)]
+    pub rig_effects: Vec<TrueEffect>,
+}
+
+/// An effect of a rig.
+#[derive(Clone, Debug, Deserialize)]
+pub struct TrueEffect {
+    /// Its name in the catalogue, or of something outside.
+    pub name: String,
+    /// `added`, `retuned` or `removed`; empty where nothing differs.
+    #[serde(default)]
+    pub change: String,
+    /// True values; empty when removed.
+    #[serde(default)]
+    pub parameters: Values,
+    /// Where on the signal path it acts; empty where the truth does not say.
+    #[serde(default)]
+    pub stage: String,
+}
+
+/// What a record could tell at best.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Bounds {
+    /// Which case.
+    pub case: String,
+    /// Nats that a perfect diagnosis gains over a refitted belief. `None`: the effect shows in the spread only, no bound is known.
+    pub nats: Option<f64>,
+    /// Cramér–Rao deviation of every true parameter: `gain_mm_per_s2_per_percent`, `fan_lag.time_constant_s`.
+    #[serde(default)]
+    pub sigma: Values,
+}

@@ -14,6 +14,14 @@ pub enum LogError {
         /// What the system said.
         source: io::Error,
     },
+    /// The file cannot be unpacked.
+    #[error("cannot unpack {} (zstd): {cause}; copy the file again, or pack it again with `zstd`", path.display())]
+    Packed {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong.
+        cause: String,
+    },
     /// The file cannot be created.
     #[error("cannot create the log {}: {source}; check the folder and its permissions", path.display())]
     Create {

@@ -1,7 +1,7 @@
 //! What a flight leaves behind, and how it is read again.
 //!
 //! Writing: [`recorder`] (what the loop sees) → [`queue`] (real time) → [`writer`] → MCAP.
-//! Reading: [`reader`] → [`flight`] (MCAP) or `table` and `columns` (CSV, mapped by [`import`]) → recording.
+//! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or `table` and `columns` (CSV, mapped by [`import`]) → recording.
 //! Other rigs' files become ours by [`import`]; ours become tables by [`export`].
 
 mod columns;
@@ -10,6 +10,7 @@ pub mod export;
 pub mod flight;
 pub mod header;
 pub mod import;
+mod packed;
 pub mod queue;
 pub mod reader;
 pub mod record;

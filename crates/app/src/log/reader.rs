@@ -1,4 +1,4 @@
-//! Any log in, a recording out: our own MCAP, or a CSV of whoever.
+//! Any log in, a recording out: our own MCAP, or a CSV of whoever, either of them packed with zstd or not.
 //!
 //! A cycle becomes a row whose position is there only if it was measured in that cycle; a repeated one is no reading.
 
@@ -7,6 +7,7 @@ use super::{
     flight::{self, Flight},
     header::About,
     import::Import,
+    packed::unpacked,
     record::{Cycle, EventMessage},
     table::Table,
 };
@@ -40,7 +41,7 @@ pub struct LoadedLog {
 /// [`LogError`] names the file, the place, what is there and what to do.
 pub fn read(path: &Path, import: Option<&Import>) -> Result<LoadedLog, LogError> {
     let bytes = fs::read(path).map_err(|source| LogError::Open { path: path.into(), source })?;
-    parse(path, &bytes, import)
+    parse(path, &unpacked(path, &bytes)?, import)
 }
 
 /// Reads the bytes of a log; `path` is only its name in messages.

@@ -1,5 +1,6 @@
 //! The command line. Flags mean the same everywhere.
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -24,6 +25,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Say which effect separates a log from a model, where, and how far it closes the gap
     Diagnose(DiagnoseArgs),
+    /// Diagnose a folder of withheld cases, and score the answers once the truth is known
+    Blind(BlindArgs),
     /// Check or print a config
     #[command(subcommand)]
     Config(ConfigCommand),
@@ -128,6 +131,38 @@ pub struct DiagnoseArgs {
     pub json: bool,
 }
 
+/// `airball blind`
+#[derive(Debug, Args)]
+pub struct BlindArgs {
+    /// Cases: case-NNN.csv or case-NNN.csv.zst, and case-NNN.toml with what the owner believes
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// Write the diagnosis of each case here, as `diagnose --json` prints it
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Take the diagnoses from here, where --out wrote them, and make none
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "without", "jobs"])]
+    pub verdicts: Option<PathBuf>,
+    /// Score the answers against this truth (world.truth/1)
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+    /// What each record could tell at best: nats and Cramér–Rao deviations
+    #[arg(long, value_name = "FILE", requires = "truth")]
+    pub bounds: Option<PathBuf>,
+    /// Never name this effect, as if the catalogue did not hold it; may be given again
+    #[arg(long, value_name = "EFFECT", value_parser = effect())]
+    pub without: Vec<String>,
+    /// Diagnose so many of the rigs with one added effect again, that effect left out of the search
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "truth")]
+    pub leave_out: usize,
+    /// Threads [default: one a core]; the answers do not depend on it
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZeroUsize>,
+    /// Write the result as JSON, and nothing else, to standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `airball config`
 #[derive(Debug, Subcommand)]
 pub enum ConfigCommand {
@@ -150,6 +185,10 @@ pub enum LogCommand {
         /// The log
         log: PathBuf,
     },
+}
+
+fn effect() -> PossibleValuesParser {
+    PossibleValuesParser::new(plant::Effects::CATALOGUE.iter().map(|entry| entry.name))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

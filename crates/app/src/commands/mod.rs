@@ -1,7 +1,9 @@
 //! One file a command: reads its flags and tables, calls what does the work, prints the result.
 
+pub mod blind;
 pub mod config;
 pub mod diagnose;
+mod diagnosing;
 mod flying;
 pub mod log;
 mod output;

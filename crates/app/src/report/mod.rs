@@ -1,6 +1,7 @@
-//! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, and the [`diagnosis`] with
-//! its [`closed_loop`] and what to fly [`next`].
+//! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, the [`diagnosis`] with
+//! its [`closed_loop`] and what to fly [`next`], and the score of many that were [`blind`].
 
+pub mod blind;
 pub mod closed_loop;
 pub mod diagnosis;
 pub mod gap;

@@ -1,0 +1,132 @@
+//! Blind scoring: rigs of another world, diagnosed and scored from the command line, and the committed verdicts.
+
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+use system_tests::{Bench, root};
+
+/// Withheld cases below `cases`, their truth and bounds below `sealed`; what the world printed.
+fn world(bench: &Bench, arguments: &[&str]) -> String {
+    fs::create_dir(bench.path("sealed")).unwrap();
+    let mut world = Command::new(env!("CARGO_BIN_EXE_world"));
+    world.args(["--out", "cases", "--truth", "sealed/truth.json", "--bounds", "sealed/bounds.json"]).args(arguments);
+    let output = world.current_dir(bench.path(".")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// Count and number of cases of a share.
+fn share(document: &Value, name: &str) -> (u64, u64) {
+    let shares = document["score"]["shares"].as_array().unwrap();
+    let share = shares.iter().find(|share| share["name"] == name).unwrap();
+    (share["count"].as_u64().unwrap(), share["n"].as_u64().unwrap())
+}
+
+#[test]
+fn withheld_cases_are_diagnosed_and_scored() {
+    let bench = Bench::default();
+    let printed = world(&bench, &["--seed", "sample", "--count", "10", "--jobs", "2"]);
+    let digest = Sha256::digest(fs::read(bench.path("sealed/truth.json")).unwrap());
+    let seal: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    assert_eq!(printed.lines().next(), Some(format!("sha256 of the truth: {seal}").as_str()));
+
+    let truth = ["--truth", "sealed/truth.json", "--bounds", "sealed/bounds.json", "--json"];
+    let ran = bench.run(&[&["blind", "cases", "--out", "verdicts", "--leave-out", "1"], &truth[..]].concat());
+    assert_eq!((ran.code, ran.errors.as_str()), (Some(0), ""), "no bar in a pipe");
+    let document = json(&ran.output);
+    assert_eq!((&document["schema"], &document["unreadable"]), (&Value::from("airball.blind/1"), &Value::from(0)));
+    assert_eq!(share(&document, "read"), (10, 10));
+    assert_eq!(share(&document, "left_out").1, 1);
+    let (alarms, quiet) = share(&document, "false_alarm");
+    assert!(quiet >= 2 && 2 * alarms <= quiet, "{alarms} false alarms in {quiet}: {document}");
+
+    // The answer about a case is that of the command for one log, to the letter.
+    let alone = bench.output(&["diagnose", "--json", "cases/case-003.csv", "--config", "cases/case-003.toml"]);
+    assert_eq!(bench.read("verdicts/case-003.json"), alone);
+
+    let again = bench.output(&[&["blind", "cases", "--verdicts", "verdicts"], &truth[..]].concat());
+    assert_eq!(json(&again), document);
+    let page = bench.output(&["blind", "cases", "--verdicts", "verdicts", "--truth", "sealed/truth.json"]);
+    assert!(page.starts_with("10 cases: ") && page.contains("| single: the first entry names it "), "{page}");
+}
+
+/// A record on which nothing moves, which is quickly answered.
+fn still() -> String {
+    let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
+    format!("time_s,duty_percent,position_mm\n{rows}")
+}
+
+#[test]
+fn a_bad_case_is_named_and_counted_and_the_others_are_answered() {
+    let bench = Bench::default();
+    fs::create_dir(bench.path("cases")).unwrap();
+    for case in ["case-000", "case-001", "case-002"] {
+        bench.write(&format!("cases/{case}.csv"), still());
+    }
+    bench.write("cases/case-001.csv", "time_s,duty_percent,position_mm\n0,oops,3\n");
+    for case in ["case-000", "case-001"] {
+        bench.write(&format!("cases/{case}.toml"), bench.read("config.toml"));
+    }
+    let ran = bench.run(&["blind", "cases", "--json"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    let document = json(&ran.output);
+    assert_eq!((&document["unreadable"], &document["answers"]["insufficient_data"]), (&2.into(), &1.into()));
+    assert_eq!(document["score"], Value::Null);
+    for reason in ["case-001: ", "`oops` is no number", "case-002: ", "case-002.toml"] {
+        assert!(ran.errors.contains(reason), "{reason} in {}", ran.errors);
+    }
+    fs::remove_file(bench.path("cases/case-000.toml")).unwrap();
+    let ran = bench.run(&["blind", "cases"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("none of the 3 cases could be diagnosed"), "{}", ran.errors);
+}
+
+#[test]
+fn a_wrong_truth_and_an_unknown_effect_are_refused() {
+    let bench = Bench::default();
+    fs::create_dir(bench.path("cases")).unwrap();
+    bench.write("cases/case-000.csv", still());
+    bench.write("truth.json", r#"{ "schema": "world.truth/9", "cases": [] }"#);
+    let ran = bench.run(&["blind", "cases", "--truth", "truth.json"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("world.truth/9") && ran.errors.contains("world.truth/1"), "{}", ran.errors);
+    let ran = bench.run(&["blind", "cases", "--without", "fan_lagg"]);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.errors.contains("fan_lagg") && ran.errors.contains("fan_lag"), "{}", ran.errors);
+}
+
+/// Cases of the first round that have a verdict.
+fn verdicts(round: &Path) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> =
+        fs::read_dir(round.join("verdicts")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// Numbers that follow from the commit; outside a checkout, from nothing.
+fn chosen(count: usize, of: usize) -> Vec<usize> {
+    let head = Command::new("git").args(["rev-parse", "HEAD"]).current_dir(root()).output();
+    let head = head.ok().filter(|output| output.status.success()).map_or_else(Vec::new, |output| output.stdout);
+    let digest = Sha256::digest(head);
+    digest.chunks(2).take(count).map(|pair| (usize::from(pair[0]) * 256 + usize::from(pair[1])) % of).collect()
+}
+
+#[test]
+fn committed_verdicts_are_what_the_program_says_of_the_withheld_records() {
+    let round = root().join("tests/blind/round-1");
+    let (bench, all) = (Bench::default(), verdicts(&round));
+    assert!(!all.is_empty(), "no verdicts; make them with scripts/round-1");
+    for which in chosen(3, all.len()) {
+        let case = all[which].file_stem().unwrap().to_str().unwrap();
+        let [record, belief] = ["csv.zst", "toml"].map(|ending| round.join(format!("{case}.{ending}")));
+        let said =
+            bench.output(&["diagnose", "--json", record.to_str().unwrap(), "--config", belief.to_str().unwrap()]);
+        assert_eq!(fs::read_to_string(&all[which]).unwrap(), said, "{case}; make them again with scripts/round-1");
+    }
+}

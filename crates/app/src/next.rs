@@ -73,7 +73,7 @@ pub fn advise(found: &Diagnosis, log: &LoadedLog, tables: &Tables, belief: &Mode
     let Some(desk) = Desk::that_flew(log, tables).or_else(|| Desk::gentle(belief, period_s)) else {
         return Advice::default();
     };
-    let rivals = rivals::of(found, log, belief);
+    let rivals = rivals::of(found);
     if !rivals.is_empty() {
         return between(&rivals, &desk, log);
     }

@@ -17,6 +17,11 @@ const NO_TARGET_MM: [f64; 2] = [8190.0, 8191.0];
 /// A duty that moves less than this, percent, excites nothing: four steps of a 12-bit chip.
 const STILL_PERCENT: f64 = 0.1;
 
+/// A hover beyond this cannot be met by duties that are fractions.
+const FRACTION_OF_HOVER: f64 = 2.0;
+/// Share of readings outside the pipe that makes it another pipe.
+const ELSEWHERE: f64 = 0.1;
+
 /// Something about a record that its reader should know.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Finding {
@@ -84,6 +89,12 @@ pub enum Finding {
         percent: f64,
         /// The limit, mm.
         limit_mm: f64,
+    },
+    /// The search worked on fewer rows.
+    #[error("a fast clock: {merged} rows each were taken as one for the diagnosis, the duty as their mean")]
+    Thinned {
+        /// How many rows became one.
+        merged: usize,
     },
     /// The same reading again and again.
     #[error(
@@ -164,6 +175,25 @@ fn repeats(readings: &[f64]) -> Option<Finding> {
 fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Whether findings leave nothing to diagnose: nothing moves, or the record and the belief are not of one rig.
+pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &Model) -> bool {
+    let readings = recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
+    findings.iter().any(|finding| match finding {
+        Finding::StillDuty { .. } | Finding::StillPosition { .. } => true,
+        Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
+        Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,
+        _ => false,
+    })
+}
+
+/// The recording without the readings that are codes of the sensor; `None` if it has none of them.
+pub(crate) fn without_codes(findings: &[Finding], recording: &Recording) -> Option<Recording> {
+    findings.iter().find(|finding| matches!(finding, Finding::NoTarget { .. }))?;
+    let plain =
+        |sample: &Sample| Sample { position_mm: sample.position_mm.filter(|mm| !NO_TARGET_MM.contains(mm)), ..*sample };
+    Recording::new(recording.samples().iter().map(plain).collect()).ok()
 }
 
 #[cfg(test)]

@@ -33,7 +33,11 @@ impl Cell {
         }
         if low > FAR {
             // Mills' ratio: almost all of it lies at the nearer edge.
-            return Self { log_probability: -0.5 * low * low - (low * TAU.sqrt()).ln(), shift: low + 1.0 / low, spread: 0.0 };
+            return Self {
+                log_probability: -0.5 * low * low - (low * TAU.sqrt()).ln(),
+                shift: low + 1.0 / low,
+                spread: 0.0,
+            };
         }
         let density = |x: f64| (-0.5 * x * x).exp() / TAU.sqrt();
         let probability = 0.5 * (erfc(low / SQRT_2) - erfc(high / SQRT_2));
@@ -53,12 +57,16 @@ mod tests {
             let step = (high - low) / 20_000.0;
             let points = (0..20_000).map(|k| low + (f64::from(k) + 0.5) * step);
             let moment = |power: i32| -> f64 {
-                points.clone().map(|x| x.powi(power) * (-0.5 * x * x).exp() * step).sum::<f64>() / std::f64::consts::TAU.sqrt()
+                points.clone().map(|x| x.powi(power) * (-0.5 * x * x).exp() * step).sum::<f64>()
+                    / std::f64::consts::TAU.sqrt()
             };
             let (p, mean) = (moment(0), moment(1) / moment(0));
             let cell = Cell::between(low, high);
             assert!((cell.log_probability - p.ln()).abs() < 1e-6, "{low} to {high}: {cell:?}");
-            assert!((cell.shift - mean).abs() < 1e-6 && (cell.spread - (moment(2) / p - mean * mean)).abs() < 1e-5, "{cell:?}");
+            assert!(
+                (cell.shift - mean).abs() < 1e-6 && (cell.spread - (moment(2) / p - mean * mean)).abs() < 1e-5,
+                "{cell:?}"
+            );
         }
     }
 

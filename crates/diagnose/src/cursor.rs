@@ -30,6 +30,8 @@ const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3];
 pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
 /// Lengths of steps that are remembered: a clock of whole milliseconds has few.
 const STEPS_KNOWN: usize = 16;
+/// Below this speed friction is smoothed, whatever the filter knows.
+const SLOWEST_MM_PER_S: f64 = 1.0;
 /// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
 const WILD_IN_A_ROW: u32 = 2;
 /// The same for a sensor that is believed to have wild readings: they may come in bursts.
@@ -65,7 +67,8 @@ impl Steps {
     /// Steps of `model`.
     pub(crate) fn of(model: &Model) -> Self {
         let effects = &model.effects;
-        let bent = effects.quadratic_drag.is_some() || effects.wall_friction.is_some() || effects.spin_asymmetry.is_some();
+        let bent =
+            effects.quadratic_drag.is_some() || effects.wall_friction.is_some() || effects.spin_asymmetry.is_some();
         Self { linear: !bent, known: Vec::new(), next: 0 }
     }
 
@@ -134,11 +137,12 @@ impl<'a> Cursor<'a> {
     pub(crate) fn take(&mut self, reading: Reading) -> Surprise {
         let (expected, variance) = self.expect();
         let surprise = Surprise::of(reading, expected, variance);
-        let (weight, pull) = if self.wild_run >= if reading.outliers.is_some() { WILD_IN_A_BURST } else { WILD_IN_A_ROW } {
-            (1.0, (reading.position_mm - expected) / variance.sqrt())
-        } else {
-            (surprise.weight, surprise.pull)
-        };
+        let (weight, pull) =
+            if self.wild_run >= if reading.outliers.is_some() { WILD_IN_A_BURST } else { WILD_IN_A_ROW } {
+                (1.0, (reading.position_mm - expected) / variance.sqrt())
+            } else {
+                (surprise.weight, surprise.pull)
+            };
         let towards = self.covariance.column(seen_state(self.model)).into_owned();
         self.state += towards * (pull / variance.sqrt());
         self.covariance -= towards * towards.transpose() * (weight / variance);
@@ -196,15 +200,33 @@ impl<'a> Cursor<'a> {
             turbulence_mm_per_s2: x[3],
             sensed_mm: x[4],
         };
-        let next = motion.step(self.model, commanded, dt);
+        let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
         // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
+        let endless = |nudged: &Motion| match &self.model.effects.wall_friction {
+            Some(friction) => {
+                let mean = mean_friction(friction.acceleration_mm_per_s2, nudged.velocity_mm_per_s, roughness);
+                nudged.slide(self.model, commanded, mean, dt)
+            }
+            None => nudged.step_in_endless_pipe(self.model, commanded, dt),
+        };
+        let next = if self.model.effects.wall_friction.is_some() {
+            endless(&motion)
+        } else {
+            motion.step(self.model, commanded, dt)
+        };
         let (transition, noise) = known.doubt(dt, || {
-            let transition = derivative(self.model, |nudged| nudged.step_in_endless_pipe(self.model, commanded, dt), &motion);
+            let transition = derivative(self.model, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
         });
         self.state = vector(&next);
         self.covariance = transition * self.covariance * transition.transpose() + noise;
     }
+}
+
+/// What friction does on average to a ball whose velocity is known to `roughness` mm/s only, mm/s²: −f·E sign(v). Without it a
+/// filter would take a ball that creeps for one that sticks, and be sure of it.
+fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
+    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness.max(SLOWEST_MM_PER_S)))
 }
 
 /// When the reading of `row` was taken, seconds since the start of the record. `None`: there is no such row.

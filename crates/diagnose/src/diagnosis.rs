@@ -7,20 +7,29 @@
 //! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
 //! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
-use crate::check::{Finding, check};
+use crate::check::{Finding, check, is_hopeless, without_codes};
+use crate::closed::Closed;
 use crate::fit::{Fit, Problem};
 use crate::folds::Folds;
 use crate::free::Free;
 use crate::gap::{Gap, Tally, tallies};
-use crate::places::{Place, places};
-use crate::residue::Residue;
+use crate::places::{Place, places, rows};
 use crate::recording::Recording;
+use crate::residue::Residue;
+use crate::spectrum::{Band, band, periodogram};
+use crate::thin::thinned;
 use crate::which::{CONTAINS, Candidate, Search, Tried};
 use plant::Model;
 use rayon::prelude::*;
 
 /// Held-out gain, nats, that an effect must bring to be named: e⁵ to 1.
 const NAMED: f64 = 6.0;
+/// The same for each further one, and as a share of what is explained already: the form of an effect is never quite that of
+/// the catalogue, and what that leaves is no further effect.
+const NAMED_NEXT: f64 = 9.0;
+const SHARE_OF_FORM: f64 = 0.005;
+/// The same for turbulence: what the noise of the air grew by counts against it already, and what is left over is judged strictly.
+const NAMED_TURBULENCE: f64 = 3.0;
 /// Effects that explain the record within so many nats of the best cannot be told from it.
 const TOLD_APART: f64 = 3.0;
 /// The same for effects that act alike on whatever the duty does.
@@ -51,15 +60,31 @@ pub enum Verdict {
     InsufficientData,
 }
 
+/// What is to be done to the belief about an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    /// It was not believed.
+    Added,
+    /// It was believed, but its numbers are off by more than a factor of 1.5.
+    Retuned,
+    /// It was believed, and is not there.
+    Removed,
+}
+
 /// An effect that was found.
 #[derive(Clone, Debug)]
 pub struct Named {
+    /// What is to be done about it.
+    pub change: Change,
     /// The effect and its fit at the time it was found.
     pub candidate: Candidate,
     /// The chance that this effect, or one of those it cannot be told from, acts.
     pub probability: f64,
     /// The effects it cannot be told from.
     pub indistinguishable_from: Vec<&'static str>,
+    /// The models with each of those in its place, in the same order.
+    pub rivals: Vec<Model>,
 }
 
 /// Everything that a diagnosis says.
@@ -79,8 +104,12 @@ pub struct Diagnosis {
     pub gaps: [Gap; 3],
     /// Where the refitted belief is wrong, the most significant place first.
     pub places: Vec<Place>,
+    /// The frequencies at which the refitted belief is most wrong.
+    pub band: Option<Band>,
     /// What is left over.
     pub residue: Residue,
+    /// How much of the gap at 1 s the mended model closes; `None` where there is too little to close.
+    pub closed: Option<Closed>,
     /// What the record cannot answer.
     pub findings: Vec<Finding>,
 }
@@ -95,19 +124,24 @@ pub struct Options {
 /// Compares `belief` with `recording` and says what separates them.
 #[must_use]
 pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Diagnosis {
-    let findings = check(recording, belief);
+    let mut findings = check(recording, belief);
+    let decoded = without_codes(&findings, recording);
+    let recording = decoded.as_ref().unwrap_or(recording);
+    let thinned = thinned(recording);
+    findings.extend(thinned.as_ref().map(|(merged, _)| Finding::Thinned { merged: *merged }));
+    let recording = thinned.as_ref().map_or(recording, |(_, recording)| recording);
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, &options.without);
     let refitted = search.refitted();
     let readings = refitted.surprises.iter().filter(|s| folds.counts(s.row)).count();
-    let hopeless = findings.iter().any(|f| matches!(f, Finding::StillDuty { .. } | Finding::StillPosition { .. }));
-    let answers = readings >= ENOUGH_READINGS && !hopeless;
+    let answers = readings >= ENOUGH_READINGS && !is_hopeless(&findings, recording, belief);
     let found = if answers { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
     let stretches = held_out(&search, belief, [&refitted, &found.fit]);
     let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
+    let closed = Closed::of(&stretches[0], &stretches[2]);
     let verdict = if !answers {
         Verdict::InsufficientData
-    } else if found.residue.is_significant() || found.effects.len() > MOST_EFFECTS {
+    } else if found.residue.is_significant() || found.added() > MOST_EFFECTS {
         Verdict::Unexplained
     } else if !found.effects.is_empty() {
         Verdict::Effect
@@ -117,8 +151,9 @@ pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Dia
         Verdict::NoGap
     };
     let places = places(&refitted.model, recording, &folds);
+    let band = band(&periodogram(&rows(&refitted.model, recording, &folds)));
     let Explanation { effects, rounds, fit: mended, residue } = found;
-    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, residue, findings }
+    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings }
 }
 
 /// The effects that explain a record, one after another.
@@ -130,6 +165,10 @@ struct Explanation {
 }
 
 impl Explanation {
+    fn added(&self) -> usize {
+        self.effects.iter().filter(|named| named.change == Change::Added).count()
+    }
+
     fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
         let residue = Residue::of(search.problem(), refitted);
         Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), residue }
@@ -152,7 +191,9 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds): (Vec<Named>, _) = (Vec::new(), Vec::new());
     while effects.len() <= MOST_EFFECTS {
-        let (named, tried) = next_effect(search, &fit);
+        let explained: f64 = effects.iter().map(|named| named.candidate.gain).sum();
+        let needed = if effects.is_empty() { NAMED } else { NAMED_NEXT.max(SHARE_OF_FORM * explained) };
+        let (named, tried) = next_effect(search, &fit, needed);
         rounds.push(tried);
         let Some(named) = named else { break };
         fit = named.candidate.fit.clone();
@@ -162,6 +203,19 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
         }
     }
     let residue = Residue::of(search.problem(), &fit);
+    for (change, candidate, without) in search.changed(&fit) {
+        if candidate.gain > NAMED {
+            fit = without.unwrap_or(fit);
+            let probability = 1.0 / (1.0 + (-candidate.gain / DOUBT).exp());
+            effects.push(Named {
+                change,
+                candidate,
+                probability,
+                indistinguishable_from: Vec::new(),
+                rivals: Vec::new(),
+            });
+        }
+    }
     Explanation { effects, rounds, fit, residue }
 }
 
@@ -169,30 +223,44 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
 fn revise_first(search: &Search<'_>, effects: &mut [Named], fit: &mut Fit) {
     let [first, _] = effects else { return };
     let without_first = search.removed(fit, first.candidate.entry.name);
-    if let (Some(again), _) = next_effect(search, &without_first) {
+    if let (Some(again), _) = next_effect(search, &without_first, NAMED_NEXT) {
         *fit = again.candidate.fit.clone();
         *first = again;
     }
 }
 
 /// The effect that explains most of what `so_far` leaves, if any explains enough; and what each that was tried gained.
-fn next_effect(search: &Search<'_>, so_far: &Fit) -> (Option<Named>, Vec<Tried>) {
+fn next_effect(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Named>, Vec<Tried>) {
     let (mut all, tried) = search.candidates(so_far);
     // A coloured force follows any missing force: it comes first only where nothing else explains half as much.
     let turbulence = all.first().filter(|best| best.entry.name == TURBULENCE).map_or(f64::INFINITY, |best| best.gain);
-    if all.get(1).is_some_and(|second| second.gain > NAMED.max(turbulence / 2.0)) {
+    if all.get(1).is_some_and(|second| second.gain > needed.max(turbulence / 2.0)) {
         let turbulence = all.remove(0);
         all.push(Candidate { gain: 0.0, ..turbulence });
     }
-    let Some(best) = all.first().filter(|best| best.gain > NAMED) else { return (None, tried) };
-    let near: Vec<&'static str> =
-        all.iter().skip(1).filter(|c| is_alternative(c, best)).map(|c| c.entry.name).collect();
+    if all.first().is_some_and(|best| best.gain < needed) {
+        // What the noise of the air had to grow by needs a name less than other effects do.
+        all.retain(|candidate| candidate.entry.name == TURBULENCE && candidate.gain > NAMED_TURBULENCE);
+    }
+    let Some(best) = all.first() else { return (None, tried) };
+    let rivals = || all.iter().skip(1).filter(|candidate| is_alternative(candidate, best));
+    let near: Vec<&'static str> = rivals().map(|rival| rival.entry.name).collect();
+    let models = rivals().map(|rival| rival.fit.model.clone()).collect();
     // A name that contains the best one says the same: it takes nothing from the probability of the set.
     let in_set = |c: &&Candidate| near.contains(&c.entry.name) || is_or_contains(c, best);
     let weight = |c: &Candidate| ((c.gain - best.gain) / DOUBT).exp();
     let set: f64 = all.iter().filter(in_set).map(weight).sum();
     let probability = set / (all.iter().map(weight).sum::<f64>() + (-best.gain / DOUBT).exp());
-    (Some(Named { candidate: all.swap_remove(0), probability, indistinguishable_from: near }), tried)
+    (
+        Some(Named {
+            change: Change::Added,
+            candidate: all.swap_remove(0),
+            probability,
+            indistinguishable_from: near,
+            rivals: models,
+        }),
+        tried,
+    )
 }
 
 /// Whether `other` explains the record about as well as `best`, and does not do so by containing it. Twins differ by the
@@ -231,15 +299,6 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 }
 
 impl Diagnosis {
-    /// The share of the gap at 1 s that the mended model closes; `None` when there is too little to close.
-    #[must_use]
-    pub fn closed(&self) -> Option<f64> {
-        let [nominal, _, mended] = &self.gaps;
-        let (before, after, floor) = (nominal.error_mm[2]?, mended.error_mm[2]?, mended.floor_mm[2]?);
-        let open = before * before - floor * floor;
-        (before > 1.05 * floor).then(|| (before * before - after * after) / open)
-    }
-
     /// The 90 % intervals of the numbers that the mended model moved: what was moved, and half of the interval in its own scale.
     #[must_use]
     pub fn half_intervals(&self) -> Option<Vec<(Free, f64)>> {
@@ -271,7 +330,7 @@ mod tests {
         let named = &found.effects[0];
         assert!([&[named.candidate.entry.name], &named.indistinguishable_from[..]].concat().contains(&"fan_lag"));
         assert!(found.effects[0].probability > 0.9);
-        assert!(found.closed().unwrap() > 0.8, "{:?}", found.closed());
+        assert!(found.closed.unwrap().value > 0.8, "{:?}", found.closed);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! H = Σ w·( ∂ŷ·∂ŷᵀ/S + ½·∂lnS·∂lnSᵀ )          Levenberg–Marquardt: (H + λ·diag H)·δ = g
 //! ```
 //!
+//! What shapes p itself, as the share of wild readings does, adds its scores: g = Σ ∂ln p, H = Σ ∂ln p·∂ln pᵀ.
 //! Derivatives are differences of whole filter runs, in the scales of [`Free`], so that one λ serves all. Gradient and information are kept by
 //! fold, so that a fit without a fold is one step away. The covariance of θ is H⁻¹ when the model is right.
 //! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
@@ -102,6 +103,12 @@ impl Problem<'_> {
         Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
     }
 
+    /// The model after so many steps at most.
+    #[must_use]
+    pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Model {
+        self.climb(start, free, most_steps).0.model
+    }
+
     /// A first look: the model after so many steps, and its likelihood and prior, nats.
     pub(crate) fn look(&self, start: &Model, free: &[Free], steps: usize) -> (Model, f64) {
         let (best, _) = self.climb(start, free, steps);
@@ -143,19 +150,27 @@ impl Problem<'_> {
         std::array::from_fn(|fold| self.without(fit, fold).1[fold])
     }
 
-    /// The fit without a fold, and what each fold is worth under it.
+    /// The fit without a fold, and what each fold is worth under it. A number of an added effect that the other folds do not
+    /// determine goes back to where it does nothing, else a fold would vouch for what it alone has seen.
     fn without(&self, fit: &Fit, fold: usize) -> (Model, Worth) {
         let kept = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
         let here = self.of_each_fold(&fit.surprises);
         let before = kept(&here) + fit.log_prior;
-        let (gradient, information) = fit.slope.total(Some(fold));
+        let (mut gradient, mut information) = fit.slope.total(Some(fold));
+        let mut slack = GAIN_ENOUGH;
+        for (i, free) in fit.free.iter().enumerate() {
+            let Some(off) = free.off_neutral(&fit.model, self.belief) else { continue };
+            gradient[i] -= off;
+            information[(i, i)] += 1.0;
+            slack += 0.5 * off * off;
+        }
         let Some(mut direction) = information.cholesky().map(|factor| factor.solve(&gradient)) else {
             return (fit.model.clone(), here);
         };
         for _ in 0..SHORTER {
             let model = moved(&fit.model, &fit.free, &direction);
             let there = self.by_fold(&model);
-            if kept(&there) + prior(&fit.free, &model, self.belief) > before - GAIN_ENOUGH {
+            if kept(&there) + prior(&fit.free, &model, self.belief) > before - slack {
                 return (model, there);
             }
             direction /= 4.0;
@@ -217,19 +232,24 @@ impl Problem<'_> {
         let n = free.len();
         let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
         let mut folds = vec![zero.clone(); Folds::COUNT];
-        let (mut shift, mut spread) = (vec![0.0; n], vec![0.0; n]);
+        let (mut shift, mut spread, mut density) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         for (k, s) in point.surprises.iter().enumerate() {
             let Some(fold) = self.folds.of(s.row) else { continue };
             let deviation = s.variance_mm2.sqrt();
             for i in 0..n {
+                if free[i].is_of_the_density() {
+                    density[i] = (nudged[i][k].log_density - s.log_density) / DIFFERENCE;
+                    continue;
+                }
                 shift[i] = (nudged[i][k].expected_mm - s.expected_mm) / DIFFERENCE / deviation;
                 spread[i] = (nudged[i][k].variance_mm2 / s.variance_mm2).ln() / DIFFERENCE;
             }
             let (gradient, information) = &mut folds[fold];
             for i in 0..n {
-                gradient[i] += s.pull * shift[i] + 0.5 * s.stretch * spread[i];
+                gradient[i] += s.pull * shift[i] + 0.5 * s.stretch * spread[i] + density[i];
                 for j in 0..=i {
-                    information[(i, j)] += s.weight * (shift[i] * shift[j] + 0.5 * spread[i] * spread[j]);
+                    let normal = s.weight * (shift[i] * shift[j] + 0.5 * spread[i] * spread[j]);
+                    information[(i, j)] += normal + density[i] * density[j];
                 }
             }
         }

@@ -76,14 +76,27 @@ impl Free {
             Self::Drag => ratio(model.drag_per_s, belief.drag_per_s),
             Self::Hover => (model.hover_duty_percent - belief.hover_duty_percent) / 0.1,
             Self::SensorNoise => ratio(model.noise.sensor_mm, belief.noise.sensor_mm),
-            Self::AirNoise => {
-                ratio(model.noise.acceleration_psd_mm2_per_s3, belief.noise.acceleration_psd_mm2_per_s3)
-            }
+            Self::AirNoise => ratio(model.noise.acceleration_psd_mm2_per_s3, belief.noise.acceleration_psd_mm2_per_s3),
             Self::Effect { name, index, size } => {
                 let value = |model: &Model| model.effects.values(name).and_then(|values| values.get(index).copied());
                 value(model).zip(value(belief)).map_or(0.0, |(there, believed)| (there - believed) / size)
             }
         }
+    }
+
+    /// Whether the number shapes the density of a reading, and not its expectation or variance.
+    pub(crate) fn is_of_the_density(self) -> bool {
+        matches!(self, Self::Effect { name: "sensor_outliers", .. })
+    }
+
+    /// How far a number of an effect that is not believed is from doing nothing, in its own scale, as far as 1.
+    pub(crate) fn off_neutral(self, model: &Model, belief: &Model) -> Option<f64> {
+        let Self::Effect { name, index, size } = self else { return None };
+        if belief.effects.values(name).is_some() {
+            return None;
+        }
+        let neutral = *Effects::entry(name)?.neutral(model).get(index)?;
+        Some(((model.effects.values(name)?.get(index)? - neutral) / size).clamp(-1.0, 1.0))
     }
 
     /// ln of the prior density of where `model` is, up to a constant; its slope; and a curvature that bounds it.

@@ -1,7 +1,7 @@
 //! Whether the readings lie on a grid that is coarser than the file: what a coarse sensor leaves behind.
 //!
 //! ```text
-//! on the grid: |y − φ − s·round((y − φ)/s)| ≤ 0.8·r     s: step, φ: phase, r: resolution of the file
+//! on the grid: |y − φ − s·round((y − φ)/s)| ≤ max(0.8·r, 0.08·s)      s: step, φ: phase, r: resolution of the file
 //! ```
 //!
 //! By chance a reading lies there once in s/r times, so that each one that does speaks for the step.
@@ -14,10 +14,14 @@ const ON_GRID: f64 = 0.97;
 /// Steps of the scan, as a ratio, and its bounds, mm.
 const FINER: f64 = 1.0004;
 const COARSEST_MM: f64 = 60.0;
+/// Steps of the scan among which the best is chosen: 6 %.
+const NEAR: usize = 150;
 /// What a reading off the grid costs, nats: only a wild one is there.
 pub(crate) const OFF_GRID: f64 = 12.0;
 /// How far off a grid a reading may be, in resolutions of the file: half of one is its rounding.
 const EDGE: f64 = 0.8;
+/// The same as a share of the step, so that a scan of steps meets it.
+const SLACK: f64 = 0.08;
 /// A step that counts as coarse is this many times the noise of a reading.
 const COARSE: f64 = 1.2;
 
@@ -39,10 +43,20 @@ impl Levels {
 
     /// The phase at which most readings lie on a grid of `step` mm: the circular mean.
     fn phase_mm(&self, step: f64) -> f64 {
+        let (sin, cos) = self.circular_sum(step);
+        sin.atan2(cos) * step / std::f64::consts::TAU
+    }
+
+    /// How closely the readings lie on a grid of `step` mm.
+    fn closeness(&self, step: f64) -> f64 {
+        let (sin, cos) = self.circular_sum(step);
+        sin.hypot(cos)
+    }
+
+    fn circular_sum(&self, step: f64) -> (f64, f64) {
         let turn = std::f64::consts::TAU / step;
         let sum = |(s, c), (y, n): &(f64, f64)| (s + n * (turn * y).sin(), c + n * (turn * y).cos());
-        let (sin, cos): (f64, f64) = self.0.iter().fold((0.0, 0.0), sum);
-        sin.atan2(cos) / turn
+        self.0.iter().fold((0.0, 0.0), sum)
     }
 
     /// Share of the readings that lie on a grid of `step` mm.
@@ -57,7 +71,7 @@ impl Levels {
 
 fn lies_on(y: f64, step: f64, phase: f64, fine: f64) -> bool {
     let off = (y - phase) / step;
-    (off - off.round()).abs() * step <= EDGE * fine
+    (off - off.round()).abs() * step <= (EDGE * fine).max(SLACK * step)
 }
 
 /// A sensor with steps: which readings it can give, in a file of some resolution.
@@ -92,5 +106,8 @@ pub(crate) fn grid_mm(recording: &Recording, model: &Model) -> Option<f64> {
         return None;
     }
     let scan = std::iter::successors(Some(COARSEST_MM), |step| Some(step / FINER));
-    scan.take_while(|step| *step > least).find(|step| levels.share(*step, fine) >= ON_GRID)
+    let first = scan.take_while(|step| *step > least).find(|step| levels.share(*step, fine) >= ON_GRID)?;
+    // The first step that will do is a little too coarse; the best one is where the readings lie closest.
+    let near = std::iter::successors(Some(first), |step| Some(step / FINER)).take(NEAR);
+    near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))
 }

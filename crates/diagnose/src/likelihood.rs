@@ -180,7 +180,10 @@ mod tests {
                 let stretch = (at(0.0, 4.0004).log_density - at(0.0, 3.9996).log_density) / 1e-4 * 2.0 / 2.0;
                 let here = at(0.0, 4.0);
                 // What the wild part adds to the slopes is left out.
-                assert!((here.pull - pull).abs() < 0.01 && (here.stretch - stretch).abs() < 0.01, "{here:?} {pull} {stretch}");
+                assert!(
+                    (here.pull - pull).abs() < 0.01 && (here.stretch - stretch).abs() < 0.01,
+                    "{here:?} {pull} {stretch}"
+                );
             }
         }
     }

@@ -42,7 +42,7 @@ pub(crate) struct Row {
     pub(crate) row: usize,
     pub(crate) time_s: f64,
     /// Duty, height, velocity and time.
-    known: [f64; 4],
+    pub(crate) known: [f64; 4],
     /// The innovation in deviations, as far as it is no wild one.
     pub(crate) pull: f64,
 }

@@ -16,6 +16,7 @@ use crate::fit::Fit;
 use crate::fit::Problem;
 use crate::free::Free;
 use crate::places::{Row, rows, sixths};
+use crate::spectrum::periodogram;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
@@ -34,6 +35,8 @@ pub struct Residue {
     pub mean: f64,
     /// Held-out nats of a regression on what was known.
     pub regressed: f64,
+    /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
+    pub coarse: bool,
     /// Growth of the air's noise, deviations.
     pub air: f64,
     /// The same as a ratio of the believed one.
@@ -42,7 +45,9 @@ pub struct Residue {
 
 /// What is no chance: each limit is passed by about one right model in a thousand.
 const COLOUR: f64 = 5.5;
-const CHANCE: f64 = 6.0;
+const CHANCE: f64 = 7.0;
+/// Tails of the noise that are not normal make these two less certain.
+const CHANCE_OF_POWER: f64 = 9.0;
 const REGRESSED: f64 = 5.0;
 const CLUMPS: f64 = 5.5;
 const AIR: f64 = 4.0;
@@ -53,9 +58,6 @@ const UNTOUCHED: std::ops::Range<f64> = 0.6..1.6;
 
 /// Lags of the portmanteau, seconds.
 const LAGS_S: f64 = 0.5;
-/// Frequencies that are looked at for a line, Hz.
-const SLOWEST_HZ: f64 = 0.03;
-const FASTEST_HZ: f64 = 5.0;
 /// Windows of past innovations that the regression sees: their ends, in readings before.
 const WINDOWS: [usize; 9] = [1, 2, 4, 7, 12, 20, 35, 60, 100];
 /// Ridge: as if each coefficient had been seen to be 0 in so many readings.
@@ -65,11 +67,11 @@ impl Residue {
     /// Whether something is left over.
     #[must_use]
     pub fn is_significant(&self) -> bool {
-        let chances = [self.line, self.energy, self.mean];
         self.colour > COLOUR
-            || self.clumps > CLUMPS
             || self.regressed > REGRESSED
-            || chances.iter().any(|surprise| *surprise > CHANCE)
+            || self.mean > CHANCE
+            || self.line > CHANCE_OF_POWER
+            || (!self.coarse && (self.clumps > CLUMPS || self.energy > CHANCE_OF_POWER))
             || (self.air > AIR && self.air_ratio > AIR_RATIO)
     }
 
@@ -88,11 +90,12 @@ impl Residue {
         let (air, air_ratio) = air(problem, fit);
         Self {
             colour: colour(&e, lags(&rows)),
-            line: line(&rows),
+            line: line(&periodogram(&rows)),
             clumps: clumps(&rows),
             energy: energy(&rows),
             mean: mean(&rows),
             regressed: regressed(&rows, problem),
+            coarse: fit.model.effects.sensor_quantisation.is_some(),
             air,
             air_ratio,
         }
@@ -115,24 +118,10 @@ fn colour(e: &[f64], lags: usize) -> f64 {
     (q - lags as f64) / (2.0 * lags as f64).sqrt()
 }
 
-fn line(rows: &[Row]) -> f64 {
-    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return 0.0 };
-    let span_s = last.time_s - first.time_s;
-    let step_hz = 0.5 / span_s.max(1.0);
-    let mean = rows.iter().map(|row| row.pull).sum::<f64>() / rows.len() as f64;
-    let power: f64 = rows.iter().map(|row| (row.pull - mean).powi(2)).sum();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundreds of frequencies")]
-    let count = ((FASTEST_HZ - SLOWEST_HZ) / step_hz) as usize;
-    let height = |k: usize| {
-        let turn = std::f64::consts::TAU * (SLOWEST_HZ + k as f64 * step_hz);
-        let (s, c) = rows.iter().fold((0.0, 0.0), |(s, c), row| {
-            let (sin, cos) = (turn * row.time_s).sin_cos();
-            (s + (row.pull - mean) * sin, c + (row.pull - mean) * cos)
-        });
-        (s * s + c * c) / power
-    };
+fn line(periodogram: &[(f64, f64)]) -> f64 {
     // Two steps an independent frequency.
-    (0..count).map(height).fold(0.0, f64::max) - (count as f64 / 2.0).ln()
+    let independent = (periodogram.len() as f64 / 2.0).max(1.0);
+    periodogram.iter().map(|(_, power)| *power).fold(0.0, f64::max) - independent.ln()
 }
 
 fn clumps(rows: &[Row]) -> f64 {

@@ -10,6 +10,8 @@ use plant::{Actuator, Entry, Model};
 /// Shares of the range of commanded acceleration at which a saturation is looked for.
 const LIMITS: [f64; 3] = [0.9, 0.6, 0.35];
 
+/// Shares of the readings beyond a stop that is looked for: noise carries some beyond it.
+const STOPS: [f64; 3] = [0.003, 0.02, 0.1];
 /// Steps of duty that are looked for.
 const FINEST_PERCENT: f64 = 0.3;
 const COARSEST_PERCENT: f64 = 2.5;
@@ -27,7 +29,8 @@ pub(crate) fn starts(entry: &Entry, model: &Model, recording: &Recording) -> Vec
             let whole = 0.2 / recording.duration_s().max(1.0);
             vec![vec![whole], vec![-whole]]
         }
-        "sensor_outliers" => [20.0, 40.0, 80.0, 160.0].map(|size| vec![0.02, size]).to_vec(),
+        "sensor_outliers" => [20.0, 40.0, 80.0, 160.0].map(|size| vec![0.015, size]).to_vec(),
+        "turbulence" => vec![vec![25.0, 0.3], vec![40.0, 1.0]],
         "thrust_curve" => [0.01, 0.03, -0.01, -0.03].map(|curvature| vec![curvature]).to_vec(),
         "wall_friction" => [8.0, 20.0, 50.0].map(|friction| vec![friction]).to_vec(),
         _ => usual(),
@@ -67,8 +70,9 @@ fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
 fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     let mut heights: Vec<f64> = recording.samples().iter().filter_map(|s| s.position_mm).collect();
     heights.sort_by(f64::total_cmp);
-    let (low, high) = (quantile(&heights, 0.01), quantile(&heights, 0.99));
-    vec![vec![0.0, high, 0.4], vec![low, model.pipe_length_mm, 0.4]]
+    let at_top = STOPS.map(|share| vec![0.0, quantile(&heights, 1.0 - share), 0.4]);
+    let at_bottom = STOPS.map(|share| vec![quantile(&heights, share), model.pipe_length_mm, 0.4]);
+    at_top.into_iter().chain(at_bottom).collect()
 }
 
 /// Mean time between readings that differ, if many do not.

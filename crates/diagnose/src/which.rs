@@ -7,6 +7,7 @@
 //!
 //! What is worth nothing on the other folds was noise. Staged: a few scoring steps of few numbers from each start, the most promising in full.
 
+use crate::diagnosis::Change;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
 use crate::free::{BASE, Free, free_of_effect, prior};
@@ -26,6 +27,8 @@ const BEHIND: f64 = 20.0;
 const BEHIND_SHARE: f64 = 0.4;
 /// What each number of an effect beyond the first may gain by chance, nats.
 const COST_OF_A_NUMBER: f64 = 1.5;
+/// A believed number that is off by more than this factor is another one.
+const RETUNED: f64 = 1.5;
 /// Gains this close are alike, nats.
 const ALIKE: f64 = 2.0;
 /// With more starts than this the choice among them is part of what is scored.
@@ -36,8 +39,14 @@ const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
 const OTHER_ORDER: f64 = 50.0;
 /// What moves at a first look beside the effect's own numbers.
 const FIRST: [Free; 4] = [Free::Gain, Free::Drag, Free::Hover, Free::AirNoise];
-/// Effects that explain why there is more noise than believed.
-const NOISES: [&str; 4] = ["turbulence", "sensor_noise", "sensor_outliers", "sensor_quantisation"];
+/// Numbers that are this near to doing nothing, in their own scale, do nothing.
+const NOTHING: f64 = 1e-3;
+/// Effects whose first number is their strength: at 0 the others mean nothing.
+const NOISES: [&str; 2] = ["turbulence", "sensor_outliers"];
+/// Wild readings are so many deviations of the noise away.
+const WILD: f64 = 5.0;
+/// Effects without which the noise, or all numbers, must be far from the belief to follow the record.
+const DISTORT: [&str; 5] = ["turbulence", "sensor_noise", "sensor_outliers", "sensor_quantisation", "stale_samples"];
 /// Effects that contain a simpler one, and the simpler one: the simpler name wins, and the other is no alternative to it.
 pub(crate) const CONTAINS: [(&str, &str); 1] = [("spin_asymmetry", "fan_lag")];
 
@@ -118,11 +127,48 @@ impl<'a> Search<'a> {
         self.problem.fit(&model, &free)
     }
 
+    /// The effects of the belief whose numbers `fit` had to move by more than [`RETUNED`]: what is to be done, what it gains, and
+    /// the fit without the effect if it is not there.
+    pub(crate) fn changed(&self, fit: &Fit) -> Vec<(Change, Candidate, Option<Fit>)> {
+        let present = self.problem.belief.effects.present();
+        let moved = present.iter().filter(|entry| self.is_moved(fit, entry));
+        moved.map(|entry| self.change(fit, entry)).collect()
+    }
+
+    /// Whether a number of a believed effect has moved by more than the factor, or to the other side.
+    fn is_moved(&self, fit: &Fit, entry: &Entry) -> bool {
+        let values = |model: &Model| model.effects.values(entry.name).unwrap_or_default();
+        let (believed, found) = (values(self.problem.belief), values(&fit.model));
+        let neutral = entry.neutral(self.problem.belief);
+        believed.iter().zip(&found).zip(&neutral).any(|((believed, found), neutral)| {
+            let ratio = (found - neutral) / (believed - neutral);
+            believed != neutral && !(1.0 / RETUNED..=RETUNED).contains(&ratio)
+        })
+    }
+
+    fn change(&self, fit: &Fit, entry: &Entry) -> (Change, Candidate, Option<Fit>) {
+        let own = |free: &&Free| matches!(free, Free::Effect { name, .. } if *name == entry.name);
+        let free: Vec<Free> = fit.free.iter().filter(|free| !own(free)).copied().collect();
+        let with = |values: &[f64]| {
+            let mut model = fit.model.clone();
+            model.effects.set(entry.name, values);
+            self.problem.fit(&model, &free)
+        };
+        let total = |fit: &Fit| fit.log_likelihood(|row| self.problem.folds.counts(row)) + fit.log_prior;
+        let as_believed = with(&self.problem.belief.effects.values(entry.name).unwrap_or_default());
+        let absent = with(&entry.neutral(self.problem.belief));
+        let removed = total(&absent) > total(fit) - ALIKE;
+        let gain = total(if removed { &absent } else { fit }) - total(&as_believed);
+        let candidate = Candidate { entry: *entry, fit: fit.clone(), gain };
+        if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
+    }
+
     /// The belief with its base parameters fitted, and those of the effects that it has: what is believed is never exact.
     pub(crate) fn refitted(&self) -> Fit {
         let belief = self.problem.belief;
         let own = belief.effects.present();
-        let of_effect = |entry: &Entry| free_of_effect(entry.name, &belief.effects.values(entry.name).unwrap_or_default());
+        let of_effect =
+            |entry: &Entry| free_of_effect(entry.name, &belief.effects.values(entry.name).unwrap_or_default());
         let free: Vec<Free> = BASE.into_iter().chain(own.iter().flat_map(of_effect)).collect();
         self.problem.fit(&self.with_noise_that_fits(&free), &free)
     }
@@ -152,6 +198,7 @@ impl<'a> Search<'a> {
         let enough = WORTH_A_LOOK.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
         let promising = looks.par_iter().take(FULL_FITS).filter(|look| look.gain > enough);
         let mut all: Vec<Candidate> = promising.map(|look| self.in_full(look, so_far, &before)).collect();
+        all.retain(|candidate| self.does_something(candidate) && self.is_wild_enough(candidate));
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
         let fitted = all.iter().map(|candidate| Tried { name: candidate.entry.name, gain: candidate.gain });
@@ -175,26 +222,60 @@ impl<'a> Search<'a> {
         });
         let best = looks.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
         let before = so_far.log_likelihood(|row| self.problem.folds.counts(row)) + so_far.log_prior;
-        let rivals = if rated.len() > MANY_STARTS { rated.iter().map(|start| start.by_fold).collect() } else { Vec::new() };
-        let cost = COST_OF_A_NUMBER * best.free.len().saturating_sub(so_far.free.len() + 1) as f64 + (rated.len() as f64).ln();
+        let rivals =
+            if rated.len() > MANY_STARTS { rated.iter().map(|start| start.by_fold).collect() } else { Vec::new() };
+        let cost =
+            COST_OF_A_NUMBER * best.free.len().saturating_sub(so_far.free.len() + 1) as f64 + (rated.len() as f64).ln();
         Some(Look { gain: best.gain - before, rivals, cost, ..best })
     }
 
     /// Every start of the effect, the one that explains most as it is first.
     fn rated_starts(&self, so_far: &Fit, entry: &Entry) -> Vec<Start> {
         let all = starts(entry, &so_far.model, self.problem.recording);
-        let rated = all.into_par_iter().filter_map(|values| {
-            let (mut model, free) = added(so_far, entry, &values)?;
-            if NOISES.contains(&entry.name) {
-                // What the noise had to grow by is what such an effect is there to explain.
-                model.noise = self.problem.belief.noise;
-            }
-            let by_fold = self.problem.by_fold(&model);
-            Some(Start { model, free, by_fold })
+        let rated = all.into_par_iter().flat_map_iter(|values| {
+            let start = added(so_far, entry, &values);
+            let models =
+                start.iter().flat_map(|(model, _)| self.places_to_start(model, entry.name)).collect::<Vec<_>>();
+            let free = start.map(|(_, free)| free).unwrap_or_default();
+            models.into_iter().map(move |model| {
+                let by_fold = self.problem.by_fold(&model);
+                Start { model, free: free.clone(), by_fold }
+            })
         });
         let mut rated: Vec<Start> = rated.collect();
         rated.sort_by(|a, b| b.by_fold.iter().sum::<f64>().total_cmp(&a.by_fold.iter().sum()));
         rated
+    }
+
+    /// The model as it is; or, for an effect that distorts what is fitted without it, with the noise that is believed, and with all
+    /// that is believed: what the other numbers had to become is no place to start from.
+    fn places_to_start(&self, model: &Model, name: &str) -> Vec<Model> {
+        if !DISTORT.contains(&name) {
+            return vec![model.clone()];
+        }
+        let belief = self.problem.belief;
+        let quiet = Model { noise: belief.noise, ..model.clone() };
+        vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }]
+    }
+
+    /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
+    fn does_something(&self, candidate: &Candidate) -> bool {
+        let own = candidate
+            .fit
+            .free
+            .iter()
+            .filter(|free| matches!(free, Free::Effect { name, .. } if *name == candidate.entry.name));
+        let mut off = own.filter_map(|free| free.off_neutral(&candidate.fit.model, self.problem.belief));
+        let present = candidate.fit.model.effects.values(candidate.entry.name).unwrap_or_default();
+        let first = candidate.entry.neutral(self.problem.belief).first().zip(present.first()).map(|(a, b)| a == b);
+        off.any(|off| off.abs() > NOTHING) && !(first == Some(true) && NOISES.contains(&candidate.entry.name))
+    }
+
+    /// Wild readings that are hardly wild are the tails of the noise.
+    fn is_wild_enough(&self, candidate: &Candidate) -> bool {
+        let noise = &self.problem.belief.noise;
+        candidate.fit.model.effects.sensor_outliers.is_none_or(|wild| wild.size_mm > WILD * noise.sensor_mm)
+            || self.problem.belief.effects.sensor_outliers.is_some()
     }
 
     fn in_full(&self, look: &Look, so_far: &Fit, before: &Worth) -> Candidate {
@@ -205,8 +286,8 @@ impl<'a> Search<'a> {
                 *after = after.min(other);
             }
         }
-        let folds: Worth = std::array::from_fn(|fold| after[fold] - before[fold]);
-        let gain = gain(&folds) + fit.log_prior - so_far.log_prior - look.cost;
+        let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
+        let gain = held_out + fit.log_prior - so_far.log_prior - look.cost;
         Candidate { entry: look.entry, fit, gain }
     }
 }
@@ -216,14 +297,6 @@ fn chosen_without(fold: usize, starts: &[Worth]) -> Option<f64> {
     let rest = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
     let other = starts.iter().enumerate().max_by(|a, b| rest(a.1).total_cmp(&rest(b.1)))?;
     (other.0 != 0).then_some(other.1[fold])
-}
-
-/// The sum over folds, as far as they agree: what one fold alone gains, an effect that acts only there would gain by chance,
-/// because the other folds have no say in its numbers.
-fn gain(folds: &Worth) -> f64 {
-    let sum: f64 = folds.iter().sum();
-    let most = folds.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    sum.min(2.0 * (sum - most))
 }
 
 /// A start of the search for an effect, and what each fold is worth there.

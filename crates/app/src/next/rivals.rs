@@ -5,42 +5,21 @@
 //! the sensor, so that two effects on different sides of a cut are told apart there.
 
 use super::Rival;
-use super::score::numbers_of;
 use crate::log::reader::LoadedLog;
-use diagnose::{Diagnosis, Fit, Named, Problem, in_free_flight};
-use plant::{Effects, Model, Stage};
+use diagnose::Diagnosis;
+use plant::{Effects, Stage};
 
 /// Effects that no flight tells apart by duty and position.
 const TWINS: [&str; 2] = ["transport_delay", "sensor_delay"];
 /// Rivals that are looked at, at most; every pair of them is flown against each other.
 const MOST: usize = 3;
-/// Scoring steps of the fit that puts a rival in the winner's place.
-const STEPS: usize = 6;
 
 /// The models that explain the record alike, for the first effect that could not be told from others. Empty: there is none.
-pub(super) fn of(found: &Diagnosis, log: &LoadedLog, belief: &Model) -> Vec<Rival> {
-    let Some(named) = found.effects.iter().find(|named| !named.indistinguishable_from.is_empty()) else {
-        return Vec::new();
-    };
+pub(super) fn of(found: &Diagnosis) -> Vec<Rival> {
+    let Some(named) = found.effects.iter().find(|named| !named.rivals.is_empty()) else { return Vec::new() };
     let winner = (named.candidate.entry.name, found.mended.model.clone());
-    let others = named.indistinguishable_from.iter().take(MOST - 1);
-    let others = others.filter_map(|name| Some((*name, in_place_of(named, name, found, log, belief)?)));
-    std::iter::once(winner).chain(others).collect()
-}
-
-/// The mended model with `rival` in place of the effect that was named, fitted to the record.
-fn in_place_of(named: &Named, rival: &str, found: &Diagnosis, log: &LoadedLog, belief: &Model) -> Option<Model> {
-    let counts = in_free_flight(belief, &log.recording);
-    let problem = Problem { recording: &log.recording, belief, counts: &counts };
-    let fits = Effects::entry(rival)?.sizes.iter().filter_map(|size| {
-        let mut model = found.mended.model.clone();
-        model.effects.remove(named.candidate.entry.name);
-        model.effects.set(rival, size);
-        let free = numbers_of(&model);
-        model.check().is_ok().then(|| problem.fit_in_steps(&model, &free, STEPS))
-    });
-    let score = |fit: &Fit| fit.log_likelihood(|row| counts[row]);
-    fits.max_by(|a, b| score(a).total_cmp(&score(b))).map(|fit| fit.model)
+    let others = named.indistinguishable_from.iter().copied().zip(named.rivals.iter().cloned());
+    std::iter::once(winner).chain(others.take(MOST - 1)).collect()
 }
 
 /// Whether this rival is a twin of one that comes before it.

@@ -4,7 +4,7 @@ use super::candidates::Candidate;
 use super::{Rival, SEPARATES, settle_s};
 use crate::desk::{Desk, Flown};
 use crate::log::reader::sample;
-use diagnose::{BASE, Free, Problem, Recording, in_free_flight, surprises};
+use diagnose::{BASE, Folds, Free, Problem, Recording, surprises};
 use plant::{Effects, Model};
 
 /// The seed of every flight: experiments are compared on the same noise.
@@ -69,19 +69,20 @@ impl Records {
 
 /// How much better `truth` explains its own record than `other` does, nats per minute of free flight.
 fn nats_per_minute(record: &Recording, truth: &Rival, other: &Rival, moved: bool) -> f64 {
-    let counts = in_free_flight(&truth.1, record);
+    let folds = Folds::new(&truth.1, record);
     let likelihood = |rival: &Rival| {
-        let model = if moved { suited(rival, record, &counts) } else { rival.1.clone() };
-        surprises(&model, record).iter().filter(|s| counts[s.row]).map(|s| s.log_density).sum::<f64>()
+        let model = if moved { suited(rival, record, &folds) } else { rival.1.clone() };
+        surprises(&model, record).iter().filter(|s| folds.counts(s.row)).map(|s| s.log_density).sum::<f64>()
     };
-    let rows = counts.iter().filter(|counts| **counts).count() as f64;
-    let minutes = record.duration_s() / 60.0 * rows / counts.len().max(1) as f64;
+    let all = record.samples().len();
+    let rows = (0..all).filter(|row| folds.counts(*row)).count() as f64;
+    let minutes = record.duration_s() / 60.0 * rows / all.max(1) as f64;
     if minutes > 0.0 { (likelihood(truth) - likelihood(other)) / minutes } else { 0.0 }
 }
 
 /// The rival with its numbers moved towards where the record is most likely.
-fn suited((_, model): &Rival, record: &Recording, counts: &[bool]) -> Model {
-    Problem { recording: record, belief: model, counts }.fit_in_steps(model, &numbers_of(model), STEPS).model
+fn suited((_, model): &Rival, record: &Recording, folds: &Folds) -> Model {
+    Problem { recording: record, belief: model, folds }.fit_in_steps(model, &numbers_of(model), STEPS)
 }
 
 /// The base numbers and those of every effect that is on.

@@ -2,7 +2,7 @@
 
 use crate::closed_loop::ClosedLoop;
 use crate::next::{Advice, Next};
-use diagnose::{Diagnosis, Free, Gap, Named, Place, Verdict};
+use diagnose::{Band, Change, Closed, Diagnosis, Free, Gap, Named, Place, Verdict};
 use plant::{Model, Stage};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ pub struct DiagnosisDocument {
 #[derive(Debug, Serialize)]
 struct EffectEntry {
     name: &'static str,
-    change: &'static str,
+    change: Change,
     probability: f64,
     indistinguishable_from: Vec<&'static str>,
     parameters: BTreeMap<&'static str, Interval>,
@@ -63,16 +63,11 @@ struct GapEntry {
     closed: Option<Closed>,
 }
 
-/// The share of the gap that is closed at 1 s, not clipped.
-#[derive(Debug, Serialize)]
-struct Closed {
-    value: f64,
-}
-
 #[derive(Debug, Serialize)]
 struct WhereEntry {
     stage: Vec<StageEntry>,
     regions: Vec<Place>,
+    frequency_hz: Option<Band>,
 }
 
 #[derive(Debug, Serialize)]
@@ -97,7 +92,11 @@ impl DiagnosisDocument {
             effects: found.effects.iter().map(|named| effect(named, found, &half)).collect(),
             parameters: parameters(found, belief, &half),
             gap: gap(found, *closed_loop),
-            r#where: WhereEntry { stage: stages(found), regions: regions(found) },
+            r#where: WhereEntry {
+                stage: stages(found),
+                regions: regions(found),
+                frequency_hz: found.band.filter(|_| found.verdict != Verdict::NoGap),
+            },
             check: CheckEntry { findings: findings(found, advice) },
             next_experiment: advice.experiment.clone(),
             version: env!("CARGO_PKG_VERSION"),
@@ -134,7 +133,7 @@ fn effect(named: &Named, found: &Diagnosis, half: &[(Free, f64)]) -> EffectEntry
     });
     EffectEntry {
         name: entry.name,
-        change: "added",
+        change: named.change,
         probability: named.probability,
         indistinguishable_from: named.indistinguishable_from.clone(),
         parameters: parameters.collect(),
@@ -189,7 +188,7 @@ fn gap(found: &Diagnosis, closed_loop: ClosedLoop) -> GapEntry {
             ("floor", mended.floor_free_run_10s_mm),
         ]),
         closed_loop,
-        closed: found.closed().map(|value| Closed { value }),
+        closed: found.closed,
     }
 }
 
@@ -253,7 +252,13 @@ pub fn words(found: &Diagnosis) -> String {
         let values = found.mended.model.effects.values(entry.name).unwrap_or_default();
         let numbers: Vec<String> =
             entry.params.iter().zip(values).map(|(param, value)| format!("{} = {value:.3}", param.name)).collect();
-        let _ = write!(words, "\n{:<22} {:.0} % sure   {}", entry.name, 100.0 * named.probability, numbers.join(", "));
+        let change = match named.change {
+            Change::Added => "",
+            Change::Retuned => "retuned   ",
+            Change::Removed => "is not there   ",
+        };
+        let sure = 100.0 * named.probability;
+        let _ = write!(words, "\n{:<22} {sure:.0} % sure   {change}{}", entry.name, numbers.join(", "));
         if !named.indistinguishable_from.is_empty() {
             let _ = write!(words, "   (cannot be told from {})", named.indistinguishable_from.join(", "));
         }
@@ -276,8 +281,15 @@ pub fn words(found: &Diagnosis) -> String {
         at(refitted),
         at(mended)
     );
-    if let Some(closed) = found.closed() {
-        let _ = write!(words, "\n{:.0} % of the gap is closed", 100.0 * closed);
+    if let Some(Closed { value, low, high }) = found.closed {
+        let percent = |share: f64| 100.0 * share;
+        let _ = write!(
+            words,
+            "\n{:.0} % of the gap is closed ({:.0} to {:.0} %)",
+            percent(value),
+            percent(low),
+            percent(high)
+        );
     }
     words
 }

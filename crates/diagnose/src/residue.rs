@@ -213,11 +213,11 @@ fn features(rows: &[Row]) -> Vec<Vec<f64>> {
     for row in rows {
         sums.push(sums.last().copied().unwrap_or_default() + row.pull);
     }
-    for k in 0..rows.len() {
+    for (k, feature) in features.iter_mut().enumerate() {
         for (at, window) in WINDOWS.windows(2).enumerate() {
             let (from, to) = (k.saturating_sub(window[1]), (k + 1).saturating_sub(window[0]).min(k));
             let length = (window[1] - window[0]) as f64;
-            features[k][places.len() + at] = (sums[to] - sums[from.min(to)]) / length.sqrt();
+            feature[places.len() + at] = (sums[to] - sums[from.min(to)]) / length.sqrt();
         }
     }
     features
@@ -233,4 +233,39 @@ fn air(problem: &Problem<'_>, fit: &Fit) -> (f64, f64) {
     let information = (1.0 / deviations[at].powi(2) - curvature).max(1e-6);
     let alone = d - slope / information;
     (alone * information.sqrt(), alone.exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Residue;
+    use crate::fit::Problem;
+    use crate::folds::Folds;
+    use crate::free::BASE;
+    use crate::tests_support::{model, record};
+    use plant::{Effects, Model};
+
+    fn residue(belief: &Model, rig: &Model, seed: u64) -> Residue {
+        let recording = record(rig, seed, 60);
+        let folds = Folds::new(belief, &recording);
+        let problem = Problem { recording: &recording, belief, folds: &folds };
+        Residue::of(&problem, &problem.fit(belief, &BASE))
+    }
+
+    #[test]
+    fn a_right_model_leaves_nothing_over() {
+        for seed in 0..20 {
+            let left = residue(&model(), &model(), seed);
+            assert!(!left.is_significant(), "seed {seed}: {left:?}");
+        }
+    }
+
+    #[test]
+    fn a_missing_lag_and_a_restless_air_are_left_over() {
+        let without = Model { effects: Effects::default(), ..model() };
+        assert!(residue(&without, &model(), 1).is_significant());
+        let mut restless = model();
+        restless.noise.acceleration_psd_mm2_per_s3 *= 3.0;
+        let left = residue(&model(), &restless, 1);
+        assert!(left.is_significant() && (2.0..4.5).contains(&left.air_ratio), "{left:?}");
+    }
 }

@@ -265,10 +265,10 @@ impl<'a> Search<'a> {
             .free
             .iter()
             .filter(|free| matches!(free, Free::Effect { name, .. } if *name == candidate.entry.name));
-        let mut off = own.filter_map(|free| free.off_neutral(&candidate.fit.model, self.problem.belief));
-        let present = candidate.fit.model.effects.values(candidate.entry.name).unwrap_or_default();
-        let first = candidate.entry.neutral(self.problem.belief).first().zip(present.first()).map(|(a, b)| a == b);
-        off.any(|off| off.abs() > NOTHING) && !(first == Some(true) && NOISES.contains(&candidate.entry.name))
+        let off: Vec<f64> =
+            own.filter_map(|free| free.off_neutral(&candidate.fit.model, self.problem.belief)).collect();
+        let has_strength = NOISES.contains(&candidate.entry.name);
+        off.iter().take(if has_strength { 1 } else { off.len() }).any(|off| off.abs() > NOTHING)
     }
 
     /// Wild readings that are hardly wild are the tails of the noise.

@@ -6,17 +6,20 @@
 
 mod arrival;
 pub mod blind;
+mod changed;
 mod check;
 mod closed;
 mod coarse;
 mod cursor;
 mod diagnosis;
+mod explain;
 mod fit;
 mod folds;
 mod free;
 mod gap;
 mod grid;
 mod likelihood;
+mod look;
 mod places;
 mod recording;
 mod residue;
@@ -31,7 +34,8 @@ mod tests_support;
 
 pub use check::{Finding, check};
 pub use closed::Closed;
-pub use diagnosis::{Change, Diagnosis, Named, Options, Verdict, diagnose};
+pub use diagnosis::{Diagnosis, Options, Verdict, diagnose};
+pub use explain::{Change, Named};
 pub use fit::{Fit, Problem, Worth};
 pub use folds::Folds;
 pub use free::{BASE, Free, prior};

@@ -5,48 +5,34 @@
 //! gain = Σ over folds of  ln p(fold | effect, fitted to the others) − ln p(fold | without, fitted likewise)  + Δ ln prior
 //! ```
 //!
-//! What is worth nothing on the other folds was noise. Staged: a few scoring steps of few numbers from each start, the most promising in full.
+//! What is worth nothing on the other folds was noise. Staged: a first look at each ([`mod@crate::look`]), the most promising in full.
 
-use crate::diagnosis::Change;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
-use crate::free::{BASE, Free, free_of_effect, prior};
+use crate::free::{BASE, Free, free_of_effect};
+use crate::look::Look;
 use crate::recording::Recording;
-use crate::starts::starts;
 use plant::{Effects, Entry, Model};
 use rayon::prelude::*;
 
-/// Scoring steps of a first look at an effect, from how many of its starts, and what it must gain, nats, to be fitted in full.
-const FIRST_STEPS: usize = 2;
-const STARTS: usize = 2;
-const AS_GOOD: f64 = 10.0;
+/// What an effect must gain at a first look, nats, to be fitted in full.
 const WORTH_A_LOOK: f64 = 2.5;
 /// How many are fitted in full, and how far behind the best they may be at the first look: nats, and a share of its gain.
 const FULL_FITS: usize = 8;
 const BEHIND: f64 = 20.0;
 const BEHIND_SHARE: f64 = 0.4;
-/// What each number of an effect beyond the first may gain by chance, nats.
-const COST_OF_A_NUMBER: f64 = 1.5;
-/// A believed number that is off by more than this factor is another one.
-const RETUNED: f64 = 1.5;
 /// Gains this close are alike, nats.
-const ALIKE: f64 = 2.0;
-/// With more starts than this the choice among them is part of what is scored.
-const MANY_STARTS: usize = 4;
+pub(crate) const ALIKE: f64 = 2.0;
 /// Orders of noise about the believed that a refit may start from, and what that must be worth, nats.
 const AIR_ORDERS: [f64; 5] = [0.1, 1.0, 10.0, 100.0, 1000.0];
 const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
 const OTHER_ORDER: f64 = 50.0;
-/// What moves at a first look beside the effect's own numbers.
-const FIRST: [Free; 4] = [Free::Gain, Free::Drag, Free::Hover, Free::AirNoise];
 /// Numbers that are this near to doing nothing, in their own scale, do nothing.
 const NOTHING: f64 = 1e-3;
 /// Effects whose first number is their strength: at 0 the others mean nothing.
 const NOISES: [&str; 2] = ["turbulence", "sensor_outliers"];
 /// Wild readings are so many deviations of the noise away.
 const WILD: f64 = 5.0;
-/// Effects without which the noise, or all numbers, must be far from the belief to follow the record.
-const DISTORT: [&str; 5] = ["turbulence", "sensor_noise", "sensor_outliers", "sensor_quantisation", "stale_samples"];
 /// Effects that contain a simpler one, and the simpler one: the simpler name wins, and the other is no alternative to it.
 pub(crate) const CONTAINS: [(&str, &str); 1] = [("spin_asymmetry", "fan_lag")];
 
@@ -79,22 +65,8 @@ fn prefer_the_simple(all: &mut [Candidate]) {
 
 /// A record, a belief about it, and its folds.
 pub(crate) struct Search<'a> {
-    problem: Problem<'a>,
+    pub(crate) problem: Problem<'a>,
     without: Vec<String>,
-}
-
-/// `fit` with an effect added at these values: the model and what may move. An effect that contains a simpler one takes its place.
-fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Free>)> {
-    let mut model = fit.model.clone();
-    if model.effects.values(entry.name).is_some() {
-        return None;
-    }
-    let contained = CONTAINS.iter().find(|(whole, _)| *whole == entry.name).map(|(_, part)| *part);
-    let removed = contained.filter(|part| model.effects.remove(part));
-    model.effects.set(entry.name, values);
-    model.effects.check().ok()?;
-    let kept = fit.free.iter().filter(|free| !matches!(free, Free::Effect { name, .. } if Some(*name) == removed));
-    Some((model, kept.copied().chain(free_of_effect(entry.name, values)).collect()))
 }
 
 impl<'a> Search<'a> {
@@ -125,42 +97,6 @@ impl<'a> Search<'a> {
             free.extend(free_of_effect(entry.name, &values));
         }
         self.problem.fit(&model, &free)
-    }
-
-    /// The effects of the belief whose numbers `fit` had to move by more than [`RETUNED`]: what is to be done, what it gains, and
-    /// the fit without the effect if it is not there.
-    pub(crate) fn changed(&self, fit: &Fit) -> Vec<(Change, Candidate, Option<Fit>)> {
-        let present = self.problem.belief.effects.present();
-        let moved = present.iter().filter(|entry| self.is_moved(fit, entry));
-        moved.map(|entry| self.change(fit, entry)).collect()
-    }
-
-    /// Whether a number of a believed effect has moved by more than the factor, or to the other side.
-    fn is_moved(&self, fit: &Fit, entry: &Entry) -> bool {
-        let values = |model: &Model| model.effects.values(entry.name).unwrap_or_default();
-        let (believed, found) = (values(self.problem.belief), values(&fit.model));
-        let neutral = entry.neutral(self.problem.belief);
-        believed.iter().zip(&found).zip(&neutral).any(|((believed, found), neutral)| {
-            let ratio = (found - neutral) / (believed - neutral);
-            believed != neutral && !(1.0 / RETUNED..=RETUNED).contains(&ratio)
-        })
-    }
-
-    fn change(&self, fit: &Fit, entry: &Entry) -> (Change, Candidate, Option<Fit>) {
-        let own = |free: &&Free| matches!(free, Free::Effect { name, .. } if *name == entry.name);
-        let free: Vec<Free> = fit.free.iter().filter(|free| !own(free)).copied().collect();
-        let with = |values: &[f64]| {
-            let mut model = fit.model.clone();
-            model.effects.set(entry.name, values);
-            self.problem.fit(&model, &free)
-        };
-        let total = |fit: &Fit| fit.log_likelihood(|row| self.problem.folds.counts(row)) + fit.log_prior;
-        let as_believed = with(&self.problem.belief.effects.values(entry.name).unwrap_or_default());
-        let absent = with(&entry.neutral(self.problem.belief));
-        let removed = total(&absent) > total(fit) - ALIKE;
-        let gain = total(if removed { &absent } else { fit }) - total(&as_believed);
-        let candidate = Candidate { entry: *entry, fit: fit.clone(), gain };
-        if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
     }
 
     /// The belief with its base parameters fitted, and those of the effects that it has: what is believed is never exact.
@@ -207,57 +143,6 @@ impl<'a> Search<'a> {
         (all, tried)
     }
 
-    /// A few steps of the numbers that matter most from the effect's best starts; the best of them.
-    fn look(&self, so_far: &Fit, entry: &Entry) -> Option<Look> {
-        let rated = self.rated_starts(so_far, entry);
-        let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
-        let as_good = |start: &&Start| worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
-        let looks = rated.iter().take(STARTS).filter(as_good).map(|start| {
-            let own = start.free.iter().filter(|free| !so_far.free.contains(free));
-            let few: Vec<Free> = FIRST.into_iter().chain(own.copied()).collect();
-            let (model, total) = self.problem.look(&start.model, &few, FIRST_STEPS);
-            let of = |free: &[Free]| prior(free, &model, self.problem.belief);
-            let gain = total - of(&few) + of(&start.free);
-            Look { entry: *entry, model, free: start.free.clone(), gain, cost: 0.0, rivals: Vec::new() }
-        });
-        let best = looks.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
-        let before = so_far.log_likelihood(|row| self.problem.folds.counts(row)) + so_far.log_prior;
-        let rivals =
-            if rated.len() > MANY_STARTS { rated.iter().map(|start| start.by_fold).collect() } else { Vec::new() };
-        let cost =
-            COST_OF_A_NUMBER * best.free.len().saturating_sub(so_far.free.len() + 1) as f64 + (rated.len() as f64).ln();
-        Some(Look { gain: best.gain - before, rivals, cost, ..best })
-    }
-
-    /// Every start of the effect, the one that explains most as it is first.
-    fn rated_starts(&self, so_far: &Fit, entry: &Entry) -> Vec<Start> {
-        let all = starts(entry, &so_far.model, self.problem.recording);
-        let rated = all.into_par_iter().flat_map_iter(|values| {
-            let start = added(so_far, entry, &values);
-            let models =
-                start.iter().flat_map(|(model, _)| self.places_to_start(model, entry.name)).collect::<Vec<_>>();
-            let free = start.map(|(_, free)| free).unwrap_or_default();
-            models.into_iter().map(move |model| {
-                let by_fold = self.problem.by_fold(&model);
-                Start { model, free: free.clone(), by_fold }
-            })
-        });
-        let mut rated: Vec<Start> = rated.collect();
-        rated.sort_by(|a, b| b.by_fold.iter().sum::<f64>().total_cmp(&a.by_fold.iter().sum()));
-        rated
-    }
-
-    /// The model as it is; or, for an effect that distorts what is fitted without it, with the noise that is believed, and with all
-    /// that is believed: what the other numbers had to become is no place to start from.
-    fn places_to_start(&self, model: &Model, name: &str) -> Vec<Model> {
-        if !DISTORT.contains(&name) {
-            return vec![model.clone()];
-        }
-        let belief = self.problem.belief;
-        let quiet = Model { noise: belief.noise, ..model.clone() };
-        vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }]
-    }
-
     /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
     fn does_something(&self, candidate: &Candidate) -> bool {
         let own = candidate
@@ -282,7 +167,7 @@ impl<'a> Search<'a> {
         let fit = self.problem.fit(&look.model, &look.free);
         let mut after = self.problem.held_out(&fit);
         for (fold, after) in after.iter_mut().enumerate() {
-            if let Some(other) = chosen_without(fold, &look.rivals) {
+            if let Some(other) = look.chosen_without(fold) {
                 *after = after.min(other);
             }
         }
@@ -290,32 +175,6 @@ impl<'a> Search<'a> {
         let gain = held_out + fit.log_prior - so_far.log_prior - look.cost;
         Candidate { entry: look.entry, fit, gain }
     }
-}
-
-/// Of many starts, the one that the other folds would have chosen, where it is not the one that all choose: what it is worth on this fold.
-fn chosen_without(fold: usize, starts: &[Worth]) -> Option<f64> {
-    let rest = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
-    let other = starts.iter().enumerate().max_by(|a, b| rest(a.1).total_cmp(&rest(b.1)))?;
-    (other.0 != 0).then_some(other.1[fold])
-}
-
-/// A start of the search for an effect, and what each fold is worth there.
-struct Start {
-    model: Model,
-    free: Vec<Free>,
-    by_fold: Worth,
-}
-
-/// A first look at an effect.
-struct Look {
-    entry: Entry,
-    model: Model,
-    free: Vec<Free>,
-    gain: f64,
-    /// What the choice among starts and numbers is worth by chance, nats.
-    cost: f64,
-    /// What each fold is worth at each start, the best first, where there were many.
-    rivals: Vec<Worth>,
 }
 
 #[cfg(test)]

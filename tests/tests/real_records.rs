@@ -6,14 +6,15 @@
 use serde_json::Value;
 use system_tests::{Bench, root};
 
-/// The names that `diagnose` gives to the gap between a record and a belief under `data/`, in the order in which it found them.
+/// The names of what `diagnose` adds to close the gap between a record and a belief under `data/`, in the order in which it found them.
 fn effects(record: &str, belief: &str) -> Vec<String> {
     let data = root().join("data");
     let path = |file: &str| data.join(file).to_str().unwrap().to_owned();
     let said = Bench::default().output(&["diagnose", "--json", &path(record), "--config", &path(belief)]);
     let found: Value = serde_json::from_str(&said).unwrap();
     let effects = found["effects"].as_array().unwrap();
-    effects.iter().map(|effect| effect["name"].as_str().unwrap().to_owned()).collect()
+    let added = effects.iter().filter(|effect| effect["change"] == "added");
+    added.map(|effect| effect["name"].as_str().unwrap().to_owned()).collect()
 }
 
 /// Checks that the names begin with one of each of `wanted`, in that order.
@@ -29,7 +30,7 @@ fn begins_with(found: &[String], wanted: &[&[&str]]) {
 // height. Fitted by free runs, the error 1 s ahead on this record is 17.9 degrees as believed, 9.1 with the height term, 17.8 with friction
 // alone, 7.8 with both: the height term comes first, and friction, worth nothing without it, second.
 #[test]
-#[ignore = "it names turbulence first"]
+#[ignore = "it names wall_friction first, then dead_zone, and height_dependent_flow third: forecasts of one step hardly see gravity"]
 fn gravity_then_dry_friction_are_missing_from_a_linear_belief_about_the_propeller_arm() {
     let found = effects("quarter_drone/swept_sine.csv", "quarter_drone/linear.toml");
     begins_with(&found, &[&["height_dependent_flow"], &["wall_friction"]]);
@@ -39,7 +40,6 @@ fn gravity_then_dry_friction_are_missing_from_a_linear_belief_about_the_propelle
 // err by 3.5 degrees; with a motor lag 3.5, with dry friction 2.8, with both 2.9 here and 2.0 instead of 2.3 where they were fitted. So: dry
 // friction first; then, if anything, a lag of some 0.05 s, which may go by the names of its twins.
 #[test]
-#[ignore = "it names sensor_outliers first, wall_friction second"]
 fn dry_friction_then_a_small_lag_are_missing_from_a_belief_that_has_gravity() {
     let found = effects("quarter_drone/swept_sine.csv", "quarter_drone/gravity.toml");
     begins_with(&found, &[&["wall_friction"]]);
@@ -69,7 +69,7 @@ fn a_flattening_curve_and_no_delay(record: &str) {
 }
 
 #[test]
-#[ignore = "it names turbulence first, then quadratic_drag"]
+#[ignore = "it names sensor_lag first, then saturation: the integrated speed lags by half a row"]
 fn the_hoop_lacks_a_curve_that_flattens_on_fixed_steps() {
     a_flattening_curve_and_no_delay("hoop_motor/fixed_steps.csv");
 }

@@ -46,3 +46,35 @@ impl Search<'_> {
         if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::tests_support::{model, record};
+    use crate::{Change, Options, Verdict, diagnose};
+    use plant::effects::FanLag;
+    use plant::{Effects, Model};
+
+    fn changes(believed_s: f64, rig: &Model) -> Vec<(Change, &'static str)> {
+        let lag = FanLag { time_constant_s: believed_s };
+        let belief = Model { effects: Effects { fan_lag: Some(lag), ..Effects::default() }, ..model() };
+        let found = diagnose(&belief, &record(rig, 3, 80), &Options::default());
+        assert!(found.effects.is_empty() || found.verdict == Verdict::Effect);
+        found.effects.iter().map(|named| (named.change, named.candidate.entry.name)).collect()
+    }
+
+    #[test]
+    fn a_lag_that_is_half_as_long_as_it_is_is_retuned() {
+        assert_eq!(changes(0.08, &model()), [(Change::Retuned, "fan_lag")]);
+    }
+
+    #[test]
+    fn a_lag_that_is_not_there_is_removed() {
+        let without = Model { effects: Effects::default(), ..model() };
+        assert_eq!(changes(0.2, &without), [(Change::Removed, "fan_lag")]);
+    }
+
+    #[test]
+    fn a_lag_that_is_nearly_right_stays() {
+        assert_eq!(changes(0.21, &model()), []);
+    }
+}

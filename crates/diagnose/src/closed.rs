@@ -57,3 +57,25 @@ fn share(both: &[(&Tally, &Tally)]) -> Option<f64> {
 fn squares<'a>(tallies: impl Iterator<Item = &'a Tally>) -> Option<(f64, f64)> {
     Tally::sum(tallies).squares_at_1_s()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Closed;
+    use crate::gap::tallies;
+    use crate::tests_support::{model, record};
+    use plant::{Effects, Model};
+
+    #[test]
+    fn the_right_model_closes_all_of_the_gap_within_its_interval_and_a_right_belief_leaves_none() {
+        let recording = record(&model(), 5, 80);
+        let by_stretch = |model: &Model| tallies(model, &recording, &|row| Some(row / 250));
+        let belief = by_stretch(&Model { effects: Effects::default(), ..model() });
+        let right = by_stretch(&model());
+        let closed = Closed::of(&belief, &right).unwrap();
+        assert!(closed.value > 0.85 && closed.high > 0.95 && closed.high - closed.low < 0.5, "{closed:?}");
+        // A mended model that is the belief closes nothing; its own noise sets the floor.
+        let none = Closed::of(&belief, &belief).unwrap();
+        assert!(none.value == 0.0 && none.low == 0.0 && none.high == 0.0, "{none:?}");
+        assert_eq!(Closed::of(&right, &right), None);
+    }
+}

@@ -111,3 +111,41 @@ pub(crate) fn grid_mm(recording: &Recording, model: &Model) -> Option<f64> {
     let near = std::iter::successors(Some(first), |step| Some(step / FINER)).take(NEAR);
     near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Grid, grid_mm};
+    use crate::tests_support::{model, record};
+    use crate::{Recording, Sample};
+
+    fn coarse(step: f64, fine: f64, phase: f64) -> Recording {
+        let flight = record(&model(), 1, 40);
+        let round = |mm: f64| (((mm - phase) / step).round() * step + phase) / fine;
+        let rows = flight
+            .samples()
+            .iter()
+            .map(|s| Sample { position_mm: s.position_mm.map(|mm| round(mm).round() * fine), ..*s });
+        Recording::new(rows.collect()).unwrap()
+    }
+
+    #[test]
+    fn a_step_is_found_in_whole_and_in_fine_files_wherever_it_starts() {
+        for (step, fine, phase) in [(7.3, 1.0, 0.0), (12.0, 0.01, 5.0), (5.5, 0.5, 2.0), (18.5, 1.0, -3.0)] {
+            let found = grid_mm(&coarse(step, fine, phase), &model()).unwrap();
+            assert!((found / step - 1.0).abs() < 0.01, "{found} mm of {step} mm");
+        }
+    }
+
+    #[test]
+    fn readings_as_fine_as_their_noise_lie_on_no_grid() {
+        assert_eq!(grid_mm(&coarse(1.0, 1.0, 0.0), &model()), None);
+        assert_eq!(grid_mm(&record(&model(), 2, 40), &model()), None);
+    }
+
+    #[test]
+    fn a_reading_between_two_steps_has_no_cell() {
+        let recording = coarse(8.0, 1.0, 0.0);
+        let grid = Grid::of(&recording, 8.0);
+        assert!(grid.cell(240.0).is_some() && grid.cell(244.0).is_none());
+    }
+}

@@ -27,6 +27,9 @@ pub(crate) const ALIKE: f64 = 2.0;
 const AIR_ORDERS: [f64; 5] = [0.1, 1.0, 10.0, 100.0, 1000.0];
 const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
 const OTHER_ORDER: f64 = 50.0;
+/// Effects that make something late, and what the form of a believed lag may be worth to them, nats.
+const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
+const FORM_OF_A_LAG: f64 = 5.0;
 /// Numbers that are this near to doing nothing, in their own scale, do nothing.
 const NOTHING: f64 = 1e-3;
 /// Effects whose first number is their strength: at 0 the others mean nothing.
@@ -163,6 +166,13 @@ impl<'a> Search<'a> {
             || self.problem.belief.effects.sensor_outliers.is_some()
     }
 
+    /// A rig's lag is never quite of first order: where one is believed, another thing that is late may only mend its form.
+    fn cost_of_form(&self, entry: &Entry) -> f64 {
+        let believed = &self.problem.belief.effects;
+        let lag = believed.fan_lag.is_some() || believed.spin_asymmetry.is_some() || believed.sensor_lag.is_some();
+        if lag && LATE.contains(&entry.name) { FORM_OF_A_LAG } else { 0.0 }
+    }
+
     fn in_full(&self, look: &Look, so_far: &Fit, before: &Worth) -> Candidate {
         let fit = self.problem.fit(&look.model, &look.free);
         let mut after = self.problem.held_out(&fit);
@@ -172,7 +182,7 @@ impl<'a> Search<'a> {
             }
         }
         let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
-        let gain = held_out + fit.log_prior - so_far.log_prior - look.cost;
+        let gain = held_out + fit.log_prior - so_far.log_prior - look.cost - self.cost_of_form(&look.entry);
         Candidate { entry: look.entry, fit, gain }
     }
 }

@@ -37,7 +37,7 @@ impl Search<'_> {
             model.effects.set(entry.name, values);
             self.problem.fit(&model, &free)
         };
-        let total = |fit: &Fit| fit.log_likelihood(|row| self.problem.folds.counts(row)) + fit.log_prior;
+        let total = |fit: &Fit| self.problem.total_of(fit);
         let as_believed = with(&self.problem.belief.effects.values(entry.name).unwrap_or_default());
         let absent = with(&entry.neutral(self.problem.belief));
         let removed = total(&absent) > total(fit) - ALIKE;

@@ -33,7 +33,7 @@ impl Closed {
     pub(crate) fn of(nominal: &[Tally], mended: &[Tally]) -> Option<Self> {
         let both: Vec<(&Tally, &Tally)> = nominal.iter().zip(mended).collect();
         let (before, floor) = (squares(both.iter().map(|pair| pair.0))?.0, squares(both.iter().map(|pair| pair.1))?.1);
-        if before.sqrt() < OPEN * floor.sqrt() {
+        if !is_open(before, floor) {
             return None;
         }
         let value = share(&both)?;
@@ -48,10 +48,20 @@ impl Closed {
     }
 }
 
+/// Whether mean squares before and by noise alone leave a gap that is worth closing.
+pub(crate) fn is_open(before: f64, floor: f64) -> bool {
+    before.sqrt() >= OPEN * floor.sqrt()
+}
+
+/// The share of the gap that is closed, from mean squares before, after and by noise alone.
+pub(crate) fn share_closed(before: f64, after: f64, floor: f64) -> f64 {
+    (before - after) / (before - floor)
+}
+
 fn share(both: &[(&Tally, &Tally)]) -> Option<f64> {
     let (before, _) = squares(both.iter().map(|pair| pair.0))?;
     let (after, floor) = squares(both.iter().map(|pair| pair.1))?;
-    Some((before - after) / (before - floor))
+    Some(share_closed(before, after, floor))
 }
 
 fn squares<'a>(tallies: impl Iterator<Item = &'a Tally>) -> Option<(f64, f64)> {

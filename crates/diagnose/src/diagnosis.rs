@@ -14,7 +14,7 @@ use crate::fit::{Fit, Problem};
 use crate::folds::Folds;
 use crate::free::Free;
 use crate::gap::{Gap, Tally, tallies};
-use crate::places::{Place, places, rows};
+use crate::places::{Place, places_of, rows};
 use crate::recording::Recording;
 use crate::residue::Residue;
 use crate::spectrum::{Band, band, periodogram};
@@ -105,15 +105,15 @@ pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Dia
     } else {
         Verdict::NoGap
     };
-    let places = places(&refitted.model, recording, &folds);
-    let band = band(&periodogram(&rows(&refitted.model, recording, &folds)));
+    let rows = rows(&refitted.model, recording, &folds);
+    let (places, band) = (places_of(&rows), band(&periodogram(&rows)));
     let Explanation { effects, rounds, fit: mended, residue } = found;
     Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings }
 }
 
 /// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.
 fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>; 3] {
-    let Problem { recording, folds, .. } = *search.problem();
+    let Problem { recording, folds, .. } = search.problem;
     let of = |models: Vec<Model>| {
         let one = |(fold, model): (usize, &Model)| {
             tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
@@ -122,7 +122,7 @@ fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>
         let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
         (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
     };
-    let [refitted, mended] = fits.map(|fit| of(search.problem().without_each_fold(fit)));
+    let [refitted, mended] = fits.map(|fit| of(search.problem.without_each_fold(fit)));
     [tallies(belief, recording, &|row| folds.stretch(row)), refitted, mended]
 }
 

@@ -68,7 +68,7 @@ impl Explanation {
 
     /// No effect at all.
     pub(crate) fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
-        let residue = Residue::of(search.problem(), refitted);
+        let residue = Residue::of(&search.problem, refitted);
         Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), residue }
     }
 }
@@ -100,7 +100,7 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
             revise_first(search, &mut effects, &mut fit);
         }
     }
-    let residue = Residue::of(search.problem(), &fit);
+    let residue = Residue::of(&search.problem, &fit);
     for (change, candidate, without) in search.changed(&fit) {
         if candidate.gain > NAMED {
             fit = without.unwrap_or(fit);

@@ -115,6 +115,11 @@ impl Problem<'_> {
         (best.model, best.total)
     }
 
+    /// Likelihood and prior of a fit, nats.
+    pub(crate) fn total_of(&self, fit: &Fit) -> f64 {
+        fit.log_likelihood(|row| self.folds.counts(row)) + fit.log_prior
+    }
+
     /// Likelihood and prior of `model` as it is, nats.
     pub(crate) fn total(&self, model: &Model, free: &[Free]) -> f64 {
         self.point(model.clone(), free).total

@@ -78,7 +78,7 @@ impl Search<'_> {
             Look { entry: *entry, model, free: start.free.clone(), gain, cost: 0.0, rivals: Vec::new() }
         });
         let best = looks.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
-        let before = so_far.log_likelihood(|row| self.problem.folds.counts(row)) + so_far.log_prior;
+        let before = self.problem.total_of(so_far);
         let rivals =
             if rated.len() > MANY_STARTS { rated.iter().map(|start| start.by_fold).collect() } else { Vec::new() };
         let cost =

@@ -7,8 +7,7 @@
 //! Places are sixths of the record by duty, height, velocity and time, each known before the reading. Under a right model the e_k are
 //! white with mean 0 whatever the loop does, and their signs are coin tosses: flipping them gives the distribution of the
 //! largest |z| over all places, which is what a p-value is taken from, so that looking at many places costs nothing.
-//! Whiteness is judged by the portmanteau of Ljung and Box over lags up to half a second.
-//! Sources: Romano and Wolf, "Stepwise multiple testing", Econometrica 73 (2005); Ljung and Box, Biometrika 65 (1978).
+//! Source: Romano and Wolf, "Stepwise multiple testing", Econometrica 73 (2005).
 
 use crate::folds::Folds;
 use crate::recording::Recording;
@@ -50,8 +49,12 @@ pub(crate) struct Row {
 /// Every place, the most significant first.
 #[must_use]
 pub fn places(model: &Model, recording: &Recording, folds: &Folds) -> Vec<Place> {
-    let rows = rows(model, recording, folds);
-    let spots: Vec<(usize, f64, f64, Vec<usize>)> = (0..4).flat_map(|signal| sixths(&rows, signal)).collect();
+    places_of(&rows(model, recording, folds))
+}
+
+/// Every place of these rows, the most significant first.
+pub(crate) fn places_of(rows: &[Row]) -> Vec<Place> {
+    let spots = spots(rows);
     let z = |spot: &[usize], sign: &dyn Fn(usize) -> f64| {
         spot.iter().map(|&k| sign(k) * rows[k].pull).sum::<f64>() / (spot.len().max(1) as f64).sqrt()
     };
@@ -93,8 +96,16 @@ pub(crate) fn rows(model: &Model, recording: &Recording, folds: &Folds) -> Vec<R
     known.map(|(known, s)| Row { row: s.row, time_s: samples[s.row].time_s, known, pull: s.pull }).collect()
 }
 
-/// Six places with equally many readings each, by one of what was known: its number, from, to, and which rows.
-pub(crate) fn sixths(rows: &[Row], signal: usize) -> Vec<(usize, f64, f64, Vec<usize>)> {
+/// A place: which of what was known, from, to, and which rows.
+pub(crate) type Spot = (usize, f64, f64, Vec<usize>);
+
+/// The sixths by each of what was known.
+pub(crate) fn spots(rows: &[Row]) -> Vec<Spot> {
+    (0..SIGNALS.len()).flat_map(|signal| sixths(rows, signal)).collect()
+}
+
+/// Six places with equally many readings each, by one of what was known.
+fn sixths(rows: &[Row], signal: usize) -> Vec<Spot> {
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|a, b| rows[*a].known[signal].total_cmp(&rows[*b].known[signal]));
     let value = |k: Option<&usize>| k.map_or(0.0, |k| rows[*k].known[signal]);

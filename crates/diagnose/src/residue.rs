@@ -15,7 +15,7 @@
 use crate::fit::Fit;
 use crate::fit::Problem;
 use crate::free::Free;
-use crate::places::{Row, rows, sixths};
+use crate::places::{Row, Spot, rows, spots};
 use crate::spectrum::periodogram;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -86,15 +86,16 @@ impl Residue {
     #[must_use]
     pub fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
         let rows = rows(&fit.model, problem.recording, problem.folds);
+        let spots = spots(&rows);
         let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
         let (air, air_ratio) = air(problem, fit);
         Self {
             colour: colour(&e, lags(&rows)),
             line: line(&periodogram(&rows)),
             clumps: clumps(&rows),
-            energy: energy(&rows),
-            mean: mean(&rows),
-            regressed: regressed(&rows, problem),
+            energy: largest(&rows, &spots, |row| row.pull * row.pull),
+            mean: largest(&rows, &spots, |row| row.pull),
+            regressed: regressed(&rows, &spots, problem),
             coarse: fit.model.effects.sensor_quantisation.is_some(),
             air,
             air_ratio,
@@ -144,31 +145,23 @@ fn surprise(z: f64, count: usize) -> f64 {
     -(count as f64 * chance).max(1e-300).ln()
 }
 
-fn largest(rows: &[Row], value: impl Fn(&Row) -> f64) -> f64 {
+/// −ln of the chance of so uneven a mean over places.
+fn largest(rows: &[Row], spots: &[Spot], value: impl Fn(&Row) -> f64) -> f64 {
     let n = rows.len() as f64;
     let m = rows.iter().map(&value).sum::<f64>() / n;
     let variance = rows.iter().map(|row| (value(row) - m).powi(2)).sum::<f64>() / n;
-    let places: Vec<Vec<usize>> = (0..4).flat_map(|signal| sixths(rows, signal)).map(|place| place.3).collect();
-    let z = |place: &Vec<usize>| {
+    let z = |(.., place): &Spot| {
         let count = place.len() as f64;
         let excess = place.iter().map(|&k| value(&rows[k]) - m).sum::<f64>();
         (excess / (count * (1.0 - count / n) * variance).max(1e-12).sqrt()).abs()
     };
-    let most = places.iter().map(z).fold(0.0, f64::max);
-    surprise(most, places.len())
-}
-
-fn energy(rows: &[Row]) -> f64 {
-    largest(rows, |row| row.pull * row.pull)
-}
-
-fn mean(rows: &[Row]) -> f64 {
-    largest(rows, |row| row.pull)
+    let most = spots.iter().map(z).fold(0.0, f64::max);
+    surprise(most, spots.len())
 }
 
 /// Nats that a linear regression on what was known gains on folds kept back.
-fn regressed(rows: &[Row], problem: &Problem<'_>) -> f64 {
-    let features = features(rows);
+fn regressed(rows: &[Row], spots: &[Spot], problem: &Problem<'_>) -> f64 {
+    let features = features(rows, spots);
     let width = features.first().map_or(0, Vec::len);
     let folds: Vec<usize> = rows.iter().map(|row| problem.folds.of(row.row).unwrap_or_default()).collect();
     let mut parts = vec![(DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width)); crate::Folds::COUNT];
@@ -200,11 +193,10 @@ fn regressed(rows: &[Row], problem: &Problem<'_>) -> f64 {
 }
 
 /// Places of duty, height, speed and time, and means of past innovations.
-fn features(rows: &[Row]) -> Vec<Vec<f64>> {
-    let places: Vec<Vec<usize>> = (0..4).flat_map(|signal| sixths(rows, signal)).map(|place| place.3).collect();
-    let width = places.len() + WINDOWS.len() - 1;
+fn features(rows: &[Row], spots: &[Spot]) -> Vec<Vec<f64>> {
+    let width = spots.len() + WINDOWS.len() - 1;
     let mut features = vec![vec![0.0; width]; rows.len()];
-    for (at, place) in places.iter().enumerate() {
+    for (at, (.., place)) in spots.iter().enumerate() {
         for &k in place {
             features[k][at] = 1.0;
         }
@@ -217,7 +209,7 @@ fn features(rows: &[Row]) -> Vec<Vec<f64>> {
         for (at, window) in WINDOWS.windows(2).enumerate() {
             let (from, to) = (k.saturating_sub(window[1]), (k + 1).saturating_sub(window[0]).min(k));
             let length = (window[1] - window[0]) as f64;
-            feature[places.len() + at] = (sums[to] - sums[from.min(to)]) / length.sqrt();
+            feature[spots.len() + at] = (sums[to] - sums[from.min(to)]) / length.sqrt();
         }
     }
     features

@@ -77,10 +77,6 @@ impl<'a> Search<'a> {
         Self { problem: Problem { recording, belief, folds }, without: without.to_vec() }
     }
 
-    pub(crate) const fn problem(&self) -> &Problem<'a> {
-        &self.problem
-    }
-
     /// The same search without one more effect.
     pub(crate) fn without_too(&self, name: &str) -> Self {
         let without = self.without.iter().cloned().chain([name.to_owned()]).collect();

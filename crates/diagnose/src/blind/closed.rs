@@ -8,13 +8,11 @@
 //! so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too little to close, neither.
 
 use super::truth::CaseTruth;
+use crate::closed::{is_open, share_closed};
 use crate::gap::Gap;
 use crate::likelihood::in_free_flight;
 use crate::recording::Recording;
 use plant::{Effects, Model};
-
-/// A gap is worth closing when the error exceeds the floor by so much, as in the diagnosis.
-const WORTH_CLOSING: f64 = 1.05;
 
 /// The share of the gap at 1 s between `belief` and `recording` that the true model closes.
 #[must_use]
@@ -23,9 +21,8 @@ pub fn closed_of_truth(belief: &Model, truth: &CaseTruth, recording: &Recording)
     let counts = in_free_flight(belief, recording);
     let gap = |model: &Model| Gap::measure_where(model, recording, &|row| counts[row]);
     let (nominal, best) = (gap(belief), gap(&model));
-    let (before, after, floor) = (nominal.error_mm[2]?, best.error_mm[2]?, best.floor_mm[2]?);
-    let open = before * before - floor * floor;
-    (before > WORTH_CLOSING * floor).then(|| (before * before - after * after) / open)
+    let [before, after, floor] = [nominal.error_mm[2]?, best.error_mm[2]?, best.floor_mm[2]?].map(|mm| mm * mm);
+    is_open(before, floor).then(|| share_closed(before, after, floor))
 }
 
 /// The rig in terms of the catalogue, if it can be written so.

@@ -1,73 +1,112 @@
 //! Which readings are new, where a model believes that the sensor refreshes slower than the loop reads.
 //!
-//! When the refreshes fall is not known, only how far apart they are: n = hold/period rows. Fewer than ⌊n⌋ rows after a new reading
-//! the sensor cannot have refreshed, so that the reading must be the same; from then on it counts as new. Readings that are
-//! the same by chance thus earn such a model nothing, and each one that differs too early costs it dear.
+//! ```text
+//! F(e) = (e − hold + period)/period, 0 to 1      chance that the sensor has refreshed e seconds after the row of its last reading
+//! h = (F(e) − F(e'))/(1 − F(e'))                 and since the row before, at e', if it had not until then
+//! p(y) = h·p_new(y) + (1 − h)/r·[y is the last reading again]      r: resolution of the file
+//! ```
+//!
+//! When in a row's period the last refresh fell is not known, hence the ramp; it is widened by what clocks wander. A reading that is the same
+//! again counts as a repeat where that is the larger part of p(y), and moves no filter.
 
-use crate::recording::Recording;
 use plant::Model;
 
-/// What a row's reading is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Arrival {
-    /// There is none.
-    Absent,
-    /// A new measurement.
-    Fresh,
-    /// The last measurement once more.
-    Repeat,
-    /// Another number although the sensor cannot have refreshed.
-    TooEarly,
+/// What clocks wander: shares of the hold and of the period.
+const HOLD_WANDERS: f64 = 0.05;
+const PERIOD_WANDERS: f64 = 0.1;
+/// A refresh is never quite impossible, nor quite certain.
+const EARLIEST: f64 = 1e-5;
+const LATEST: f64 = 0.98;
+
+/// The last reading of a sensor that refreshes now and then, and when it was new.
+#[derive(Clone, Debug)]
+pub(crate) struct Refresh {
+    hold_s: f64,
+    period_s: f64,
+    new_s: f64,
+    before_s: f64,
+    last_mm: f64,
 }
 
-/// What each row's reading is in the eyes of `model`.
-pub(crate) fn arrivals(model: &Model, recording: &Recording) -> Vec<Arrival> {
-    let samples = recording.samples();
-    let hold_s = model.effects.stale_samples.map_or(0.0, |stale| stale.hold_s);
-    let period_s = recording.duration_s() / samples.len() as f64;
-    // A tenth of a row for the jitter of the clock; half a row, because rows are compared by their times.
-    let silent_s = ((hold_s / period_s + 0.1).floor() - 0.5) * period_s;
-    let mut last: Option<(f64, f64)> = None;
-    let arrival = |(time_s, reading): (f64, Option<f64>)| {
-        let Some(reading) = reading else { return Arrival::Absent };
-        let arrival = match last {
-            Some((fresh_s, before)) if time_s - fresh_s < silent_s => {
-                if reading == before {
-                    Arrival::Repeat
-                } else {
-                    Arrival::TooEarly
-                }
-            }
-            _ => Arrival::Fresh,
-        };
-        if arrival != Arrival::Repeat {
-            last = Some((time_s, reading));
+impl Refresh {
+    /// The sensor of `model`, if it is believed to be slow, after its first reading.
+    pub(crate) fn of(model: &Model, period_s: f64, time_s: f64, reading_mm: f64) -> Option<Self> {
+        let hold_s = model.effects.stale_samples?.hold_s;
+        (hold_s > 0.0).then_some(Self { hold_s, period_s, new_s: time_s, before_s: time_s, last_mm: reading_mm })
+    }
+
+    /// The chance that the sensor has refreshed since the row before.
+    pub(crate) fn chance(&self, time_s: f64) -> f64 {
+        let (before, now) = (self.refreshed(self.before_s), self.refreshed(time_s));
+        ((now - before) / (1.0 - before).max(EARLIEST)).clamp(EARLIEST, LATEST)
+    }
+
+    fn refreshed(&self, time_s: f64) -> f64 {
+        let wander_s = HOLD_WANDERS * self.hold_s + PERIOD_WANDERS * self.period_s;
+        let earliest_s = self.new_s + self.hold_s - self.period_s - wander_s;
+        ((time_s - earliest_s) / (self.period_s + 2.0 * wander_s)).clamp(0.0, 1.0)
+    }
+
+    /// Whether a reading is the last one again.
+    pub(crate) fn is_same(&self, reading_mm: f64) -> bool {
+        reading_mm == self.last_mm
+    }
+
+    /// Goes on after a row whose reading was new, or a repeat.
+    pub(crate) fn go_on(&mut self, time_s: f64, reading_mm: f64, new: bool) {
+        if new {
+            (self.new_s, self.last_mm) = (time_s, reading_mm);
         }
-        arrival
-    };
-    samples.iter().map(|sample| (sample.time_s, sample.position_mm)).map(arrival).collect()
+        self.before_s = time_s;
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Arrival, arrivals};
+    use super::Refresh;
     use crate::tests_support::{model, record};
+    use crate::track::Track;
     use crate::{Recording, Sample};
     use plant::effects::StaleSamples;
     use plant::{Effects, Model};
 
-    #[test]
-    fn held_readings_are_repeats_and_without_the_effect_all_are_new() {
-        let good = record(&model(), 1, 10);
+    /// A flight whose readings are held for so many rows and rounded to a step.
+    fn held(rows: usize, step_mm: f64) -> Recording {
+        let good = record(&model(), 1, 20);
+        let round = |mm: f64| (mm / step_mm).round() * step_mm;
         let held = good.samples().iter().enumerate();
-        let held = held.map(|(k, s)| Sample { position_mm: good.samples()[k - k % 5].position_mm, ..*s }).collect();
-        let held = Recording::new(held).unwrap();
-        let stale = Effects { stale_samples: Some(StaleSamples { hold_s: 0.1 }), ..model().effects };
-        let found = arrivals(&Model { effects: stale.clone(), ..model() }, &held);
-        let wanted = |k: usize| if k.is_multiple_of(5) { Arrival::Fresh } else { Arrival::Repeat };
-        assert!(found.iter().enumerate().all(|(k, arrival)| *arrival == wanted(k)), "{found:?}");
-        assert!(arrivals(&model(), &held).iter().all(|arrival| *arrival == Arrival::Fresh));
-        let early = arrivals(&Model { effects: stale, ..model() }, &good);
-        assert!(early.iter().filter(|arrival| **arrival == Arrival::TooEarly).count() > 100);
+        let held = held.map(|(k, s)| Sample { position_mm: good.samples()[k - k % rows].position_mm.map(round), ..*s });
+        Recording::new(held.collect()).unwrap()
+    }
+
+    fn slow(hold_s: f64) -> Model {
+        Model { effects: Effects { stale_samples: Some(StaleSamples { hold_s }), ..model().effects }, ..model() }
+    }
+
+    #[test]
+    fn held_readings_are_repeats_in_fine_and_in_coarse_files() {
+        for step_mm in [0.01, 1.0] {
+            let recording = held(5, step_mm);
+            let found = Track::new(&slow(0.1), &recording).readings();
+            assert!(found.abs_diff(200) <= 2, "{found} of 200 in steps of {step_mm} mm");
+            assert_eq!(Track::new(&model(), &recording).readings(), 1000);
+        }
+    }
+
+    #[test]
+    fn the_hold_that_a_record_has_is_the_likeliest() {
+        let recording = held(5, 1.0);
+        let nats = |hold_s: f64| {
+            crate::likelihood::surprises(&slow(hold_s), &recording).iter().map(|s| s.log_density).sum::<f64>()
+        };
+        assert!(nats(0.1) > nats(0.085) + 20.0 && nats(0.1) > nats(0.115) + 20.0);
+    }
+
+    #[test]
+    fn a_refresh_is_sure_to_have_come_once_the_hold_is_over_and_not_before() {
+        let refresh = Refresh::of(&slow(0.1), 0.02, 0.0, 1.0).unwrap();
+        assert!(refresh.chance(0.06) < 1e-4 && refresh.chance(0.12) > 0.9);
+        assert!((refresh.chance(0.09) - 0.5).abs() < 1e-9);
+        assert!(Refresh::of(&model(), 0.02, 0.0, 1.0).is_none());
     }
 }

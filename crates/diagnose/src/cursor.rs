@@ -133,10 +133,16 @@ impl<'a> Cursor<'a> {
         (position_mm, variance_mm2 + rounding)
     }
 
+    /// How a reading is seen coming.
+    pub(crate) fn foresee(&self, reading: Reading) -> Surprise {
+        let (expected, variance) = self.expect();
+        Surprise::of(reading, expected, variance)
+    }
+
     /// Takes a reading as far as it is no wild one: a wild one moves nothing.
     pub(crate) fn take(&mut self, reading: Reading) -> Surprise {
         let (expected, variance) = self.expect();
-        let surprise = Surprise::of(reading, expected, variance);
+        let surprise = self.foresee(reading);
         let (weight, pull) =
             if self.wild_run >= if reading.outliers.is_some() { WILD_IN_A_BURST } else { WILD_IN_A_ROW } {
                 (1.0, (reading.position_mm - expected) / variance.sqrt())

@@ -12,8 +12,9 @@ use crate::closed::Closed;
 use crate::explain::{Explanation, Named, explain};
 use crate::fit::{Fit, Problem};
 use crate::folds::Folds;
-use crate::free::Free;
+use crate::free::{COARSE, Free};
 use crate::gap::{Gap, Tally, tallies};
+use crate::grid::coarse_step;
 use crate::places::{Place, places_of, rows};
 use crate::recording::Recording;
 use crate::residue::Residue;
@@ -25,6 +26,8 @@ use rayon::prelude::*;
 
 /// Readings in free flight that a diagnosis needs.
 const ENOUGH_READINGS: usize = 300;
+/// Deviations on either side that hold 90 % of a normal distribution.
+const OF_90_PERCENT: f64 = 1.645;
 
 /// What is wrong, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -67,6 +70,8 @@ pub struct Diagnosis {
     pub closed: Option<Closed>,
     /// What the record cannot answer.
     pub findings: Vec<Finding>,
+    /// The step of a coarse sensor, if the mended model has one, and its standard deviation in its own scale.
+    coarse_step: Option<(Free, f64)>,
 }
 
 /// How to search.
@@ -108,7 +113,15 @@ pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Dia
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows), band(&periodogram(&rows)));
     let Explanation { effects, rounds, fit: mended, residue } = found;
-    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings }
+    let coarse_step = coarse_deviation(&mended.model, recording);
+    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, coarse_step }
+}
+
+/// The step of a coarse sensor as a number of the model, and its standard deviation in its own scale.
+fn coarse_deviation(model: &Model, recording: &Recording) -> Option<(Free, f64)> {
+    model.effects.sensor_quantisation?;
+    let step = coarse_step(recording, model)?;
+    Some((Free::Effect { name: COARSE, index: 0, size: step.mm }, step.sigma_mm / step.mm))
 }
 
 /// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.
@@ -137,9 +150,10 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 impl Diagnosis {
     /// The 90 % intervals of the numbers that the mended model moved: what was moved, and half of the interval in its own scale.
     #[must_use]
-    pub fn half_intervals(&self) -> Option<Vec<(Free, f64)>> {
-        let deviations = self.mended.deviations()?;
-        Some(self.mended.free.iter().copied().zip(deviations.into_iter().map(|d| 1.645 * d)).collect())
+    pub fn half_intervals(&self) -> Vec<(Free, f64)> {
+        let deviations = self.mended.deviations().unwrap_or_default();
+        let moved = self.mended.free.iter().copied().zip(deviations);
+        moved.chain(self.coarse_step).map(|(free, deviation)| (free, OF_90_PERCENT * deviation)).collect()
     }
 }
 

@@ -6,11 +6,14 @@ use crate::which::{CONTAINS, Candidate, Search, Tried};
 use plant::Model;
 
 /// Held-out gain, nats, that an effect must bring to be named: e⁵ to 1.
-const NAMED: f64 = 6.0;
-/// The same for each further one, and as a share of what is explained already: the form of an effect is never quite that of
+pub(crate) const NAMED: f64 = 6.0;
+/// The same for a second one, for each further, and as a share of what is explained already: the form of an effect is never quite that of
 /// the catalogue, and what that leaves is no further effect.
-const NAMED_NEXT: f64 = 9.0;
+const NAMED_SECOND: f64 = 7.0;
+const NAMED_FURTHER: f64 = 15.0;
 const SHARE_OF_FORM: f64 = 0.005;
+/// Effects that change the density of a reading by thousands of nats, and leave no such share.
+const OF_THE_DENSITY: [&str; 3] = ["sensor_quantisation", "stale_samples", "sensor_outliers"];
 /// The same for turbulence: what the noise of the air grew by counts against it already, and what is left over is judged strictly.
 const NAMED_TURBULENCE: f64 = 3.0;
 /// Effects that explain the record within so many nats of the best cannot be told from it.
@@ -24,6 +27,9 @@ const DOUBT: f64 = 2.5;
 const TURBULENCE: &str = "turbulence";
 /// Effects at most that a record can name; if there are more, the answer is not to be trusted.
 const MOST_EFFECTS: usize = 2;
+/// Searches at most: what was found may be dropped again.
+const MOST_ROUNDS: usize = 5;
+
 /// What is to be done to the belief about an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -77,8 +83,10 @@ impl Explanation {
 /// what it followed is missing, and better left unexplained.
 pub(crate) fn explain(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let found = explain_by(search, refitted);
-    let turbulent = found.effects.iter().any(|named| named.candidate.entry.name == TURBULENCE);
-    if turbulent && !found.residue.allows_turbulence() {
+    let added = found.effects.iter().filter(|named| named.change == Change::Added);
+    let after = added.map(|named| named.candidate.entry.name).skip_while(|name| *name != TURBULENCE).count();
+    // Nothing may come after it: what is found beside it, it would have followed as well.
+    if after > 1 || (after == 1 && !found.residue.allows_turbulence()) {
         explain_by(&search.without_too(TURBULENCE), refitted)
     } else {
         found
@@ -88,10 +96,8 @@ pub(crate) fn explain(search: &Search<'_>, refitted: &Fit) -> Explanation {
 fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds): (Vec<Named>, _) = (Vec::new(), Vec::new());
-    while effects.len() <= MOST_EFFECTS {
-        let explained: f64 = effects.iter().map(|named| named.candidate.gain).sum();
-        let needed = if effects.is_empty() { NAMED } else { NAMED_NEXT.max(SHARE_OF_FORM * explained) };
-        let (named, tried) = next_effect(search, &fit, needed);
+    while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_ROUNDS {
+        let (named, tried) = next_effect(search, &fit, needed_beside(&effects));
         rounds.push(tried);
         let Some(named) = named else { break };
         fit = named.candidate.fit.clone();
@@ -99,6 +105,7 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
         if effects.len() == 2 {
             revise_first(search, &mut effects, &mut fit);
         }
+        drop_the_needless(search, &mut effects, &mut fit);
     }
     let residue = Residue::of(&search.problem, &fit);
     for (change, candidate, without) in search.changed(&fit) {
@@ -117,11 +124,37 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     Explanation { effects, rounds, fit, residue }
 }
 
+/// What another effect must gain beside those that were found.
+fn needed_beside(effects: &[Named]) -> f64 {
+    let of_form = effects.iter().filter(|named| !OF_THE_DENSITY.contains(&named.candidate.entry.name));
+    let form = SHARE_OF_FORM * of_form.map(|named| named.candidate.gain).sum::<f64>();
+    match effects.len() {
+        0 => NAMED,
+        1 => NAMED_SECOND.max(form),
+        _ => NAMED_FURTHER.max(form),
+    }
+}
+
+/// Drops what stood in for an effect that was found after it.
+fn drop_the_needless(search: &Search<'_>, effects: &mut Vec<Named>, fit: &mut Fit) {
+    let worth = |fit: &Fit| search.problem.held_out(fit).iter().sum::<f64>() + fit.log_prior;
+    let mut at = 0;
+    while at + 1 < effects.len() {
+        let without = search.removed(fit, effects[at].candidate.entry.name);
+        if worth(fit) - worth(&without) < NAMED {
+            *fit = without;
+            effects.remove(at);
+        } else {
+            at += 1;
+        }
+    }
+}
+
 /// With the second effect known, the first is looked for again: it may have stood in for both.
 fn revise_first(search: &Search<'_>, effects: &mut [Named], fit: &mut Fit) {
     let [first, _] = effects else { return };
     let without_first = search.removed(fit, first.candidate.entry.name);
-    if let (Some(again), _) = next_effect(search, &without_first, NAMED_NEXT) {
+    if let (Some(again), _) = next_effect(search, &without_first, NAMED_SECOND) {
         *fit = again.candidate.fit.clone();
         *first = again;
     }

@@ -40,14 +40,26 @@ pub const BASE: [Free; 5] = [Free::Gain, Free::Drag, Free::Hover, Free::SensorNo
 
 /// Share of its value within which an owner knows a number of an effect.
 const EFFECT_KNOWN: f64 = 0.07;
+/// The effect whose number is read off the readings.
+pub(crate) const COARSE: &str = "sensor_quantisation";
 /// Least ratio that drag and noise are kept above, so that a belief of 0 can move.
 const LEAST: f64 = 1e-3;
 
-/// The numbers of an effect, each in the size of `values`.
+/// A stop's height says nothing of how finely a record shows it: the size of its changes, mm.
+const STOP_MM: f64 = 10.0;
+
+/// The numbers of an effect that a fit moves, each in the size of `values`. A coarse step is no such number: the readings' own grid
+/// shows it to a hair, and has no slope to climb.
 pub(crate) fn free_of_effect(name: &'static str, values: &[f64]) -> Vec<Free> {
+    if name == COARSE {
+        return Vec::new();
+    }
     let entry = Effects::entry(name);
     let usual = |index: usize| entry.and_then(|e| e.sizes.first()).and_then(|sizes| sizes.get(index)).copied();
-    let size = |index: usize, value: f64| value.abs().max(0.1 * usual(index).unwrap_or(1.0).abs());
+    let size = |index: usize, value: f64| {
+        let stop = name == "end_stop" && index < 2;
+        if stop { STOP_MM } else { value.abs().max(0.1 * usual(index).unwrap_or(1.0).abs()) }
+    };
     let numbers = values.iter().enumerate().take(entry.map_or(0, |e| e.sizes.first().map_or(0, |s| s.len())));
     numbers.map(|(index, value)| Free::Effect { name, index, size: size(index, *value) }).collect()
 }
@@ -86,7 +98,7 @@ impl Free {
 
     /// Whether the number shapes the density of a reading, and not its expectation or variance.
     pub(crate) fn is_of_the_density(self) -> bool {
-        matches!(self, Self::Effect { name: "sensor_outliers", .. })
+        matches!(self, Self::Effect { name: "sensor_outliers" | "stale_samples", .. })
     }
 
     /// How far a number of an effect that is not believed is from doing nothing, in its own scale, as far as 1.

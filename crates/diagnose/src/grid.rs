@@ -47,6 +47,21 @@ impl Levels {
         sin.atan2(cos) * step / std::f64::consts::TAU
     }
 
+    /// The line through the levels over their numbers on a grid of about `step` mm: least squares.
+    fn fitted_step(&self, step: f64, fine: f64) -> CoarseStep {
+        let phase = self.phase_mm(step);
+        let on = self.0.iter().filter(|(y, _)| lies_on(*y, step, phase, fine));
+        let points: Vec<(f64, f64)> = on.map(|(y, _)| (((y - phase) / step).round(), *y)).collect();
+        let count = points.len().max(1) as f64;
+        let (n, y) = points.iter().fold((0.0, 0.0), |(n, y), point| (n + point.0 / count, y + point.1 / count));
+        let spread: f64 = points.iter().map(|point| (point.0 - n).powi(2)).sum();
+        if spread < 1.0 {
+            return CoarseStep { mm: step, sigma_mm: fine };
+        }
+        let mm = points.iter().map(|point| (point.0 - n) * (point.1 - y)).sum::<f64>() / spread;
+        CoarseStep { mm, sigma_mm: fine / (12.0 * spread).sqrt() }
+    }
+
     /// How closely the readings lie on a grid of `step` mm.
     fn closeness(&self, step: f64) -> f64 {
         let (sin, cos) = self.circular_sum(step);
@@ -74,6 +89,15 @@ fn lies_on(y: f64, step: f64, phase: f64, fine: f64) -> bool {
     (off - off.round()).abs() * step <= (EDGE * fine).max(SLACK * step)
 }
 
+/// A coarse sensor's step as the readings show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CoarseStep {
+    /// The step, mm.
+    pub(crate) mm: f64,
+    /// Standard deviation of the step, mm: the file rounds every level.
+    pub(crate) sigma_mm: f64,
+}
+
 /// A sensor with steps: which readings it can give, in a file of some resolution.
 pub(crate) struct Grid {
     step: f64,
@@ -97,7 +121,7 @@ impl Grid {
 }
 
 /// The coarsest grid that the readings lie on, if it is coarse beside the believed noise and the file.
-pub(crate) fn grid_mm(recording: &Recording, model: &Model) -> Option<f64> {
+pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<CoarseStep> {
     let levels = Levels::of(recording);
     let fine = levels.file_resolution_mm();
     let least = (COARSE * model.noise.sensor_mm).max(2.0 * fine);
@@ -109,12 +133,13 @@ pub(crate) fn grid_mm(recording: &Recording, model: &Model) -> Option<f64> {
     let first = scan.take_while(|step| *step > least).find(|step| levels.share(*step, fine) >= ON_GRID)?;
     // The first step that will do is a little too coarse; the best one is where the readings lie closest.
     let near = std::iter::successors(Some(first), |step| Some(step / FINER)).take(NEAR);
-    near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))
+    let near = near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))?;
+    Some(levels.fitted_step(near, fine))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Grid, grid_mm};
+    use super::{Grid, coarse_step};
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
 
@@ -131,15 +156,16 @@ mod tests {
     #[test]
     fn a_step_is_found_in_whole_and_in_fine_files_wherever_it_starts() {
         for (step, fine, phase) in [(7.3, 1.0, 0.0), (12.0, 0.01, 5.0), (5.5, 0.5, 2.0), (18.5, 1.0, -3.0)] {
-            let found = grid_mm(&coarse(step, fine, phase), &model()).unwrap();
-            assert!((found / step - 1.0).abs() < 0.01, "{found} mm of {step} mm");
+            let found = coarse_step(&coarse(step, fine, phase), &model()).unwrap();
+            assert!((found.mm - step).abs() < 4.0 * found.sigma_mm.max(1e-6), "{found:?} of {step} mm");
+            assert!(found.sigma_mm < 0.01 * step, "{found:?}");
         }
     }
 
     #[test]
     fn readings_as_fine_as_their_noise_lie_on_no_grid() {
-        assert_eq!(grid_mm(&coarse(1.0, 1.0, 0.0), &model()), None);
-        assert_eq!(grid_mm(&record(&model(), 2, 40), &model()), None);
+        assert_eq!(coarse_step(&coarse(1.0, 1.0, 0.0), &model()), None);
+        assert_eq!(coarse_step(&record(&model(), 2, 40), &model()), None);
     }
 
     #[test]

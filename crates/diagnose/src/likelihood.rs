@@ -104,17 +104,15 @@ impl Surprise {
         }
     }
 
-    /// A reading that can only repeat the one before: certain to within the recording's resolution if it does, and as good as
-    /// impossible if it does not.
+    /// A reading that only repeats the one before, and ln p of that.
     #[must_use]
-    pub fn of_repeat(row: usize, repeats: bool, resolution_mm: f64) -> Self {
-        let log_density = -resolution_mm.ln() + if repeats { 0.0 } else { WILD_SHARE.ln() - WILD_WIDTH };
+    pub(crate) fn of_repeat(row: usize, log_density: f64) -> Self {
         Self { row, expected_mm: 0.0, variance_mm2: 1.0, weight: 0.0, pull: 0.0, stretch: 0.0, log_density }
     }
 }
 
 /// ln(eᵃ + eᵇ).
-fn log_sum(a: f64, b: f64) -> f64 {
+pub(crate) fn log_sum(a: f64, b: f64) -> f64 {
     a.max(b) + (-(a - b).abs()).exp().ln_1p()
 }
 

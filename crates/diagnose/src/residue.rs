@@ -18,6 +18,7 @@ use crate::free::Free;
 use crate::places::{Row, Spot, rows, spots};
 use crate::spectrum::periodogram;
 use nalgebra::{DMatrix, DVector};
+use plant::Model;
 use serde::Serialize;
 
 /// Statistics of what is left over. Each is large where something is.
@@ -49,13 +50,19 @@ const CHANCE: f64 = 7.0;
 /// Tails of the noise that are not normal make these two less certain.
 const CHANCE_OF_POWER: f64 = 9.0;
 const REGRESSED: f64 = 5.0;
+const REGRESSED_OF_CELLS: f64 = 10.0;
 const CLUMPS: f64 = 5.5;
 const AIR: f64 = 4.0;
 /// Noise of the air that grew by less than this, as a ratio, is no gap.
 const AIR_RATIO: f64 = 1.3;
 /// White noise that a right turbulence leaves as it was believed, as ratios.
-const UNTOUCHED: std::ops::Range<f64> = 0.6..1.6;
+const UNTOUCHED: std::ops::Range<f64> = 0.5..1.6;
 
+/// A ball this near to a stop may have met it, mm; and so long the filter is not normal afterwards, seconds.
+const NEAR_STOP_MM: f64 = 10.0;
+const FORGET_STOP_S: f64 = 0.5;
+/// One part in so many of the readings must be left to judge.
+const LEFT_TO_JUDGE: usize = 5;
 /// Lags of the portmanteau, seconds.
 const LAGS_S: f64 = 0.5;
 /// Windows of past innovations that the regression sees: their ends, in readings before.
@@ -67,11 +74,14 @@ impl Residue {
     /// Whether something is left over.
     #[must_use]
     pub fn is_significant(&self) -> bool {
-        self.colour > COLOUR
+        let shape = self.colour > COLOUR
             || self.regressed > REGRESSED
             || self.mean > CHANCE
+            || self.clumps > CLUMPS
+            || self.energy > CHANCE_OF_POWER;
+        // Within a cell nothing is normal, and what follows from that is no residue.
+        (if self.coarse { self.regressed > REGRESSED_OF_CELLS } else { shape })
             || self.line > CHANCE_OF_POWER
-            || (!self.coarse && (self.clumps > CLUMPS || self.energy > CHANCE_OF_POWER))
             || (self.air > AIR && self.air_ratio > AIR_RATIO)
     }
 
@@ -85,7 +95,7 @@ impl Residue {
     /// Judges the innovations of `fit`.
     #[must_use]
     pub fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
-        let rows = rows(&fit.model, problem.recording, problem.folds);
+        let rows = clear_of_stops(&fit.model, rows(&fit.model, problem.recording, problem.folds));
         let spots = spots(&rows);
         let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
         let (air, air_ratio) = air(problem, fit);
@@ -101,6 +111,23 @@ impl Residue {
             air_ratio,
         }
     }
+}
+
+/// The rows where the ball has not met a stop lately: a filter takes what it knows for normal, and at a bounce that is not so.
+fn clear_of_stops(model: &Model, rows: Vec<Row>) -> Vec<Row> {
+    let Some(stops) = model.effects.end_stop else { return rows };
+    let near_mm = NEAR_STOP_MM.max(5.0 * model.noise.sensor_mm);
+    let mut clear_from_s = f64::NEG_INFINITY;
+    let clear = |row: &Row| {
+        let height_mm = row.known[1];
+        if height_mm < stops.bottom_mm + near_mm || height_mm > stops.top_mm - near_mm {
+            clear_from_s = row.time_s + FORGET_STOP_S;
+        }
+        row.time_s >= clear_from_s
+    };
+    let clear: Vec<Row> = rows.iter().copied().filter(clear).collect();
+    // A ball that never leaves its stop is judged as it is.
+    if clear.len() > rows.len() / LEFT_TO_JUDGE { clear } else { rows }
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]

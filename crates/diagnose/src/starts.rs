@@ -3,15 +3,16 @@
 //! A limit that the record never reaches, a stop that the ball never meets or a grid that is a little off have no slope to climb:
 //! their searches start where the record says that there is something to find.
 
-use crate::grid::grid_mm;
+use crate::grid::coarse_step;
 use crate::recording::Recording;
 use plant::{Actuator, Entry, Model};
 
 /// Shares of the range of commanded acceleration at which a saturation is looked for.
 const LIMITS: [f64; 3] = [0.9, 0.6, 0.35];
 
-/// Shares of the readings beyond a stop that is looked for: noise carries some beyond it.
-const STOPS: [f64; 3] = [0.003, 0.02, 0.1];
+/// Shares of the readings beyond a place, and how far inside of it a stop is looked for, in deviations of the noise: noise carries readings
+/// beyond a stop.
+const STOPS: [(f64, f64); 6] = [(0.003, 0.0), (0.003, 1.0), (0.003, 2.0), (0.02, 0.0), (0.05, 0.0), (0.15, 0.0)];
 /// Steps of duty that are looked for.
 const FINEST_PERCENT: f64 = 0.3;
 const COARSEST_PERCENT: f64 = 2.5;
@@ -22,7 +23,7 @@ pub(crate) fn starts(entry: &Entry, model: &Model, recording: &Recording) -> Vec
     match entry.name {
         "saturation" => limits(model, recording),
         "end_stop" => stops(model, recording),
-        "sensor_quantisation" => grid_mm(recording, model).map(|step| vec![step]).into_iter().collect(),
+        "sensor_quantisation" => coarse_step(recording, model).map(|step| vec![step.mm]).into_iter().collect(),
         "duty_quantisation" => steps(model).map(|step| vec![step]).collect(),
         "stale_samples" => holds(recording),
         "gain_drift" | "hover_drift" => {
@@ -70,9 +71,13 @@ fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
 fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     let mut heights: Vec<f64> = recording.samples().iter().filter_map(|s| s.position_mm).collect();
     heights.sort_by(f64::total_cmp);
-    let at_top = STOPS.map(|share| vec![0.0, quantile(&heights, 1.0 - share), 0.4]);
-    let at_bottom = STOPS.map(|share| vec![quantile(&heights, share), model.pipe_length_mm, 0.4]);
-    at_top.into_iter().chain(at_bottom).collect()
+    let noise = model.noise.sensor_mm;
+    let at = |share: f64, inwards: f64| {
+        let top = vec![0.0, quantile(&heights, 1.0 - share) - inwards * noise, 0.5];
+        let bottom = vec![quantile(&heights, share) + inwards * noise, model.pipe_length_mm, 0.5];
+        [top, bottom]
+    };
+    STOPS.iter().flat_map(|(share, inwards)| at(*share, *inwards)).collect()
 }
 
 /// Mean time between readings that differ, if many do not.
@@ -81,5 +86,5 @@ fn holds(recording: &Recording) -> Vec<Vec<f64>> {
     let changes = readings.windows(2).filter(|pair| pair[0] != pair[1]).count().max(1);
     let period_s = recording.duration_s() / readings.len().max(1) as f64;
     let hold_s = recording.duration_s() / changes as f64;
-    [0.9, 1.0, 1.15, 1.3].map(|factor| vec![(factor * hold_s).max(2.0 * period_s)]).to_vec()
+    [0.87, 0.94, 1.0, 1.1, 1.25].map(|factor| vec![(factor * hold_s).max(2.0 * period_s)]).to_vec()
 }

@@ -1,9 +1,9 @@
 //! A model's filter along a whole recording, and forecasts from any of its readings.
 
-use crate::arrival::{Arrival, arrivals};
+use crate::arrival::Refresh;
 use crate::cursor::{Cursor, Steps};
 use crate::grid::{Grid, OFF_GRID};
-use crate::likelihood::{Reading, Surprise};
+use crate::likelihood::{Reading, Surprise, log_sum};
 use crate::recording::{Recording, Sample};
 use plant::Model;
 
@@ -16,8 +16,8 @@ pub struct Track<'a> {
     estimates: Vec<(usize, Cursor<'a>)>,
     /// Every reading but the first, as it was seen coming.
     surprises: Vec<Surprise>,
-    /// What each row's reading is.
-    arrivals: Vec<Arrival>,
+    /// Whether each row holds a reading that is no repeat.
+    new: Vec<bool>,
 }
 
 /// What a model expects of a later reading.
@@ -39,24 +39,53 @@ fn along<'a>(model: &'a Model, recording: &'a Recording, mut show: impl FnMut(us
     let mut filter: Option<Cursor<'a>> = None;
     let grid = model.effects.sensor_quantisation.map(|coarse| Grid::of(recording, coarse.step_mm));
     let outliers = model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
-    for (row, (sample, arrival)) in samples.iter().zip(arrivals(model, recording)).enumerate() {
+    let period_s = recording.duration_s() / samples.len() as f64;
+    let mut refresh: Option<Refresh> = None;
+    for (row, sample) in samples.iter().enumerate() {
         let Some(reading) = sample.position_mm else { continue };
+        let first = filter.is_none();
         let cursor = filter.get_or_insert_with(|| Cursor::new(model, samples, row, reading, &mut steps));
-        match arrival {
-            Arrival::Absent => {}
-            Arrival::Repeat => show(row, Surprise::of_repeat(row, true, recording.resolution_mm()), None),
-            Arrival::TooEarly => show(row, Surprise::of_repeat(row, false, recording.resolution_mm()), None),
-            Arrival::Fresh => {
-                cursor.go_to_row(row, &mut steps);
-                let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
-                let mut surprise = cursor.take(Reading { row, position_mm: reading, outliers, coarse });
-                if grid.is_some() && coarse.is_none() {
-                    surprise.log_density -= OFF_GRID;
-                }
-                show(row, surprise, Some(cursor));
-            }
+        cursor.go_to_row(row, &mut steps);
+        let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
+        let seen = Reading { row, position_mm: reading, outliers, coarse };
+        let off_grid = if grid.is_some() && coarse.is_none() { OFF_GRID } else { 0.0 };
+        if first {
+            refresh = Refresh::of(model, period_s, sample.time_s, reading);
+            show(row, cursor.take(seen), Some(cursor));
+            continue;
+        }
+        let (new, log_density) = arrival(refresh.as_ref(), sample.time_s, reading, recording.resolution_mm(), || {
+            cursor.foresee(seen).log_density - off_grid
+        });
+        if let Some(refresh) = &mut refresh {
+            refresh.go_on(sample.time_s, reading, new);
+        }
+        if new {
+            let surprise = cursor.take(seen);
+            let log_density = log_density.unwrap_or(surprise.log_density - off_grid);
+            show(row, Surprise { log_density, ..surprise }, Some(cursor));
+        } else {
+            show(row, Surprise::of_repeat(row, log_density.unwrap_or_default()), None);
         }
     }
+}
+
+/// Whether a reading is new, and ln p of it where the sensor may only have repeated itself.
+fn arrival(
+    refresh: Option<&Refresh>,
+    time_s: f64,
+    reading_mm: f64,
+    resolution_mm: f64,
+    if_new: impl Fn() -> f64,
+) -> (bool, Option<f64>) {
+    let Some(refresh) = refresh else { return (true, None) };
+    let chance = refresh.chance(time_s);
+    let new = chance.ln() + if_new();
+    if !refresh.is_same(reading_mm) {
+        return (true, Some(new));
+    }
+    let repeat = (1.0 - chance).ln() - resolution_mm.ln();
+    (new > repeat, Some(log_sum(new, repeat)))
 }
 
 /// Every reading but the first, which has nothing to be compared with, as the model saw it coming.
@@ -74,14 +103,16 @@ impl<'a> Track<'a> {
     #[must_use]
     pub fn new(model: &'a Model, recording: &'a Recording) -> Self {
         let (mut estimates, mut surprises) = (Vec::new(), Vec::new());
+        let mut new = vec![false; recording.samples().len()];
         along(model, recording, |row, surprise, cursor| {
             let Some(cursor) = cursor else { return };
+            new[row] = true;
             if !estimates.is_empty() {
                 surprises.push(surprise);
             }
             estimates.push((row, cursor.clone()));
         });
-        Self { model, samples: recording.samples(), estimates, surprises, arrivals: arrivals(model, recording) }
+        Self { model, samples: recording.samples(), estimates, surprises, new }
     }
 
     /// Every reading but the first, as the model saw it coming.
@@ -123,7 +154,7 @@ impl<'a> Track<'a> {
             let cursor = cursor.as_mut()?;
             loop {
                 row += 1;
-                if *self.arrivals.get(row)? == Arrival::Fresh {
+                if *self.new.get(row)? {
                     cursor.go_to_row(row, &mut steps);
                     let (position_mm, variance_mm2) = cursor.expect_rounded();
                     return Some(Forecast { row, position_mm, variance_mm2 });

@@ -7,9 +7,11 @@
 //!
 //! What is worth nothing on the other folds was noise. Staged: a first look at each ([`mod@crate::look`]), the most promising in full.
 
+use crate::explain::NAMED;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
-use crate::free::{BASE, Free, free_of_effect};
+use crate::free::{BASE, COARSE, Free, free_of_effect, prior};
+use crate::grid::coarse_step;
 use crate::look::Look;
 use crate::recording::Recording;
 use plant::{Effects, Entry, Model};
@@ -30,12 +32,17 @@ const OTHER_ORDER: f64 = 50.0;
 /// Effects that make something late, and what the form of a believed lag may be worth to them, nats.
 const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
 const FORM_OF_A_LAG: f64 = 5.0;
+/// What it may be worth at most that gain, drag and hover need not move, nats.
+const UNMOVED: f64 = 2.5;
 /// Numbers that are this near to doing nothing, in their own scale, do nothing.
 const NOTHING: f64 = 1e-3;
 /// Effects whose first number is their strength: at 0 the others mean nothing.
 const NOISES: [&str; 2] = ["turbulence", "sensor_outliers"];
 /// Wild readings are so many deviations of the noise away.
 const WILD: f64 = 5.0;
+/// Readings within which a coloured force does not forget itself, and the seconds that are always enough.
+const FORGETS: f64 = 3.0;
+const FORGETS_S: f64 = 0.1;
 /// Effects that contain a simpler one, and the simpler one: the simpler name wins, and the other is no alternative to it.
 pub(crate) const CONTAINS: [(&str, &str); 1] = [("spin_asymmetry", "fan_lag")];
 
@@ -59,10 +66,10 @@ pub struct Tried {
     pub gain: f64,
 }
 
-/// The simpler of two names that explain the record alike comes first: an effect with more numbers can imitate it.
+/// The simpler of two names that explain the record alike comes first, if it explains enough: an effect with more numbers can imitate it.
 fn prefer_the_simple(all: &mut [Candidate]) {
     let Some(best) = all.first().map(|best| best.gain) else { return };
-    let alike = all.partition_point(|candidate| candidate.gain > best - ALIKE);
+    let alike = all.partition_point(|candidate| candidate.gain > (best - ALIKE).max(NAMED));
     all[..alike].sort_by_key(|candidate| candidate.entry.params.len());
 }
 
@@ -108,18 +115,27 @@ impl<'a> Search<'a> {
         self.problem.fit(&self.with_noise_that_fits(&free), &free)
     }
 
+    /// The belief with the step of a coarse sensor as the readings show it.
+    fn with_step_of_readings(&self) -> Model {
+        let mut belief = self.problem.belief.clone();
+        if let Some(coarse) = &mut belief.effects.sensor_quantisation {
+            coarse.step_mm = coarse_step(self.problem.recording, self.problem.belief).map_or(0.0, |step| step.mm);
+        }
+        belief
+    }
+
     /// The belief, or the belief with noise of another order, if that is much nearer to the record: where every reading looks wild, there is no slope
     /// to climb.
     fn with_noise_that_fits(&self, free: &[Free]) -> Model {
-        let belief = self.problem.belief;
+        let belief = self.with_step_of_readings();
         let factors = AIR_ORDERS.iter().flat_map(|air| SENSOR_ORDERS.iter().map(move |sensor| (*air, *sensor)));
         let rated = factors.collect::<Vec<_>>().into_par_iter().map(|(air, sensor): (f64, f64)| {
-            let model = Free::SensorNoise.moved(&Free::AirNoise.moved(belief, air.ln()), sensor.ln());
+            let model = Free::SensorNoise.moved(&Free::AirNoise.moved(&belief, air.ln()), sensor.ln());
             (self.problem.total(&model, free), model)
         });
         let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
-        let here = self.problem.total(belief, free);
-        best.filter(|(total, _)| *total > here + OTHER_ORDER).map_or_else(|| belief.clone(), |(_, model)| model)
+        let here = self.problem.total(&belief, free);
+        best.filter(|(total, _)| *total > here + OTHER_ORDER).map_or(belief, |(_, model)| model)
     }
 
     /// Adds each effect that `so_far` lacks to it: the best first, and what each that was tried has gained.
@@ -133,7 +149,7 @@ impl<'a> Search<'a> {
         let enough = WORTH_A_LOOK.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
         let promising = looks.par_iter().take(FULL_FITS).filter(|look| look.gain > enough);
         let mut all: Vec<Candidate> = promising.map(|look| self.in_full(look, so_far, &before)).collect();
-        all.retain(|candidate| self.does_something(candidate) && self.is_wild_enough(candidate));
+        all.retain(|c| self.does_something(c) && self.is_wild_enough(c) && self.is_coloured(c));
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
         let fitted = all.iter().map(|candidate| Tried { name: candidate.entry.name, gain: candidate.gain });
@@ -144,6 +160,9 @@ impl<'a> Search<'a> {
 
     /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
     fn does_something(&self, candidate: &Candidate) -> bool {
+        if candidate.entry.name == COARSE {
+            return true;
+        }
         let own = candidate
             .fit
             .free
@@ -162,11 +181,26 @@ impl<'a> Search<'a> {
             || self.problem.belief.effects.sensor_outliers.is_some()
     }
 
+    /// A force that forgets itself within a few readings is white noise.
+    fn is_coloured(&self, candidate: &Candidate) -> bool {
+        let recording = self.problem.recording;
+        let few_s = FORGETS * recording.duration_s() / recording.samples().len().max(1) as f64;
+        candidate.fit.model.effects.turbulence.is_none_or(|air| air.correlation_s > few_s.min(FORGETS_S))
+            || self.problem.belief.effects.turbulence.is_some()
+    }
+
     /// A rig's lag is never quite of first order: where one is believed, another thing that is late may only mend its form.
     fn cost_of_form(&self, entry: &Entry) -> f64 {
         let believed = &self.problem.belief.effects;
         let lag = believed.fan_lag.is_some() || believed.spin_asymmetry.is_some() || believed.sensor_lag.is_some();
         if lag && LATE.contains(&entry.name) { FORM_OF_A_LAG } else { 0.0 }
+    }
+
+    /// What `fit` gains in prior over `so_far`, nats. That gain, drag and hover may stay where they were believed speaks for an effect, but not alone.
+    fn prior_gain(&self, fit: &Fit, so_far: &Fit) -> f64 {
+        let of = |fit: &Fit| prior(&BASE[..3], &fit.model, self.problem.belief);
+        let base = of(fit) - of(so_far);
+        fit.log_prior - so_far.log_prior - base + base.min(UNMOVED)
     }
 
     fn in_full(&self, look: &Look, so_far: &Fit, before: &Worth) -> Candidate {
@@ -178,7 +212,7 @@ impl<'a> Search<'a> {
             }
         }
         let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
-        let gain = held_out + fit.log_prior - so_far.log_prior - look.cost - self.cost_of_form(&look.entry);
+        let gain = held_out + self.prior_gain(&fit, so_far) - look.cost - self.cost_of_form(&look.entry);
         Candidate { entry: look.entry, fit, gain }
     }
 }

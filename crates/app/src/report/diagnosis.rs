@@ -85,7 +85,7 @@ impl DiagnosisDocument {
     /// The document of a diagnosis of a rig that was believed to be `belief`, with its closed loop and what to fly next.
     #[must_use]
     pub fn of(found: &Diagnosis, belief: &Model, closed_loop: &ClosedLoop, advice: &Advice) -> Self {
-        let half = found.half_intervals().unwrap_or_default();
+        let half = found.half_intervals();
         Self {
             schema: "airball.diagnosis/1",
             verdict: found.verdict,

@@ -42,7 +42,7 @@ impl Search<'_> {
         let absent = with(&entry.neutral(self.problem.belief));
         let removed = total(&absent) > total(fit) - ALIKE;
         let gain = total(if removed { &absent } else { fit }) - total(&as_believed);
-        let candidate = Candidate { entry: *entry, fit: fit.clone(), gain };
+        let candidate = Candidate { entry: *entry, fit: fit.clone(), gain, evidence: gain };
         if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
     }
 }

@@ -1,16 +1,17 @@
 //! The effects that explain a record: the best first, then what is best with that known, as long as each gains enough.
 
 use crate::fit::Fit;
+use crate::free::COARSE;
 use crate::residue::Residue;
 use crate::which::{CONTAINS, Candidate, Search, Tried};
 use plant::Model;
 
 /// Held-out gain, nats, that an effect must bring to be named: e⁵ to 1.
 pub(crate) const NAMED: f64 = 6.0;
-/// The same for a second one, for each further, and as a share of what is explained already: the form of an effect is never quite that of
+/// The same for a second one, for each further or beside coarse readings, and as a share of what is explained already: the form of an effect is never quite that of
 /// the catalogue, and what that leaves is no further effect.
 const NAMED_SECOND: f64 = 7.0;
-const NAMED_FURTHER: f64 = 15.0;
+const NAMED_FURTHER: f64 = 16.0;
 const SHARE_OF_FORM: f64 = 0.005;
 /// Effects that change the density of a reading by thousands of nats, and leave no such share.
 const OF_THE_DENSITY: [&str; 3] = ["sensor_quantisation", "stale_samples", "sensor_outliers"];
@@ -128,20 +129,20 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
 fn needed_beside(effects: &[Named]) -> f64 {
     let of_form = effects.iter().filter(|named| !OF_THE_DENSITY.contains(&named.candidate.entry.name));
     let form = SHARE_OF_FORM * of_form.map(|named| named.candidate.gain).sum::<f64>();
+    let coarse = effects.iter().any(|named| named.candidate.entry.name == COARSE);
     match effects.len() {
         0 => NAMED,
-        1 => NAMED_SECOND.max(form),
+        1 if !coarse => NAMED_SECOND.max(form),
         _ => NAMED_FURTHER.max(form),
     }
 }
 
 /// Drops what stood in for an effect that was found after it.
 fn drop_the_needless(search: &Search<'_>, effects: &mut Vec<Named>, fit: &mut Fit) {
-    let worth = |fit: &Fit| search.problem.held_out(fit).iter().sum::<f64>() + fit.log_prior;
     let mut at = 0;
-    while at + 1 < effects.len() {
+    while effects.len() > 1 && at < effects.len() {
         let without = search.removed(fit, effects[at].candidate.entry.name);
-        if worth(fit) - worth(&without) < NAMED {
+        if search.worth(fit) - search.worth(&without) < NAMED {
             *fit = without;
             effects.remove(at);
         } else {
@@ -154,7 +155,8 @@ fn drop_the_needless(search: &Search<'_>, effects: &mut Vec<Named>, fit: &mut Fi
 fn revise_first(search: &Search<'_>, effects: &mut [Named], fit: &mut Fit) {
     let [first, _] = effects else { return };
     let without_first = search.removed(fit, first.candidate.entry.name);
-    if let (Some(again), _) = next_effect(search, &without_first, NAMED_SECOND) {
+    let (again, _) = next_effect(search, &without_first, NAMED_SECOND);
+    if let Some(again) = again.filter(|again| search.worth(&again.candidate.fit) > search.worth(fit)) {
         *fit = again.candidate.fit.clone();
         *first = again;
     }
@@ -169,7 +171,7 @@ fn next_effect(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Named>
         let turbulence = all.remove(0);
         all.push(Candidate { gain: 0.0, ..turbulence });
     }
-    if all.first().is_some_and(|best| best.gain < needed) {
+    if all.first().is_some_and(|best| best.evidence < needed) {
         // What the noise of the air had to grow by needs a name less than other effects do.
         all.retain(|candidate| candidate.entry.name == TURBULENCE && candidate.gain > NAMED_TURBULENCE);
     }

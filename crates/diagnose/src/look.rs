@@ -22,6 +22,8 @@ const DISTORT: [&str; 5] = ["turbulence", "sensor_noise", "sensor_outliers", "se
 
 /// A start of the search for an effect, and what each fold is worth there.
 struct Start {
+    /// Which of the places to start from it is.
+    place: usize,
     model: Model,
     free: Vec<Free>,
     by_fold: Worth,
@@ -69,7 +71,9 @@ impl Search<'_> {
         let rated = self.rated_starts(so_far, entry);
         let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
         let as_good = |start: &&Start| worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
-        let looks = rated.iter().take(STARTS).filter(as_good).map(|start| {
+        // The best from another place is no better at first sight, but may climb higher.
+        let other = rated.iter().find(|start| rated.first().is_some_and(|best| best.place != start.place));
+        let looks = rated.iter().take(STARTS).filter(as_good).chain(other).map(|start| {
             let own = start.free.iter().filter(|free| !so_far.free.contains(free));
             let few: Vec<Free> = FIRST.into_iter().chain(own.copied()).collect();
             let (model, total) = self.problem.look(&start.model, &few, STEPS);
@@ -94,9 +98,9 @@ impl Search<'_> {
             let models =
                 start.iter().flat_map(|(model, _)| self.places_to_start(model, entry.name)).collect::<Vec<_>>();
             let free = start.map(|(_, free)| free).unwrap_or_default();
-            models.into_iter().map(move |model| {
+            models.into_iter().enumerate().map(move |(place, model)| {
                 let by_fold = self.problem.by_fold(&model);
-                Start { model, free: free.clone(), by_fold }
+                Start { place, model, free: free.clone(), by_fold }
             })
         });
         let mut rated: Vec<Start> = rated.collect();

@@ -50,7 +50,7 @@ const CHANCE: f64 = 7.0;
 /// Tails of the noise that are not normal make these two less certain.
 const CHANCE_OF_POWER: f64 = 9.0;
 const REGRESSED: f64 = 5.0;
-const REGRESSED_OF_CELLS: f64 = 10.0;
+const REGRESSED_OF_CELLS: f64 = 25.0;
 const CLUMPS: f64 = 5.5;
 const AIR: f64 = 4.0;
 /// Noise of the air that grew by less than this, as a ratio, is no gap.

@@ -32,6 +32,9 @@ const OTHER_ORDER: f64 = 50.0;
 /// Effects that make something late, and what the form of a believed lag may be worth to them, nats.
 const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
 const FORM_OF_A_LAG: f64 = 5.0;
+/// Sizes of a believed effect, beside the one that was fitted, from which it is fitted again, and how far.
+const OTHER_SIZES: [f64; 4] = [0.35, 0.6, 1.7, 2.8];
+const STEPS_FROM_OTHER_SIZES: usize = 4;
 /// What it may be worth at most that gain, drag and hover need not move, nats.
 const UNMOVED: f64 = 2.5;
 /// Numbers that are this near to doing nothing, in their own scale, do nothing.
@@ -55,6 +58,8 @@ pub struct Candidate {
     pub fit: Fit,
     /// Gain on the folds that it was not fitted to, and of the prior, nats.
     pub gain: f64,
+    /// The same, with no more than a little of it for leaving gain, drag and hover where they were believed: what naming it takes.
+    pub evidence: f64,
 }
 
 /// An effect that was tried, and what it gained, nats.
@@ -90,6 +95,11 @@ impl<'a> Search<'a> {
         Self { problem: self.problem, without }
     }
 
+    /// What a fit is worth on the folds that it was not fitted to, and its prior, nats.
+    pub(crate) fn worth(&self, fit: &Fit) -> f64 {
+        self.problem.held_out(fit).iter().sum::<f64>() + fit.log_prior
+    }
+
     /// `fit` without an effect that it has, fitted anew.
     pub(crate) fn removed(&self, fit: &Fit, name: &str) -> Fit {
         let mut model = fit.model.clone();
@@ -112,7 +122,28 @@ impl<'a> Search<'a> {
         let of_effect =
             |entry: &Entry| free_of_effect(entry.name, &belief.effects.values(entry.name).unwrap_or_default());
         let free: Vec<Free> = BASE.into_iter().chain(own.iter().flat_map(of_effect)).collect();
-        self.problem.fit(&self.with_noise_that_fits(&free), &free)
+        let fit = self.problem.fit(&self.with_noise_that_fits(&free), &free);
+        self.with_other_sizes(fit)
+    }
+
+    /// `fit`, or a better one that starts with a believed effect of another size: to a size far away there may be no slope to climb.
+    fn with_other_sizes(&self, fit: Fit) -> Fit {
+        let present = self.problem.belief.effects.present();
+        let starts = present.iter().flat_map(|entry| OTHER_SIZES.map(|factor| (entry, factor)));
+        let scaled = starts.collect::<Vec<_>>().into_par_iter().map(|(entry, factor)| {
+            let values = fit.model.effects.values(entry.name).unwrap_or_default();
+            let neutral = entry.neutral(&fit.model);
+            let other: Vec<f64> =
+                values.iter().zip(&neutral).map(|(v, neutral)| neutral + factor * (v - neutral)).collect();
+            let mut model = Model { noise: self.problem.belief.noise, ..fit.model.clone() };
+            model.effects.set(entry.name, &other);
+            self.problem.look(&model, &fit.free, STEPS_FROM_OTHER_SIZES)
+        });
+        let best = scaled.max_by(|a, b| a.1.total_cmp(&b.1));
+        match best {
+            Some((model, total)) if total > self.problem.total_of(&fit) + ALIKE => self.problem.fit(&model, &fit.free),
+            _ => fit,
+        }
     }
 
     /// The belief with the step of a coarse sensor as the readings show it.
@@ -196,11 +227,9 @@ impl<'a> Search<'a> {
         if lag && LATE.contains(&entry.name) { FORM_OF_A_LAG } else { 0.0 }
     }
 
-    /// What `fit` gains in prior over `so_far`, nats. That gain, drag and hover may stay where they were believed speaks for an effect, but not alone.
-    fn prior_gain(&self, fit: &Fit, so_far: &Fit) -> f64 {
-        let of = |fit: &Fit| prior(&BASE[..3], &fit.model, self.problem.belief);
-        let base = of(fit) - of(so_far);
-        fit.log_prior - so_far.log_prior - base + base.min(UNMOVED)
+    /// ln prior of gain, drag and hover.
+    fn base_prior(&self, fit: &Fit) -> f64 {
+        prior(&BASE[..3], &fit.model, self.problem.belief)
     }
 
     fn in_full(&self, look: &Look, so_far: &Fit, before: &Worth) -> Candidate {
@@ -212,8 +241,9 @@ impl<'a> Search<'a> {
             }
         }
         let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
-        let gain = held_out + self.prior_gain(&fit, so_far) - look.cost - self.cost_of_form(&look.entry);
-        Candidate { entry: look.entry, fit, gain }
+        let gain = held_out + fit.log_prior - so_far.log_prior - look.cost - self.cost_of_form(&look.entry);
+        let unmoved = self.base_prior(&fit) - self.base_prior(so_far);
+        Candidate { entry: look.entry, gain, evidence: gain - (unmoved - UNMOVED).max(0.0), fit }
     }
 }
 

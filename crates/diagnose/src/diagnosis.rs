@@ -9,12 +9,13 @@
 
 use crate::check::{Finding, check, is_hopeless, without_codes};
 use crate::closed::Closed;
-use crate::explain::{Explanation, Named, explain};
+use crate::explain::{DOUBT, Explanation, Named, explain};
 use crate::fit::{Fit, Problem};
 use crate::folds::Folds;
-use crate::free::{COARSE, Free};
+use crate::free::{COARSE, Free, STALE};
 use crate::gap::{Gap, Tally, tallies};
 use crate::grid::coarse_step;
+use crate::hold::hold;
 use crate::places::{Place, places_of, rows};
 use crate::recording::Recording;
 use crate::residue::Residue;
@@ -70,8 +71,8 @@ pub struct Diagnosis {
     pub closed: Option<Closed>,
     /// What the record cannot answer.
     pub findings: Vec<Finding>,
-    /// The step of a coarse sensor, if the mended model has one, and its standard deviation in its own scale.
-    coarse_step: Option<(Free, f64)>,
+    /// What was read off the readings, and its standard deviation in its own scale.
+    read_off: Vec<(Free, f64)>,
 }
 
 /// How to search.
@@ -113,15 +114,18 @@ pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Dia
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows), band(&periodogram(&rows)));
     let Explanation { effects, rounds, fit: mended, residue } = found;
-    let coarse_step = coarse_deviation(&mended.model, recording);
-    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, coarse_step }
+    let read_off = read_off(&mended.model, recording);
+    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, read_off }
 }
 
-/// The step of a coarse sensor as a number of the model, and its standard deviation in its own scale.
-fn coarse_deviation(model: &Model, recording: &Recording) -> Option<(Free, f64)> {
-    model.effects.sensor_quantisation?;
-    let step = coarse_step(recording, model)?;
-    Some((Free::Effect { name: COARSE, index: 0, size: step.mm }, step.sigma_mm / step.mm))
+/// The step of a coarse sensor and the hold of a slow one as numbers of the model, and their standard deviations in their own scale.
+fn read_off(model: &Model, recording: &Recording) -> Vec<(Free, f64)> {
+    let coarse = model.effects.sensor_quantisation.and_then(|_| coarse_step(recording, model));
+    let stale = model.effects.stale_samples.and_then(|_| hold(recording));
+    let coarse = coarse.map(|step| (Free::Effect { name: COARSE, index: 0, size: step.mm }, step.sigma_mm / step.mm));
+    let stale =
+        stale.map(|hold| (Free::Effect { name: STALE, index: 0, size: hold.seconds }, hold.sigma_s / hold.seconds));
+    coarse.into_iter().chain(stale).collect()
 }
 
 /// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.
@@ -148,12 +152,14 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 }
 
 impl Diagnosis {
-    /// The 90 % intervals of the numbers that the mended model moved: what was moved, and half of the interval in its own scale.
+    /// The 90 % intervals of the numbers that the mended model moved: what was moved, and half of the interval in its own scale. None of
+    /// a number that the record does not determine, nor of a step of duty, where each valley is a grid of its own.
     #[must_use]
     pub fn half_intervals(&self) -> Vec<(Free, f64)> {
-        let deviations = self.mended.deviations().unwrap_or_default();
-        let moved = self.mended.free.iter().copied().zip(deviations);
-        moved.chain(self.coarse_step).map(|(free, deviation)| (free, OF_90_PERCENT * deviation)).collect()
+        let deviations = self.mended.deviations().into_iter().map(|deviation| DOUBT.sqrt() * deviation);
+        let moved = self.mended.free.iter().copied().zip(deviations).chain(self.read_off.iter().copied());
+        let known = moved.filter(|(free, deviation)| deviation.is_finite() && !free.is_of("duty_quantisation"));
+        known.map(|(free, deviation)| (free, OF_90_PERCENT * deviation)).collect()
     }
 }
 

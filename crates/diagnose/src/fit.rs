@@ -23,6 +23,8 @@ use plant::Model;
 const MOST_STEPS: usize = 15;
 /// A step that gains less than this, nats, is the last.
 const GAIN_ENOUGH: f64 = 0.05;
+/// Information below which a record says nothing of a number.
+const NOTHING_TOLD: f64 = 1e-6;
 /// Length of the differences in scaled parameters.
 const DIFFERENCE: f64 = 0.01;
 /// Times that a step is shortened.
@@ -67,11 +69,18 @@ impl Fit {
         self.surprises.iter().filter(|s| counts(s.row)).map(|s| s.log_density).sum()
     }
 
-    /// Standard deviations of the moved numbers in their own scale, if the record determines them.
+    /// Standard deviations of the moved numbers in their own scale; infinite where the record says nothing of a number.
     #[must_use]
-    pub fn deviations(&self) -> Option<Vec<f64>> {
-        let covariance = self.slope.total(None).1.try_inverse()?;
-        Some(covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect())
+    pub fn deviations(&self) -> Vec<f64> {
+        let information = self.slope.total(None).1;
+        let told: Vec<usize> = (0..self.free.len()).filter(|i| information[(*i, *i)] > NOTHING_TOLD).collect();
+        let mut deviations = vec![f64::INFINITY; self.free.len()];
+        if let Some(covariance) = information.select_rows(&told).select_columns(&told).try_inverse() {
+            for (i, variance) in told.into_iter().zip(covariance.diagonal().iter()) {
+                deviations[i] = if *variance > 0.0 { variance.sqrt() } else { f64::INFINITY };
+            }
+        }
+        deviations
     }
 }
 
@@ -296,7 +305,7 @@ mod tests {
             let folds = Folds::new(&rig, &recording);
             let problem = Problem { recording: &recording, belief: &rig, folds: &folds };
             let fitted = problem.fit(&wrong, &free);
-            let deviations = fitted.deviations().unwrap();
+            let deviations = fitted.deviations();
             let off = [
                 (fitted.model.gain_mm_per_s2_per_percent / rig.gain_mm_per_s2_per_percent).ln() / deviations[0],
                 (fitted.model.drag_per_s / rig.drag_per_s).ln() / deviations[1],

@@ -40,18 +40,19 @@ pub const BASE: [Free; 5] = [Free::Gain, Free::Drag, Free::Hover, Free::SensorNo
 
 /// Share of its value within which an owner knows a number of an effect.
 const EFFECT_KNOWN: f64 = 0.07;
-/// The effect whose number is read off the readings.
+/// Effects whose number is read off the readings: it has no slope to climb.
 pub(crate) const COARSE: &str = "sensor_quantisation";
+pub(crate) const STALE: &str = "stale_samples";
 /// Least ratio that drag and noise are kept above, so that a belief of 0 can move.
 const LEAST: f64 = 1e-3;
 
 /// A stop's height says nothing of how finely a record shows it: the size of its changes, mm.
 const STOP_MM: f64 = 10.0;
 
-/// The numbers of an effect that a fit moves, each in the size of `values`. A coarse step is no such number: the readings' own grid
-/// shows it to a hair, and has no slope to climb.
+/// The numbers of an effect that a fit moves, each in the size of `values`. A coarse step and a hold are no such numbers: the readings
+/// show them to a hair, and have no slope to climb.
 pub(crate) fn free_of_effect(name: &'static str, values: &[f64]) -> Vec<Free> {
-    if name == COARSE {
+    if name == COARSE || name == STALE {
         return Vec::new();
     }
     let entry = Effects::entry(name);
@@ -96,9 +97,14 @@ impl Free {
         }
     }
 
+    /// Whether the number is one of this effect.
+    pub(crate) fn is_of(self, effect: &str) -> bool {
+        matches!(self, Self::Effect { name, .. } if name == effect)
+    }
+
     /// Whether the number shapes the density of a reading, and not its expectation or variance.
     pub(crate) fn is_of_the_density(self) -> bool {
-        matches!(self, Self::Effect { name: "sensor_outliers" | "stale_samples", .. })
+        matches!(self, Self::Effect { name: "sensor_outliers", .. })
     }
 
     /// How far a number of an effect that is not believed is from doing nothing, in its own scale, as far as 1.

@@ -59,7 +59,8 @@ impl Levels {
             return CoarseStep { mm: step, sigma_mm: fine };
         }
         let mm = points.iter().map(|point| (point.0 - n) * (point.1 - y)).sum::<f64>() / spread;
-        CoarseStep { mm, sigma_mm: fine / (12.0 * spread).sqrt() }
+        // The file rounds levels that follow each other alike: their errors do not average out.
+        CoarseStep { mm, sigma_mm: fine / (4.0 * spread / count).sqrt() }
     }
 
     /// How closely the readings lie on a grid of `step` mm.

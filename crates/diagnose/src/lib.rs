@@ -18,6 +18,7 @@ mod folds;
 mod free;
 mod gap;
 mod grid;
+mod hold;
 mod likelihood;
 mod look;
 mod places;

@@ -245,11 +245,12 @@ fn features(rows: &[Row], spots: &[Spot]) -> Vec<Vec<f64>> {
 /// How far the noise of the air had to grow: in deviations, and as a ratio of the believed.
 fn air(problem: &Problem<'_>, fit: &Fit) -> (f64, f64) {
     let at = fit.free.iter().position(|free| *free == Free::AirNoise);
-    let Some((at, deviations)) = at.zip(fit.deviations()) else { return (0.0, 1.0) };
+    let deviation = at.and_then(|at| fit.deviations().get(at).copied()).filter(|deviation| deviation.is_finite());
+    let Some(deviation) = deviation else { return (0.0, 1.0) };
     let d = Free::AirNoise.distance(&fit.model, problem.belief);
     let (_, slope, curvature) = Free::AirNoise.prior(&fit.model, problem.belief);
     // What the record alone says: the prior's part of the information is taken away, and with it its pull.
-    let information = (1.0 / deviations[at].powi(2) - curvature).max(1e-6);
+    let information = (1.0 / deviation.powi(2) - curvature).max(1e-6);
     let alone = d - slope / information;
     (alone * information.sqrt(), alone.exp())
 }

@@ -4,6 +4,7 @@
 //! their searches start where the record says that there is something to find.
 
 use crate::grid::coarse_step;
+use crate::hold::hold;
 use crate::recording::Recording;
 use plant::{Actuator, Entry, Model};
 
@@ -25,7 +26,7 @@ pub(crate) fn starts(entry: &Entry, model: &Model, recording: &Recording) -> Vec
         "end_stop" => stops(model, recording),
         "sensor_quantisation" => coarse_step(recording, model).map(|step| vec![step.mm]).into_iter().collect(),
         "duty_quantisation" => steps(model).map(|step| vec![step]).collect(),
-        "stale_samples" => holds(recording),
+        "stale_samples" => hold(recording).map(|hold| vec![hold.seconds]).into_iter().collect(),
         "gain_drift" | "hover_drift" => {
             let whole = 0.2 / recording.duration_s().max(1.0);
             vec![vec![whole], vec![-whole]]
@@ -78,13 +79,4 @@ fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
         [top, bottom]
     };
     STOPS.iter().flat_map(|(share, inwards)| at(*share, *inwards)).collect()
-}
-
-/// Mean time between readings that differ, if many do not.
-fn holds(recording: &Recording) -> Vec<Vec<f64>> {
-    let readings: Vec<f64> = recording.samples().iter().filter_map(|s| s.position_mm).collect();
-    let changes = readings.windows(2).filter(|pair| pair[0] != pair[1]).count().max(1);
-    let period_s = recording.duration_s() / readings.len().max(1) as f64;
-    let hold_s = recording.duration_s() / changes as f64;
-    [0.87, 0.94, 1.0, 1.1, 1.25].map(|factor| vec![(factor * hold_s).max(2.0 * period_s)]).to_vec()
 }

@@ -10,8 +10,9 @@
 use crate::explain::NAMED;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
-use crate::free::{BASE, COARSE, Free, free_of_effect, prior};
+use crate::free::{BASE, COARSE, Free, STALE, free_of_effect, prior};
 use crate::grid::coarse_step;
+use crate::hold::hold;
 use crate::look::Look;
 use crate::recording::Recording;
 use plant::{Effects, Entry, Model};
@@ -146,9 +147,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The belief with the step of a coarse sensor as the readings show it.
-    fn with_step_of_readings(&self) -> Model {
+    /// The belief with the step of a coarse sensor and the hold of a slow one as the readings show them.
+    fn as_readings_show(&self) -> Model {
         let mut belief = self.problem.belief.clone();
+        if let Some(stale) = &mut belief.effects.stale_samples {
+            stale.hold_s = hold(self.problem.recording).map_or(0.0, |hold| hold.seconds);
+        }
         if let Some(coarse) = &mut belief.effects.sensor_quantisation {
             coarse.step_mm = coarse_step(self.problem.recording, self.problem.belief).map_or(0.0, |step| step.mm);
         }
@@ -158,7 +162,7 @@ impl<'a> Search<'a> {
     /// The belief, or the belief with noise of another order, if that is much nearer to the record: where every reading looks wild, there is no slope
     /// to climb.
     fn with_noise_that_fits(&self, free: &[Free]) -> Model {
-        let belief = self.with_step_of_readings();
+        let belief = self.as_readings_show();
         let factors = AIR_ORDERS.iter().flat_map(|air| SENSOR_ORDERS.iter().map(move |sensor| (*air, *sensor)));
         let rated = factors.collect::<Vec<_>>().into_par_iter().map(|(air, sensor): (f64, f64)| {
             let model = Free::SensorNoise.moved(&Free::AirNoise.moved(&belief, air.ln()), sensor.ln());
@@ -191,7 +195,7 @@ impl<'a> Search<'a> {
 
     /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
     fn does_something(&self, candidate: &Candidate) -> bool {
-        if candidate.entry.name == COARSE {
+        if candidate.entry.name == COARSE || candidate.entry.name == STALE {
             return true;
         }
         let own = candidate

@@ -2,6 +2,7 @@
 
 use crate::fit::Fit;
 use crate::free::COARSE;
+use crate::look::DISTORT;
 use crate::residue::Residue;
 use crate::which::{CONTAINS, Candidate, Search, Tried};
 use plant::Model;
@@ -102,6 +103,9 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
         rounds.push(tried);
         let Some(named) = named else { break };
         fit = named.candidate.fit.clone();
+        if DISTORT.contains(&named.candidate.entry.name) {
+            fit = search.with_other_sizes(fit);
+        }
         effects.push(named);
         if effects.len() == 2 {
             revise_first(search, &mut effects, &mut fit);

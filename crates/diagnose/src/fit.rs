@@ -251,6 +251,11 @@ impl Problem<'_> {
             let Some(fold) = self.folds.of(s.row) else { continue };
             let deviation = s.variance_mm2.sqrt();
             for i in 0..n {
+                // A reading that turns from new to repeated has no slope.
+                if s.repeat || nudged[i][k].repeat {
+                    (shift[i], spread[i], density[i]) = (0.0, 0.0, 0.0);
+                    continue;
+                }
                 if free[i].is_of_the_density() {
                     density[i] = (nudged[i][k].log_density - s.log_density) / DIFFERENCE;
                     continue;

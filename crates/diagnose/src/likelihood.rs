@@ -36,6 +36,8 @@ pub struct Surprise {
     pub stretch: f64,
     /// ln p(ν), nats.
     pub log_density: f64,
+    /// The sensor only repeated itself: nothing was expected.
+    pub repeat: bool,
 }
 
 /// A reading and what is believed of how it was taken.
@@ -70,6 +72,7 @@ impl Surprise {
                     pull: share * cell.shift,
                     stretch: share * (cell.spread + cell.shift * cell.shift - 1.0),
                     log_density,
+                    repeat: false,
                 }
             }
             None => Self::of_fine(reading, expected_mm, variance_mm2),
@@ -101,13 +104,23 @@ impl Surprise {
             pull: weight * e,
             stretch: weight * (e * e - 1.0),
             log_density,
+            repeat: false,
         }
     }
 
     /// A reading that only repeats the one before, and ln p of that.
     #[must_use]
     pub(crate) fn of_repeat(row: usize, log_density: f64) -> Self {
-        Self { row, expected_mm: 0.0, variance_mm2: 1.0, weight: 0.0, pull: 0.0, stretch: 0.0, log_density }
+        Self {
+            row,
+            expected_mm: 0.0,
+            variance_mm2: 1.0,
+            weight: 0.0,
+            pull: 0.0,
+            stretch: 0.0,
+            log_density,
+            repeat: true,
+        }
     }
 }
 

@@ -18,7 +18,8 @@ const COST_OF_A_NUMBER: f64 = 1.5;
 /// What moves at a first look beside the effect's own numbers.
 const FIRST: [Free; 4] = [Free::Gain, Free::Drag, Free::Hover, Free::AirNoise];
 /// Effects without which the noise, or all numbers, must be far from the belief to follow the record.
-const DISTORT: [&str; 5] = ["turbulence", "sensor_noise", "sensor_outliers", "sensor_quantisation", "stale_samples"];
+pub(crate) const DISTORT: [&str; 5] =
+    ["turbulence", "sensor_noise", "sensor_outliers", "sensor_quantisation", "stale_samples"];
 
 /// A start of the search for an effect, and what each fold is worth there.
 struct Start {

@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
     }
 
     /// `fit`, or a better one that starts with a believed effect of another size: to a size far away there may be no slope to climb.
-    fn with_other_sizes(&self, fit: Fit) -> Fit {
+    pub(crate) fn with_other_sizes(&self, fit: Fit) -> Fit {
         let present = self.problem.belief.effects.present();
         let starts = present.iter().flat_map(|entry| OTHER_SIZES.map(|factor| (entry, factor)));
         let scaled = starts.collect::<Vec<_>>().into_par_iter().map(|(entry, factor)| {

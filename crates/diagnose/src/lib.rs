@@ -23,6 +23,7 @@ mod likelihood;
 mod look;
 mod places;
 mod recording;
+mod regression;
 mod residue;
 mod spectrum;
 mod starts;

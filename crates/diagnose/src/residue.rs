@@ -16,8 +16,8 @@ use crate::fit::Fit;
 use crate::fit::Problem;
 use crate::free::Free;
 use crate::places::{Row, Spot, rows, spots};
+use crate::regression::regressed;
 use crate::spectrum::periodogram;
-use nalgebra::{DMatrix, DVector};
 use plant::Model;
 use serde::Serialize;
 
@@ -49,7 +49,7 @@ const COLOUR: f64 = 5.5;
 const CHANCE: f64 = 7.0;
 /// Tails of the noise that are not normal make these two less certain.
 const CHANCE_OF_POWER: f64 = 9.0;
-const REGRESSED: f64 = 5.0;
+const REGRESSED: f64 = 3.0;
 const REGRESSED_OF_CELLS: f64 = 25.0;
 const CLUMPS: f64 = 5.5;
 const AIR: f64 = 4.0;
@@ -65,10 +65,6 @@ const FORGET_STOP_S: f64 = 0.5;
 const LEFT_TO_JUDGE: usize = 5;
 /// Lags of the portmanteau, seconds.
 const LAGS_S: f64 = 0.5;
-/// Windows of past innovations that the regression sees: their ends, in readings before.
-const WINDOWS: [usize; 9] = [1, 2, 4, 7, 12, 20, 35, 60, 100];
-/// Ridge: as if each coefficient had been seen to be 0 in so many readings.
-const RIDGE: f64 = 30.0;
 
 impl Residue {
     /// Whether something is left over.
@@ -105,7 +101,7 @@ impl Residue {
             clumps: clumps(&rows),
             energy: largest(&rows, &spots, |row| row.pull * row.pull),
             mean: largest(&rows, &spots, |row| row.pull),
-            regressed: regressed(&rows, &spots, problem),
+            regressed: regressed(&rows, &spots, problem.folds),
             coarse: fit.model.effects.sensor_quantisation.is_some(),
             air,
             air_ratio,
@@ -184,62 +180,6 @@ fn largest(rows: &[Row], spots: &[Spot], value: impl Fn(&Row) -> f64) -> f64 {
     };
     let most = spots.iter().map(z).fold(0.0, f64::max);
     surprise(most, spots.len())
-}
-
-/// Nats that a linear regression on what was known gains on folds kept back.
-fn regressed(rows: &[Row], spots: &[Spot], problem: &Problem<'_>) -> f64 {
-    let features = features(rows, spots);
-    let width = features.first().map_or(0, Vec::len);
-    let folds: Vec<usize> = rows.iter().map(|row| problem.folds.of(row.row).unwrap_or_default()).collect();
-    let mut parts = vec![(DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width)); crate::Folds::COUNT];
-    for ((x, row), fold) in features.iter().zip(rows).zip(&folds) {
-        let (squares, products) = &mut parts[*fold];
-        for i in 0..width {
-            products[i] += x[i] * row.pull;
-            for j in 0..=i {
-                squares[(i, j)] += x[i] * x[j];
-            }
-        }
-    }
-    let mut nats = 0.0;
-    for fold in 0..crate::Folds::COUNT {
-        let mut squares = DMatrix::<f64>::identity(width, width) * RIDGE;
-        let mut products = DVector::zeros(width);
-        for (_, (s, p)) in parts.iter().enumerate().filter(|(other, _)| *other != fold) {
-            squares += s;
-            products += p;
-        }
-        squares.fill_upper_triangle_with_lower_triangle();
-        let Some(weights) = squares.cholesky().map(|factor| factor.solve(&products)) else { continue };
-        for ((x, row), _) in features.iter().zip(rows).zip(&folds).filter(|(_, own)| **own == fold) {
-            let guess: f64 = x.iter().zip(weights.iter()).map(|(x, w)| x * w).sum();
-            nats += 0.5 * (row.pull * row.pull - (row.pull - guess).powi(2));
-        }
-    }
-    nats
-}
-
-/// Places of duty, height, speed and time, and means of past innovations.
-fn features(rows: &[Row], spots: &[Spot]) -> Vec<Vec<f64>> {
-    let width = spots.len() + WINDOWS.len() - 1;
-    let mut features = vec![vec![0.0; width]; rows.len()];
-    for (at, (.., place)) in spots.iter().enumerate() {
-        for &k in place {
-            features[k][at] = 1.0;
-        }
-    }
-    let mut sums = vec![0.0];
-    for row in rows {
-        sums.push(sums.last().copied().unwrap_or_default() + row.pull);
-    }
-    for (k, feature) in features.iter_mut().enumerate() {
-        for (at, window) in WINDOWS.windows(2).enumerate() {
-            let (from, to) = (k.saturating_sub(window[1]), (k + 1).saturating_sub(window[0]).min(k));
-            let length = (window[1] - window[0]) as f64;
-            feature[spots.len() + at] = (sums[to] - sums[from.min(to)]) / length.sqrt();
-        }
-    }
-    features
 }
 
 /// How far the noise of the air had to grow: in deviations, and as a ratio of the believed.

@@ -11,7 +11,7 @@ use plant::Model;
 pub(crate) const NAMED: f64 = 6.0;
 /// The same for a second one, for each further or beside coarse readings, and as a share of what is explained already: the form of an effect is never quite that of
 /// the catalogue, and what that leaves is no further effect.
-const NAMED_SECOND: f64 = 7.0;
+const NAMED_SECOND: f64 = 5.5;
 const NAMED_FURTHER: f64 = 16.0;
 const SHARE_OF_FORM: f64 = 0.005;
 /// Effects that change the density of a reading by thousands of nats, and leave no such share.
@@ -146,7 +146,7 @@ fn drop_the_needless(search: &Search<'_>, effects: &mut Vec<Named>, fit: &mut Fi
     let mut at = 0;
     while effects.len() > 1 && at < effects.len() {
         let without = search.removed(fit, effects[at].candidate.entry.name);
-        if search.worth(fit) - search.worth(&without) < NAMED {
+        if search.worth(fit) - search.worth(&without) < NAMED_SECOND {
             *fit = without;
             effects.remove(at);
         } else {

@@ -89,3 +89,38 @@ fn the_next_experiment_of_a_record_that_cannot_answer_is_a_file_that_flies() {
     let _ = bench.output(&["simulate", "--experiment", "next.toml", "--log", "next.mcap"]);
     assert!(bench.output(&["diagnose", "still.csv"]).contains("next: fly \""));
 }
+
+#[test]
+fn several_logs_are_used_together_and_each_is_spoken_of_by_name() {
+    let bench = Bench::default();
+    bench.write("stuck.toml", STUCK);
+    let _ = bench.output(&["simulate", "--patch", "stuck.toml", "--seed", "2", "--duration", "40", "--log", "a.mcap"]);
+    let _ = bench.output(&["simulate", "--patch", "stuck.toml", "--seed", "3", "--duration", "40", "--log", "b.mcap"]);
+    let exported = bench.output(&["log", "export", "b.mcap"]);
+    bench.write("b.csv", &exported);
+    let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
+    bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
+    let found = diagnose(&bench, &["a.mcap", "b.csv", "still.csv"]);
+    assert_eq!((&found["verdict"], &found["effects"][0]["name"]), (&Value::from("effect"), &Value::from("dead_zone")));
+    assert_eq!(found["check"]["logs"], 3);
+    assert!((found["check"]["duration_s"].as_f64().unwrap() - 90.0).abs() < 0.5, "{}", found["check"]);
+    let findings: Vec<&str> = found["check"]["findings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(findings.iter().any(|f| f.starts_with("still.csv: this log is left out")), "{findings:?}");
+    assert_eq!(found["gap"]["closed_loop"]["steps"], 10, "{found}");
+    let width = |found: &Value| {
+        let upper = &found["effects"][0]["parameters"]["upper_percent"];
+        upper["high"].as_f64().unwrap() - upper["low"].as_f64().unwrap()
+    };
+    assert!(width(&found) < 0.85 * width(&diagnose(&bench, &["a.mcap"])));
+    assert!(bench.output(&["diagnose", "a.mcap", "b.csv"]).starts_with("2 logs together, 80.0 s\n"));
+
+    let twice = bench.airball(&["diagnose", "b.mcap", "a.mcap", "b.mcap"]).output().unwrap();
+    let said = String::from_utf8(twice.stderr).unwrap();
+    assert!(!twice.status.success() && said.contains("b.mcap and b.mcap hold the same flight; name it once"), "{said}");
+    let config = bench.read("config.toml").replace("name = \"rig1\"", "name = \"rig2\"");
+    bench.write("other.toml", config);
+    let _ = bench.output(&["simulate", "--config", "other.toml", "--duration", "20", "--log", "other.mcap"]);
+    let mixed = bench.airball(&["diagnose", "a.mcap", "other.mcap"]).output().unwrap();
+    let said = String::from_utf8(mixed.stderr).unwrap();
+    assert!(mixed.status.code() == Some(1) && said.contains("a.mcap is of rig1, other.mcap of rig2"), "{said}");
+}

@@ -23,7 +23,7 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Run a log through a model: how far its forecasts are off, beside what noise alone gives
     Replay(ReplayArgs),
-    /// Say which effect separates a log from a model, where, and how far it closes the gap
+    /// Say which effect separates logs of a rig from a model, where, and how far it closes the gap
     Diagnose(DiagnoseArgs),
     /// Diagnose a folder of withheld cases, and score the answers once the truth is known
     Blind(BlindArgs),
@@ -114,9 +114,9 @@ pub struct ReplayArgs {
 /// `airball diagnose`
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
-    /// The log: MCAP of this program, or CSV
-    #[arg(value_name = "LOG")]
-    pub log: PathBuf,
+    /// The log, MCAP of this program or CSV; several of one rig are used together
+    #[arg(value_name = "LOG", required = true)]
+    pub logs: Vec<PathBuf>,
     /// Which model, and how to read a foreign CSV.
     #[command(flatten)]
     pub config: ConfigArgs,

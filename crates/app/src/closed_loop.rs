@@ -73,19 +73,24 @@ struct Figures {
 }
 
 impl ClosedLoop {
-    /// Measures a log, and the two models where the controller that flew it is known. No `mended` model: nothing was mended.
+    /// Measures logs of one rig, and the two models where the controller that flew each is known; the critical gain is that of the
+    /// last. No `mended` model: nothing was mended.
     #[must_use]
-    pub fn measure(log: &LoadedLog, tables: &Tables, belief: &Model, mended: Option<&Model>) -> Self {
-        let desk = Desk::that_flew(log, tables);
-        let stretch = Stretch::of(log);
-        let steps = stretch.as_ref().map_or_else(Vec::new, |stretch| steps_of(stretch.moments()));
-        let desk_with_steps = desk.as_ref().zip(stretch.as_ref().filter(|_| !steps.is_empty()));
+    pub fn measure(logs: &[LoadedLog], tables: &Tables, belief: &Model, mended: Option<&Model>) -> Self {
+        let desks: Vec<Option<Desk>> = logs.iter().map(|log| Desk::that_flew(log, tables)).collect();
+        let stretches: Vec<Option<Stretch>> = logs.iter().map(Stretch::of).collect();
+        let steps: Vec<Step> = stretches.iter().flatten().flat_map(|stretch| steps_of(stretch.moments())).collect();
+        let with_steps = |stretch: &&Stretch| !steps_of(stretch.moments()).is_empty();
+        let both = desks.iter().zip(&stretches);
+        let flown: Vec<(&Desk, &Stretch)> =
+            both.filter_map(|(desk, stretch)| desk.as_ref().zip(stretch.as_ref().filter(with_steps))).collect();
         let models = [Some(belief), mended];
+        let desk = desks.last().and_then(Option::as_ref);
         let (flown, critical) = rayon::join(
-            || models.map(|model| desk_with_steps.zip(model).map(|((desk, stretch), model)| fly(desk, stretch, model))),
-            || models.map(|model| desk.as_ref().zip(model).and_then(|(desk, model)| critical_gain(desk, model))),
+            || models.map(|model| model.map(|model| fly(&flown, model)).unwrap_or_default()),
+            || models.map(|model| desk.zip(model).and_then(|(desk, model)| critical_gain(desk, model))),
         );
-        let figures = [Figures::of(&steps), flown[0].unwrap_or_default(), flown[1].unwrap_or_default()];
+        let figures = [Figures::of(&steps), flown[0], flown[1]];
         Self {
             steps: steps.len(),
             overshoot_percent: compared(figures.map(|figures| figures.overshoot_percent)),
@@ -101,20 +106,19 @@ const fn compared([recorded, nominal, mended]: [Option<f64>; 3]) -> Compared {
     Compared { recorded, nominal, mended }
 }
 
-/// The figures of `model` on the steps of the record. A loop that lost the ball has none.
-fn fly(desk: &Desk, stretch: &Stretch, model: &Model) -> Figures {
-    let (programme, lead_s) = stretch.programme(desk, model);
+/// The figures of `model` on the steps of each record, flown by its own controller. A loop that lost the ball has none.
+fn fly(records: &[(&Desk, &Stretch)], model: &Model) -> Figures {
+    let total_s: f64 = records.iter().map(|(_, stretch)| stretch.duration_s()).sum();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
-    let seeds = ((ENOUGH_S / stretch.duration_s()).ceil() as u64).clamp(1, MOST_SEEDS);
-    let flights: Vec<Option<Vec<Step>>> = (1..=seeds)
-        .into_par_iter()
-        .map(|seed| {
-            let flown = desk.fly(model, &programme, seed);
-            let later = flown.cycles.iter().filter(|cycle| cycle.time_s >= lead_s);
-            flown.fault.is_none().then(|| steps_of(&later.map(Moment::from).collect::<Vec<_>>()))
-        })
-        .collect();
-    let all: Option<Vec<Vec<Step>>> = flights.into_iter().collect();
+    let seeds = ((ENOUGH_S / total_s).ceil() as u64).clamp(1, MOST_SEEDS);
+    let flights = records.par_iter().flat_map_iter(|record| (1..=seeds).map(move |seed| (*record, seed)));
+    let steps = flights.map(|((desk, stretch), seed)| {
+        let (programme, lead_s) = stretch.programme(desk, model);
+        let flown = desk.fly(model, &programme, seed);
+        let later = flown.cycles.iter().filter(|cycle| cycle.time_s >= lead_s);
+        flown.fault.is_none().then(|| steps_of(&later.map(Moment::from).collect::<Vec<_>>()))
+    });
+    let all: Option<Vec<Vec<Step>>> = steps.collect::<Vec<_>>().into_iter().collect();
     all.map_or_else(Figures::default, |all| Figures::of(&all.concat()))
 }
 

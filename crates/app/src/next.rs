@@ -20,12 +20,10 @@ mod score;
 #[cfg(test)]
 mod tests;
 
-use crate::config::Tables;
 use crate::desk::Desk;
 use crate::experiment::Experiment;
-use crate::log::reader::LoadedLog;
 use candidates::{Candidate, candidates};
-use diagnose::Diagnosis;
+use diagnose::{Diagnosis, Recording};
 use plant::Model;
 use rayon::prelude::*;
 use score::{Records, fly_all};
@@ -65,19 +63,20 @@ pub struct Advice {
     pub findings: Vec<String>,
 }
 
-/// What to fly next after `found`, which a diagnosis of `log` with `belief` has found.
+/// What to fly next after `found`, which a diagnosis of `recording` with `belief` has found. `desk`: the controller at hand, if
+/// one is known.
 #[must_use]
-pub fn advise(found: &Diagnosis, log: &LoadedLog, tables: &Tables, belief: &Model) -> Advice {
-    let samples = log.recording.samples();
-    let period_s = log.recording.duration_s() / samples.len().max(2).saturating_sub(1) as f64;
-    let Some(desk) = Desk::that_flew(log, tables).or_else(|| Desk::gentle(belief, period_s)) else {
+pub fn advise(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, belief: &Model) -> Advice {
+    let samples = recording.samples();
+    let period_s = recording.duration_s() / samples.len().max(2).saturating_sub(1) as f64;
+    let Some(desk) = desk.or_else(|| Desk::gentle(belief, period_s)) else {
         return Advice::default();
     };
     let rivals = rivals::of(found);
     if !rivals.is_empty() {
-        return between(&rivals, &desk, log);
+        return between(&rivals, &desk, recording);
     }
-    let Some(gap) = open::question(found, log, belief) else { return Advice::default() };
+    let Some(gap) = open::question(found, recording, belief) else { return Advice::default() };
     let stand_ins = open::stand_ins(belief);
     let experiment = choose(&stand_ins, &with_the_first(stand_ins.len()), &desk).map(|best| Next {
         reason: format!("{gap} This experiment is the one of the list that would show most of what may be missing."),
@@ -89,7 +88,7 @@ pub fn advise(found: &Diagnosis, log: &LoadedLog, tables: &Tables, belief: &Mode
 
 /// The experiment between models that explain the record alike, and what none of them settles.
 #[must_use]
-pub fn between(rivals: &[Rival], desk: &Desk, log: &LoadedLog) -> Advice {
+pub fn between(rivals: &[Rival], desk: &Desk, recording: &Recording) -> Advice {
     let apart: Vec<Rival> = rivals.iter().filter(|rival| !rivals::is_second_twin(rival, rivals)).cloned().collect();
     let best = if apart.len() > 1 { choose(&apart, &all_pairs(apart.len()), desk) } else { None };
     let told: Vec<&str> = best.as_ref().map_or_else(Vec::new, |best| best.separates.clone());
@@ -103,7 +102,7 @@ pub fn between(rivals: &[Rival], desk: &Desk, log: &LoadedLog) -> Advice {
         ..best
     });
     let left: Vec<&'static str> = rivals.iter().map(|(name, _)| *name).filter(|name| !told.contains(name)).collect();
-    let findings = rivals::what_would_settle(&left, rivals, log).into_iter().collect();
+    let findings = rivals::what_would_settle(&left, rivals, recording).into_iter().collect();
     Advice { experiment, findings }
 }
 

@@ -90,6 +90,9 @@ pub enum Finding {
         /// The limit, mm.
         limit_mm: f64,
     },
+    /// A log among several that says nothing.
+    #[error("this log is left out of the diagnosis, and the others are used without it")]
+    LeftOut,
     /// The search worked on fewer rows.
     #[error("a fast clock: {merged} rows each were taken as one for the diagnosis, the duty as their mean")]
     Thinned {
@@ -109,7 +112,7 @@ pub enum Finding {
     },
 }
 
-/// What the reader of `recording` should know before comparing it with `model`.
+/// What the reader of `recording`, which is one flight, should know before comparing it with `model`.
 #[must_use]
 pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
     let samples = recording.samples();

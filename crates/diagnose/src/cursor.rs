@@ -41,11 +41,12 @@ const WILD_IN_A_BURST: u32 = 5;
 #[derive(Clone, Debug)]
 pub(crate) struct Cursor<'a> {
     model: &'a Model,
+    /// The rows of the flight.
     samples: &'a [Sample],
     state: State,
     covariance: Square,
     actuator: Actuator,
-    /// Time of the filter since the start of the record, seconds.
+    /// Time of the filter since the start of the flight, seconds.
     time_s: f64,
     /// The next row whose duty has not been written yet.
     next_write: usize,
@@ -91,7 +92,7 @@ impl Steps {
 }
 
 impl<'a> Cursor<'a> {
-    /// A filter that knows the first reading, at row `row`, and nothing else.
+    /// A filter that knows the first reading of a flight, at row `row` of `samples`, and nothing else.
     pub(crate) fn new(model: &'a Model, samples: &'a [Sample], row: usize, reading_mm: f64, steps: &mut Steps) -> Self {
         let first_duty = samples.first().map_or(0.0, |first| first.duty_percent);
         let time_s = reading_time(model, samples, row).unwrap_or_default();
@@ -235,7 +236,7 @@ fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
     -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness.max(SLOWEST_MM_PER_S)))
 }
 
-/// When the reading of `row` was taken, seconds since the start of the record. `None`: there is no such row.
+/// When the reading of `row` was taken, seconds since the start of the flight. `None`: there is no such row.
 fn reading_time(model: &Model, samples: &[Sample], row: usize) -> Option<f64> {
     let since_start_s = samples.get(row)?.time_s - samples.first()?.time_s;
     Some(since_start_s - model.effects.sensor_delay.map_or(0.0, |delay| delay.delay_s))

@@ -7,7 +7,6 @@
 //! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
 //! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
-use crate::check::{Finding, check, is_hopeless, without_codes};
 use crate::closed::Closed;
 use crate::explain::{DOUBT, Explanation, Named, explain};
 use crate::fit::{Fit, Problem};
@@ -17,10 +16,10 @@ use crate::gap::{Gap, Tally, tallies};
 use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::places::{Place, places_of, rows};
+use crate::prepare::{Noted, Prepared};
 use crate::recording::Recording;
 use crate::residue::Residue;
 use crate::spectrum::{Band, band, periodogram};
-use crate::thin::thinned;
 use crate::which::{Search, Tried};
 use plant::Model;
 use rayon::prelude::*;
@@ -69,8 +68,8 @@ pub struct Diagnosis {
     pub residue: Residue,
     /// How much of the gap at 1 s the mended model closes; `None` where there is too little to close.
     pub closed: Option<Closed>,
-    /// What the record cannot answer.
-    pub findings: Vec<Finding>,
+    /// What the record cannot answer, flight by flight.
+    pub findings: Vec<Noted>,
     /// What was read off the readings, and its standard deviation in its own scale.
     read_off: Vec<(Free, f64)>,
 }
@@ -82,20 +81,16 @@ pub struct Options {
     pub without: Vec<String>,
 }
 
-/// Compares `belief` with `recording` and says what separates them.
+/// Compares `belief` with a recording, or with several of one rig, and says what separates them.
 #[must_use]
-pub fn diagnose(belief: &Model, recording: &Recording, options: &Options) -> Diagnosis {
-    let mut findings = check(recording, belief);
-    let decoded = without_codes(&findings, recording);
-    let recording = decoded.as_ref().unwrap_or(recording);
-    let thinned = thinned(recording);
-    findings.extend(thinned.as_ref().map(|(merged, _)| Finding::Thinned { merged: *merged }));
-    let recording = thinned.as_ref().map_or(recording, |(_, recording)| recording);
+pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
+    let Prepared { findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
+    let recording = recording.as_ref();
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, &options.without);
     let refitted = search.refitted();
     let readings = refitted.surprises.iter().filter(|s| folds.counts(s.row)).count();
-    let answers = readings >= ENOUGH_READINGS && !is_hopeless(&findings, recording, belief);
+    let answers = readings >= ENOUGH_READINGS && can_answer;
     let found = if answers { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
     let stretches = held_out(&search, belief, [&refitted, &found.fit]);
     let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());

@@ -10,7 +10,7 @@
 //! A model that is right has E = F at every horizon. In closed loop too: forecasts use the duty as recorded,
 //! and only the noise after reading k can separate them from the readings.
 
-use crate::recording::Recording;
+use crate::recording::{Recording, duration_s};
 use crate::track::{Forecast, Track};
 use plant::Model;
 use serde::Serialize;
@@ -145,13 +145,14 @@ pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize
 }
 
 /// The readings that forecasts start from, thinned where all would take too many steps.
-fn starts(track: &Track, recording: &Recording) -> impl Iterator<Item = usize> {
+fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item = usize> + 'a {
     let rows_per_s = recording.samples().len() as f64 / recording.duration_s().max(1e-9);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
     let steps = (track.readings() as f64 * rows_per_s) as usize;
-    let begin_s = recording.samples().first().map_or(0.0, |sample| sample.time_s) + WARM_UP_S;
-    let warm = (0..track.readings()).find(|&k| track.reading(k).is_some_and(|(_, time_s, _)| time_s >= begin_s));
-    (warm.unwrap_or(track.readings())..track.readings()).step_by(steps.div_ceil(ENOUGH_STEPS).max(1))
+    let samples = recording.samples();
+    let begins_s = |row: usize| samples[recording.flight_of(row).start].time_s + WARM_UP_S;
+    let is_warm = move |k: &usize| track.reading(*k).is_some_and(|(row, time_s, _)| time_s >= begins_s(row));
+    (0..track.readings()).filter(is_warm).step_by(steps.div_ceil(ENOUGH_STEPS).max(1))
 }
 
 fn horizons(
@@ -161,11 +162,12 @@ fn horizons(
     show: &mut dyn FnMut(usize, [Errors; 3]),
 ) {
     let samples = recording.samples();
-    // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
-    let half_period_s = recording.duration_s() / samples.len() as f64 / 2.0;
     for from in starts(track, recording) {
         let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
         let Some(group) = group(row) else { continue };
+        // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
+        let flight = &samples[recording.flight_of(row)];
+        let half_period_s = duration_s(flight) / flight.len() as f64 / 2.0;
         let mut errors = [Errors::default(); 3];
         let mut horizon = 0;
         for forecast in track.forecasts(from) {
@@ -196,7 +198,7 @@ pub struct FreeRun {
     pub forecasts: Vec<Forecast>,
 }
 
-/// Free runs one after another, as many as the recording holds whole.
+/// Free runs one after another, as many as each flight of the recording holds whole.
 #[must_use]
 pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
     runs(&Track::new(model, recording), recording)
@@ -204,12 +206,15 @@ pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
 
 fn runs(track: &Track, recording: &Recording) -> Vec<FreeRun> {
     let samples = recording.samples();
-    let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return Vec::new() };
-    let mut next_s = first.time_s + WARM_UP_S;
+    let (mut next_s, mut last_s, mut flight) = (0.0, 0.0, 0..0);
     let mut runs = Vec::new();
     for from in 0..track.readings() {
         let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
-        if start_s < next_s || start_s + FREE_RUN_S > last.time_s {
+        if !flight.contains(&row) {
+            flight = recording.flight_of(row);
+            (next_s, last_s) = (samples[flight.start].time_s + WARM_UP_S, samples[flight.end - 1].time_s);
+        }
+        if start_s < next_s || start_s + FREE_RUN_S > last_s {
             continue;
         }
         next_s = start_s + FREE_RUN_S;
@@ -235,68 +240,4 @@ impl Errors {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::Gap;
-    use crate::tests_support::{model, record};
-    use crate::{Recording, Sample};
-    use plant::Model;
-
-    #[test]
-    fn a_model_forecasts_its_own_flights_as_well_as_noise_allows() {
-        let gaps: Vec<Gap> = (0..10).map(|seed| Gap::measure(&model(), &record(&model(), seed, 80))).collect();
-        for h in 0..3 {
-            let mean = |of: fn(&Gap) -> [Option<f64>; 3]| gaps.iter().map(|g| of(g)[h].unwrap().powi(2)).sum::<f64>();
-            let ratio = (mean(|g| g.error_mm) / mean(|g| g.floor_mm)).sqrt();
-            assert!((ratio - 1.0).abs() < 0.06, "E/F = {ratio} at horizon {h}");
-        }
-    }
-
-    #[test]
-    fn a_missing_fan_lag_opens_the_gap_and_the_right_model_closes_it() {
-        let rig = model();
-        let recording = record(&rig, 3, 80);
-        let belief = Model { effects: plant::Effects::default(), ..rig.clone() };
-        let (without, with) = (Gap::measure(&belief, &recording), Gap::measure(&rig, &recording));
-        let at_1s = |gap: &Gap| gap.error_mm[2].unwrap() / gap.floor_mm[2].unwrap();
-        assert!(at_1s(&without) > 1.5 && at_1s(&with) < 1.1, "{} and {}", at_1s(&without), at_1s(&with));
-        assert!(without.free_run_10s_mm.unwrap() > 1.5 * with.free_run_10s_mm.unwrap());
-    }
-
-    #[test]
-    fn staying_put_is_the_change_of_the_reading() {
-        // A ramp of 10 mm/s without noise: the ball is h·10 mm further after h.
-        let row = |k: u32| Sample {
-            time_s: 0.02 * f64::from(k),
-            setpoint_mm: None,
-            control_percent: None,
-            duty_percent: 21.4,
-            position_mm: Some(100.0 + 0.2 * f64::from(k)),
-        };
-        let gap = Gap::measure(&model(), &Recording::new((0..1000).map(row).collect()).unwrap());
-        for (stay_put, expected) in gap.stay_put_mm.into_iter().zip([1.0, 5.0, 10.0]) {
-            assert!((stay_put.unwrap() - expected).abs() < 1e-9, "{stay_put:?}, not {expected}");
-        }
-    }
-
-    #[test]
-    fn a_recording_too_short_for_a_horizon_says_so() {
-        let gap = Gap::measure(&model(), &record(&model(), 1, 3));
-        assert!(gap.error_mm[1].is_some() && gap.error_mm[2].is_none() && gap.free_run_10s_mm.is_none());
-    }
-
-    #[test]
-    fn readings_at_uneven_times_are_forecast_for_their_own_time() {
-        // The true model at twice the jitter of a real log still reaches the floor.
-        let recording = record(&model(), 9, 80);
-        let kept = recording.samples().iter().enumerate().filter(|(k, _)| k % 7 != 3 && k % 11 != 5);
-        let dropped: Vec<Sample> = recording
-            .samples()
-            .iter()
-            .enumerate()
-            .map(|(k, s)| Sample { position_mm: s.position_mm.filter(|_| k % 7 != 3 && k % 11 != 5), ..*s })
-            .collect();
-        assert!(kept.count() < recording.samples().len());
-        let gap = Gap::measure(&model(), &Recording::new(dropped).unwrap());
-        assert!((gap.error_mm[2].unwrap() / gap.floor_mm[2].unwrap() - 1.0).abs() < 0.2);
-    }
-}
+mod tests;

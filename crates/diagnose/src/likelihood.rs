@@ -11,6 +11,7 @@
 use crate::coarse::Cell;
 use crate::recording::Recording;
 use plant::Model;
+use std::ops::Range;
 
 /// Share of wild readings that every model grants.
 const WILD_SHARE: f64 = 0.002;
@@ -139,15 +140,19 @@ const AT_END_MM: f64 = 10.0;
 #[must_use]
 pub fn in_free_flight(model: &Model, recording: &Recording) -> Vec<bool> {
     let near_mm = AT_END_MM.max(5.0 * model.noise.sensor_mm);
-    let mut quiet_from_s = recording.samples().first().map_or(0.0, |first| first.time_s) + FORGET_S;
     let at_end = |mm: f64| mm < near_mm || mm > model.pipe_length_mm - near_mm;
-    let counts = recording.samples().iter().map(|sample| {
-        if sample.position_mm.is_some_and(at_end) {
-            quiet_from_s = sample.time_s + FORGET_S;
-        }
-        sample.time_s >= quiet_from_s
-    });
-    counts.collect()
+    let of_flight = |flight: &Range<usize>| {
+        let rows = &recording.samples()[flight.clone()];
+        let mut quiet_from_s = rows.first().map_or(0.0, |first| first.time_s) + FORGET_S;
+        let counts = rows.iter().map(move |sample| {
+            if sample.position_mm.is_some_and(at_end) {
+                quiet_from_s = sample.time_s + FORGET_S;
+            }
+            sample.time_s >= quiet_from_s
+        });
+        counts.collect::<Vec<bool>>()
+    };
+    recording.flights().iter().flat_map(of_flight).collect()
 }
 
 /// The log-likelihood of every reading of `recording` under `model`, nats.

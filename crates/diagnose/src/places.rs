@@ -40,7 +40,7 @@ pub struct Place {
 pub(crate) struct Row {
     pub(crate) row: usize,
     pub(crate) time_s: f64,
-    /// Duty, height, velocity and time.
+    /// Duty, height, velocity, and time since the start of the flight.
     pub(crate) known: [f64; 4],
     /// The innovation in deviations, as far as it is no wild one.
     pub(crate) pull: f64,
@@ -90,7 +90,10 @@ pub(crate) fn rows(model: &Model, recording: &Recording, folds: &Folds) -> Vec<R
     let track = Track::new(model, recording);
     let before: Vec<[f64; 4]> = track
         .states()
-        .map(|(row, position, velocity)| [samples[row].duty_percent, position, velocity, samples[row].time_s])
+        .map(|(row, position, velocity)| {
+            let since_start_s = samples[row].time_s - samples[recording.flight_of(row).start].time_s;
+            [samples[row].duty_percent, position, velocity, since_start_s]
+        })
         .collect();
     let known = before.into_iter().zip(track.into_surprises()).filter(|(_, s)| folds.counts(s.row));
     known.map(|(known, s)| Row { row: s.row, time_s: samples[s.row].time_s, known, pull: s.pull }).collect()

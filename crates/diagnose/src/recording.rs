@@ -1,7 +1,12 @@
 //! A recording: what a rig did, as rows of time, duty and position, whoever recorded it.
+//!
+//! It may hold several flights of one rig. Their rows follow each other in one count of rows and of time; what has a memory, a
+//! filter or a drift, starts anew at each.
+
+use std::ops::Range;
 
 /// One row. The position was read at `time_s`; the duty was written in response and held until the next row.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Seconds since any fixed start.
     pub time_s: f64,
@@ -13,12 +18,18 @@ pub struct Sample {
     pub duty_percent: f64,
     /// Position of the ball, millimetres, upward. `None`: the sensor gave nothing new in this row.
     pub position_mm: Option<f64>,
+    /// Speed of the fan, revolutions per minute, where the log has it.
+    pub fan_rpm: Option<f64>,
+    /// Position of the ball by a second sensor, millimetres, upward, where the log has it.
+    pub position2_mm: Option<f64>,
 }
 
-/// Rows in the order of time, checked.
+/// Rows in the order of time, checked; of one flight, or of several of one rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     samples: Vec<Sample>,
+    /// The rows of each flight.
+    flights: Vec<Range<usize>>,
     resolution_mm: f64,
 }
 
@@ -95,6 +106,8 @@ impl Recording {
                 ("time_s", sample.time_s),
                 ("duty_percent", sample.duty_percent),
                 ("position_mm", sample.position_mm.unwrap_or_default()),
+                ("fan_rpm", sample.fan_rpm.unwrap_or_default()),
+                ("position2_mm", sample.position2_mm.unwrap_or_default()),
             ];
             for (quantity, value) in numbers {
                 if !value.is_finite() {
@@ -114,8 +127,31 @@ impl Recording {
             (true, _) => Err(RecordingError::Empty),
             (_, true) => Err(RecordingError::TooShort { readings, needed: Self::MIN_READINGS }),
             _ if samples[0].time_s == last_s => Err(RecordingError::NoTime { time_s: last_s }),
-            _ => Ok(Self { resolution_mm: resolution(&samples), samples }),
+            _ => Ok(Self::of_one(samples)),
         }
+    }
+
+    fn of_one(samples: Vec<Sample>) -> Self {
+        let all = 0..samples.len();
+        Self { resolution_mm: resolution(&samples), flights: std::iter::once(all).collect(), samples }
+    }
+
+    /// Several flights of one rig as one recording. Each is put behind the one before it by whole seconds, so that the steps of
+    /// its clock stay what they are. Of none it is a recording without rows.
+    #[must_use]
+    pub fn together(recordings: impl IntoIterator<Item = Self>) -> Self {
+        recordings.into_iter().reduce(Self::then).unwrap_or_else(|| Self::of_one(Vec::new()))
+    }
+
+    /// This recording, and after it another.
+    fn then(mut self, next: Self) -> Self {
+        let end_s = self.samples.last().map_or(0.0, |last| last.time_s);
+        let start_s = next.samples.first().map_or(0.0, |first| first.time_s);
+        let (rows, later_s) = (self.samples.len(), (end_s - start_s).floor() + 1.0);
+        self.flights.extend(next.flights.iter().map(|flight| flight.start + rows..flight.end + rows));
+        self.samples.extend(next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row }));
+        self.resolution_mm = self.resolution_mm.min(next.resolution_mm);
+        self
     }
 
     /// The rows.
@@ -124,19 +160,56 @@ impl Recording {
         &self.samples
     }
 
+    /// The rows of each flight, one after another.
+    #[must_use]
+    pub fn flights(&self) -> &[Range<usize>] {
+        &self.flights
+    }
+
+    /// The rows of the flight that `row` belongs to; of a row that does not exist, those of the last.
+    #[must_use]
+    pub fn flight_of(&self, row: usize) -> Range<usize> {
+        let number = self.flights.partition_point(|flight| flight.end <= row);
+        self.flights.get(number).or(self.flights.last()).cloned().unwrap_or_default()
+    }
+
+    /// Whether any row holds the speed of the fan.
+    #[must_use]
+    pub fn has_fan_speed(&self) -> bool {
+        self.samples.iter().any(|sample| sample.fan_rpm.is_some())
+    }
+
+    /// Whether any row holds a reading of a second sensor.
+    #[must_use]
+    pub fn has_second_position(&self) -> bool {
+        self.samples.iter().any(|sample| sample.position2_mm.is_some())
+    }
+
     /// The smallest step between two readings in a row, mm.
     #[must_use]
     pub const fn resolution_mm(&self) -> f64 {
         self.resolution_mm
     }
 
-    /// From the first row to the last, seconds.
+    /// From the first row to the last, seconds; of several flights, the sum.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
-        match (self.samples.first(), self.samples.last()) {
-            (Some(first), Some(last)) => last.time_s - first.time_s,
-            _ => 0.0,
-        }
+        self.flights.iter().map(|flight| duration_s(&self.samples[flight.clone()])).sum()
+    }
+}
+
+/// One recording where several of one rig may stand.
+impl AsRef<[Self]> for Recording {
+    fn as_ref(&self) -> &[Self] {
+        std::slice::from_ref(self)
+    }
+}
+
+/// From the first row of a flight to its last, seconds.
+pub(crate) fn duration_s(flight: &[Sample]) -> f64 {
+    match flight {
+        [first, .., last] => last.time_s - first.time_s,
+        _ => 0.0,
     }
 }
 
@@ -152,13 +225,7 @@ mod tests {
     use super::{Recording, RecordingError, Sample};
 
     fn rows(count: usize) -> Vec<Sample> {
-        let row = Sample {
-            time_s: 0.0,
-            setpoint_mm: None,
-            control_percent: None,
-            duty_percent: 20.0,
-            position_mm: Some(100.0),
-        };
+        let row = Sample { duty_percent: 20.0, position_mm: Some(100.0), ..Sample::default() };
         (0..count).map(|k| Sample { time_s: 0.02 * k as f64, ..row }).collect()
     }
 
@@ -167,6 +234,18 @@ mod tests {
         let recording = Recording::new(rows(50)).unwrap();
         assert_eq!(recording.samples(), rows(50));
         assert!((recording.duration_s() - 0.98).abs() < 1e-12);
+    }
+
+    #[test]
+    fn flights_follow_each_other_by_whole_seconds() {
+        let later = |by_s: f64| rows(50).into_iter().map(move |row| Sample { time_s: row.time_s + by_s, ..row });
+        let flights = [rows(50), later(7.25).collect(), rows(30)].map(|rows| Recording::new(rows).unwrap());
+        let both = Recording::together(flights.clone());
+        assert_eq!(both.flights(), [0..50, 50..100, 100..130]);
+        assert!((both.duration_s() - 2.0 * 0.98 - 0.58).abs() < 1e-9, "{}", both.duration_s());
+        assert_eq!((both.flight_of(49), both.flight_of(50), both.flight_of(129)), (0..50, 50..100, 100..130));
+        let starts = [0, 50, 100].map(|row: usize| both.samples()[row].time_s);
+        assert_eq!(starts, [0.0, 1.25, 3.0]);
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub(crate) fn record(rig: &Model, seed: u64, seconds: u32) -> Recording {
         let target = if time_s % 6.0 < 3.0 { 350.0 } else { 250.0 };
         let duty_percent = 21.4 + 0.01 * (target - reading) - 0.0005 * velocity;
         simulator.drive(duty_percent);
-        Sample { time_s, setpoint_mm: None, control_percent: None, duty_percent, position_mm: Some(reading) }
+        Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
     });
     Recording::new(samples.collect()).unwrap()
 }

@@ -5,7 +5,7 @@
 
 use crate::recording::{Recording, Sample};
 
-/// A recording with fewer rows is taken as it is.
+/// Recordings with fewer rows together are taken as they are.
 const MANY_ROWS: usize = 20_000;
 /// Rows a second that are enough.
 const ENOUGH_HZ: f64 = 100.0;
@@ -13,14 +13,16 @@ const ENOUGH_HZ: f64 = 100.0;
 const FEWER_HZ: f64 = 50.0;
 const VERY_MANY_ROWS: f64 = 400_000.0;
 
-/// How many rows become one, and the thinned recording; `None` where it is used as it is.
-pub(crate) fn thinned(recording: &Recording) -> Option<(usize, Recording)> {
-    let samples = recording.samples();
-    let rate_hz = samples.len() as f64 / recording.duration_s().max(1e-9);
-    let enough = if recording.duration_s() * ENOUGH_HZ > VERY_MANY_ROWS { FEWER_HZ } else { ENOUGH_HZ };
+/// How many rows become one, and the thinned flight, one of `all`; `None` where it is used as it is.
+pub(crate) fn thinned(flight: &Recording, all: &[Recording]) -> Option<(usize, Recording)> {
+    let samples = flight.samples();
+    let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
+    let (all_rows, all_s) =
+        all.iter().fold((0, 0.0), |(rows, s), one| (rows + one.samples().len(), s + one.duration_s()));
+    let enough = if all_s * ENOUGH_HZ > VERY_MANY_ROWS { FEWER_HZ } else { ENOUGH_HZ };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
     let merged = (rate_hz / enough) as usize;
-    if samples.len() < MANY_ROWS || merged < 2 {
+    if all_rows < MANY_ROWS || merged < 2 {
         return None;
     }
     let rows = samples.chunks(merged).map(|rows| merge(rows, samples)).collect();
@@ -48,11 +50,11 @@ mod tests {
     #[test]
     fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_readings_and_mean_duty() {
         let slow = record(&model(), 1, 20);
-        assert!(thinned(&slow).is_none());
+        assert!(thinned(&slow, slow.as_ref()).is_none());
         let row = slow.samples()[0];
         let fast = (0..40_000).map(|k| Sample { time_s: 0.001 * f64::from(k), duty_percent: f64::from(k % 10), ..row });
         let fast = Recording::new(fast.map(|s| Sample { position_mm: Some(s.time_s), ..s }).collect()).unwrap();
-        let (merged, thin) = thinned(&fast).unwrap();
+        let (merged, thin) = thinned(&fast, fast.as_ref()).unwrap();
         assert_eq!((merged, thin.samples().len()), (10, 4000));
         for (k, sample) in thin.samples().iter().enumerate() {
             assert!(

@@ -4,14 +4,14 @@ use crate::arrival::Refresh;
 use crate::cursor::{Cursor, Steps};
 use crate::grid::{Grid, OFF_GRID};
 use crate::likelihood::{Reading, Surprise, log_sum};
-use crate::recording::{Recording, Sample};
+use crate::recording::{Recording, duration_s};
 use plant::Model;
 
 /// A model's filter along a recording: where it is after each reading.
 #[derive(Debug)]
 pub struct Track<'a> {
     model: &'a Model,
-    samples: &'a [Sample],
+    recording: &'a Recording,
     /// Rows that hold a reading, and the filter after it.
     estimates: Vec<(usize, Cursor<'a>)>,
     /// Every reading but the first, as it was seen coming.
@@ -32,25 +32,28 @@ pub struct Forecast {
 }
 
 /// Runs the filter of `model` over `recording` and shows it after each reading: the row, how the reading was seen coming,
-/// and the filter, unless the model says that the sensor only repeated itself.
+/// and the filter, unless the model says that the sensor only repeated itself. Each flight begins with a new filter.
 fn along<'a>(model: &'a Model, recording: &'a Recording, mut show: impl FnMut(usize, Surprise, Option<&Cursor<'a>>)) {
-    let samples = recording.samples();
     let mut steps = Steps::of(model);
     let mut filter: Option<Cursor<'a>> = None;
+    let mut flight = 0..0;
     let grid = model.effects.sensor_quantisation.map(|coarse| Grid::of(recording, coarse.step_mm));
     let outliers = model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
-    let period_s = recording.duration_s() / samples.len() as f64;
     let mut refresh: Option<Refresh> = None;
-    for (row, sample) in samples.iter().enumerate() {
+    for (row, sample) in recording.samples().iter().enumerate() {
+        if !flight.contains(&row) {
+            (flight, filter) = (recording.flight_of(row), None);
+        }
         let Some(reading) = sample.position_mm else { continue };
+        let (rows, at) = (&recording.samples()[flight.clone()], row - flight.start);
         let first = filter.is_none();
-        let cursor = filter.get_or_insert_with(|| Cursor::new(model, samples, row, reading, &mut steps));
-        cursor.go_to_row(row, &mut steps);
+        let cursor = filter.get_or_insert_with(|| Cursor::new(model, rows, at, reading, &mut steps));
+        cursor.go_to_row(at, &mut steps);
         let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
         let seen = Reading { row, position_mm: reading, outliers, coarse };
         let off_grid = if grid.is_some() && coarse.is_none() { OFF_GRID } else { 0.0 };
         if first {
-            refresh = Refresh::of(model, period_s, sample.time_s, reading);
+            refresh = Refresh::of(model, duration_s(rows) / rows.len() as f64, sample.time_s, reading);
             show(row, cursor.take(seen), Some(cursor));
             continue;
         }
@@ -112,7 +115,7 @@ impl<'a> Track<'a> {
             }
             estimates.push((row, cursor.clone()));
         });
-        Self { model, samples: recording.samples(), estimates, surprises, new }
+        Self { model, recording, estimates, surprises, new }
     }
 
     /// Every reading but the first, as the model saw it coming.
@@ -140,22 +143,23 @@ impl<'a> Track<'a> {
     #[must_use]
     pub fn reading(&self, reading: usize) -> Option<(usize, f64, f64)> {
         let &(row, _) = self.estimates.get(reading)?;
-        let sample = self.samples.get(row)?;
+        let sample = self.recording.samples().get(row)?;
         Some((row, sample.time_s, sample.position_mm?))
     }
 
-    /// Forecasts every later reading from what was known after reading number `from`, by the recorded duty.
+    /// Forecasts every later reading of the same flight from what was known after reading number `from`, by the recorded duty.
     pub fn forecasts(&self, from: usize) -> impl Iterator<Item = Forecast> {
         let start = self.estimates.get(from);
-        let mut row = start.map_or(self.samples.len(), |(row, _)| *row);
+        let mut row = start.map_or(self.new.len(), |(row, _)| *row);
+        let flight = self.recording.flight_of(row);
         let mut cursor = start.map(|(_, cursor)| cursor.clone());
         let mut steps = Steps::of(self.model);
         std::iter::from_fn(move || {
             let cursor = cursor.as_mut()?;
             loop {
                 row += 1;
-                if *self.new.get(row)? {
-                    cursor.go_to_row(row, &mut steps);
+                if *self.new[..flight.end].get(row)? {
+                    cursor.go_to_row(row - flight.start, &mut steps);
                     let (position_mm, variance_mm2) = cursor.expect_rounded();
                     return Some(Forecast { row, position_mm, variance_mm2 });
                 }
@@ -222,6 +226,31 @@ mod tests {
         let clean = expected_after(&good, 500);
         assert!((expected_after(&spoilt(500..501), 500) - clean).abs() < 1.0);
         assert!((expected_after(&spoilt(500..1000), 510) - clean).abs() > 100.0);
+    }
+
+    #[test]
+    fn every_flight_is_followed_and_forecast_as_if_it_were_alone() {
+        // A drift and a delay, so that a clock or a duty carried over would show.
+        let mut own = model();
+        own.effects.set("gain_drift", &[0.005]);
+        own.effects.set("transport_delay", &[0.05]);
+        let flights = [record(&own, 5, 20), record(&own, 6, 15)];
+        let both = crate::Recording::together(flights.clone());
+        let together = super::surprises(&own, &both);
+        let apart: Vec<_> = flights.iter().flat_map(|flight| super::surprises(&own, flight)).collect();
+        // The first reading of the second flight has nothing to be compared with either.
+        let compared = together.iter().filter(|s| s.row != both.flights()[1].start);
+        for (a, b) in compared.zip(&apart) {
+            assert!(
+                (a.expected_mm - b.expected_mm).abs() < 1e-6 && (a.variance_mm2 / b.variance_mm2 - 1.0).abs() < 1e-9
+            );
+        }
+        assert_eq!(together.len(), apart.len() + 1);
+        let track = Track::new(&own, &both);
+        let last = track.forecasts(900).last().unwrap();
+        assert_eq!(last.row, 999, "no forecast crosses into another flight");
+        let alone = Track::new(&own, &flights[1]).forecasts(100).last().unwrap().position_mm;
+        assert!((track.forecasts(1100).last().unwrap().position_mm - alone).abs() < 1e-6);
     }
 
     #[test]

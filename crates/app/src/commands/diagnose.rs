@@ -1,22 +1,25 @@
-//! `airball diagnose`: what separates a log from a model.
+//! `airball diagnose`: what separates the logs of a rig from a model.
 
 use super::diagnosing::Asked;
 use super::{note, say};
 use crate::cli::DiagnoseArgs;
 use crate::next::Advice;
 use crate::report::diagnosis::{patch, words};
+use crate::report::logs::findings;
 use crate::report::{closed_loop, next};
 use anyhow::{Result, anyhow};
 use std::path::Path;
 
-/// Diagnoses a log and says what was found.
+/// Diagnoses logs and says what was found.
 ///
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a patch or an experiment that cannot be written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
-    let asked = Asked::read("diagnose", &args.log, &args.config.config, &args.config.patch)?;
-    if let Some(lost) = &asked.log.truncated {
-        note(format_args!("{}: {lost}", args.log.display()));
+    let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.patch)?;
+    for (log, name) in asked.logs.iter().zip(&asked.names) {
+        if let Some(lost) = &log.truncated {
+            note(format_args!("{name}: {lost}"));
+        }
     }
     let answer = asked.diagnose(&diagnose::Options::default());
     if let Some(path) = &args.patch_out {
@@ -28,8 +31,11 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     if args.json {
         return say(asked.document(&answer)?);
     }
-    for finding in &answer.found.findings {
-        note(format_args!("{}: {finding}", args.log.display()));
+    for (name, finding) in findings(&answer.found, &asked.about()) {
+        note(format_args!("{name}: {finding}"));
+    }
+    if let Some(line) = asked.about().words() {
+        say(line)?;
     }
     say(words(&answer.found))?;
     closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice)).try_for_each(say)

@@ -1,23 +1,28 @@
-//! A log and a config in, a diagnosis out: what `diagnose` does to one log and `blind` to a folder of them.
+//! Logs of one rig and a config in, a diagnosis out: what `diagnose` does to the logs that are named and `blind` to a folder of cases.
 
 use crate::closed_loop::ClosedLoop;
 use crate::config::{Config, Tables};
+use crate::desk::Desk;
 use crate::log::reader::{self, LoadedLog};
 use crate::next::{Advice, advise};
 use crate::report::diagnosis::DiagnosisDocument;
-use anyhow::Result;
-use diagnose::{Diagnosis, Options, Verdict};
+use crate::report::logs::Logs;
+use anyhow::{Result, bail};
+use diagnose::{Diagnosis, Options, Recording, Verdict};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
-/// A log and the belief about the rig that wrote it.
+/// Logs and the belief about the rig that wrote them.
 pub(super) struct Asked {
     /// The belief.
     pub(super) belief: Model,
     /// The config that it is part of.
     tables: Tables,
-    /// The log.
-    pub(super) log: LoadedLog,
+    /// Each log, with its name.
+    pub(super) logs: Vec<LoadedLog>,
+    pub(super) names: Vec<String>,
+    /// Their rows, log by log.
+    pub(super) recordings: Vec<Recording>,
 }
 
 /// What a diagnosis found, what it means for the loop, and what to fly next.
@@ -31,28 +36,59 @@ pub(super) struct Answer {
 }
 
 impl Asked {
-    /// Reads both.
+    /// Reads all.
     ///
     /// # Errors
-    /// A config that is not sound, a log that cannot be read.
-    pub(super) fn read(command: &'static str, log: &Path, config: &Path, patches: &[PathBuf]) -> Result<Self> {
+    /// A config that is not sound, a log that cannot be read, a flight that is named twice, logs of different rigs.
+    pub(super) fn read(command: &'static str, paths: &[PathBuf], config: &Path, patches: &[PathBuf]) -> Result<Self> {
         let config = Config::read(config, patches)?;
         let belief = config.need(command, "plant", |tables| tables.plant.as_ref())?.clone();
-        let log = reader::read(log, config.tables.import.as_ref())?;
-        Ok(Self { belief, tables: config.tables, log })
+        let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+        let read = |path: &PathBuf| reader::read(path, config.tables.import.as_ref());
+        let logs = paths.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;
+        check_one_rig(&names, &logs)?;
+        let recordings = logs.iter().map(|log| log.recording.clone()).collect();
+        Ok(Self { belief, tables: config.tables, logs, names, recordings })
     }
 
-    /// Diagnoses the log.
+    /// What is said of the logs themselves.
+    pub(super) fn about(&self) -> Logs<'_> {
+        Logs { names: &self.names, duration_s: self.recordings.iter().map(Recording::duration_s).sum() }
+    }
+
+    /// Diagnoses the logs.
     pub(super) fn diagnose(&self, options: &Options) -> Answer {
-        let found = diagnose::diagnose(&self.belief, &self.log.recording, options);
+        let found = diagnose::diagnose(&self.belief, &self.recordings, options);
         let mended = (found.verdict != Verdict::InsufficientData).then_some(&found.mended.model);
-        let looped = ClosedLoop::measure(&self.log, &self.tables, &self.belief, mended);
-        let advice = advise(&found, &self.log, &self.tables, &self.belief);
+        let looped = ClosedLoop::measure(&self.logs, &self.tables, &self.belief, mended);
+        let desk = self.logs.last().and_then(|log| Desk::that_flew(log, &self.tables));
+        let advice = advise(&found, &Recording::together(self.recordings.iter().cloned()), desk, &self.belief);
         Answer { found, looped, advice }
     }
 
     /// The document that `diagnose --json` writes.
     pub(super) fn document(&self, answer: &Answer) -> Result<String> {
-        Ok(serde_json::to_string(&DiagnosisDocument::of(&answer.found, &self.belief, &answer.looped, &answer.advice))?)
+        let Answer { found, looped, advice } = answer;
+        Ok(serde_json::to_string(&DiagnosisDocument::of(found, &self.belief, looped, advice, &self.about()))?)
     }
+}
+
+/// No flight twice, which would count as twice the evidence, and no two rigs as far as the logs say whose they are.
+fn check_one_rig(names: &[String], logs: &[LoadedLog]) -> Result<()> {
+    let rig = |log: &LoadedLog| {
+        let held = toml::from_str::<Tables>(log.config_toml.as_deref()?).ok()?;
+        held.rig.map(|rig| rig.name)
+    };
+    for (number, log) in logs.iter().enumerate() {
+        for (before, name) in logs.iter().zip(names).take(number) {
+            let own = &names[number];
+            if before.recording == log.recording {
+                bail!("{name} and {own} hold the same flight; name it once");
+            }
+            if let Some((a, b)) = rig(before).zip(rig(log)).filter(|(a, b)| a != b) {
+                bail!("{name} is of {a}, {own} of {b}; diagnose the logs of each rig by themselves");
+            }
+        }
+    }
+    Ok(())
 }

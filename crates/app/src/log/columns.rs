@@ -10,17 +10,8 @@ use super::{
 };
 use diagnose::Sample;
 
-/// The rows of a table in our units.
-pub(super) struct Rows {
-    pub(super) samples: Vec<Sample>,
-    /// Empty if the table has no such column.
-    pub(super) fan_rpm: Vec<Option<f64>>,
-    /// Empty if the table has no such column.
-    pub(super) position2_mm: Vec<Option<f64>>,
-}
-
 /// Finds the columns and converts their numbers.
-pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Rows, LogError> {
+pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, LogError> {
     import.check()?;
     let time = Found::required(table, "time_s", &import.time_s)?;
     let setpoint = Found::optional(table, "setpoint_mm", import.setpoint_mm.as_ref())?;
@@ -37,6 +28,7 @@ pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Rows, LogError> 
     let position_mm = position.converted(table, &time_s)?;
     let convert = |found: Option<Found<'_>>| found.map_or(Ok(Vec::new()), |found| found.converted(table, &time_s));
     let (setpoint_mm, control_percent) = (convert(setpoint)?, convert(control)?);
+    let (fan_rpm, position2_mm) = (convert(fan_rpm)?, convert(position2)?);
     let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
     let samples = time_s.iter().zip(&duty_percent).enumerate().map(|(row, (&time_s, &duty_percent))| {
         let read = fresh.as_ref().map_or(Ok(true), |fresh| fresh.flag(table, row))?;
@@ -46,13 +38,11 @@ pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Rows, LogError> 
             control_percent: at(&control_percent, row),
             duty_percent,
             position_mm: at(&position_mm, row).filter(|_| read),
+            fan_rpm: at(&fan_rpm, row),
+            position2_mm: at(&position2_mm, row),
         })
     });
-    Ok(Rows {
-        samples: samples.collect::<Result<_, LogError>>()?,
-        fan_rpm: convert(fan_rpm)?,
-        position2_mm: convert(position2)?,
-    })
+    samples.collect()
 }
 
 /// A column of the table, and how its numbers become ours.

@@ -19,10 +19,6 @@ use std::{fs, path::Path};
 pub struct LoadedLog {
     /// The rows.
     pub recording: Recording,
-    /// Fan speed, revolutions per minute, row by row; empty if the log has none.
-    pub fan_rpm: Vec<Option<f64>>,
-    /// Position of a second sensor, millimetres, row by row; empty if the log has none.
-    pub position2_mm: Vec<Option<f64>>,
     /// What the log says about itself; of a CSV, nothing.
     pub about: About,
     /// The config that was in force, if the log has it.
@@ -50,11 +46,9 @@ pub(super) fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Resul
         return from_flight(path, flight::parse(path, bytes)?);
     }
     let default = Import::default();
-    let rows = columns::map(&Table::parse(path, bytes)?, import.unwrap_or(&default))?;
+    let samples = columns::map(&Table::parse(path, bytes)?, import.unwrap_or(&default))?;
     Ok(LoadedLog {
-        recording: recording(path, rows.samples)?,
-        fan_rpm: rows.fan_rpm,
-        position2_mm: rows.position2_mm,
+        recording: recording(path, samples)?,
         about: About::default(),
         config_toml: None,
         cycles: Vec::new(),
@@ -67,8 +61,6 @@ fn from_flight(path: &Path, flight: Flight) -> Result<LoadedLog, LogError> {
     let Flight { about, config_toml, cycles, events, truncated } = flight;
     Ok(LoadedLog {
         recording: recording(path, cycles.iter().map(sample).collect())?,
-        fan_rpm: Vec::new(),
-        position2_mm: Vec::new(),
         about,
         config_toml,
         cycles,
@@ -90,5 +82,7 @@ pub fn sample(cycle: &Cycle) -> Sample {
         control_percent: cycle.control_percent,
         duty_percent: cycle.duty_percent,
         position_mm: cycle.position_mm.filter(|_| cycle.fresh),
+        fan_rpm: None,
+        position2_mm: None,
     }
 }

@@ -1,8 +1,7 @@
 //! What a record leaves open for want of excitation, and the models that stand in for what may be missing.
 
 use super::Rival;
-use crate::log::reader::LoadedLog;
-use diagnose::{Diagnosis, Verdict, in_free_flight};
+use diagnose::{Diagnosis, Recording, Verdict, in_free_flight};
 use plant::{Effects, Model};
 
 /// A record shorter than this in free flight, seconds, or whose ball stays within this share of its way, is thin.
@@ -14,14 +13,14 @@ const STAND_INS: [&str; 4] = ["dead_zone", "transport_delay", "thrust_curve", "h
 pub(super) const AS_BELIEVED: &str = "the model as believed";
 
 /// What is open, in a sentence; `None` where another flight would not say more than this one.
-pub(super) fn question(found: &Diagnosis, log: &LoadedLog, belief: &Model) -> Option<String> {
+pub(super) fn question(found: &Diagnosis, recording: &Recording, belief: &Model) -> Option<String> {
     let open = matches!(found.verdict, Verdict::InsufficientData | Verdict::NoGap | Verdict::Unexplained);
-    let counts = in_free_flight(belief, &log.recording);
-    let samples = log.recording.samples();
+    let counts = in_free_flight(belief, recording);
+    let samples = recording.samples();
     let mut heights: Vec<f64> =
         samples.iter().zip(&counts).filter(|(_, counts)| **counts).filter_map(|(s, _)| s.position_mm).collect();
     heights.sort_by(f64::total_cmp);
-    let free_s = log.recording.duration_s() * heights.len() as f64 / samples.len().max(1) as f64;
+    let free_s = recording.duration_s() * heights.len() as f64 / samples.len().max(1) as f64;
     let (bottom, top) = belief.ends_mm();
     let at = |share: usize| heights.get(heights.len().saturating_sub(1) * share / 100).copied().unwrap_or_default();
     let spread_mm = at(95) - at(5);

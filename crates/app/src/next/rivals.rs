@@ -5,8 +5,7 @@
 //! the sensor, so that two effects on different sides of a cut are told apart there.
 
 use super::Rival;
-use crate::log::reader::LoadedLog;
-use diagnose::Diagnosis;
+use diagnose::{Diagnosis, Recording};
 use plant::{Effects, Stage};
 
 /// Effects that no flight tells apart by duty and position.
@@ -29,7 +28,7 @@ pub(super) fn is_second_twin((name, _): &Rival, rivals: &[Rival]) -> bool {
 }
 
 /// Which further signal tells apart what no flight does, in a sentence. `left`: the names that the next experiment leaves open.
-pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], log: &LoadedLog) -> Option<String> {
+pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], recording: &Recording) -> Option<String> {
     // A name is open as long as it has a rival that is not told from it; a twin is open with its twin.
     let twin = |name: &&'static str| TWINS.contains(name) && TWINS.iter().any(|twin| left.contains(twin));
     let names: Vec<&'static str> =
@@ -41,10 +40,10 @@ pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], log: &L
     let stages: Vec<Stage> = names.iter().filter_map(stage).collect();
     let cut = |side: Stage| stages.contains(&side) && stages.iter().any(|stage| *stage != side);
     let mut signals = Vec::new();
-    if cut(Stage::Actuator) && log.fan_rpm.is_empty() {
+    if cut(Stage::Actuator) && !recording.has_fan_speed() {
         signals.push("`fan_rpm`, the speed of the fan by a tachometer");
     }
-    if cut(Stage::Sensor) && log.position2_mm.is_empty() {
+    if cut(Stage::Sensor) && !recording.has_second_position() {
         signals.push("`position2_mm`, the position by a second sensor");
     }
     let names = names.join(" and ");

@@ -3,11 +3,11 @@
 use super::candidates::{Candidate, candidates};
 use super::score::fly_all;
 use super::{Rival, all_pairs, between};
-use crate::closed_loop::tests::{log, project};
+use crate::closed_loop::tests::project;
 use crate::desk::Desk;
 use crate::experiment::Experiment;
-use crate::log::reader::LoadedLog;
 use control::waveform::Waveform;
+use diagnose::{Recording, Sample};
 use plant::{Effects, Model};
 
 fn desk() -> Desk {
@@ -20,15 +20,10 @@ fn rival(name: &'static str, values: &[f64]) -> Rival {
     (name, model)
 }
 
-fn any_log() -> LoadedLog {
-    let row = |k| diagnose::Sample {
-        time_s: 0.02 * f64::from(k),
-        setpoint_mm: None,
-        control_percent: None,
-        duty_percent: 21.4,
-        position_mm: Some(300.0),
-    };
-    log((0..100).map(row).collect())
+fn any_log() -> Recording {
+    let row =
+        |k| Sample { time_s: 0.02 * f64::from(k), duty_percent: 21.4, position_mm: Some(300.0), ..Sample::default() };
+    Recording::new((0..100).map(row).collect()).unwrap()
 }
 
 fn list() -> Vec<Candidate> {
@@ -71,7 +66,8 @@ fn twins_are_sent_to_another_signal_unless_it_is_there() {
     assert!(advice.experiment.is_none());
     let said = &advice.findings[0];
     assert!(said.contains("fan_rpm") && said.contains("position2_mm"), "{said}");
-    let with_speed = LoadedLog { fan_rpm: vec![Some(900.0); 100], ..any_log() };
+    let with_speed = any_log().samples().iter().map(|row| Sample { fan_rpm: Some(900.0), ..*row }).collect();
+    let with_speed = Recording::new(with_speed).unwrap();
     let said = &between(&twins, &desk(), &with_speed).findings[0];
     assert!(!said.contains("fan_rpm") && said.contains("position2_mm"), "{said}");
 }

@@ -2,6 +2,7 @@
 
 use crate::closed_loop::ClosedLoop;
 use crate::next::{Advice, Next};
+use crate::report::logs::{Logs, sentences};
 use diagnose::{Band, Change, Closed, Diagnosis, Free, Gap, Named, Place, Verdict};
 use plant::{Model, Stage};
 use serde::Serialize;
@@ -78,13 +79,15 @@ struct StageEntry {
 
 #[derive(Debug, Serialize)]
 struct CheckEntry {
+    logs: usize,
+    duration_s: f64,
     findings: Vec<String>,
 }
 
 impl DiagnosisDocument {
     /// The document of a diagnosis of a rig that was believed to be `belief`, with its closed loop and what to fly next.
     #[must_use]
-    pub fn of(found: &Diagnosis, belief: &Model, closed_loop: &ClosedLoop, advice: &Advice) -> Self {
+    pub fn of(found: &Diagnosis, belief: &Model, closed_loop: &ClosedLoop, advice: &Advice, logs: &Logs<'_>) -> Self {
         let half = found.half_intervals();
         Self {
             schema: "airball.diagnosis/1",
@@ -97,17 +100,16 @@ impl DiagnosisDocument {
                 regions: regions(found),
                 frequency_hz: found.band.filter(|_| found.verdict != Verdict::NoGap),
             },
-            check: CheckEntry { findings: findings(found, advice) },
+            check: CheckEntry {
+                logs: logs.names.len(),
+                duration_s: logs.duration_s,
+                findings: sentences(found, advice, logs),
+            },
             next_experiment: advice.experiment.clone(),
             version: env!("CARGO_PKG_VERSION"),
             config_patch: patch(found),
         }
     }
-}
-
-/// What the record cannot answer, in sentences.
-fn findings(found: &Diagnosis, advice: &Advice) -> Vec<String> {
-    found.findings.iter().map(ToString::to_string).chain(advice.findings.iter().cloned()).collect()
 }
 
 fn interval(

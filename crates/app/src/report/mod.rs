@@ -5,6 +5,7 @@ pub mod blind;
 pub mod closed_loop;
 pub mod diagnosis;
 pub mod gap;
+pub mod logs;
 pub mod next;
 pub mod plot;
 pub mod steps;

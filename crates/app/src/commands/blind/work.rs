@@ -85,7 +85,7 @@ impl<'a> Work<'a> {
             closed_of_truth: None,
             pipe_length_mm: f64::INFINITY,
         };
-        match Asked::read("blind", record, &self.folder.belief(case), &[]) {
+        match Asked::read("blind", &[record.to_path_buf()], &self.folder.belief(case), &[]) {
             Ok(asked) => self.asked(case, &asked).unwrap_or_else(nothing),
             Err(error) => nothing(error),
         }
@@ -97,7 +97,9 @@ impl<'a> Work<'a> {
             case: case.to_owned(),
             answer: Ok(self.answer(case, asked)?),
             left_out: self.left_out(case, asked)?,
-            closed_of_truth: truth.and_then(|truth| closed_of_truth(&asked.belief, truth, &asked.log.recording)),
+            closed_of_truth: truth
+                .zip(asked.recordings.first())
+                .and_then(|(truth, recording)| closed_of_truth(&asked.belief, truth, recording)),
             pipe_length_mm: asked.belief.pipe_length_mm,
         })
     }

@@ -44,7 +44,7 @@ fn time_duty_and_position_are_enough() {
     let samples = log.recording.samples();
     assert_eq!((samples[0].duty_percent, samples[0].position_mm, samples[0].setpoint_mm), (150.5, None, None));
     assert_eq!((samples[3].duty_percent, samples[3].position_mm), (-3.0, Some(1.0)));
-    assert!(log.cycles.is_empty() && log.fan_rpm.is_empty() && log.position2_mm.is_empty());
+    assert!(log.cycles.is_empty() && !log.recording.has_fan_speed() && !log.recording.has_second_position());
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn import_maps_scales_and_offsets() {
     let log = log.unwrap();
     let sample = log.recording.samples()[10];
     assert!((sample.time_s - 0.2).abs() < 1e-12);
-    assert_eq!((sample.position_mm, sample.duty_percent, log.fan_rpm[10]), (Some(80.0), 7.0, Some(600.0)));
+    assert_eq!((sample.position_mm, sample.duty_percent, sample.fan_rpm), (Some(80.0), 7.0, Some(600.0)));
     let missing = Import { position2_mm: Some(Column::named("second")), ..import };
     let said = reader::parse(Path::new("rig.csv"), format!("t_ms,angle,u,tacho\n{rows}").as_bytes(), Some(&missing));
     assert!(said.unwrap_err().to_string().contains("no column `second` for position2_mm"));

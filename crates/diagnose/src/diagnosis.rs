@@ -89,7 +89,8 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, &options.without);
     let refitted = search.refitted();
-    let readings = refitted.surprises.iter().filter(|s| folds.counts(s.row)).count();
+    let readings = recording.samples().iter().enumerate();
+    let readings = readings.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
     let answers = readings >= ENOUGH_READINGS && can_answer;
     let found = if answers { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
     let stretches = held_out(&search, belief, [&refitted, &found.fit]);

@@ -26,6 +26,7 @@ mod prepare;
 mod recording;
 mod regression;
 mod residue;
+mod rotor;
 mod spectrum;
 mod starts;
 mod thin;

@@ -20,7 +20,7 @@ const WILD_WIDTH: f64 = 10.0;
 /// How much the wild readings of a sensor that has them scatter about their size, as a share of it.
 const WILD_SCATTER: f64 = 0.1;
 
-/// One reading as a model saw it coming.
+/// One reading as a model saw it coming; a speed of the fan has rpm where others have mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surprise {
     /// The row of the reading.
@@ -155,7 +155,7 @@ pub fn in_free_flight(model: &Model, recording: &Recording) -> Vec<bool> {
     recording.flights().iter().flat_map(of_flight).collect()
 }
 
-/// The log-likelihood of every reading of `recording` under `model`, nats.
+/// The log-likelihood of every reading of `recording` under `model`, nats; of recorded speeds of the fan as well, in rpm for mm.
 #[must_use]
 pub fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
     crate::track::surprises(model, recording)

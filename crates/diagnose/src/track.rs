@@ -5,6 +5,7 @@ use crate::cursor::{Cursor, Steps};
 use crate::grid::{Grid, OFF_GRID};
 use crate::likelihood::{Reading, Surprise, log_sum};
 use crate::recording::{Recording, duration_s};
+use crate::rotor;
 use plant::Model;
 
 /// A model's filter along a recording: where it is after each reading.
@@ -91,13 +92,14 @@ fn arrival(
     (new > repeat, Some(log_sum(new, repeat)))
 }
 
-/// Every reading but the first, which has nothing to be compared with, as the model saw it coming.
+/// Every reading but the first, which has nothing to be compared with, as the model saw it coming; then every speed of the fan.
 pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
     let mut all = Vec::with_capacity(recording.samples().len());
     along(model, recording, |_, surprise, _| all.push(surprise));
     if !all.is_empty() {
         all.remove(0);
     }
+    all.extend(rotor::surprises(model, recording));
     all
 }
 

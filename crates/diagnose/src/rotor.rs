@@ -1,0 +1,137 @@
+//! The recorded speed of the fan: what it says of the way from the duty to the rotor.
+//!
+//! ```text
+//! duty(t − delay) → nearest step = u      dw/dt = (u − w)/τ      τ of fan_lag or of spin_asymmetry, w in percent of duty
+//! rpm = a + b·w + e,  e_k = ρ·e_(k−1) + n_k      a, b, ρ and the variance of n: where this record is most likely
+//! ```
+//!
+//! A rotor shows its timing and no force: delay, steps and lags between duty and rotor move its speed, and whatever comes after it (play, dead
+//! zone, curve, asymmetry, drifts of gain and hover, limits) does not, because a speed of a real fan is never quite a straight line of
+//! its duty: the coloured e takes that up. What is late behind the rotor, in the air or in the sensor, leaves the speed alone; so a
+//! delay or a lag of the duty is told from one of the reading. The speed depends on the duty alone, so that its likelihood
+//! stands beside that of the readings. Source: Cochrane and Orcutt, "Application of least squares regression to
+//! relationships containing autocorrelated error terms", Journal of the American Statistical Association 44 (1949).
+
+use crate::likelihood::{Reading, Surprise};
+use crate::recording::{Recording, Sample};
+use plant::{Actuator, Effects, Model};
+
+/// The rotor's first seconds show how fast it was before the record began.
+const WARM_UP_S: f64 = 1.5;
+/// Fewer speeds than this say nothing of a straight line.
+const ENOUGH: usize = 50;
+/// Rounds of line and colour, and the strongest colour.
+const ROUNDS: usize = 3;
+const MOST_COLOUR: f64 = 0.98;
+
+/// A recorded speed: its row, what it was, w as the model has it, and whether the row before it has one as well.
+struct Speed {
+    row: usize,
+    rpm: f64,
+    duty_percent: f64,
+    follows: bool,
+}
+
+/// The line from w to the speed, the colour of what is off it, and the variance of what is new in that.
+struct Line {
+    a: f64,
+    b: f64,
+    colour: f64,
+    variance: f64,
+}
+
+/// Every recorded speed as `model` saw it coming; none where there are too few.
+pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
+    if !recording.has_fan_speed() {
+        return Vec::new();
+    }
+    let rotor = rotor_of(model);
+    let of_flight =
+        |flight: &std::ops::Range<usize>| speeds(&rotor, &recording.samples()[flight.clone()], flight.start);
+    let all: Vec<Speed> = recording.flights().iter().flat_map(of_flight).collect();
+    Line::of(&all).map_or_else(Vec::new, |line| line.surprises(&all))
+}
+
+/// The way from the duty to the rotor: a model whose command is the duty that reaches it, percent.
+fn rotor_of(model: &Model) -> Model {
+    let Effects { transport_delay, duty_quantisation, fan_lag, spin_asymmetry, .. } = model.effects.clone();
+    let effects = Effects { transport_delay, duty_quantisation, fan_lag, spin_asymmetry, ..Effects::default() };
+    Model { gain_mm_per_s2_per_percent: 1.0, hover_duty_percent: 0.0, effects, ..model.clone() }
+}
+
+/// The recorded speeds of a flight, and w along its duty.
+fn speeds(rotor: &Model, flight: &[Sample], first_row: usize) -> Vec<Speed> {
+    let Some(first) = flight.first() else { return Vec::new() };
+    let mut actuator = Actuator::new(rotor, first.duty_percent);
+    let (mut speed, mut now_s) = (first.duty_percent, 0.0);
+    let (mut all, mut before) = (Vec::new(), None);
+    for (row, sample) in flight.iter().enumerate() {
+        let time_s = sample.time_s - first.time_s;
+        while now_s < time_s {
+            let until_s = actuator.next_jump_s(now_s).map_or(time_s, |jump_s| jump_s.min(time_s));
+            let commanded = actuator.commanded(rotor, now_s);
+            speed = followed(rotor, commanded, speed, until_s - now_s);
+            now_s = until_s;
+        }
+        actuator.write(rotor, time_s, sample.duty_percent);
+        if let Some(rpm) = sample.fan_rpm.filter(|_| time_s >= WARM_UP_S) {
+            all.push(Speed { row: first_row + row, rpm, duty_percent: speed, follows: before == row.checked_sub(1) });
+            before = Some(row);
+        }
+    }
+    all
+}
+
+/// w after `dt_s` of a constant command.
+fn followed(rotor: &Model, commanded: f64, speed: f64, dt_s: f64) -> f64 {
+    match (rotor.effects.fan_lag, rotor.effects.spin_asymmetry) {
+        (Some(lag), _) => lag.after(commanded, speed, dt_s),
+        (_, Some(spin)) => spin.after(commanded, speed, dt_s),
+        _ => commanded,
+    }
+}
+
+impl Line {
+    /// The line and the colour that suit the speeds best. `None`: too few, or a duty that never moves.
+    fn of(all: &[Speed]) -> Option<Self> {
+        let pairs: Vec<(&Speed, &Speed)> = all.iter().zip(all.iter().skip(1)).filter(|pair| pair.1.follows).collect();
+        if pairs.len() < ENOUGH {
+            return None;
+        }
+        let (n, mut line) = (pairs.len() as f64, Self { a: 0.0, b: 0.0, colour: 0.0, variance: 0.0 });
+        for _ in 0..ROUNDS {
+            // Least squares of what is new in the speed on what is new in w.
+            let new = |before: f64, now: f64| now - line.colour * before;
+            let points = pairs.iter().map(|(p, q)| (new(p.duty_percent, q.duty_percent), new(p.rpm, q.rpm)));
+            let (x, y) = points.clone().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
+            let moments = |(xx, xy): (f64, f64), point: (f64, f64)| {
+                (xx + (point.0 - x).powi(2), xy + (point.0 - x) * (point.1 - y))
+            };
+            let (xx, xy) = points.fold((0.0, 0.0), moments);
+            line.b = if xx > 0.0 { xy / xx } else { return None };
+            line.a = (y - line.b * x) / (1.0 - line.colour);
+            let off = |speed: &Speed| speed.rpm - line.a - line.b * speed.duty_percent;
+            let (same, both) =
+                pairs.iter().fold((0.0, 0.0), |(same, both), (p, q)| (same + off(p).powi(2), both + off(p) * off(q)));
+            let colour = if same > 0.0 { (both / same).clamp(0.0, MOST_COLOUR) } else { 0.0 };
+            line.variance = pairs.iter().map(|(p, q)| (off(q) - colour * off(p)).powi(2) / n).sum();
+            line.colour = colour;
+        }
+        // A speed without noise still leaves a division.
+        Some(Self { variance: line.variance.max(1e-9 * line.b.powi(2)), ..line })
+    }
+
+    fn surprises(&self, all: &[Speed]) -> Vec<Surprise> {
+        let on_line = |speed: &Speed| self.a + self.b * speed.duty_percent;
+        let pairs = all.iter().zip(all.iter().skip(1)).filter(|pair| pair.1.follows);
+        let one = |(before, now): (&Speed, &Speed)| {
+            let expected = on_line(now) + self.colour * (before.rpm - on_line(before));
+            let reading = Reading { row: now.row, position_mm: now.rpm, outliers: None, coarse: None };
+            Surprise::of(reading, expected, self.variance)
+        };
+        pairs.map(one).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -124,3 +124,46 @@ fn several_logs_are_used_together_and_each_is_spoken_of_by_name() {
     let said = String::from_utf8(mixed.stderr).unwrap();
     assert!(mixed.status.code() == Some(1) && said.contains("a.mcap is of rig1, other.mcap of rig2"), "{said}");
 }
+
+#[test]
+fn a_recorded_fan_speed_names_one_of_two_twins_and_says_so() {
+    let bench = Bench::default();
+    bench.write("late.toml", "[plant.effects.transport_delay]\ndelay_s = 0.12\n");
+    let _ = bench.output(&["simulate", "--patch", "late.toml", "--duration", "70", "--log", "f.mcap"]);
+    // The rotor of the config, six rows behind the duty, and a tachometer that shows whole tens.
+    let (mut rotor, mut duties) = (21.4, Vec::new());
+    let with_speed = |(number, line): (usize, &str)| {
+        if number == 0 {
+            return format!("{line},fan_rpm\n");
+        }
+        let seen = duties.iter().rev().nth(6).copied().unwrap_or(0.0);
+        rotor += (1.0 - (-0.02_f64 / 0.257).exp()) * (seen - rotor);
+        duties.push(line.split(',').nth(3).unwrap().parse::<f64>().unwrap());
+        format!("{line},{:.0}\n", 10.0 * (300.0 + 14.0 * (rotor - 21.4)).round())
+    };
+    let table: String = bench.output(&["log", "export", "f.mcap"]).lines().enumerate().map(with_speed).collect();
+    bench.write("f.csv", table);
+    let found = diagnose(&bench, &["f.csv"]);
+    let effect = &found["effects"][0];
+    assert_eq!(
+        (&effect["name"], &effect["indistinguishable_from"]),
+        (&Value::from("transport_delay"), &serde_json::json!([]))
+    );
+    let findings = found["check"]["findings"].to_string();
+    assert!(findings.contains("the recorded `fan_rpm` tells that it is transport_delay"), "{findings}");
+}
+
+#[test]
+fn a_dead_zone_is_found_whole_behind_a_correction_and_the_mend_is_its_new_numbers() {
+    let bench = Bench::default();
+    let half = "[compensation.dead_zone]\nlower_percent = -0.15\nupper_percent = 0.15\n";
+    bench.write("stuck.toml", format!("{STUCK}\n{half}"));
+    let _ = bench.output(&["simulate", "--patch", "stuck.toml", "--duration", "120", "--log", "f.mcap"]);
+    let found = diagnose(&bench, &["f.mcap"]);
+    assert_eq!(found["effects"][0]["name"], "dead_zone", "{found}");
+    let edge = |key: &str| found["effects"][0]["parameters"][key]["value"].as_f64().unwrap();
+    let width = edge("upper_percent") - edge("lower_percent");
+    assert!((0.45..0.75).contains(&width), "{width}");
+    let said = bench.output(&["diagnose", "f.mcap"]);
+    assert!(said.contains("[compensation.dead_zone] was on with -0.15 to 0.15 %: set lower_percent = -0."), "{said}");
+}

@@ -87,6 +87,12 @@ impl Desk {
         held.filter(|held| held.check().is_ok()).as_ref().and_then(Self::of).or_else(|| Self::of(tables))
     }
 
+    /// What is between this controller and the fan.
+    #[must_use]
+    pub const fn compensation(&self) -> &Compensation {
+        &self.compensation
+    }
+
     /// A gentle controller for a rig of which only `model` and the time between readings are known. `None`: its hover is no
     /// duty, so that it is not flown by one.
     #[must_use]

@@ -67,6 +67,12 @@ pub struct Advice {
 /// one is known.
 #[must_use]
 pub fn advise(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, belief: &Model) -> Advice {
+    let mut advice = next_flight(found, recording, desk, belief);
+    advice.findings.extend(rivals::what_was_settled(found, recording));
+    advice
+}
+
+fn next_flight(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, belief: &Model) -> Advice {
     let samples = recording.samples();
     let period_s = recording.duration_s() / samples.len().max(2).saturating_sub(1) as f64;
     let Some(desk) = desk.or_else(|| Desk::gentle(belief, period_s)) else {

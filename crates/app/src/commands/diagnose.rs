@@ -3,6 +3,7 @@
 use super::diagnosing::Asked;
 use super::{note, say};
 use crate::cli::DiagnoseArgs;
+use crate::desk::Desk;
 use crate::next::Advice;
 use crate::report::diagnosis::{patch, words};
 use crate::report::logs::findings;
@@ -37,7 +38,8 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     if let Some(line) = asked.about().words() {
         say(line)?;
     }
-    say(words(&answer.found))?;
+    let desk = asked.desk();
+    say(words(&answer.found, desk.as_ref().map(Desk::compensation)))?;
     closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice)).try_for_each(say)
 }
 

@@ -61,9 +61,14 @@ impl Asked {
         let found = diagnose::diagnose(&self.belief, &self.recordings, options);
         let mended = (found.verdict != Verdict::InsufficientData).then_some(&found.mended.model);
         let looped = ClosedLoop::measure(&self.logs, &self.tables, &self.belief, mended);
-        let desk = self.logs.last().and_then(|log| Desk::that_flew(log, &self.tables));
-        let advice = advise(&found, &Recording::together(self.recordings.iter().cloned()), desk, &self.belief);
+        let together = Recording::together(self.recordings.iter().cloned());
+        let advice = advise(&found, &together, self.desk(), &self.belief);
         Answer { found, looped, advice }
+    }
+
+    /// The controller that flew the last log, as far as it is known.
+    pub(super) fn desk(&self) -> Option<Desk> {
+        self.logs.last().and_then(|log| Desk::that_flew(log, &self.tables))
     }
 
     /// The document that `diagnose --json` writes.

@@ -10,6 +10,8 @@ use plant::{Effects, Stage};
 
 /// Effects that no flight tells apart by duty and position.
 const TWINS: [&str; 2] = ["transport_delay", "sensor_delay"];
+/// Effects before and behind the rotor that look alike in duty and position, nearly or quite.
+const TOLD_BY_SPEED: [[&str; 2]; 2] = [TWINS, ["fan_lag", "sensor_lag"]];
 /// Rivals that are looked at, at most; every pair of them is flown against each other.
 const MOST: usize = 3;
 
@@ -19,6 +21,21 @@ pub(super) fn of(found: &Diagnosis) -> Vec<Rival> {
     let winner = (named.candidate.entry.name, found.mended.model.clone());
     let others = named.indistinguishable_from.iter().copied().zip(named.rivals.iter().cloned());
     std::iter::once(winner).chain(others.take(MOST - 1)).collect()
+}
+
+/// Which effects the recorded speed of the fan has told from their like, a sentence each.
+pub(super) fn what_was_settled(found: &Diagnosis, recording: &Recording) -> Vec<String> {
+    let named = found.effects.iter().filter(|_| recording.has_fan_speed());
+    let settled = named.filter_map(|named| {
+        let name = named.candidate.entry.name;
+        let pair = TOLD_BY_SPEED.iter().find(|pair| pair.contains(&name))?;
+        let twin = pair.iter().find(|twin| **twin != name)?;
+        let open = named.indistinguishable_from.contains(twin);
+        (!open).then(|| {
+            format!("{name} and {twin} look alike in duty and position; the recorded `fan_rpm` tells that it is {name}")
+        })
+    });
+    settled.collect()
 }
 
 /// Whether this rival is a twin of one that comes before it.

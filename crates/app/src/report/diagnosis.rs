@@ -3,6 +3,8 @@
 use crate::closed_loop::ClosedLoop;
 use crate::next::{Advice, Next};
 use crate::report::logs::{Logs, sentences};
+use crate::report::mend;
+use control::compensation::Compensation;
 use diagnose::{Band, Change, Closed, Diagnosis, Free, Gap, Named, Place, Verdict};
 use plant::{Model, Stage};
 use serde::Serialize;
@@ -235,9 +237,9 @@ pub fn patch(found: &Diagnosis) -> String {
     patch
 }
 
-/// The verdict in a sentence, then a line for each thing that was found.
+/// The verdict in a sentence, then a line for each thing that was found. `compensation`: what was on in flight.
 #[must_use]
-pub fn words(found: &Diagnosis) -> String {
+pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     let mut words = match found.verdict {
         Verdict::NoGap => "No gap: the model forecasts this record as well as noise allows.".to_owned(),
         Verdict::Parameters => {
@@ -264,7 +266,8 @@ pub fn words(found: &Diagnosis) -> String {
         if !named.indistinguishable_from.is_empty() {
             let _ = write!(words, "   (cannot be told from {})", named.indistinguishable_from.join(", "));
         }
-        let _ = write!(words, "\n{:22} in a log: {}\n{:22} mend: {}", "", entry.in_a_log, "", entry.mend);
+        let mend = mend::words(&entry, &found.mended.model, compensation);
+        let _ = write!(words, "\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "");
     }
     for place in regions(found).iter().take(3) {
         let _ = write!(

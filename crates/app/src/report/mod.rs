@@ -6,6 +6,7 @@ pub mod closed_loop;
 pub mod diagnosis;
 pub mod gap;
 pub mod logs;
+pub mod mend;
 pub mod next;
 pub mod plot;
 pub mod steps;

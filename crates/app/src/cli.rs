@@ -126,6 +126,12 @@ pub struct DiagnoseArgs {
     /// Write the experiment to fly next, for --experiment; none is written where none is called for
     #[arg(long, value_name = "FILE")]
     pub next_out: Option<PathBuf>,
+    /// Draw free runs as believed and mended, and the missing force over time, duty, height and speed (SVG)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Write the force that the believed effects leave unexplained, reading by reading with its standard deviation (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub missing_force: Option<PathBuf>,
     /// Write the diagnosis as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,

@@ -13,6 +13,10 @@
 //! first. Each stretch uses its real length and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
+mod back;
+
+pub(crate) use back::{Back, Smoothed, smoothed};
+
 use crate::likelihood::{Reading, Surprise};
 use crate::recording::Sample;
 use nalgebra::{SMatrix, SVector};
@@ -51,6 +55,8 @@ pub(crate) struct Cursor<'a> {
     /// The next row whose duty has not been written yet.
     next_write: usize,
     wild_run: u32,
+    /// What the way back needs; `None`: nobody goes back.
+    back: Option<Back>,
 }
 
 /// How a step of a certain length moves doubt: Φ and Q.
@@ -106,6 +112,7 @@ impl<'a> Cursor<'a> {
             time_s: time_s.min(0.0),
             next_write: 0,
             wild_run: 0,
+            back: None,
         };
         cursor.go_to(time_s, steps);
         cursor.covariance = covariance;
@@ -142,6 +149,9 @@ impl<'a> Cursor<'a> {
 
     /// Takes a reading as far as it is no wild one: a wild one moves nothing.
     pub(crate) fn take(&mut self, reading: Reading) -> Surprise {
+        if let Some(back) = &mut self.back {
+            back.arrive(self.state, self.covariance);
+        }
         let (expected, variance) = self.expect();
         let surprise = self.foresee(reading);
         let (weight, pull) =
@@ -225,6 +235,9 @@ impl<'a> Cursor<'a> {
             let transition = derivative(self.model, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
         });
+        if let Some(back) = &mut self.back {
+            back.go(&transition);
+        }
         self.state = vector(&next);
         self.covariance = transition * self.covariance * transition.transpose() + noise;
     }
@@ -292,18 +305,17 @@ fn vector(motion: &Motion) -> State {
     ])
 }
 
+/// Which states this model remembers; the others follow from them or from the command.
+const fn remembered(model: &Model) -> [bool; STATES] {
+    let effects = &model.effects;
+    let lags = effects.fan_lag.is_some() || effects.spin_asymmetry.is_some();
+    [true, true, lags, effects.turbulence.is_some(), effects.sensor_lag.is_some()]
+}
+
 /// ∂flow/∂x at `motion` by differences, for the states that this model remembers.
 fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
-    let effects = &model.effects;
-    let remembered = [
-        true,
-        true,
-        effects.fan_lag.is_some() || effects.spin_asymmetry.is_some(),
-        effects.turbulence.is_some(),
-        effects.sensor_lag.is_some(),
-    ];
     let mut transition = Square::zeros();
-    for (i, _) in remembered.iter().enumerate().filter(|(_, remembered)| **remembered) {
+    for (i, _) in remembered(model).iter().enumerate().filter(|(_, remembered)| **remembered) {
         let nudged = |by: f64| {
             let mut nudged = *motion;
             match i {

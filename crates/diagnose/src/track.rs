@@ -1,12 +1,13 @@
 //! A model's filter along a whole recording, and forecasts from any of its readings.
 
 use crate::arrival::Refresh;
-use crate::cursor::{Cursor, Steps};
+use crate::cursor::{Back, Cursor, Smoothed, Steps, smoothed};
 use crate::grid::{Grid, OFF_GRID};
 use crate::likelihood::{Reading, Surprise, log_sum};
 use crate::recording::{Recording, duration_s};
 use crate::rotor;
 use plant::Model;
+use std::ops::Range;
 
 /// A model's filter along a recording: where it is after each reading.
 #[derive(Debug)]
@@ -33,8 +34,14 @@ pub struct Forecast {
 }
 
 /// Runs the filter of `model` over `recording` and shows it after each reading: the row, how the reading was seen coming,
-/// and the filter, unless the model says that the sensor only repeated itself. Each flight begins with a new filter.
-fn along<'a>(model: &'a Model, recording: &'a Recording, mut show: impl FnMut(usize, Surprise, Option<&Cursor<'a>>)) {
+/// and the filter, unless the model says that the sensor only repeated itself. Each flight begins with a new filter. With `back`, the
+/// filter remembers its way.
+fn along<'a>(
+    model: &'a Model,
+    recording: &'a Recording,
+    back: Option<Back>,
+    mut show: impl FnMut(usize, Surprise, Option<&Cursor<'a>>),
+) {
     let mut steps = Steps::of(model);
     let mut filter: Option<Cursor<'a>> = None;
     let mut flight = 0..0;
@@ -48,7 +55,7 @@ fn along<'a>(model: &'a Model, recording: &'a Recording, mut show: impl FnMut(us
         let Some(reading) = sample.position_mm else { continue };
         let (rows, at) = (&recording.samples()[flight.clone()], row - flight.start);
         let first = filter.is_none();
-        let cursor = filter.get_or_insert_with(|| Cursor::new(model, rows, at, reading, &mut steps));
+        let cursor = filter.get_or_insert_with(|| Cursor::new(model, rows, at, reading, &mut steps).remembering(back));
         cursor.go_to_row(at, &mut steps);
         let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
         let seen = Reading { row, position_mm: reading, outliers, coarse };
@@ -95,12 +102,32 @@ fn arrival(
 /// Every reading but the first, which has nothing to be compared with, as the model saw it coming; then every speed of the fan.
 pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
     let mut all = Vec::with_capacity(recording.samples().len());
-    along(model, recording, |_, surprise, _| all.push(surprise));
+    along(model, recording, None, |_, surprise, _| all.push(surprise));
     if !all.is_empty() {
         all.remove(0);
     }
     all.extend(rotor::surprises(model, recording));
     all
+}
+
+/// What the whole flight, before and after it, says of each reading's moment: the row and the states.
+pub(crate) fn hindsight(model: &Model, recording: &Recording) -> Vec<(usize, Smoothed)> {
+    let (mut rows, mut legs) = (Vec::new(), Vec::new());
+    along(model, recording, Some(Back::default()), |row, _, cursor| {
+        if let Some(leg) = cursor.and_then(Cursor::leg) {
+            rows.push(row);
+            legs.push(leg);
+        }
+    });
+    let flights = recording.flights().iter();
+    let of = |flight: &Range<usize>| {
+        rows.partition_point(|row| *row < flight.start)..rows.partition_point(|row| *row < flight.end)
+    };
+    let known = flights.flat_map(|flight| {
+        let own = of(flight);
+        rows[own.clone()].iter().copied().zip(smoothed(model, &legs[own])).collect::<Vec<_>>()
+    });
+    known.collect()
 }
 
 impl<'a> Track<'a> {
@@ -109,7 +136,7 @@ impl<'a> Track<'a> {
     pub fn new(model: &'a Model, recording: &'a Recording) -> Self {
         let (mut estimates, mut surprises) = (Vec::new(), Vec::new());
         let mut new = vec![false; recording.samples().len()];
-        along(model, recording, |row, surprise, cursor| {
+        along(model, recording, None, |row, surprise, cursor| {
             let Some(cursor) = cursor else { return };
             new[row] = true;
             if !estimates.is_empty() {

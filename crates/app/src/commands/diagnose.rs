@@ -1,21 +1,25 @@
 //! `airball diagnose`: what separates the logs of a rig from a model.
 
-use super::diagnosing::Asked;
+use super::diagnosing::{Answer, Asked};
 use super::{note, say};
 use crate::cli::DiagnoseArgs;
 use crate::desk::Desk;
 use crate::next::Advice;
-use crate::report::diagnosis::{patch, words};
+use crate::report::diagnosis::{patch, regions, words};
 use crate::report::logs::findings;
-use crate::report::{closed_loop, next};
+use crate::report::{closed_loop, missing_force, next, plot};
+use ::diagnose::Picture;
 use anyhow::{Result, anyhow};
 use std::path::Path;
 
 /// Diagnoses logs and says what was found.
 ///
 /// # Errors
-/// A config that is not sound, a log that cannot be read, a patch or an experiment that cannot be written.
+/// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
+    if let Some(picture) = &args.plot {
+        plot::may_write(picture)?;
+    }
     let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.patch)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {
@@ -29,6 +33,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     if let Some(path) = &args.next_out {
         write_next(path, &answer.advice)?;
     }
+    draw(args, &asked, &answer)?;
     if args.json {
         return say(asked.document(&answer)?);
     }
@@ -41,6 +46,22 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     let desk = asked.desk();
     say(words(&answer.found, desk.as_ref().map(Desk::compensation)))?;
     closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice)).try_for_each(say)
+}
+
+/// Draws what was found and writes the missing force, where that is asked for.
+fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
+    if args.plot.is_none() && args.missing_force.is_none() {
+        return Ok(());
+    }
+    let picture = Picture::of(&answer.found, &asked.belief, &asked.recordings);
+    if let Some(path) = &args.missing_force {
+        missing_force::write(path, &picture.missing)?;
+    }
+    if let Some(path) = &args.plot {
+        let title = format!("{}: free runs, and the force that the belief lacks", asked.names.join(", "));
+        plot::diagnosis(path, &title, &picture, &regions(&answer.found))?;
+    }
+    Ok(())
 }
 
 /// Writes the next experiment; where none is called for, a file that could not be flown is not written.

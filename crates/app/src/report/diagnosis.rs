@@ -208,7 +208,9 @@ fn stages(found: &Diagnosis) -> Vec<StageEntry> {
     all.filter(|entry| entry.share > 0.0).collect()
 }
 
-fn regions(found: &Diagnosis) -> Vec<Place> {
+/// The places where the refitted belief is significantly wrong, the most significant first.
+#[must_use]
+pub fn regions(found: &Diagnosis) -> Vec<Place> {
     found.places.iter().filter(|place| place.p_value < 0.05).take(MOST_PLACES).cloned().collect()
 }
 

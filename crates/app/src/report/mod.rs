@@ -7,6 +7,7 @@ pub mod diagnosis;
 pub mod gap;
 pub mod logs;
 pub mod mend;
+pub mod missing_force;
 pub mod next;
 pub mod plot;
 pub mod steps;

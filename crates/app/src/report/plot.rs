@@ -1,4 +1,8 @@
-//! Pictures: the signal path over time, position above duty, as SVG.
+//! Pictures as SVG: the signal path over time, position above duty; and what a [`diagnosis`](fn@diagnosis) found.
+
+mod diagnosis;
+
+pub use diagnosis::diagnosis;
 
 use crate::log::record::Cycle;
 use diagnose::{FreeRun, Recording};
@@ -11,6 +15,9 @@ const SETPOINT: RGBColor = RGBColor(0x88, 0x88, 0x88);
 const RECORDED: RGBColor = RGBColor(0x1f, 0x77, 0xb4);
 const NOMINAL: RGBColor = RGBColor(0xd6, 0x27, 0x28);
 const DUTY: RGBColor = RGBColor(0x2c, 0x7a, 0x2c);
+const MENDED: RGBColor = RGBColor(0x2c, 0xa0, 0x2c);
+const FORCE: RGBColor = RGBColor(0x7b, 0x3f, 0xa0);
+const SHADE: RGBColor = RGBColor(0xff, 0xb3, 0x47);
 
 /// Size of a picture, pixels, and the part of its height that shows the position.
 const SIZE: (u32, u32) = (1100, 620);
@@ -58,8 +65,21 @@ pub fn may_write(path: &Path) -> Result<(), PlotError> {
 struct Line {
     label: &'static str,
     colour: RGBColor,
-    /// Time in s and value. NaN breaks the line.
+    /// Abscissa, usually the time in s, and value. NaN breaks the line.
     points: Vec<(f64, f64)>,
+}
+
+/// One of the diagrams of a picture.
+#[derive(Clone, Copy, Default)]
+struct Panel<'a> {
+    title: &'a str,
+    abscissa: &'a str,
+    ordinate: &'a str,
+    lines: &'a [Line],
+    /// Outline of a band about the first line.
+    band: &'a [(f64, f64)],
+    /// Stretches of the abscissa to be pointed out.
+    shaded: &'a [(f64, f64)],
 }
 
 /// Draws a flight: setpoint, position and duty.
@@ -81,18 +101,26 @@ pub fn flight(path: &Path, title: &str, cycles: &[Cycle]) -> Result<(), PlotErro
 /// [`PlotError`] names the file.
 pub fn replay(path: &Path, title: &str, recording: &Recording, runs: &[FreeRun]) -> Result<(), PlotError> {
     let samples = recording.samples();
-    let recorded = samples.iter().filter_map(|s| Some((s.time_s, s.position_mm?))).collect();
-    let mut forecast = Vec::new();
-    for run in runs {
-        forecast.extend(run.forecasts.iter().map(|f| (samples[f.row].time_s, f.position_mm)));
-        forecast.push((f64::NAN, f64::NAN));
-    }
-    let position = [
-        Line { label: "recorded", colour: RECORDED, points: recorded },
-        Line { label: "model, free from every 10 s", colour: NOMINAL, points: forecast },
-    ];
+    let forecast = forecasts("model, free from every 10 s", NOMINAL, recording, runs);
+    let position = [recorded(recording), forecast];
     let duty = samples.iter().map(|s| (s.time_s, s.duty_percent)).collect();
     draw(path, title, &position, &Line { label: "duty", colour: DUTY, points: duty })
+}
+
+fn recorded(recording: &Recording) -> Line {
+    let points = recording.samples().iter().filter_map(|s| Some((s.time_s, s.position_mm?))).collect();
+    Line { label: "recorded", colour: RECORDED, points }
+}
+
+/// Free runs as one line, broken between them.
+fn forecasts(label: &'static str, colour: RGBColor, recording: &Recording, runs: &[FreeRun]) -> Line {
+    let samples = recording.samples();
+    let mut points = Vec::new();
+    for run in runs {
+        points.extend(run.forecasts.iter().map(|f| (samples[f.row].time_s, f.position_mm)));
+        points.push((f64::NAN, f64::NAN));
+    }
+    Line { label, colour, points }
 }
 
 fn draw(path: &Path, title: &str, position: &[Line], duty: &Line) -> Result<(), PlotError> {
@@ -101,27 +129,44 @@ fn draw(path: &Path, title: &str, position: &[Line], duty: &Line) -> Result<(), 
         let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         area.fill(&WHITE).map_err(failed)?;
         let (upper, lower) = area.split_vertically(f64::from(SIZE.1) * POSITION_SHARE);
-        panel(&upper, title, "position, mm", position)?;
-        panel(&lower, "", "duty, %", std::slice::from_ref(duty))?;
+        let over_time = Panel { abscissa: "time, s", ..Panel::default() };
+        panel(&upper, Panel { title, ordinate: "position, mm", lines: position, ..over_time })?;
+        panel(&lower, Panel { ordinate: "duty, %", lines: std::slice::from_ref(duty), ..over_time })?;
         area.present().map_err(failed)?;
     }
+    write(path, &svg)
+}
+
+fn write(path: &Path, svg: &str) -> Result<(), PlotError> {
     may_write(path)?;
     std::fs::write(path, svg).map_err(|source| PlotError::Write { path: path.to_owned(), source })
 }
 
-fn panel(area: &DrawingArea<SVGBackend<'_>, Shift>, title: &str, axis: &str, lines: &[Line]) -> Result<(), PlotError> {
-    let points = || lines.iter().flat_map(|line| &line.points).filter(|(t, y)| t.is_finite() && y.is_finite());
-    let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1))?);
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+fn panel(area: &Area<'_>, panel: Panel<'_>) -> Result<(), PlotError> {
+    let points =
+        || panel.lines.iter().flat_map(|line| &line.points).chain(panel.band).filter(|(t, y)| is_there(*t, *y));
+    let (times, values) = (range(points().map(|p| p.0))?, padded(range(points().map(|p| p.1))?));
     let mut chart = ChartBuilder::on(area);
     chart.margin(12).x_label_area_size(38).y_label_area_size(58);
-    if !title.is_empty() {
-        chart.caption(title, ("sans-serif", 18));
+    if !panel.title.is_empty() {
+        chart.caption(panel.title, ("sans-serif", 18));
     }
-    let mut chart = chart.build_cartesian_2d(times.0..times.1, padded(values)).map_err(failed)?;
-    chart.configure_mesh().x_desc("time, s").y_desc(axis).light_line_style(WHITE).draw().map_err(failed)?;
-    for line in lines {
+    let mut chart = chart.build_cartesian_2d(times.0..times.1, values.clone()).map_err(failed)?;
+    let shade = |&(from, to): &(f64, f64)| {
+        Rectangle::new([(from.max(times.0), values.start), (to.min(times.1), values.end)], SHADE.mix(0.25).filled())
+    };
+    chart.draw_series(panel.shaded.iter().map(shade)).map_err(failed)?;
+    let mut mesh = chart.configure_mesh();
+    mesh.x_desc(panel.abscissa).y_desc(panel.ordinate).light_line_style(WHITE.mix(0.0)).draw().map_err(failed)?;
+    if let Some(line) = panel.lines.first().filter(|_| !panel.band.is_empty()) {
+        let outline = Polygon::new(panel.band.to_vec(), line.colour.mix(0.25).filled());
+        chart.draw_series([outline]).map_err(failed)?;
+    }
+    for line in panel.lines {
         let colour = line.colour;
-        for piece in line.points.split(|(t, y)| !t.is_finite() || !y.is_finite()) {
+        for piece in line.points.split(|(t, y)| !is_there(*t, *y)) {
             chart.draw_series(LineSeries::new(thinned(piece), colour.stroke_width(2))).map_err(failed)?;
         }
         // The label belongs to a series of its own: a line may be in several pieces.
@@ -130,13 +175,13 @@ fn panel(area: &DrawingArea<SVGBackend<'_>, Shift>, title: &str, axis: &str, lin
             .label(line.label)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerRight)
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(0xcc, 0xcc, 0xcc))
-        .draw()
-        .map_err(failed)
+    let mut labels = chart.configure_series_labels();
+    labels.position(SeriesLabelPosition::LowerRight).background_style(WHITE.mix(0.85));
+    labels.border_style(RGBColor(0xcc, 0xcc, 0xcc)).draw().map_err(failed)
+}
+
+fn is_there(t: f64, y: f64) -> bool {
+    t.is_finite() && y.is_finite()
 }
 
 /// A line with at most about [`MOST_POINTS`] points: the lowest and the highest of each stretch, so that no peak is lost.

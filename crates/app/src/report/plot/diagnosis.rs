@@ -1,0 +1,120 @@
+//! The picture of a diagnosis: free runs before and after the mend, and the missing force over time, duty, height and speed.
+//!
+//! Over duty, height and speed the force is shown as its mean and scatter in places with equally many readings each. The places
+//! where the belief is significantly wrong are shaded; that significance comes from the innovations, never from this force.
+
+use super::{
+    Area, FORCE, Line, MENDED, MOST_POINTS, NOMINAL, Panel, PlotError, SVGBackend, WHITE, failed, forecasts, panel,
+    recorded, write,
+};
+use diagnose::{MissingForce, Picture, Place};
+use plotters::prelude::IntoDrawingArea;
+use std::path::Path;
+
+/// Size of the picture, pixels, and where its rows of diagrams end.
+const SIZE: (u32, u32) = (1100, 940);
+const ROWS: [i32; 2] = [380, 640];
+/// Places over which the force is averaged, and fewest readings in one.
+const PLACES: usize = 24;
+const FEWEST: usize = 5;
+const UNIT: &str = "missing force, mm/s²";
+
+/// Draws what a diagnosis found; `places` are those to be shaded.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn diagnosis(path: &Path, title: &str, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        area.fill(&WHITE).map_err(failed)?;
+        let (upper, rest) = area.split_vertically(ROWS[0]);
+        runs(&upper, title, picture)?;
+        if !picture.missing.is_empty() {
+            let (middle, lower) = rest.split_vertically(ROWS[1] - ROWS[0]);
+            over_time(&middle, &picture.missing, &shaded(places, "time_s"))?;
+            let thirds = lower.split_evenly((1, 3));
+            for (third, (signal, abscissa, of)) in thirds.iter().zip(SIGNALS) {
+                over(third, abscissa, &picture.missing, of, &shaded(places, signal))?;
+            }
+        }
+        area.present().map_err(failed)?;
+    }
+    write(path, &svg)
+}
+
+type Of = fn(&MissingForce) -> f64;
+const SIGNALS: [(&str, &str, Of); 3] = [
+    ("duty_percent", "duty, %", |moment| moment.duty_percent),
+    ("position_mm", "height, mm", |moment| moment.position_mm),
+    ("velocity_mm_per_s", "speed, mm/s", |moment| moment.velocity_mm_per_s),
+];
+
+fn shaded(places: &[Place], signal: &str) -> Vec<(f64, f64)> {
+    places.iter().filter(|place| place.signal == signal).map(|place| (place.from, place.to)).collect()
+}
+
+fn runs(area: &Area<'_>, title: &str, picture: &Picture) -> Result<(), PlotError> {
+    let lines = [
+        recorded(&picture.recording),
+        forecasts("as believed, free from every 10 s", NOMINAL, &picture.recording, &picture.nominal),
+        forecasts("mended, fitted without those stretches", MENDED, &picture.recording, &picture.mended),
+    ];
+    panel(area, Panel { title, abscissa: "time, s", ordinate: "position, mm", lines: &lines, ..Panel::default() })
+}
+
+fn over_time(area: &Area<'_>, missing: &[MissingForce], shaded: &[(f64, f64)]) -> Result<(), PlotError> {
+    let every = missing.len().div_ceil(MOST_POINTS).max(1);
+    let kept = || missing.iter().step_by(every);
+    let side = |sign: f64| move |m: &MissingForce| (m.time_s, m.force_mm_per_s2 + sign * m.sigma_mm_per_s2);
+    let band: Vec<_> = kept().map(side(1.0)).chain(kept().rev().map(side(-1.0))).collect();
+    let points = kept().map(|m| (m.time_s, m.force_mm_per_s2)).collect();
+    let line = Line { label: "missing force ± 1σ", colour: FORCE, points };
+    panel(area, Panel { abscissa: "time, s", ordinate: UNIT, lines: &[line], band: &band, shaded, ..Panel::default() })
+}
+
+fn over(
+    area: &Area<'_>,
+    abscissa: &str,
+    missing: &[MissingForce],
+    of: Of,
+    shaded: &[(f64, f64)],
+) -> Result<(), PlotError> {
+    let means = means(missing.iter().map(|moment| (of(moment), moment.force_mm_per_s2)).collect());
+    let low = means.iter().rev().map(|(at, mean, scatter)| (*at, mean - scatter));
+    let band: Vec<_> = means.iter().map(|(at, mean, scatter)| (*at, mean + scatter)).chain(low).collect();
+    let points = means.iter().map(|(at, mean, _)| (*at, *mean)).collect();
+    let line = Line { label: "mean ± scatter", colour: FORCE, points };
+    panel(area, Panel { abscissa, ordinate: UNIT, lines: &[line], band: &band, shaded, ..Panel::default() })
+}
+
+/// Middle of each place, and mean and standard deviation of the force there.
+fn means(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let places = points.chunks(points.len().div_ceil(PLACES).max(FEWEST));
+    let mean =
+        |place: &[(f64, f64)], of: &dyn Fn(&(f64, f64)) -> f64| place.iter().map(of).sum::<f64>() / place.len() as f64;
+    places
+        .map(|place| {
+            let (at, force) = (mean(place, &|point| point.0), mean(place, &|point| point.1));
+            (at, force, mean(place, &|point| (point.1 - force).powi(2)).sqrt())
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::means;
+
+    #[test]
+    fn the_mean_of_a_place_is_that_of_its_readings_in_the_order_of_the_abscissa() {
+        // 240 readings in 24 places of 10: force 2·x, so that each mean is twice the middle and the scatter that of ten steps.
+        let points = (0..240).rev().map(|k| (f64::from(k), 2.0 * f64::from(k))).collect();
+        let found = means(points);
+        assert_eq!(found.len(), 24);
+        for (k, (at, force, scatter)) in (0..).zip(found) {
+            assert!((at - (10.0 * f64::from(k) + 4.5)).abs() < 1e-9 && (force - 2.0 * at).abs() < 1e-9);
+            assert!((scatter - 2.0 * (99.0_f64 / 12.0).sqrt()).abs() < 1e-9, "{scatter}");
+        }
+    }
+}

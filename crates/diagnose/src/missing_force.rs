@@ -3,7 +3,7 @@
 //! ```text
 //! ÿ = model + f        df = √q·dW        a free force that remembers all and wanders by √q in a second
 //! f̂(t), σ(t)           from all readings, before and after t: the smoother of `cursor::back`
-//! q                    where the readings are most likely, with as much of the white noise of the air as that leaves
+//! q                    where the readings are most likely
 //! ```
 //!
 //! For pictures and shapes. It says nothing of chance: in closed loop the duty follows whatever is missing, so that a force
@@ -24,8 +24,6 @@ const FORGETS_S: f64 = 1e4;
 const ORDERS: std::ops::RangeInclusive<i32> = -3..=9;
 /// Steps of the second look, about the best order.
 const FINER: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
-/// What may be left of the fitted white noise, which had to stand in for the missing force.
-const LEFT_OF_AIR: [f64; 4] = [1.0, 0.3, 0.1, 0.01];
 
 /// The missing force at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -44,7 +42,8 @@ pub struct MissingForce {
     pub sigma_mm_per_s2: f64,
 }
 
-/// The force that `model` lacks on `recording`, at each reading in free flight.
+/// The force that `model` lacks on `recording`, at each reading in free flight. Its white noise is believed: noise that was fitted
+/// to a record has grown by what is missing.
 #[must_use]
 pub fn missing_force(model: &Model, recording: &Recording) -> Vec<MissingForce> {
     let folds = Folds::new(model, recording);
@@ -74,28 +73,25 @@ pub fn missing_force(model: &Model, recording: &Recording) -> Vec<MissingForce> 
 /// The model with a free force of the most likely intensity.
 fn with_likely_force(model: &Model, recording: &Recording, folds: &Folds) -> Model {
     let scale = model.noise.sensor_mm.max(recording.resolution_mm()).powi(2);
-    let intensity = |order: f64| scale * 10_f64.powf(order);
     let likelihood = |free: &Model| -> f64 {
         surprises(free, recording).iter().filter(|s| folds.counts(s.row)).map(|s| s.log_density).sum()
     };
-    let best = |tried: Vec<(f64, f64)>| {
-        let rated = tried.into_par_iter().map(|(order, left)| {
-            let free = with_force(model, intensity(order), left);
-            (likelihood(&free), order, left, free)
+    let best = |orders: Vec<f64>| {
+        let rated = orders.into_par_iter().map(|order| {
+            let free = with_force(model, scale * 10_f64.powf(order));
+            (likelihood(&free), order, free)
         });
         // In the order of the list where two are equal, whichever thread was first.
         rated.collect::<Vec<_>>().into_iter().reduce(|best, next| if next.0 > best.0 { next } else { best })
     };
-    let all = ORDERS.flat_map(|order| LEFT_OF_AIR.map(|left| (f64::from(order), left)));
-    let Some((likely, order, left, free)) = best(all.collect()) else { return model.clone() };
-    let finer = best(FINER.map(|by| (order + by, left)).to_vec());
-    finer.filter(|finer| finer.0 > likely).map_or(free, |finer| finer.3)
+    let Some((likely, order, free)) = best(ORDERS.map(f64::from).collect()) else { return model.clone() };
+    let finer = best(FINER.map(|by| order + by).to_vec());
+    finer.filter(|finer| finer.0 > likely).map_or(free, |finer| finer.2)
 }
 
-/// The model with a free force of `intensity` mm²/s⁵ and so much of its white noise left.
-fn with_force(model: &Model, intensity: f64, left_of_air: f64) -> Model {
+/// The model with a free force of `intensity` mm²/s⁵.
+fn with_force(model: &Model, intensity: f64) -> Model {
     let mut free = model.clone();
-    free.noise.acceleration_psd_mm2_per_s3 *= left_of_air;
     let sigma_mm_per_s2 = (0.5 * intensity * FORGETS_S).sqrt();
     free.effects.turbulence = Some(Turbulence { sigma_mm_per_s2, correlation_s: FORGETS_S });
     free

@@ -12,7 +12,7 @@ use crate::recording::Recording;
 use plant::Model;
 use rayon::prelude::*;
 
-/// Series to draw. Rows of the runs are rows of the recording that is here.
+/// Series to draw. The noise of the air is the least that was believed or found, so that what is missing does not hide in it. Rows of the runs are rows of the recording that is here.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// The rows that the diagnosis worked on.
@@ -41,7 +41,12 @@ impl Picture {
         mended.sort_by_key(|run| run.row);
         let mut nominal = free_runs(belief, &recording);
         nominal.retain(|run| folds.counts(run.row));
-        let missing = missing_force(&found.refitted.model, &recording);
+        let mut lacking = found.refitted.model.clone();
+        for model in [belief, &found.mended.model] {
+            let noise = &mut lacking.noise.acceleration_psd_mm2_per_s3;
+            *noise = noise.min(model.noise.acceleration_psd_mm2_per_s3);
+        }
+        let missing = missing_force(&lacking, &recording);
         Self { recording, nominal, mended, missing }
     }
 }

@@ -77,7 +77,7 @@ fn the_sigma_of_a_force_on_a_free_mass_is_that_of_the_wiener_smoother() {
     for intensity in [50.0, 2000.0, 80_000.0] {
         let cut_per_s = f64::powf(intensity / (2.5 * 2.5 * PERIOD_S), 1.0 / 6.0);
         let exact = (intensity / (3.0 * cut_per_s)).sqrt();
-        let (_, middle) = hindsight(&with_force(&mass, intensity, 1.0), &recording)[1500];
+        let (_, middle) = hindsight(&with_force(&mass, intensity), &recording)[1500];
         assert!((middle.air_mm_per_s2.1 / exact - 1.0).abs() < 0.02, "{:?}, exact {exact}", middle.air_mm_per_s2);
     }
 }
@@ -97,4 +97,19 @@ fn the_force_is_dated_by_the_moment_that_a_late_reading_shows() {
     let found = missing_force(&late, &recording);
     let last_s = recording.samples()[2999].time_s;
     assert!((found[found.len() - 1].time_s - (last_s - 0.1)).abs() < 1e-9);
+}
+
+#[test]
+fn what_a_dead_zone_swallows_is_missing() {
+    let mut stuck = rig();
+    stuck.effects.dead_zone = Some(plant::effects::DeadZone { lower_percent: -0.3, upper_percent: 0.3 });
+    let found = missing_force(&rig(), &record(&stuck, 4, |_| 0.0));
+    // Where the duty asks for more than the zone is wide, 0.3 % of it are swallowed: 76 mm/s² against it.
+    let mean = |side: f64| {
+        let beyond: Vec<_> = found.iter().filter(|m| side * (m.duty_percent - 21.4) > 0.4).collect();
+        beyond.iter().map(|m| m.force_mm_per_s2).sum::<f64>() / beyond.len() as f64
+    };
+    for side in [-1.0, 1.0] {
+        assert!((-90.0..-40.0).contains(&(side * mean(side))), "{} mm/s²", mean(side));
+    }
 }

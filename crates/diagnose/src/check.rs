@@ -19,6 +19,8 @@ const STILL_PERCENT: f64 = 0.1;
 
 /// A hover beyond this cannot be met by duties that are fractions.
 const FRACTION_OF_HOVER: f64 = 2.0;
+/// A gain that is off by more than this, either way, is that of another rig or unit.
+const OTHER_GAIN: f64 = 5.0;
 /// Share of readings outside the pipe that makes it another pipe.
 const ELSEWHERE: f64 = 0.1;
 
@@ -98,6 +100,14 @@ pub enum Finding {
     Thinned {
         /// How many rows became one.
         merged: usize,
+    },
+    /// The record and the belief do not go together.
+    #[error(
+        "the record fits a gain that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales          of [import] and plant.gain_mm_per_s2_per_percent"
+    )]
+    OtherRig {
+        /// Fitted gain by believed gain.
+        ratio: f64,
     },
     /// The same reading again and again.
     #[error(
@@ -189,6 +199,12 @@ pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &M
         Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,
         _ => false,
     })
+}
+
+/// What is to be said of a model that was mended with so much other a gain that it is no longer the believed rig.
+pub(crate) fn other_rig(belief: &Model, mended: &Model) -> Option<Finding> {
+    let ratio = mended.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent;
+    (ratio.max(ratio.recip()) > OTHER_GAIN).then_some(Finding::OtherRig { ratio })
 }
 
 /// The recording without the readings that are codes of the sensor; `None` if it has none of them.

@@ -7,6 +7,7 @@
 //! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
 //! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
+use crate::check::{Finding, other_rig};
 use crate::closed::Closed;
 use crate::explain::{DOUBT, Explanation, Named, explain};
 use crate::fit::{Fit, Problem};
@@ -84,18 +85,25 @@ pub struct Options {
 /// Compares `belief` with a recording, or with several of one rig, and says what separates them.
 #[must_use]
 pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
-    let Prepared { findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
+    let Prepared { mut findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
     let recording = recording.as_ref();
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, &options.without);
     let refitted = search.refitted();
     let readings = recording.samples().iter().enumerate();
     let readings = readings.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
-    let answers = readings >= ENOUGH_READINGS && can_answer;
-    let found = if answers { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
+    let mut answers = readings >= ENOUGH_READINGS && can_answer;
+    let mut found = if answers { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
+    let confident = !found.effects.is_empty() && !found.leaves_something();
+    if let Some(finding) = other_rig(belief, &found.fit.model).filter(|_| confident) {
+        // An effect that needs another rig around it is not what this rig lacks.
+        findings.extend((0..recordings.as_ref().len()).map(|flight| Noted { flight, finding }));
+        answers = false;
+        found = Explanation::nothing(&search, &refitted);
+    }
     let stretches = held_out(&search, belief, [&refitted, &found.fit]);
     let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
-    let closed = Closed::of(&stretches[0], &stretches[2]);
+    let closed = Closed::of(&stretches[0], &stretches[2]).filter(|_| answers);
     let verdict = if !answers {
         Verdict::InsufficientData
     } else if found.leaves_something() {
@@ -163,7 +171,41 @@ impl Diagnosis {
 mod tests {
     use super::{Options, Verdict, diagnose};
     use crate::tests_support::{model, record};
+    use crate::{Finding, Recording, Sample};
     use plant::{Effects, Model};
+
+    /// A flight of a rig that sticks, which the belief does not, every row spoilt by its number.
+    fn spoilt(spoil: impl Fn(usize, &mut Sample)) -> super::Diagnosis {
+        let zone = plant::effects::DeadZone { lower_percent: -0.4, upper_percent: 0.4 };
+        let rig = Model { effects: Effects { dead_zone: Some(zone), ..model().effects }, ..model() };
+        let mut rows = record(&rig, 6, 60).samples().to_vec();
+        rows.iter_mut().enumerate().for_each(|(k, row)| spoil(k, row));
+        diagnose(&model(), &Recording::new(rows).unwrap(), &Options::default())
+    }
+
+    #[test]
+    fn a_record_that_cannot_be_of_the_believed_rig_names_no_effect() {
+        let scaled = |by: f64| move |_, row: &mut Sample| row.position_mm = row.position_mm.map(|mm| by * mm);
+        for (what, found) in [
+            ("whole", spoilt(|_, _| {})),
+            ("in centimetres", spoilt(scaled(0.1))),
+            ("in metres", spoilt(scaled(0.001))),
+            ("in tenths of a millimetre", spoilt(scaled(10.0))),
+            ("still", spoilt(|_, row| row.position_mm = Some(300.0))),
+            ("without excitation", spoilt(|_, row| row.duty_percent = 21.4)),
+            ("of duties as fractions", spoilt(|_, row| row.duty_percent /= 100.0)),
+            ("of codes", spoilt(|_, row| row.position_mm = Some(8190.0))),
+        ] {
+            if what == "whole" {
+                assert_eq!((found.verdict, found.effects[0].candidate.entry.name), (Verdict::Effect, "dead_zone"));
+                continue;
+            }
+            assert_eq!(found.verdict, Verdict::InsufficientData, "{what}: {:?}", found.effects);
+            assert!(found.effects.is_empty(), "{what}");
+        }
+        let found = spoilt(scaled(0.1));
+        assert!(found.findings.iter().any(|f| matches!(f, Finding::OtherRig { .. })), "{:?}", found.findings);
+    }
 
     #[test]
     fn a_rig_as_believed_has_no_gap() {

@@ -15,3 +15,4 @@ pub mod next;
 pub mod pilot;
 pub mod report;
 pub mod rig;
+pub mod upstream;

@@ -7,7 +7,7 @@
 //! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
 //! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
-use crate::check::{Finding, other_rig};
+use crate::check::other_rig;
 use crate::closed::Closed;
 use crate::explain::{DOUBT, Explanation, Named, explain};
 use crate::fit::{Fit, Problem};

@@ -4,6 +4,7 @@
 //! forecasts, beside what noise alone would give. Works on the recorded duty and the real time stamps, and
 //! does no file or network access.
 
+mod apart;
 mod arrival;
 pub mod blind;
 mod changed;
@@ -38,6 +39,7 @@ mod which;
 #[cfg(test)]
 mod tests_support;
 
+pub use apart::nats_apart;
 pub use check::{Finding, check};
 pub use closed::Closed;
 pub use diagnosis::{Diagnosis, Options, Verdict, diagnose};

@@ -1,6 +1,6 @@
 //! `airball diagnose`: what separates the logs of a rig from a model.
 
-use super::diagnosing::{Answer, Asked};
+use super::diagnosing::{Answer, Asked, STEPS};
 use super::{note, say};
 use crate::cli::DiagnoseArgs;
 use crate::desk::Desk;
@@ -10,7 +10,12 @@ use crate::report::logs::findings;
 use crate::report::{closed_loop, missing_force, next, plot};
 use ::diagnose::Picture;
 use anyhow::{Result, anyhow};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
+use std::time::Duration;
+
+/// From one turn of the bar's spinner to the next.
+const TICK: Duration = Duration::from_millis(120);
 
 /// Diagnoses logs and says what was found.
 ///
@@ -26,7 +31,12 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
             note(format_args!("{name}: {lost}"));
         }
     }
-    let answer = asked.diagnose(&diagnose::Options::default());
+    let bar = bar()?;
+    let answer = asked.diagnose(&::diagnose::Options::default(), &|step| {
+        bar.set_message(step);
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
     if let Some(path) = &args.patch_out {
         write("patch", path, &patch(&answer.found))?;
     }
@@ -37,15 +47,27 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     if args.json {
         return say(asked.document(&answer)?);
     }
-    for (name, finding) in findings(&answer.found, &asked.about()) {
+    let about = asked.about(&answer);
+    for (name, finding) in findings(&answer.found, &about) {
         note(format_args!("{name}: {finding}"));
     }
-    if let Some(line) = asked.about().words() {
+    if let Some(line) = about.words() {
         say(line)?;
+    }
+    for (name, stage) in about.upstream() {
+        note(format_args!("{name}: {}: {}", stage.name, stage.finding));
     }
     let desk = asked.desk();
     say(words(&answer.found, desk.as_ref().map(Desk::compensation)))?;
     closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice)).try_for_each(say)
+}
+
+/// A bar of the diagnosis' steps on standard error, if that is a terminal.
+fn bar() -> Result<ProgressBar> {
+    let bar = ProgressBar::new(STEPS.len() as u64);
+    bar.set_style(ProgressStyle::with_template("{spinner} {pos}/{len} {wide_msg} {elapsed}")?);
+    bar.enable_steady_tick(TICK);
+    Ok(bar)
 }
 
 /// Draws what was found and writes the missing force, where that is asked for.

@@ -7,10 +7,15 @@ use crate::log::reader::{self, LoadedLog};
 use crate::next::{Advice, advise};
 use crate::report::diagnosis::DiagnosisDocument;
 use crate::report::logs::Logs;
+use crate::upstream::{Upstream, upstream};
 use anyhow::{Result, bail};
 use diagnose::{Diagnosis, Options, Recording, Verdict};
 use plant::Model;
 use std::path::{Path, PathBuf};
+
+/// The steps of a diagnosis, in words.
+pub(super) const STEPS: [&str; 3] =
+    ["searching for what is missing", "flying the loop again", "choosing the next experiment"];
 
 /// Logs and the belief about the rig that wrote them.
 pub(super) struct Asked {
@@ -33,6 +38,8 @@ pub(super) struct Answer {
     pub(super) looped: ClosedLoop,
     /// What to fly next.
     pub(super) advice: Advice,
+    /// Where the loop did otherwise than its config says, before the duty reaches the fan; and in which log.
+    pub(super) upstream: Vec<(usize, Upstream)>,
 }
 
 impl Asked {
@@ -52,18 +59,25 @@ impl Asked {
     }
 
     /// What is said of the logs themselves.
-    pub(super) fn about(&self) -> Logs<'_> {
-        Logs { names: &self.names, duration_s: self.recordings.iter().map(Recording::duration_s).sum() }
+    pub(super) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
+        let duration_s = self.recordings.iter().map(Recording::duration_s).sum();
+        Logs { names: &self.names, duration_s, upstream: &answer.upstream }
     }
 
-    /// Diagnoses the logs.
-    pub(super) fn diagnose(&self, options: &Options) -> Answer {
+    /// Diagnoses the logs, and says to `progress` which of its [`STEPS`] begins.
+    pub(super) fn diagnose(&self, options: &Options, progress: &dyn Fn(&'static str)) -> Answer {
+        let [search, fly, choose] = STEPS;
+        progress(search);
         let found = diagnose::diagnose(&self.belief, &self.recordings, options);
         let mended = (found.verdict != Verdict::InsufficientData).then_some(&found.mended.model);
+        progress(fly);
         let looped = ClosedLoop::measure(&self.logs, &self.tables, &self.belief, mended);
+        progress(choose);
         let together = Recording::together(self.recordings.iter().cloned());
         let advice = advise(&found, &together, self.desk(), &self.belief);
-        Answer { found, looped, advice }
+        let of_log = |(number, log)| upstream(log, &found.mended.model).into_iter().map(move |stage| (number, stage));
+        let upstream = self.logs.iter().enumerate().flat_map(of_log).collect();
+        Answer { found, looped, advice, upstream }
     }
 
     /// The controller that flew the last log, as far as it is known.
@@ -73,8 +87,9 @@ impl Asked {
 
     /// The document that `diagnose --json` writes.
     pub(super) fn document(&self, answer: &Answer) -> Result<String> {
-        let Answer { found, looped, advice } = answer;
-        Ok(serde_json::to_string(&DiagnosisDocument::of(found, &self.belief, looped, advice, &self.about()))?)
+        let Answer { found, looped, advice, .. } = answer;
+        let about = self.about(answer);
+        Ok(serde_json::to_string(&DiagnosisDocument::of(found, &self.belief, looped, advice, &about))?)
     }
 }
 

@@ -4,9 +4,10 @@ use crate::closed_loop::ClosedLoop;
 use crate::next::{Advice, Next};
 use crate::report::logs::{Logs, sentences};
 use crate::report::mend;
+use crate::report::stages::{StageEntry, stages};
 use control::compensation::Compensation;
 use diagnose::{Band, Change, Closed, Diagnosis, Free, Gap, Named, Place, Verdict};
-use plant::{Model, Stage};
+use plant::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -74,12 +75,6 @@ struct WhereEntry {
 }
 
 #[derive(Debug, Serialize)]
-struct StageEntry {
-    name: &'static str,
-    share: f64,
-}
-
-#[derive(Debug, Serialize)]
 struct CheckEntry {
     logs: usize,
     duration_s: f64,
@@ -87,7 +82,8 @@ struct CheckEntry {
 }
 
 impl DiagnosisDocument {
-    /// The document of a diagnosis of a rig that was believed to be `belief`, with its closed loop and what to fly next.
+    /// The document of a diagnosis of a rig that was believed to be `belief`, with its closed loop, what to fly next, and the stages
+    /// before the plant.
     #[must_use]
     pub fn of(found: &Diagnosis, belief: &Model, closed_loop: &ClosedLoop, advice: &Advice, logs: &Logs<'_>) -> Self {
         let half = found.half_intervals();
@@ -98,7 +94,7 @@ impl DiagnosisDocument {
             parameters: parameters(found, belief, &half),
             gap: gap(found, *closed_loop),
             r#where: WhereEntry {
-                stage: stages(found),
+                stage: stages(found, logs),
                 regions: regions(found),
                 frequency_hz: found.band.filter(|_| found.verdict != Verdict::NoGap),
             },
@@ -194,18 +190,6 @@ fn gap(found: &Diagnosis, closed_loop: ClosedLoop) -> GapEntry {
         closed_loop,
         closed: found.closed,
     }
-}
-
-/// Each stage's share of the likelihood gained by the effects that were found.
-fn stages(found: &Diagnosis) -> Vec<StageEntry> {
-    let total: f64 = found.effects.iter().map(|named| named.candidate.gain).sum();
-    let names = [(Stage::Actuator, "actuator"), (Stage::Air, "air"), (Stage::Ball, "ball"), (Stage::Sensor, "sensor")];
-    let share = |stage| {
-        let own = found.effects.iter().filter(|named| named.candidate.entry.stage == stage);
-        own.map(|named| named.candidate.gain).sum::<f64>() / total
-    };
-    let all = names.iter().map(|(stage, name)| StageEntry { name, share: share(*stage) });
-    all.filter(|entry| entry.share > 0.0).collect()
 }
 
 /// The places where the refitted belief is significantly wrong, the most significant first.

@@ -10,5 +10,6 @@ pub mod mend;
 pub mod missing_force;
 pub mod next;
 pub mod plot;
+mod stages;
 pub mod steps;
 pub mod summary;

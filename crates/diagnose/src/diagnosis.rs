@@ -202,7 +202,7 @@ mod tests {
             }
             assert_eq!(found.verdict, Verdict::InsufficientData, "{what}: {:?}", found.effects);
             assert!(found.effects.is_empty(), "{what}");
-            let other_rig = found.findings.iter().any(|finding| matches!(finding, Finding::OtherRig { .. }));
+            let other_rig = found.findings.iter().any(|noted| matches!(noted.finding, Finding::OtherRig { .. }));
             assert_eq!(other_rig, what == "in centimetres", "{what}: {:?}", found.findings);
         }
     }

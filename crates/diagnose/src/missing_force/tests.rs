@@ -24,7 +24,7 @@ fn record(rig: &Model, seed: u64, mut force: impl FnMut(f64) -> f64) -> Recordin
         let target = if time_s % 6.0 < 3.0 { 350.0 } else { 250.0 };
         let duty_percent = rig.hover_duty_percent + 0.01 * (target - reading) - 0.001 * velocity;
         simulator.drive(duty_percent + force(time_s) / rig.gain_mm_per_s2_per_percent);
-        Sample { time_s, setpoint_mm: None, control_percent: None, duty_percent, position_mm: Some(reading) }
+        Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
     });
     Recording::new(rows.collect()).unwrap()
 }

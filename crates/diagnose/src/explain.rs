@@ -3,7 +3,7 @@
 use crate::fit::Fit;
 use crate::free::COARSE;
 use crate::look::DISTORT;
-use crate::residue::Residue;
+use crate::residue::{LONG, Residue};
 use crate::which::{CONTAINS, Candidate, Search, Tried};
 use plant::Model;
 
@@ -98,8 +98,10 @@ pub(crate) fn explain(search: &Search<'_>, refitted: &Fit) -> Explanation {
 fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds): (Vec<Named>, _) = (Vec::new(), Vec::new());
+    // What so small a misfit gains on a long record needs more than chance would: nobody's form is exact.
+    let long = (search.problem.recording.samples().len() as f64 / LONG).max(1.0).sqrt();
     while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_ROUNDS {
-        let (named, tried) = next_effect(search, &fit, needed_beside(&effects));
+        let (named, tried) = next_effect(search, &fit, long * needed_beside(&effects));
         rounds.push(tried);
         let Some(named) = named else { break };
         fit = named.candidate.fit.clone();

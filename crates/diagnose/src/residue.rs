@@ -21,7 +21,7 @@ use crate::spectrum::periodogram;
 use plant::Model;
 use serde::Serialize;
 
-/// Statistics of what is left over. Each is large where something is.
+/// Statistics of what is left over. Each is large where something is; of a long record each is what 6000 readings like it would show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Residue {
     /// Portmanteau over half a second, deviations.
@@ -63,6 +63,8 @@ const NEAR_STOP_MM: f64 = 10.0;
 const FORGET_STOP_S: f64 = 0.5;
 /// One part in so many of the readings must be left to judge.
 const LEFT_TO_JUDGE: usize = 5;
+/// No model is quite right, and with readings enough any is found wrong: a misfit that so many readings do not show is no gap.
+pub(crate) const LONG: f64 = 6000.0;
 /// Lags of the portmanteau, seconds.
 const LAGS_S: f64 = 0.5;
 
@@ -95,15 +97,16 @@ impl Residue {
         let spots = spots(&rows);
         let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
         let (air, air_ratio) = air(problem, fit);
+        let long = (LONG / rows.len().max(1) as f64).min(1.0);
         Self {
-            colour: colour(&e, lags(&rows)),
-            line: line(&periodogram(&rows)),
-            clumps: clumps(&rows),
-            energy: largest(&rows, &spots, |row| row.pull * row.pull),
-            mean: largest(&rows, &spots, |row| row.pull),
-            regressed: regressed(&rows, &spots, problem.folds),
+            colour: long * colour(&e, lags(&rows)),
+            line: long * line(&periodogram(&rows)),
+            clumps: long.sqrt() * clumps(&rows),
+            energy: long * largest(&rows, &spots, |row| row.pull * row.pull),
+            mean: long * largest(&rows, &spots, |row| row.pull),
+            regressed: long * regressed(&rows, &spots, problem.folds),
             coarse: fit.model.effects.sensor_quantisation.is_some(),
-            air,
+            air: long.sqrt() * air,
             air_ratio,
         }
     }

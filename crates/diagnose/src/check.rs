@@ -95,10 +95,10 @@ pub enum Finding {
     /// A log among several that says nothing.
     #[error("this log is left out of the diagnosis, and the others are used without it")]
     LeftOut,
-    /// The search worked on fewer rows.
-    #[error("a fast clock: {merged} rows each were taken as one for the diagnosis, the duty as their mean")]
+    /// The diagnosis worked on fewer readings.
+    #[error("a fast clock: the diagnosis used every duty, and one reading in {merged}")]
     Thinned {
-        /// How many rows became one.
+        /// One reading in so many was used.
         merged: usize,
     },
     /// The record and the belief do not go together.

@@ -2,9 +2,7 @@
 //!
 //! ```text
 //! state x = (y, v, A, w, s)                         see `plant::Motion`
-//! x ← motion(x, command), P ← Φ·P·Φᵀ + Q            Φ = ∂motion/∂x by central differences
-//! Q = PSD·dt/6 · ( g₀·g₀ᵀ + 4·g·gᵀ + g₁·g₁ᵀ )       white acceleration over a step: Simpson's rule of Φ(s)·e_v
-//!     g₀ = e_v, g₁ = Φ·e_v, g = (g₀ + g₁)/2         and δ² of turbulence on w
+//! x ← motion(x, command), P ← Φ·P·Φᵀ + Q            Φ and Q: see `doubt`
 //! reading = y, or s behind a sensor's lag
 //! ```
 //!
@@ -14,11 +12,14 @@
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
 mod back;
+mod doubt;
 
 pub(crate) use back::{Back, Smoothed, smoothed};
+pub(crate) use doubt::Steps;
+use doubt::{derivative, process_noise, remembered, vector};
 
 use crate::likelihood::{Reading, Surprise};
-use crate::recording::Sample;
+use crate::recording::{Sample, duration_s};
 use nalgebra::{SMatrix, SVector};
 use plant::{Actuator, Model, Motion};
 
@@ -28,12 +29,10 @@ type Square = SMatrix<f64, STATES, STATES>;
 
 /// Longest integration step, seconds: RK4 is exact to 1e-6 of a rig's motion there.
 const MAX_STEP_S: f64 = 0.02;
-/// Steps of the differences, each small beside a flight and large beside rounding.
-const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3];
 /// Before the first reading nothing is known of the velocity but that a ball in a pipe stays below 2 m/s.
 pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
-/// Lengths of steps that are remembered: a clock of whole milliseconds has few.
-const STEPS_KNOWN: usize = 16;
+/// Duties that follow each other faster than this are flown as their mean, seconds.
+const CHATTER_S: f64 = 0.005;
 /// Below this speed friction is smoothed, whatever the filter knows.
 const SLOWEST_MM_PER_S: f64 = 1.0;
 /// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
@@ -55,46 +54,18 @@ pub(crate) struct Cursor<'a> {
     /// The next row whose duty has not been written yet.
     next_write: usize,
     wild_run: u32,
+    /// Whether duties are written faster than a ball follows.
+    chatters: bool,
     /// What the way back needs; `None`: nobody goes back.
     back: Option<Back>,
 }
 
-/// How a step of a certain length moves doubt: Φ and Q.
-type Doubt = (Square, Square);
-
-/// The last steps' Φ and Q by their length: where the model is linear, steps of one length share them.
-#[derive(Debug)]
-pub(crate) struct Steps {
-    linear: bool,
-    known: Vec<(f64, Doubt)>,
-    next: usize,
-}
-
-impl Steps {
-    /// Steps of `model`.
-    pub(crate) fn of(model: &Model) -> Self {
-        let effects = &model.effects;
-        let bent =
-            effects.quadratic_drag.is_some() || effects.wall_friction.is_some() || effects.spin_asymmetry.is_some();
-        Self { linear: !bent, known: Vec::new(), next: 0 }
-    }
-
-    fn doubt(&mut self, dt: f64, compute: impl FnOnce() -> Doubt) -> Doubt {
-        if !self.linear {
-            return compute();
-        }
-        if let Some((_, doubt)) = self.known.iter().find(|(known, _)| *known == dt) {
-            return *doubt;
-        }
-        let doubt = compute();
-        if self.known.len() < STEPS_KNOWN {
-            self.known.push((dt, doubt));
-        } else {
-            self.known[self.next] = (dt, doubt);
-            self.next = (self.next + 1) % STEPS_KNOWN;
-        }
-        doubt
-    }
+/// Duties on their way to be flown as their mean.
+struct Chatter {
+    /// Up to when they are summed, seconds since the start of the record.
+    until_s: f64,
+    /// ∫ command dt since the filter's own time, mm/s.
+    impulse: f64,
 }
 
 impl<'a> Cursor<'a> {
@@ -112,6 +83,7 @@ impl<'a> Cursor<'a> {
             time_s: time_s.min(0.0),
             next_write: 0,
             wild_run: 0,
+            chatters: duration_s(samples) < CHATTER_S * samples.len() as f64,
             back: None,
         };
         cursor.go_to(time_s, steps);
@@ -175,10 +147,11 @@ impl<'a> Cursor<'a> {
     /// Flies on to `time_s`, through every duty that is written and every jump of the command on the way.
     fn go_to(&mut self, time_s: f64, steps: &mut Steps) {
         let start_s = self.samples.first().map_or(0.0, |first| first.time_s);
+        let mut chatter = Chatter { until_s: self.time_s, impulse: 0.0 };
         while self.time_s < time_s || self.next_write == 0 {
             let written = self.samples.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
             let write_s = written.map_or(f64::INFINITY, |(at_s, _)| at_s);
-            if write_s <= self.time_s {
+            if write_s <= chatter.until_s {
                 self.actuator.write(self.model, write_s.max(0.0), written.map_or(0.0, |(_, duty)| duty));
                 self.next_write += 1;
                 continue;
@@ -186,8 +159,27 @@ impl<'a> Cursor<'a> {
             if self.time_s >= time_s {
                 break;
             }
-            let jump_s = self.actuator.next_jump_s(self.time_s).unwrap_or(f64::INFINITY);
-            self.fly_to(time_s.min(write_s).min(jump_s), steps);
+            let jump_s = self.actuator.next_jump_s(chatter.until_s).unwrap_or(f64::INFINITY);
+            let next_s = time_s.min(write_s).min(jump_s);
+            if self.chatters {
+                self.fly_on(&mut chatter, next_s, next_s >= time_s, steps);
+            } else {
+                self.fly_to(next_s, steps);
+                chatter.until_s = next_s;
+            }
+        }
+    }
+
+    /// Where duties are written faster than a ball follows, it flies by their mean command: each is in `chatter` until the mean is flown.
+    fn fly_on(&mut self, chatter: &mut Chatter, next_s: f64, last: bool, known: &mut Steps) {
+        let middle_s = 0.5 * (chatter.until_s + next_s);
+        chatter.impulse += self.actuator.commanded(self.model, middle_s.max(0.0)) * (next_s - chatter.until_s);
+        chatter.until_s = next_s;
+        let dt = next_s - self.time_s;
+        if dt > 0.0 && (last || dt >= MAX_STEP_S) {
+            self.step(chatter.impulse / dt, dt, known);
+            self.time_s = next_s;
+            chatter.impulse = 0.0;
         }
     }
 
@@ -279,55 +271,4 @@ fn reading_variance(model: &Model) -> f64 {
     let believed = model.noise.sensor_mm;
     let sigma = model.effects.sensor_noise.map_or(believed, |noise| noise.total_mm(believed));
     sigma.powi(2).max(1e-9)
-}
-
-/// The covariance that the air gathers over a step with this `transition`.
-fn process_noise(model: &Model, transition: &Square, dt: f64) -> Square {
-    let first = State::from([0.0, 1.0, 0.0, 0.0, 0.0]);
-    let last = transition * first;
-    let middle = (first + last) / 2.0;
-    let outer = |g: State| g * g.transpose();
-    let white = model.noise.acceleration_psd_mm2_per_s3 * dt / 6.0;
-    let mut noise = (outer(first) + 4.0 * outer(middle) + outer(last)) * white;
-    if let Some(turbulence) = model.effects.turbulence {
-        noise[(3, 3)] += turbulence.kick(dt).powi(2);
-    }
-    noise
-}
-
-fn vector(motion: &Motion) -> State {
-    State::from([
-        motion.position_mm,
-        motion.velocity_mm_per_s,
-        motion.fan_mm_per_s2,
-        motion.turbulence_mm_per_s2,
-        motion.sensed_mm,
-    ])
-}
-
-/// Which states this model remembers; the others follow from them or from the command.
-const fn remembered(model: &Model) -> [bool; STATES] {
-    let effects = &model.effects;
-    let lags = effects.fan_lag.is_some() || effects.spin_asymmetry.is_some();
-    [true, true, lags, effects.turbulence.is_some(), effects.sensor_lag.is_some()]
-}
-
-/// ∂flow/∂x at `motion` by differences, for the states that this model remembers.
-fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
-    let mut transition = Square::zeros();
-    for (i, _) in remembered(model).iter().enumerate().filter(|(_, remembered)| **remembered) {
-        let nudged = |by: f64| {
-            let mut nudged = *motion;
-            match i {
-                0 => nudged.position_mm += by,
-                1 => nudged.velocity_mm_per_s += by,
-                2 => nudged.fan_mm_per_s2 += by,
-                3 => nudged.turbulence_mm_per_s2 += by,
-                _ => nudged.sensed_mm += by,
-            }
-            vector(&flow(&nudged))
-        };
-        transition.set_column(i, &((nudged(NUDGE[i]) - nudged(-NUDGE[i])) / (2.0 * NUDGE[i])));
-    }
-    transition
 }

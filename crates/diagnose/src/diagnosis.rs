@@ -158,10 +158,15 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 impl Diagnosis {
     /// The 90 % intervals of the numbers that the mended model moved: what was moved, and half of the interval in its own scale. None of
     /// a number that the record does not determine, nor of a step of duty, where each valley is a grid of its own.
+    /// They are wider than the likelihood's own, which takes the form of an effect for exact; the base parameters suffer less from that.
     #[must_use]
     pub fn half_intervals(&self) -> Vec<(Free, f64)> {
-        let deviations = self.mended.deviations().into_iter().map(|deviation| DOUBT.sqrt() * deviation);
-        let moved = self.mended.free.iter().copied().zip(deviations).chain(self.read_off.iter().copied());
+        let wider = |(free, deviation): (Free, f64)| {
+            let of_effect = matches!(free, Free::Effect { .. });
+            (free, deviation * if of_effect { DOUBT.sqrt() } else { DOUBT.sqrt().sqrt() })
+        };
+        let moved = self.mended.free.iter().copied().zip(self.mended.deviations()).map(wider);
+        let moved = moved.chain(self.read_off.iter().copied());
         let known = moved.filter(|(free, deviation)| deviation.is_finite() && !free.is_of("duty_quantisation"));
         known.map(|(free, deviation)| (free, OF_90_PERCENT * deviation)).collect()
     }

@@ -99,7 +99,7 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds): (Vec<Named>, _) = (Vec::new(), Vec::new());
     // What so small a misfit gains on a long record needs more than chance would: nobody's form is exact.
-    let long = (search.problem.recording.samples().len() as f64 / LONG).max(1.0).sqrt();
+    let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
     while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_ROUNDS {
         let (named, tried) = next_effect(search, &fit, long * needed_beside(&effects));
         rounds.push(tried);

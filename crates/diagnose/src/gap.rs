@@ -10,7 +10,7 @@
 //! A model that is right has E = F at every horizon. In closed loop too: forecasts use the duty as recorded,
 //! and only the noise after reading k can separate them from the readings.
 
-use crate::recording::{Recording, duration_s};
+use crate::recording::{Recording, reading_period_s};
 use crate::track::{Forecast, Track};
 use plant::Model;
 use serde::Serialize;
@@ -167,7 +167,7 @@ fn horizons(
         let Some(group) = group(row) else { continue };
         // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
         let flight = &samples[recording.flight_of(row)];
-        let half_period_s = duration_s(flight) / flight.len() as f64 / 2.0;
+        let half_period_s = reading_period_s(flight) / 2.0;
         let mut errors = [Errors::default(); 3];
         let mut horizon = 0;
         for forecast in track.forecasts(from) {

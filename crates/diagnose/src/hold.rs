@@ -27,7 +27,7 @@ pub(crate) struct Hold {
 /// The hold that the readings show, if they repeat themselves regularly.
 pub(crate) fn hold(recording: &Recording) -> Option<Hold> {
     let rows = recording.samples();
-    let period_s = recording.duration_s() / rows.len().max(1) as f64;
+    let period_s = recording.duration_s() / recording.readings().max(1) as f64;
     let mut gaps = Vec::new();
     let mut last: Option<(f64, f64)> = None;
     for (time_s, reading) in rows.iter().filter_map(|row| Some((row.time_s, row.position_mm?))) {

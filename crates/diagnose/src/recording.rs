@@ -185,6 +185,12 @@ impl Recording {
         self.samples.iter().any(|sample| sample.position2_mm.is_some())
     }
 
+    /// How many rows hold a reading.
+    #[must_use]
+    pub fn readings(&self) -> usize {
+        self.samples.iter().filter(|sample| sample.position_mm.is_some()).count()
+    }
+
     /// The smallest step between two readings in a row, mm.
     #[must_use]
     pub const fn resolution_mm(&self) -> f64 {
@@ -203,6 +209,11 @@ impl AsRef<[Self]> for Recording {
     fn as_ref(&self) -> &[Self] {
         std::slice::from_ref(self)
     }
+}
+
+/// Mean time from one reading of a flight to the next, seconds.
+pub(crate) fn reading_period_s(rows: &[Sample]) -> f64 {
+    duration_s(rows) / rows.iter().filter(|row| row.position_mm.is_some()).count().max(1) as f64
 }
 
 /// From the first row of a flight to its last, seconds.

@@ -1,7 +1,7 @@
 //! Recordings of a fast clock, thinned to what a rig of this kind can show.
 //!
-//! Rows are merged: the reading of the first is kept, and the duty is the mean over the time that each was in force. A ball in a pipe, or an
-//! arm, does not follow what happens within a hundredth of a second; what the merging leaves out is a delay of a fraction of that.
+//! Every duty is kept, since what a fan makes of a duty that chatters is not what it makes of its mean; of the readings, those that are a
+//! hundredth of a second apart. A ball in a pipe, or an arm, does not show more than that.
 
 use crate::recording::{Recording, Sample};
 
@@ -13,7 +13,7 @@ const ENOUGH_HZ: f64 = 100.0;
 const FEWER_HZ: f64 = 50.0;
 const VERY_MANY_ROWS: f64 = 400_000.0;
 
-/// How many rows become one, and the thinned flight, one of `all`; `None` where it is used as it is.
+/// Which of how many readings is kept, and the thinned flight, one of `all`; `None` where it is used as it is.
 pub(crate) fn thinned(flight: &Recording, all: &[Recording]) -> Option<(usize, Recording)> {
     let samples = flight.samples();
     let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
@@ -25,20 +25,13 @@ pub(crate) fn thinned(flight: &Recording, all: &[Recording]) -> Option<(usize, R
     if all_rows < MANY_ROWS || merged < 2 {
         return None;
     }
-    let rows = samples.chunks(merged).map(|rows| merge(rows, samples)).collect();
-    Recording::new(rows).ok().map(|recording| (merged, recording))
+    let rows = samples.iter().enumerate().map(|(k, row)| if k.is_multiple_of(merged) { *row } else { unread(row) });
+    Recording::new(rows.collect()).ok().map(|recording| (merged, recording))
 }
 
-fn merge(rows: &[Sample], all: &[Sample]) -> Sample {
-    let first = rows[0];
-    // Each duty is in force until the next row, which may be the first of the next chunk.
-    let last_step_s = all.get(1).map_or(1.0, |second| second.time_s - all[0].time_s);
-    let ends = rows.iter().skip(1).map(|row| row.time_s).chain(rows.last().map(|row| row.time_s + last_step_s));
-    let (sum, span) = rows.iter().zip(ends).fold((0.0, 0.0), |(sum, span), (row, end_s)| {
-        let held_s = end_s - row.time_s;
-        (sum + held_s * row.duty_percent, span + held_s)
-    });
-    Sample { duty_percent: if span > 0.0 { sum / span } else { first.duty_percent }, ..first }
+/// A row without what was measured in it.
+fn unread(row: &Sample) -> Sample {
+    Sample { position_mm: None, position2_mm: None, fan_rpm: None, ..*row }
 }
 
 #[cfg(test)]
@@ -48,18 +41,17 @@ mod tests {
     use crate::{Recording, Sample};
 
     #[test]
-    fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_readings_and_mean_duty() {
+    fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_every_duty_and_some_readings() {
         let slow = record(&model(), 1, 20);
         assert!(thinned(&slow, slow.as_ref()).is_none());
         let row = slow.samples()[0];
         let fast = (0..40_000).map(|k| Sample { time_s: 0.001 * f64::from(k), duty_percent: f64::from(k % 10), ..row });
         let fast = Recording::new(fast.map(|s| Sample { position_mm: Some(s.time_s), ..s }).collect()).unwrap();
         let (merged, thin) = thinned(&fast, fast.as_ref()).unwrap();
-        assert_eq!((merged, thin.samples().len()), (10, 4000));
-        for (k, sample) in thin.samples().iter().enumerate() {
-            assert!(
-                (sample.duty_percent - 4.5).abs() < 1e-9 && sample.position_mm == fast.samples()[10 * k].position_mm
-            );
+        assert_eq!((merged, thin.samples().len(), thin.readings()), (10, 40_000, 4000));
+        for (k, (sample, full)) in thin.samples().iter().zip(fast.samples()).enumerate() {
+            assert_eq!(sample.duty_percent, full.duty_percent);
+            assert_eq!(sample.position_mm, full.position_mm.filter(|_| k % 10 == 0));
         }
     }
 }

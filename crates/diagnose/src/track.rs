@@ -4,7 +4,7 @@ use crate::arrival::Refresh;
 use crate::cursor::{Back, Cursor, Smoothed, Steps, smoothed};
 use crate::grid::{Grid, OFF_GRID};
 use crate::likelihood::{Reading, Surprise, log_sum};
-use crate::recording::{Recording, duration_s};
+use crate::recording::{Recording, reading_period_s};
 use crate::rotor;
 use plant::Model;
 use std::ops::Range;
@@ -61,7 +61,7 @@ fn along<'a>(
         let seen = Reading { row, position_mm: reading, outliers, coarse };
         let off_grid = if grid.is_some() && coarse.is_none() { OFF_GRID } else { 0.0 };
         if first {
-            refresh = Refresh::of(model, duration_s(rows) / rows.len() as f64, sample.time_s, reading);
+            refresh = Refresh::of(model, reading_period_s(rows), sample.time_s, reading);
             show(row, cursor.take(seen), Some(cursor));
             continue;
         }

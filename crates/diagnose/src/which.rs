@@ -219,7 +219,7 @@ impl<'a> Search<'a> {
     /// A force that forgets itself within a few readings is white noise.
     fn is_coloured(&self, candidate: &Candidate) -> bool {
         let recording = self.problem.recording;
-        let few_s = FORGETS * recording.duration_s() / recording.samples().len().max(1) as f64;
+        let few_s = FORGETS * recording.duration_s() / recording.readings().max(1) as f64;
         candidate.fit.model.effects.turbulence.is_none_or(|air| air.correlation_s > few_s.min(FORGETS_S))
             || self.problem.belief.effects.turbulence.is_some()
     }

@@ -1,17 +1,23 @@
 //! Control law of the ball-in-pipe rig, in the order of the signal path:
-//! [`waveform`] → [`pid`] → [`compensation`] → duty, and position → [`kalman`] / [`filter`] → estimate.
+//! [`waveform`] → [`feed_forward`] → [`controller`] → [`compensation`] → duty, and position → [`filter`] / [`observer`] →
+//! estimate. [`regulator`] joins what lies between a reading and a control value.
 //!
 //! `no_std`, no allocation. Nothing here reads a clock, a bus or a file: samples and times come in,
 //! commands go out. Mathematics comes from `libm` only, so that every target computes the same bits.
 #![no_std]
 
+#[cfg(test)]
+extern crate std;
+
 pub mod check;
 pub mod compensation;
 pub mod filter;
 pub mod kalman;
+mod limits;
 pub mod pid;
 mod units;
 pub mod waveform;
 
 pub use check::OutOfRange;
+pub use limits::Limits;
 pub use units::{Duty, Millimetres};

@@ -9,6 +9,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod believed;
 pub mod check;
 pub mod compensation;
 pub mod filter;

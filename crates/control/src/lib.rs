@@ -15,6 +15,7 @@ pub mod compensation;
 pub mod filter;
 pub mod kalman;
 mod limits;
+pub mod observer;
 pub mod pid;
 mod units;
 pub mod waveform;

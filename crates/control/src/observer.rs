@@ -1,0 +1,254 @@
+//! The observer: a Kalman filter of the believed plant along the control value, over irregular samples.
+//!
+//! ```text
+//! predict over t      Φ, Γ of `believed.rs`       Q: v gains q·(1 − e^(−2at))/(2a), x·v q·A₁²/2, x·x q·A₁²·t/3, d q_d·t
+//! update              test ratio ν²/(gate²·S): under 0.5 as expected, to 1.0 worth a look, above 1.0 an outlier, not taken
+//! steady state        x̂ ← x̂ + L·ν with the L to which K converges at the nominal period
+//! ```
+//!
+//! The steady-state filter costs a tenth and is right while readings come on time; the time-varying one knows how old its
+//! estimate is. Without a reading both only predict. Outliers in a row are no outliers: then the filter starts from the reading.
+//! x·x neglects a quarter of a·t, and the share of the wandering hover in x and v over one step is left out.
+//! Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
+
+use crate::believed::{Believed, State, Transition};
+use crate::check::{OutOfRange, within};
+use crate::kalman::Kalman;
+use libm::{exp, fabs};
+use nalgebra::{RowSVector, SMatrix, matrix, vector};
+
+/// What is measured: the position.
+const POSITION: RowSVector<f64, 4> = matrix![1.0, 0.0, 0.0, 0.0];
+/// The velocity of a ball that was just seen first: 1 sigma, mm/s.
+const FIRST_VELOCITY_MM_PER_S: f64 = 300.0;
+/// So many seconds of wandering may lie behind a hover that was never looked at.
+const FIRST_WANDERING_S: f64 = 100.0;
+/// Readings that are refused in a row before the estimate is.
+const REFUSALS: u32 = 10;
+/// A steady-state filter takes steps that differ by less than this share of its period for one period.
+const ON_TIME: f64 = 0.1;
+/// Steps at most until the gain is steady.
+const LONGEST: u32 = 50_000;
+
+/// How the gain of the observer is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Gain {
+    /// Once, for readings at the loop's period.
+    #[default]
+    SteadyState,
+    /// At every step, for the time that has passed.
+    TimeVarying,
+}
+
+/// What the observer believes. It never changes in flight; see [`Estimator`] for what does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Observer {
+    /// The plant. With `fan_lag_s` the fan is a third state.
+    pub believed: Believed,
+    /// Standard deviation of one reading, mm.
+    pub sensor_mm: f64,
+    /// q: white acceleration, the variance of the velocity grows by this per second, mm²/s³.
+    pub acceleration_psd_mm2_per_s3: f64,
+    /// q_d: hover wanders, its variance grows by this per second, (control value)²/s. Absent: hover is known.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub disturbance_psd_per_s: Option<f64>,
+    /// Readings further from what was expected than so many sigma are outliers. `inf` takes all.
+    pub gate_sigma: f64,
+    /// How the gain is found.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub gain: Gain,
+}
+
+/// What is known of the plant's state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Position, mm.
+    pub position_mm: f64,
+    /// Velocity, mm/s, upward.
+    pub velocity_mm_per_s: f64,
+    /// What the fan gives, control value.
+    pub fan: f64,
+    /// What hover lacks, control value: it acts as if added to the fan's.
+    pub disturbance: f64,
+}
+
+/// What a reading said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surprise {
+    /// Reading minus expectation, mm.
+    pub innovation_mm: f64,
+    /// Its square over that of the gate: up to 0.5 as expected, up to 1.0 worth a look, above refused.
+    pub test_ratio: f64,
+}
+
+/// The observer at work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimator {
+    set: Observer,
+    period_s: f64,
+    transition: Transition,
+    steady: Steady,
+    filter: Kalman<4>,
+    seen: bool,
+    refusals: u32,
+}
+
+/// The filter's numbers in steady state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Steady {
+    gain: State,
+    /// S of a reading that comes on time.
+    variance: f64,
+}
+
+impl Observer {
+    /// Checks every number against its bounds.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] names the first number outside its bounds.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        within("sensor_mm", self.sensor_mm, 1e-3, 1e3)?;
+        within("acceleration_psd_mm2_per_s3", self.acceleration_psd_mm2_per_s3, 1e-6, 1e9)?;
+        within("gate_sigma", self.gate_sigma, 1.0, f64::INFINITY)?;
+        self.disturbance_psd_per_s.map_or(Ok(()), |psd| within("disturbance_psd_per_s", psd, 1e-12, 1e9))
+    }
+
+    fn reading_variance(&self) -> f64 {
+        self.sensor_mm * self.sensor_mm
+    }
+
+    /// Q over `dt_s`.
+    fn noise(&self, dt_s: f64, transition: &Transition) -> SMatrix<f64, 4, 4> {
+        let (q, drag) = (self.acceleration_psd_mm2_per_s3, self.believed.drag_per_s);
+        let reach = transition.matrix[(0, 1)];
+        let velocity = if drag * dt_s > 1e-6 { q * (1.0 - exp(-2.0 * drag * dt_s)) / (2.0 * drag) } else { q * dt_s };
+        let both = q * reach * reach / 2.0;
+        let position = q * reach * reach * dt_s / 3.0;
+        let hover = self.disturbance_psd_per_s.unwrap_or(0.0) * dt_s;
+        matrix![
+            position, both, 0.0, 0.0;
+            both, velocity, 0.0, 0.0;
+            0.0, 0.0, 0.0, 0.0;
+            0.0, 0.0, 0.0, hover]
+    }
+
+    /// What is known after the first reading.
+    fn first(&self, state: State) -> Kalman<4> {
+        let hover = self.disturbance_psd_per_s.unwrap_or(0.0) * FIRST_WANDERING_S;
+        let velocity = FIRST_VELOCITY_MM_PER_S * FIRST_VELOCITY_MM_PER_S;
+        let variances: State = vector![self.reading_variance(), velocity, 0.0, hover];
+        Kalman { state, covariance: SMatrix::from_diagonal(&variances) }
+    }
+
+    /// The gain to which the filter converges when readings come every `period_s`.
+    fn steady(&self, period_s: f64, transition: &Transition) -> Steady {
+        let mut filter = self.first(State::zeros());
+        let noise = self.noise(period_s, transition);
+        let mut steady = Steady { gain: State::zeros(), variance: 0.0 };
+        for _ in 0..LONGEST {
+            filter.predict(State::zeros(), &transition.matrix, &noise);
+            let (_, variance) = filter.expect(&POSITION, self.reading_variance());
+            let gain = filter.covariance * POSITION.transpose() / variance;
+            let moved = (gain - steady.gain).abs().max();
+            steady = Steady { gain, variance };
+            filter.update(0.0, &POSITION, self.reading_variance());
+            if moved <= 1e-13 * gain.abs().max() {
+                break;
+            }
+        }
+        steady
+    }
+}
+
+impl Estimator {
+    /// An observer for readings every `period_s` that has seen nothing yet.
+    #[must_use]
+    pub fn new(set: Observer, period_s: f64) -> Self {
+        let transition = set.believed.over(period_s);
+        let steady = set.steady(period_s, &transition);
+        Self { set, period_s, transition, steady, filter: set.first(State::zeros()), seen: false, refusals: 0 }
+    }
+
+    /// What is believed of the plant.
+    #[must_use]
+    pub const fn believed(&self) -> &Believed {
+        &self.set.believed
+    }
+
+    /// L: what the steady-state filter makes of a millimetre of surprise, as position, velocity, fan and disturbance.
+    #[must_use]
+    pub const fn steady_gain(&self) -> &State {
+        &self.steady.gain
+    }
+
+    /// The estimate. `None` before the first reading.
+    #[must_use]
+    pub fn estimate(&self) -> Option<Estimate> {
+        let [position_mm, velocity_mm_per_s, fan, disturbance] = self.filter.state.data.0[0];
+        self.seen.then_some(Estimate { position_mm, velocity_mm_per_s, fan, disturbance })
+    }
+
+    /// Lets `dt_s` pass, in which `control` acted.
+    pub fn predict(&mut self, control: f64, dt_s: f64) {
+        let steady = self.set.gain == Gain::SteadyState;
+        let on_time = steady && fabs(dt_s - self.period_s) < ON_TIME * self.period_s;
+        let transition = if on_time { self.transition } else { self.set.believed.over(dt_s) };
+        let next = transition.apply(&self.filter.state, control);
+        if steady {
+            self.filter.state = next;
+        } else {
+            self.filter.predict(next, &transition.matrix, &self.set.noise(dt_s, &transition));
+        }
+        if self.filter.state[0] < 0.0 {
+            // The bottom of the pipe holds the ball, above all before the fan has spun up.
+            self.filter.state[0] = 0.0;
+            self.filter.state[1] = self.filter.state[1].max(0.0);
+        }
+    }
+
+    /// Takes a reading of the position, unless it is an outlier. The first one says nothing but where the ball is.
+    pub fn update(&mut self, position_mm: f64) -> Option<Surprise> {
+        if !self.seen {
+            self.start(position_mm);
+            return None;
+        }
+        let (expected_mm, variance) = match self.set.gain {
+            Gain::SteadyState => (self.filter.state[0], self.steady.variance),
+            Gain::TimeVarying => self.filter.expect(&POSITION, self.set.reading_variance()),
+        };
+        let innovation_mm = position_mm - expected_mm;
+        let test_ratio = innovation_mm * innovation_mm / (self.set.gate_sigma * self.set.gate_sigma * variance);
+        if test_ratio > 1.0 {
+            self.refusals += 1;
+            if self.refusals >= REFUSALS {
+                self.start(position_mm);
+            }
+        } else {
+            self.refusals = 0;
+            match self.set.gain {
+                Gain::SteadyState => self.filter.state += self.steady.gain * innovation_mm,
+                Gain::TimeVarying => {
+                    self.filter.update(position_mm, &POSITION, self.set.reading_variance());
+                }
+            }
+        }
+        Some(Surprise { innovation_mm, test_ratio })
+    }
+
+    /// Forgets where the ball is, but not what hover lacks: the next reading says it.
+    pub const fn lose_sight(&mut self) {
+        self.seen = false;
+    }
+
+    /// Starts from a reading: the ball is there and at rest, fan and hover are as they were believed.
+    fn start(&mut self, position_mm: f64) {
+        let [_, _, fan, disturbance] = self.filter.state.data.0[0];
+        self.filter = self.set.first(vector![position_mm, 0.0, fan, disturbance]);
+        (self.seen, self.refusals) = (true, 0);
+    }
+}
+
+#[cfg(test)]
+mod tests;

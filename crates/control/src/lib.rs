@@ -10,13 +10,18 @@
 extern crate std;
 
 pub mod believed;
+pub mod cascade;
 pub mod check;
 pub mod compensation;
+pub mod feed_forward;
 pub mod filter;
+pub mod inputs;
 pub mod kalman;
 mod limits;
 pub mod observer;
 pub mod pid;
+pub mod schedule;
+pub mod state_feedback;
 mod units;
 pub mod waveform;
 

@@ -10,6 +10,7 @@
 extern crate std;
 
 pub mod believed;
+mod box_qp;
 pub mod cascade;
 pub mod check;
 pub mod compensation;
@@ -18,6 +19,7 @@ pub mod filter;
 pub mod inputs;
 pub mod kalman;
 mod limits;
+pub mod mpc;
 pub mod observer;
 pub mod pid;
 pub mod schedule;

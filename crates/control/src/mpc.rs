@@ -1,0 +1,138 @@
+//! Model-predictive control: the best plan over a horizon within the limits of the fan, of which the first move is made.
+//!
+//! ```text
+//! minimise Σ x̃ₖᵀQx̃ₖ + R·δₖ²  over k < N,  + x̃_NᵀPx̃_N        x̃ₖ₊₁ = Φx̃ₖ + Γδₖ      lower ≤ δₖ − d̂ + u_r ≤ upper
+//! x̃ = (x̂ − r, v̂ − ṙ, ŵ + d̂ − w_r)      δ = u + d̂ − u_r        Q = diag(1/x₀², 1/v₀², 0), R = 1/u₀²
+//! ```
+//!
+//! x₀, v₀ and u₀ are deviations that weigh the same; P is the cost of the unlimited optimum from the horizon on, so that plans
+//! which meet no limit are LQR. What hover lacks shifts the target and the limits: no error is left at rest.
+//! The states are eliminated (N unknowns), and a plan that a limit spoils is mended in [`STEPS`] steps of `box_qp.rs`.
+//! Source: Maciejowski, *Predictive Control with Constraints*, chapters 2 and 3.
+
+use crate::believed::{Believed, Transition};
+use crate::box_qp::BoxQp;
+use crate::check::{OutOfRange, within};
+use crate::inputs::Inputs;
+use nalgebra::{Matrix1x3, Matrix3, SMatrix, SVector, Vector3, vector};
+
+/// N: moves in a plan.
+pub const HORIZON: usize = 16;
+/// Steps of the optimisation: fixed, so that the time of a control step is.
+pub const STEPS: u32 = 60;
+/// Steps of the Riccati recursion at most, and the change at which it is over.
+const LONGEST: u32 = 20_000;
+const STEADY: f64 = 1e-12;
+
+/// What the plan weighs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Mpc {
+    /// Length of one move of the plan, seconds; the plan looks 16 of them ahead.
+    pub move_s: f64,
+    /// x₀: a deviation of the position that weighs 1, mm.
+    pub position_mm: f64,
+    /// v₀: a velocity that weighs 1, mm/s.
+    pub velocity_mm_per_s: f64,
+    /// u₀: a control value that weighs 1.
+    pub control: f64,
+}
+
+/// The plan's matrices for one belief.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planner {
+    programme: BoxQp<HORIZON>,
+    /// From the state to the linear part of the programme.
+    linear: SMatrix<f64, HORIZON, 3>,
+    /// From the state to the plan that knows no limits.
+    free: SMatrix<f64, HORIZON, 3>,
+}
+
+impl Mpc {
+    /// Checks every number against its bounds.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] names the first number outside its bounds.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        within("move_s", self.move_s, 0.005, 1.0)?;
+        within("position_mm", self.position_mm, 0.1, 1e4)?;
+        within("velocity_mm_per_s", self.velocity_mm_per_s, 1.0, 1e6)?;
+        within("control", self.control, 1e-3, 1e6)
+    }
+}
+
+impl Planner {
+    /// The matrices of `set` for a plant as `believed`. `None`: numbers so far apart that no plan can be computed.
+    #[must_use]
+    pub fn new(set: &Mpc, believed: &Believed) -> Option<Self> {
+        let Transition { matrix, input } = believed.over(set.move_s);
+        let step: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into_owned();
+        let push: Vector3<f64> = input.fixed_rows::<3>(0).into_owned();
+        let square = |value: f64| (value * value).recip();
+        let weight = Matrix3::from_diagonal(&vector![square(set.position_mm), square(set.velocity_mm_per_s), 0.0]);
+        let effort = square(set.control);
+        let end = cost_to_go(&step, &push, &weight, effort);
+
+        let mut hessian = SMatrix::<f64, HORIZON, HORIZON>::identity() * effort;
+        let mut linear = SMatrix::<f64, HORIZON, 3>::zeros();
+        // State k as `from` times the state now plus `by` times the plan.
+        let mut from = Matrix3::identity();
+        let mut by = SMatrix::<f64, 3, HORIZON>::zeros();
+        for k in 0..HORIZON {
+            from = step * from;
+            by = step * by;
+            by.set_column(k, &push);
+            let weight = if k + 1 == HORIZON { &end } else { &weight };
+            hessian += by.transpose() * weight * by;
+            linear += by.transpose() * weight * from;
+        }
+        let free = -hessian.cholesky()?.solve(&linear);
+        free.iter().all(|value| value.is_finite()).then(|| Self {
+            programme: BoxQp::new(hessian, effort),
+            linear,
+            free,
+        })
+    }
+
+    /// One control step. It remembers nothing: the plan is made anew.
+    #[must_use]
+    pub fn step(&self, inputs: &Inputs) -> f64 {
+        let (wanted, seen) = (&inputs.reference, &inputs.observed);
+        let state = vector![
+            seen.position_mm - wanted.position_mm,
+            seen.velocity_mm_per_s - wanted.velocity_mm_per_s,
+            seen.fan + seen.disturbance - wanted.fan
+        ];
+        let limits = inputs.limits.shifted(seen.disturbance);
+        let plan = self.plan(&state, limits);
+        inputs.limits.hold(plan[0] - seen.disturbance)
+    }
+
+    /// The best moves from the deviation `state` within `limits`.
+    fn plan(&self, state: &Vector3<f64>, limits: crate::Limits) -> SVector<f64, HORIZON> {
+        let free = self.free * state;
+        if free.iter().all(|value| limits.hold(*value) == *value) {
+            return free;
+        }
+        self.programme.solve(&free, &(self.linear * state), limits, STEPS)
+    }
+}
+
+/// P: what is still to be paid from a state on, by the unlimited optimum, as a fixed point of the Riccati recursion.
+fn cost_to_go(step: &Matrix3<f64>, push: &Vector3<f64>, weight: &Matrix3<f64>, effort: f64) -> Matrix3<f64> {
+    let mut cost = *weight;
+    for _ in 0..LONGEST {
+        let row: Matrix1x3<f64> = push.transpose() * cost;
+        let gain = row * step / (effort + (row * push)[0]);
+        let next = weight + step.transpose() * cost * (step - push * gain);
+        let change = (next - cost).abs().max();
+        cost = (next + next.transpose()) / 2.0;
+        if change <= STEADY * cost.abs().max() {
+            break;
+        }
+    }
+    cost
+}
+
+#[cfg(test)]
+mod tests;

@@ -41,6 +41,35 @@ fn the_ball_follows_the_square_wave_of_the_config() {
 }
 
 #[test]
+fn every_controller_of_the_config_flies_the_square_wave() {
+    for kind in ["cascade", "state_feedback", "lqg", "mpc"] {
+        let bench = Bench::default();
+        bench.write("other.toml", format!("[controller]\nactive = \"{kind}\"\n"));
+        let flight = summary(&bench, &["--duration", "64", "--patch", "other.toml", "--log", "f.mcap"]);
+        assert_eq!(flight["steps"], 8);
+        assert!(flight["unsettled"].as_u64().unwrap() <= 2, "{kind}: {flight}");
+        assert!(flight["overshoot_percent"].as_f64().unwrap() < 20.0, "{kind}: {flight}");
+        assert!(flight["settling_s"].as_f64().unwrap() < 4.0, "{kind}: {flight}");
+        assert!(flight["rms_settled_mm"].as_f64().unwrap() < 12.0, "{kind}: {flight}");
+        // The observer believes the very plant that flies: a gate of 5 sigma refuses next to nothing.
+        assert!(flight["innovations"]["expected_percent"].as_f64().unwrap() > 98.0, "{kind}: {flight}");
+    }
+}
+
+#[test]
+fn a_controller_that_is_not_there_or_lacks_its_observer_is_refused_with_what_to_do() {
+    let bench = Bench::default();
+    bench.write("bare.toml", "[controller.lqg]\nposition_per_mm = 0.02\nvelocity_s_per_mm = 0.005\n");
+    bench.write("other.toml", "[controller]\nactive = \"mpc\"\nopen_loop = { control = 0.0 }\n");
+    for (config, said) in [("bare.toml", "lqg needs the table [observer]"), ("other.toml", "no table [controller.mpc]")]
+    {
+        let ran = bench.run(&["config", "check", "--config", config]);
+        assert_eq!(ran.code, Some(2));
+        assert!(ran.errors.contains(said), "{}", ran.errors);
+    }
+}
+
+#[test]
 fn the_picture_shows_setpoint_position_and_duty() {
     let bench = Bench::default();
     let said = bench.output(&["simulate", "--duration", "20", "--plot", "out.svg"]);

@@ -1,5 +1,6 @@
 //! Commands to a flight: what may be asked for while the ball is in the air, and why it may be refused.
 
+use control::controller::{Controllers, Kind};
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -11,6 +12,8 @@ pub enum Command {
     Setpoint(f64),
     /// Change gains together.
     Gains(GainChange),
+    /// Let another controller fly.
+    Controller(Kind),
     /// Turn the fan off and stay so until told to fly.
     Stop,
     /// Fly again after a stop.
@@ -63,9 +66,37 @@ pub enum Refusal {
     /// A gain is outside its bounds.
     #[error("{0}")]
     Gain(control::OutOfRange),
+    /// There is no PID whose gains could change.
+    #[error("the config has no table [controller.pid], so there are no gains to change")]
+    NoPid,
+    /// There is no such controller.
+    #[error("the config has no table [controller.{}]; it has {known}", asked.name())]
+    Controller {
+        /// What was asked for.
+        asked: Kind,
+        /// What there is.
+        known: Known,
+    },
     /// The loop is not controlling the ball.
     #[error("the fan follows an open-loop programme; wait for its end")]
     OpenLoop,
+}
+
+/// The controllers that a config holds, as a plain copy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Known([bool; Kind::ALL.len()]);
+
+impl From<&Controllers> for Known {
+    fn from(controllers: &Controllers) -> Self {
+        Self(Kind::ALL.map(|kind| controllers.has(kind)))
+    }
+}
+
+impl fmt::Display for Known {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let there = Kind::ALL.into_iter().zip(self.0).filter_map(|(kind, there)| there.then_some(kind.name()));
+        f.write_str(&there.collect::<Vec<_>>().join(", "))
+    }
 }
 
 impl fmt::Display for Command {
@@ -73,6 +104,7 @@ impl fmt::Display for Command {
         match self {
             Self::Setpoint(mm) => write!(f, "setpoint_mm {mm}"),
             Self::Gains(change) => write!(f, "gains {}", serde_json::to_string(change).unwrap_or_default()),
+            Self::Controller(kind) => write!(f, "controller {}", kind.name()),
             Self::Stop => f.write_str("mode stop"),
             Self::Fly => f.write_str("mode fly"),
             Self::Programme => f.write_str("mode programme"),

@@ -21,7 +21,10 @@ use crate::log::recorder::Recorder;
 use crate::pilot::{Orders, Pilot};
 use crate::rig::{Direct, simulated_in_virtual_time};
 use control::compensation::Compensation;
+use control::controller::{Controllers, Kind};
+use control::observer::Observer;
 use control::pid::{DerivativeOn, Pid};
+use control::regulator::Regulator;
 use hal::BUDGET_US;
 use plant::Model;
 use std::sync::atomic::AtomicBool;
@@ -43,7 +46,8 @@ pub struct Desk {
     /// The chips around the plant; `None`: nothing is known of them.
     rig: Option<Rig>,
     table: Loop,
-    pid: Pid,
+    controllers: Controllers,
+    observer: Option<Observer>,
     compensation: Compensation,
     /// What no flight exceeds.
     pub safety: Safety,
@@ -67,17 +71,18 @@ impl Recorder for Flown {
 }
 
 impl Desk {
-    /// The controller of a config. `None`: it has none.
+    /// The controllers of a config. `None`: it has none that can fly.
     #[must_use]
     pub fn of(tables: &Tables) -> Option<Self> {
-        let compensation = tables.compensation?;
-        Some(Self {
+        let desk = Self {
             rig: tables.rig.clone(),
             table: tables.r#loop?,
-            pid: tables.controller?.pid,
-            compensation,
+            controllers: tables.controller.clone()?,
+            observer: tables.observer,
+            compensation: tables.compensation.clone()?,
             safety: tables.safety?,
-        })
+        };
+        desk.regulator().is_some().then_some(desk)
     }
 
     /// The controller that flew a log: that of the config which the log holds, or else of the config at hand.
@@ -114,20 +119,23 @@ impl Desk {
         let fast = (BESIDE_LAGS / slowness_s(model, period_s)).min(FASTEST_PER_S);
         let noisy = gentle_pid(model, fast).kp_per_mm * (1.0 + DERIVATIVE_N) * model.noise.sensor_mm;
         let pid = gentle_pid(model, fast * (NOISE_SHARE * reach / noisy).min(1.0));
-        let compensation = Compensation { hover_duty_percent: hover, dead_zone: None };
-        Some(Self { rig: None, table: Loop { period_s, late_after_s: period_s }, pid, compensation, safety })
+        let table = Loop { period_s, late_after_s: period_s };
+        let (controllers, compensation) = (Controllers::only_pid(pid), Compensation::bare(hover));
+        Some(Self { rig: None, table, controllers, observer: None, compensation, safety })
     }
 
-    /// The same with all gains of the controller multiplied.
+    /// The same with all gains of the controllers multiplied. `None`: the one that flies has no gain.
     #[must_use]
-    pub fn with_gain(&self, ratio: f64) -> Self {
-        Self { pid: Pid { kp_per_mm: ratio * self.pid.kp_per_mm, ..self.pid }, ..self.clone() }
+    pub fn with_gain(&self, ratio: f64) -> Option<Self> {
+        let has_gain = self.controllers.first().is_some_and(|kind| !matches!(kind, Kind::Mpc | Kind::OpenLoop));
+        has_gain.then(|| Self { controllers: self.controllers.scaled(ratio), ..self.clone() })
     }
 
     /// Makes the controller a proportional one, for tests against closed forms.
     #[cfg(test)]
     pub(crate) fn set_proportional(&mut self, kp_per_mm: f64) {
-        self.pid = Pid { kp_per_mm, ti_s: f64::INFINITY, td_s: 0.0, ..self.pid };
+        let pid = Pid::new(kp_per_mm, f64::INFINITY, 0.0, DERIVATIVE_N, DerivativeOn::Measurement);
+        self.controllers = Controllers::only_pid(pid);
         self.safety = Safety { duty_min_percent: 0.0, duty_max_percent: 100.0, ..self.safety };
     }
 
@@ -140,15 +148,16 @@ impl Desk {
     /// Flies a rig that is as `model` says through `experiment`, which must have an end.
     #[must_use]
     pub fn fly(&self, model: &Model, experiment: &Experiment, seed: u64) -> Flown {
-        let shortest_s = if self.rig.is_some() { 1e-6 * f64::from(BUDGET_US) } else { 0.0 };
+        let mut flown = Flown::default();
+        // Every way to a desk has made a regulator of these tables before.
+        let Some(regulator) = self.regulator() else { return flown };
         let pilot = Pilot::new(Orders {
-            pid: self.pid,
-            compensation: self.compensation,
+            regulator,
+            compensation: self.compensation.clone(),
             safety: self.safety,
             experiment: experiment.clone(),
-            reading_period_s: self.table.period_s.max(shortest_s),
+            reading_period_s: self.reading_period_s(),
         });
-        let mut flown = Flown::default();
         let stop = AtomicBool::new(false);
         let outcome = match &self.rig {
             // Emulated chips answer: a rig that does not start leaves a flight without cycles.
@@ -163,19 +172,24 @@ impl Desk {
         flown.fault = outcome.and_then(|outcome| outcome.fault);
         flown
     }
+
+    fn regulator(&self) -> Option<Regulator> {
+        Regulator::new(self.controllers.clone(), self.observer.as_ref(), self.reading_period_s())
+    }
+
+    /// The period of the loop or of the sensor, whichever is longer.
+    fn reading_period_s(&self) -> f64 {
+        let shortest_s = if self.rig.is_some() { 1e-6 * f64::from(BUDGET_US) } else { 0.0 };
+        self.table.period_s.max(shortest_s)
+    }
 }
 
 /// The gains whose loop crosses over at `omega`, rad/s.
 fn gentle_pid(model: &Model, omega: f64) -> Pid {
     let zero = model.drag_per_s.max(omega / 3.0);
     let gain = model.gain_mm_per_s2_per_percent;
-    Pid {
-        kp_per_mm: omega * omega.hypot(model.drag_per_s) / (gain * 1.0_f64.hypot(omega / zero)),
-        ti_s: INTEGRAL / omega,
-        td_s: zero.recip(),
-        derivative_n: DERIVATIVE_N,
-        derivative_on: DerivativeOn::Measurement,
-    }
+    let kp_per_mm = omega * omega.hypot(model.drag_per_s) / (gain * 1.0_f64.hypot(omega / zero));
+    Pid::new(kp_per_mm, INTEGRAL / omega, zero.recip(), DERIVATIVE_N, DerivativeOn::Measurement)
 }
 
 /// How late the ball answers a duty, seconds: lags, delays and the loop's own period.

@@ -125,11 +125,14 @@ impl<'a, R: Rig> Flight<'a, R> {
             mode: decision.mode,
             setpoint_mm: decision.setpoint_mm,
             control_percent: decision.control_percent,
+            control_mm_per_s2: decision.control_mm_per_s2,
             commanded_duty_percent: decision.duty.percent(),
             duty_percent: self.held.percent(),
             position_mm: decision.position_mm,
             fresh: matches!(seen, Seen::Ball(_)),
             velocity_mm_per_s: decision.velocity_mm_per_s,
+            innovation_mm: decision.surprise.map(|surprise| surprise.innovation_mm),
+            innovation_test_ratio: decision.surprise.map(|surprise| surprise.test_ratio),
         };
         self.last_cycle_s = woke_s;
         self.record(&cycle, before, seen);
@@ -143,7 +146,8 @@ impl<'a, R: Rig> Flight<'a, R> {
             self.event(What::Command { command, refused });
             let in_force = InForce {
                 setpoint_mm: self.pilot.setpoint_mm(self.rig.now_s() - self.start_s),
-                gains: Some(self.pilot.gains().into()),
+                controller: self.pilot.controller(),
+                gains: self.pilot.gains().map(Into::into),
                 mode: self.pilot.mode(),
             };
             if let Some(mailbox) = self.mailbox.as_mut() {
@@ -190,7 +194,8 @@ impl<'a, R: Rig> Flight<'a, R> {
         self.recorder.cycle(cycle);
         let state = State {
             cycle: *cycle,
-            gains: Some(self.pilot.gains().into()),
+            controller: self.pilot.controller(),
+            gains: self.pilot.gains().map(Into::into),
             late_cycles: self.deadlines.punctuality().late,
             dropped_log_messages: self.recorder.dropped(),
         };

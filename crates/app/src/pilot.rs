@@ -9,21 +9,18 @@
 //! It gets samples and times and returns a duty. It reads no clock, no bus and no file, so that whatever it
 //! does can be tested without a rig.
 
+mod commands;
 mod exchange;
 
 pub use exchange::{Decision, Orders, Seen};
 
-use crate::command::{Command, Refusal};
 use crate::experiment::Demand;
 use crate::log::record::{Fault, Mode};
 use control::Duty;
-use control::check::within;
-use control::filter::DerivativeFilter;
-use control::pid::{Limits, Pid, PidState};
+use control::compensation::Compensator;
+use control::controller::Kind;
+use control::pid::Pid;
 
-/// Time constant of the velocity's derivative filter, seconds, and its N: 30 ms of smoothing.
-const VELOCITY_TD_S: f64 = 0.3;
-const VELOCITY_N: f64 = 10.0;
 /// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
 const MISSING_PERIODS: f64 = 2.5;
 /// How long the first position may take, seconds: a sensor that works and sees a ball needs a hundredth of it.
@@ -34,9 +31,9 @@ const WAIT_S: f64 = 5.0;
 pub struct Pilot {
     orders: Orders,
     mode: Mode,
-    pid: PidState,
-    velocity: DerivativeFilter,
-    velocity_mm_per_s: Option<f64>,
+    compensator: Compensator,
+    /// When it last decided.
+    decided_s: Option<f64>,
     /// Time and place of the last position.
     last: Option<(f64, f64)>,
     /// When the programme began.
@@ -45,7 +42,9 @@ pub struct Pilot {
     waiting_since_s: Option<f64>,
     /// A setpoint that was commanded, in force instead of the programme's.
     held_mm: Option<f64>,
-    control_percent: f64,
+    control: f64,
+    /// The control value that acts on the ball, whoever asked for it.
+    acting: f64,
     been_in_band: bool,
     fault: Option<Fault>,
 }
@@ -55,16 +54,16 @@ impl Pilot {
     #[must_use]
     pub fn new(orders: Orders) -> Self {
         Self {
+            compensator: orders.compensation.start(),
             orders,
             mode: Mode::Waiting,
-            pid: PidState::default(),
-            velocity: DerivativeFilter::default(),
-            velocity_mm_per_s: None,
+            decided_s: None,
             last: None,
             began_s: None,
             waiting_since_s: None,
             held_mm: None,
-            control_percent: 0.0,
+            control: 0.0,
+            acting: 0.0,
             been_in_band: false,
             fault: None,
         }
@@ -76,10 +75,16 @@ impl Pilot {
         self.mode
     }
 
-    /// The gains in force.
+    /// The gains of the PID, where there is one.
     #[must_use]
-    pub const fn gains(&self) -> Pid {
-        self.orders.pid
+    pub const fn gains(&self) -> Option<Pid> {
+        self.orders.regulator.controllers().pid
+    }
+
+    /// The controller that flies.
+    #[must_use]
+    pub const fn controller(&self) -> Kind {
+        self.orders.regulator.kind()
     }
 
     /// The setpoint in force at `time_s`, mm. `None` while the fan is driven without control.
@@ -105,74 +110,37 @@ impl Pilot {
 
     /// Decides what the fan does from `time_s` on.
     pub fn decide(&mut self, time_s: f64, seen: Seen) -> Decision {
-        let dt_s = self.observe(time_s, seen);
+        let cycle_s = self.decided_s.replace(time_s).map_or(self.orders.reading_period_s, |last_s| time_s - last_s);
+        self.orders.regulator.pass(self.acting, cycle_s);
+        let reading_s = self.observe(time_s, seen);
         self.change_mode(time_s, seen);
-        let demand = self.demand(time_s);
         let mut decision = Decision {
             mode: self.mode,
             setpoint_mm: None,
             control_percent: None,
+            control_mm_per_s2: None,
             duty: Duty::OFF,
-            velocity_mm_per_s: self.velocity_mm_per_s,
+            velocity_mm_per_s: self.orders.regulator.velocity_mm_per_s(),
             position_mm: self.last.map(|(_, mm)| mm),
+            surprise: self.orders.regulator.surprise(),
         };
-        match (self.mode, demand) {
+        match (self.mode, self.demand(time_s)) {
             (Mode::Flying, Some(Demand::Control { setpoint_mm, excitation_percent })) => {
-                if let (Some(dt_s), Some((_, position_mm))) = (dt_s, self.last) {
-                    self.control_percent = self.control(setpoint_mm, excitation_percent, position_mm, dt_s);
+                let blind = self.controller().trusts_the_observer();
+                if let Some(dt_s) = if blind { Some(cycle_s) } else { reading_s } {
+                    self.control = self.control(setpoint_mm, excitation_percent, dt_s);
                 }
                 decision.setpoint_mm = Some(setpoint_mm);
-                decision.control_percent = Some(self.control_percent);
-                decision.duty = self.safe_duty(self.orders.compensation.duty(self.control_percent).percent());
+                self.fly(&mut decision, excitation_percent);
             }
-            (Mode::OpenLoop, Some(Demand::Drive { duty_percent })) => {
-                decision.duty = self.safe_duty(duty_percent);
+            (Mode::OpenLoop, Some(Demand::Drive { duty_percent })) => decision.duty = self.drive(duty_percent),
+            (Mode::Coasting, _) => decision.duty = self.drive(self.orders.compensation.hover_duty_percent),
+            _ => {
+                self.orders.regulator.rest();
+                self.acting = self.compensator.control(Duty::OFF);
             }
-            (Mode::Coasting, _) => {
-                decision.duty = self.safe_duty(self.orders.compensation.hover_duty_percent);
-            }
-            _ => {}
         }
         decision
-    }
-
-    /// Takes a command, or says why not.
-    ///
-    /// # Errors
-    /// [`Refusal`] names the limit that it would break.
-    pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
-        match command {
-            Command::Setpoint(asked_mm) => {
-                let (min_mm, max_mm) = (self.orders.safety.setpoint_min_mm, self.orders.safety.setpoint_max_mm);
-                within("setpoint_mm", asked_mm, min_mm, max_mm).map_err(|_| Refusal::Setpoint {
-                    asked_mm,
-                    min_mm,
-                    max_mm,
-                })?;
-                if self.mode == Mode::OpenLoop {
-                    return Err(Refusal::OpenLoop);
-                }
-                self.held_mm = Some(asked_mm);
-            }
-            Command::Gains(change) => {
-                let gains = change.applied_to(self.orders.pid);
-                gains.check().map_err(Refusal::Gain)?;
-                gains.take_over(&self.orders.pid, &mut self.pid);
-                self.orders.pid = gains;
-            }
-            Command::Stop => self.mode = Mode::Stopped,
-            Command::Fly => {
-                if self.mode == Mode::Stopped {
-                    self.mode = Mode::Waiting;
-                    self.fault = None;
-                    self.last = None;
-                    self.waiting_since_s = None;
-                    self.been_in_band = false;
-                }
-            }
-            Command::Programme => self.held_mm = None,
-        }
-        Ok(())
     }
 
     /// Takes the reading into the estimate. Returns the time since the one before, if both are there.
@@ -182,12 +150,10 @@ impl Pilot {
         self.last = Some((time_s, position_mm));
         if gap_s.is_none_or(|gap_s| gap_s > self.missing_s()) {
             // After a hole the derivatives would see its whole jump at once.
-            self.velocity = DerivativeFilter::default();
-            self.pid = self.pid.after_a_hole();
+            self.orders.regulator.lose_sight();
         }
         let dt_s = gap_s.unwrap_or(self.orders.reading_period_s).min(self.missing_s());
-        let filtered = self.velocity.step(position_mm, dt_s, VELOCITY_TD_S, VELOCITY_N);
-        self.velocity_mm_per_s = Some(filtered / VELOCITY_TD_S);
+        self.orders.regulator.read(position_mm, dt_s);
         Some(dt_s)
     }
 
@@ -202,7 +168,7 @@ impl Pilot {
             }
             (Mode::Waiting, Seen::Ball(_)) => {
                 self.began_s.get_or_insert(time_s);
-                self.pid = PidState::default();
+                self.orders.regulator.take_off();
                 self.closed_or_open(time_s)
             }
             (_, Seen::Nothing(fault)) if silent_s > self.orders.safety.coast_s => {
@@ -228,7 +194,7 @@ impl Pilot {
             _ => {
                 if self.mode == Mode::OpenLoop {
                     // The integral still knows hover; the duty of an excitation does not.
-                    self.pid = self.pid.after_a_hole();
+                    self.orders.regulator.forget_derivatives();
                 }
                 Mode::Flying
             }
@@ -255,13 +221,27 @@ impl Pilot {
         })
     }
 
-    fn control(&mut self, setpoint_mm: f64, excitation_percent: f64, position_mm: f64, dt_s: f64) -> f64 {
+    fn control(&mut self, setpoint_mm: f64, excitation_percent: f64, dt_s: f64) -> f64 {
         let safety = &self.orders.safety;
         let (lowest, highest) = (Duty::clamped(safety.duty_min_percent), Duty::clamped(safety.duty_max_percent));
-        let limits = self.orders.compensation.control_limits(lowest, highest);
-        let room = Limits { lower: limits.lower - excitation_percent, upper: limits.upper - excitation_percent };
-        let control = self.orders.pid.step(&mut self.pid, setpoint_mm, position_mm, dt_s, room);
-        limits.hold(control + excitation_percent)
+        let limits = self.compensator.control_limits(lowest, highest, excitation_percent);
+        self.orders.regulator.step(setpoint_mm, dt_s, limits)
+    }
+
+    /// Gives the fan what the controller asked for, and the excitation.
+    fn fly(&mut self, decision: &mut Decision, excitation_percent: f64) {
+        self.acting = self.compensator.acting(self.control, excitation_percent);
+        decision.control_percent = Some(self.compensator.about_hover(self.control) + excitation_percent);
+        decision.control_mm_per_s2 = self.orders.compensation.predistortion.is_some().then_some(self.control);
+        let duty = self.compensator.duty(self.control, excitation_percent);
+        decision.duty = self.safe_duty(duty.percent());
+    }
+
+    /// Gives the fan a duty that no controller asked for.
+    fn drive(&mut self, percent: f64) -> Duty {
+        let duty = self.safe_duty(percent);
+        self.acting = self.compensator.control(duty);
+        duty
     }
 
     fn missing_s(&self) -> f64 {

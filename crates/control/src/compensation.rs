@@ -209,6 +209,22 @@ mod tests {
         assert!((mean - 22.0).abs() < 0.02, "{mean}");
     }
 
+    proptest::proptest! {
+        #[test]
+        fn whatever_is_asked_for_the_duty_is_a_duty(
+            control in proptest::num::f64::ANY, excitation in proptest::num::f64::ANY,
+            curved in proptest::bool::ANY, dithered in proptest::bool::ANY,
+        ) {
+            let all = Compensation {
+                predistortion: curved.then_some(Predistortion { points: None }),
+                dither: dithered.then_some(Dither { step_percent: 0.8, seed: 1 }),
+                ..original()
+            };
+            let duty = all.start().duty(control, excitation).percent();
+            proptest::prop_assert!((0.0..=100.0).contains(&duty), "{duty}");
+        }
+    }
+
     #[test]
     fn the_control_of_a_duty_is_the_inverse() {
         for predistortion in [None, Some(Predistortion { points: None })] {

@@ -45,8 +45,6 @@ pub enum Gain {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Observer {
-    /// The plant. With `fan_lag_s` the fan is a third state.
-    pub believed: Believed,
     /// Standard deviation of one reading, mm.
     pub sensor_mm: f64,
     /// q: white acceleration, the variance of the velocity grows by this per second, mm²/s³.
@@ -59,6 +57,8 @@ pub struct Observer {
     /// How the gain is found.
     #[cfg_attr(feature = "serde", serde(default))]
     pub gain: Gain,
+    /// The plant. With `fan_lag_s` the fan is a third state.
+    pub believed: Believed,
 }
 
 /// What is known of the plant's state.

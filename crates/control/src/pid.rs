@@ -64,12 +64,12 @@ pub struct Pid {
     /// [`Pid::derivative_on`].
     #[cfg_attr(feature = "serde", serde(default = "whole", skip_serializing_if = "is_whole"))]
     pub setpoint_weight: f64,
-    /// What keeps the integral from running away.
-    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_default"))]
-    pub anti_windup: AntiWindup,
     /// The fastest change of the control value, per second. Absent: as fast as it likes.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub rate_limit_per_s: Option<f64>,
+    /// What keeps the integral from running away.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_default"))]
+    pub anti_windup: AntiWindup,
 }
 
 #[cfg(feature = "serde")]

@@ -27,12 +27,12 @@ pub struct StateFeedback {
     /// K_r: control value per millimetre of setpoint. Absent: k₁.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub setpoint_per_mm: Option<f64>,
-    /// The integral. Absent: none.
-    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
-    pub integral: Option<Integral>,
     /// Where the velocity comes from.
     #[cfg_attr(feature = "serde", serde(default))]
     pub velocity: Source,
+    /// The integral. Absent: none.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub integral: Option<Integral>,
 }
 
 /// What becomes of the integral of the error.

@@ -29,12 +29,13 @@ const WAIT_S: f64 = 18.0;
 const STEP: f64 = 0.125;
 
 /// The critical gain of `desk`'s controller on `model`, as a multiple of the gain in force. `None`: the loop keeps its stability
-/// up to 64 times its gain, or has none down to a sixteenth.
+/// up to 64 times its gain, or has none down to a sixteenth, or the controller that flies has no gain.
 pub(super) fn critical_gain(desk: &Desk, model: &Model) -> Option<f64> {
+    let one = desk.with_gain(1.0)?;
     let model = without_chance(model);
     let (bottom_mm, top_mm) = model.ends_mm();
     let trial = Trial::about((bottom_mm + top_mm) / 2.0, STEP * (top_mm - bottom_mm), bottom_mm);
-    let lost = |ratio: f64| trial.loses(desk, &model, ratio);
+    let lost = |ratio: f64| one.with_gain(ratio).is_some_and(|desk| trial.loses(&desk, &model));
     let (mut below, mut above) = if lost(1.0) {
         let below = (1..=STRIDES_DOWN).map(|n| STRIDE.powi(-n.cast_signed())).find(|ratio| !lost(*ratio))?;
         (below, below * STRIDE)
@@ -81,8 +82,8 @@ impl Trial {
         Self { experiment: Experiment { title: String::new(), limits: Limits::default(), segments }, jump_mm }
     }
 
-    fn loses(&self, desk: &Desk, model: &Model, ratio: f64) -> bool {
-        let flown = desk.with_gain(ratio).fly(model, &self.experiment, 1);
+    fn loses(&self, desk: &Desk, model: &Model) -> bool {
+        let flown = desk.fly(model, &self.experiment, 1);
         let last_s = RAMP_S + HOLD_S + WAIT_S * 2.0 / 3.0;
         let late = flown.cycles.iter().filter(|cycle| cycle.time_s >= last_s).filter_map(|cycle| cycle.position_mm);
         let (low, high) = late.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| (low.min(mm), high.max(mm)));

@@ -1,7 +1,7 @@
 //! The stretch of a record whose steps are looked at, and the programme that flies its setpoints again.
 //!
-//! It begins with the first setpoint and ends where the controller is switched off, where its gains were changed in flight (the
-//! config knows only the first ones), or after five minutes, which is enough for medians.
+//! It begins with the first setpoint and ends where the controller is switched off, where it or its gains were changed in flight
+//! (the config knows only the first ones), or after five minutes, which is enough for medians.
 
 use crate::desk::Desk;
 use crate::experiment::{Experiment, Limits, Segment};
@@ -29,7 +29,8 @@ pub(super) struct Stretch {
 impl Stretch {
     /// The stretch of a log. `None`: it has no setpoint or no reading there.
     pub(super) fn of(log: &LoadedLog) -> Option<Self> {
-        let retuned = log.events.iter().find(|e| e.text.starts_with("gains ") && e.text.ends_with("accepted"));
+        let changes = |text: &str| text.starts_with("gains ") || text.starts_with("controller ");
+        let retuned = log.events.iter().find(|e| changes(&e.text) && e.text.ends_with("accepted"));
         let until_s = retuned.map_or(f64::INFINITY, |event| event.time_s);
         let rows = log.recording.samples().iter().skip_while(|sample| sample.setpoint_mm.is_none());
         let start_s = rows.clone().next()?.time_s;

@@ -88,7 +88,7 @@ fn a_record_without_setpoints_has_no_steps() {
 fn a_log_that_holds_its_config_is_flown_by_that_and_not_by_the_one_at_hand() {
     let tables = project();
     let mut other = tables.clone();
-    other.controller.as_mut().unwrap().pid.kp_per_mm *= 2.0;
+    other.controller.as_mut().unwrap().pid.as_mut().unwrap().kp_per_mm *= 2.0;
     let model = tables.plant.clone().unwrap();
     let own = LoadedLog { config_toml: Some(toml::to_string(&other).unwrap()), ..flight(&model, 20.0) };
     let ratio = |log: &LoadedLog| critical_gain(&Desk::that_flew(log, &tables).unwrap(), &model).unwrap();

@@ -11,6 +11,7 @@ use crate::log::{LogError, flight};
 use crate::pilot::{Orders, Pilot};
 use crate::report::{plot, summary::Summary};
 use anyhow::{Result, anyhow};
+use control::regulator::Regulator;
 use hal::BUDGET_US;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use std::path::{Path, PathBuf};
@@ -38,12 +39,16 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs) -> Result<Plan> {
         Some(path) => Experiment::read(path, &safety)?,
         None => Experiment::of_reference(config.need(command, "reference", |tables| tables.reference.as_ref())?),
     };
+    let reading_period_s = table.period_s.max(1e-6 * f64::from(BUDGET_US));
+    let controllers = config.need(command, "controller", |tables| tables.controller.as_ref())?;
+    let regulator = Regulator::new(controllers.clone(), config.tables.observer.as_ref(), reading_period_s)
+        .ok_or_else(|| anyhow!("no plan can be made with [controller.mpc] and [observer.believed]: their numbers are too far apart; raise mpc.control"))?;
     let orders = Orders {
-        pid: config.need(command, "controller", |tables| tables.controller.as_ref())?.pid,
-        compensation: *config.need(command, "compensation", |tables| tables.compensation.as_ref())?,
+        regulator,
+        compensation: config.need(command, "compensation", |tables| tables.compensation.as_ref())?.clone(),
         safety,
         experiment: experiment.clone(),
-        reading_period_s: table.period_s.max(1e-6 * f64::from(BUDGET_US)),
+        reading_period_s,
     };
     Ok(Plan { table, pilot: Pilot::new(orders), experiment, config })
 }

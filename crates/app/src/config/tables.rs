@@ -5,7 +5,8 @@ use crate::mqtt::config::MqttConfig;
 use crate::mqtt::topics::Topics;
 use control::check::{OutOfRange, within};
 use control::compensation::Compensation;
-use control::pid::Pid;
+use control::controller::{Controllers, Kind};
+use control::observer::Observer;
 use control::waveform::Waveform;
 use plant::{Model, Unsound};
 use serde::{Deserialize, Serialize};
@@ -28,7 +29,10 @@ pub struct Tables {
     pub reference: Option<Reference>,
     /// `[controller]`
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub controller: Option<Controller>,
+    pub controller: Option<Controllers>,
+    /// `[observer]`
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub observer: Option<Observer>,
     /// `[compensation]`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compensation: Option<Compensation>,
@@ -87,14 +91,6 @@ pub struct Reference {
     pub setpoint_mm: Waveform,
 }
 
-/// `[controller]`: the control law.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Controller {
-    /// PID on the position.
-    pub pid: Pid,
-}
-
 /// `[safety]`: what no command and no experiment may exceed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -125,7 +121,7 @@ impl Tables {
     /// # Errors
     /// The table (dotted) and the first thing wrong in it.
     pub fn check(&self) -> Result<(), (String, Unsound)> {
-        self.check_loop().map_err(|(table, error)| (table.to_owned(), error.into()))?;
+        self.check_loop().map_err(|(table, error)| (table, error.into()))?;
         self.plant
             .as_ref()
             .map_or(Ok(()), Model::check)
@@ -133,18 +129,26 @@ impl Tables {
     }
 
     /// Everything but the plant.
-    fn check_loop(&self) -> Result<(), (&'static str, OutOfRange)> {
-        let at = |table: &'static str| move |error| (table, error);
+    fn check_loop(&self) -> Result<(), (String, OutOfRange)> {
+        let at = |table: &str| {
+            let table = table.to_owned();
+            move |error| (table, error)
+        };
         self.rig.as_ref().map_or(Ok(()), Rig::check).map_err(at("rig"))?;
         self.r#loop.map_or(Ok(()), |table| table.check()).map_err(at("loop"))?;
-        self.controller.map_or(Ok(()), |table| table.pid.check()).map_err(at("controller.pid"))?;
-        self.compensation.map_or(Ok(()), |table| table.check()).map_err(at("compensation"))?;
+        let controllers = self.controller.as_ref().map_or(Ok(()), Controllers::check);
+        controllers.map_err(|(table, error)| (format!("controller.{table}"), error))?;
+        if let Some(observer) = &self.observer {
+            observer.believed.check().map_err(at("observer.believed"))?;
+            observer.check().map_err(at("observer"))?;
+        }
+        self.compensation.as_ref().map_or(Ok(()), Compensation::check).map_err(at("compensation"))?;
         self.safety.map_or(Ok(()), |table| table.check()).map_err(at("safety"))?;
         if let Some(reference) = &self.reference {
             let (min, max) = self.safety.map_or((-1e6, 1e6), |s| (s.setpoint_min_mm, s.setpoint_max_mm));
             reference.setpoint_mm.check(min, max).map_err(at("reference.setpoint_mm"))?;
         }
-        self.check_across()
+        self.check_across().map_err(|(table, error)| (table.to_owned(), error))
     }
 }
 
@@ -156,7 +160,7 @@ impl Tables {
             within("setpoint_max_mm", safety.setpoint_max_mm, 0.0, rig.sensor_to_bottom_mm)
                 .map_err(|error| ("safety", error))?;
         }
-        if let Some(compensation) = self.compensation {
+        if let Some(compensation) = &self.compensation {
             let (lowest, highest) = (safety.duty_min_percent, safety.duty_max_percent);
             within("hover_duty_percent", compensation.hover_duty_percent, lowest, highest)
                 .map_err(|error| ("compensation", error))?;
@@ -178,7 +182,29 @@ impl Tables {
         if self.mqtt.as_ref().is_some_and(|mqtt| mqtt.port == 0) {
             return Err(("mqtt.port", "no broker listens on port 0; the usual one is 1883".into()));
         }
+        self.check_controller().map_err(|message| ("controller", message))?;
         self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))
+    }
+
+    /// Whether the controllers are there that the table speaks of, and what they need.
+    fn check_controller(&self) -> Result<(), String> {
+        let Some(controllers) = &self.controller else { return Ok(()) };
+        let known = Kind::ALL.map(Kind::name).join(", ");
+        match (controllers.first(), controllers.active) {
+            (None, Some(kind)) => {
+                let name = kind.name();
+                Err(format!(
+                    "active = \"{name}\", and there is no table [controller.{name}]; write it, or name another"
+                ))
+            }
+            (None, None) => Err(format!("it holds no controller; write a table of one of {known}")),
+            (Some(_), _) => match controllers.needs_observer().filter(|_| self.observer.is_none()) {
+                Some(key) => {
+                    Err(format!("{key} needs the table [observer]; copy it from the config.toml of the project"))
+                }
+                None => Ok(()),
+            },
+        }
     }
 }
 

@@ -38,6 +38,9 @@ pub struct Cycle {
     pub setpoint_mm: Option<f64>,
     /// What the controller asked for, percent of duty about hover. Absent while the fan is driven without control.
     pub control_percent: Option<f64>,
+    /// The control value itself where predistortion makes it an acceleration, nominal mm/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub control_mm_per_s2: Option<f64>,
     /// What compensation made of it, percent of duty.
     pub commanded_duty_percent: f64,
     /// The duty as the chip holds it, written in response to this position and in force until the next cycle.
@@ -48,6 +51,12 @@ pub struct Cycle {
     pub fresh: bool,
     /// The estimated velocity, millimetres per second, upward. Absent before the first reading.
     pub velocity_mm_per_s: Option<f64>,
+    /// The reading minus what the observer expected, millimetres. Absent without a reading or an observer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub innovation_mm: Option<f64>,
+    /// The innovation's square over that of the gate: to 0.5 as expected, to 1.0 worth a look, above refused as an outlier.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub innovation_test_ratio: Option<f64>,
 }
 
 /// Something that happened once. The log's channel `event` carries its [`EventMessage`].

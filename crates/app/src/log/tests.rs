@@ -24,6 +24,9 @@ pub(super) fn cycles(count: u32) -> Vec<Cycle> {
             position_mm: (k >= 2).then(|| 300.0 + 40.0 * (2.1 * time_s).cos()),
             fresh: k >= 2 && !k.is_multiple_of(7),
             velocity_mm_per_s: (k >= 3).then(|| -84.0 * (2.1 * time_s).sin()),
+            control_mm_per_s2: None,
+            innovation_mm: None,
+            innovation_test_ratio: None,
         }
     };
     (0..count).map(cycle).collect()

@@ -8,6 +8,7 @@ use super::test_broker::{Broker, Cable, Outside, config, until};
 use super::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
 use crate::command::{Command, Refusal};
 use crate::log::record::{Cycle, Mode};
+use control::controller::Kind;
 use serde_json::json;
 use std::net::TcpListener;
 use std::thread;
@@ -34,11 +35,11 @@ fn connected() -> (Broker, Outside, Link, Mailbox) {
 
 fn in_force(setpoint_mm: f64) -> InForce {
     let gains = Gains { kp_per_mm: 0.01, ti_s: 3.0, td_s: 0.5 };
-    InForce { setpoint_mm: Some(setpoint_mm), gains: Some(gains), mode: Mode::Flying }
+    InForce { setpoint_mm: Some(setpoint_mm), controller: Kind::Pid, gains: Some(gains), mode: Mode::Flying }
 }
 
 fn state(time_s: f64) -> State {
-    let InForce { setpoint_mm, gains, mode } = in_force(250.0);
+    let InForce { setpoint_mm, controller, gains, mode } = in_force(250.0);
     let cycle = Cycle {
         time_s,
         period_s: 0.02,
@@ -51,8 +52,11 @@ fn state(time_s: f64) -> State {
         position_mm: Some(248.25),
         fresh: true,
         velocity_mm_per_s: Some(-3.0),
+        control_mm_per_s2: None,
+        innovation_mm: None,
+        innovation_test_ratio: None,
     };
-    State { cycle, gains, late_cycles: 2, dropped_log_messages: 0 }
+    State { cycle, controller, gains, late_cycles: 2, dropped_log_messages: 0 }
 }
 
 /// What the loop does with a command: here it takes what comes next and refuses or not.

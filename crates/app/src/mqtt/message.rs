@@ -4,6 +4,7 @@ use super::count::Counts;
 use super::topics::Quantity;
 use crate::command::{Command, Refusal};
 use crate::log::record::{Cycle, Mode};
+use control::controller::Kind;
 use control::pid::Pid;
 use serde::Serialize;
 
@@ -29,7 +30,9 @@ impl From<Pid> for Gains {
 pub struct InForce {
     /// Commanded position, millimetres. Null while the fan is driven without control.
     pub setpoint_mm: Option<f64>,
-    /// The gains, where the controller has them.
+    /// Which controller flies.
+    pub controller: Kind,
+    /// The gains of the PID, where there is one.
     #[serde(flatten)]
     pub gains: Option<Gains>,
     /// What the loop is doing.
@@ -53,7 +56,9 @@ pub struct State {
     /// The cycle just done.
     #[serde(flatten)]
     pub cycle: Cycle,
-    /// The gains, where the controller has them.
+    /// Which controller flies.
+    pub controller: Kind,
+    /// The gains of the PID, where there is one.
     #[serde(flatten)]
     pub gains: Option<Gains>,
     /// Cycles that began too late, since the start.
@@ -66,7 +71,12 @@ impl State {
     /// The part that commands may change.
     #[must_use]
     pub const fn in_force(&self) -> InForce {
-        InForce { setpoint_mm: self.cycle.setpoint_mm, gains: self.gains, mode: self.cycle.mode }
+        InForce {
+            setpoint_mm: self.cycle.setpoint_mm,
+            controller: self.controller,
+            gains: self.gains,
+            mode: self.cycle.mode,
+        }
     }
 }
 
@@ -104,6 +114,7 @@ const fn quantity(command: Command) -> Quantity {
     match command {
         Command::Setpoint(_) => Quantity::Setpoint,
         Command::Gains(_) => Quantity::Gains,
+        Command::Controller(_) => Quantity::Controller,
         Command::Stop | Command::Fly | Command::Programme => Quantity::Mode,
     }
 }
@@ -113,10 +124,12 @@ mod tests {
     use super::{Answer, Gains, InForce, Reply};
     use crate::command::{Command, Refusal};
     use crate::log::record::Mode;
+    use control::controller::Kind;
     use serde_json::json;
 
     const IN_FORCE: InForce = InForce {
         setpoint_mm: Some(300.0),
+        controller: Kind::Pid,
         gains: Some(Gains { kp_per_mm: 0.01, ti_s: f64::INFINITY, td_s: 0.5 }),
         mode: Mode::Flying,
     };
@@ -124,7 +137,7 @@ mod tests {
     #[test]
     fn an_accepted_command_is_answered_with_what_is_in_force_and_an_integral_that_is_off_is_null() {
         let answer = Answer { command: Command::Setpoint(300.0), refused: None, in_force: IN_FORCE };
-        let in_force = json!({"setpoint_mm": 300.0, "kp_per_mm": 0.01, "ti_s": null, "td_s": 0.5, "mode": "flying"});
+        let in_force = json!({"setpoint_mm": 300.0, "controller": "pid", "kp_per_mm": 0.01, "ti_s": null, "td_s": 0.5, "mode": "flying"});
         let expected = json!({"topic": "set/setpoint_mm", "accepted": true, "in_force": in_force, "reason": null});
         assert_eq!(serde_json::to_value(Reply::from(answer)).unwrap(), expected);
     }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `airball/<rig>/set/setpoint_mm` | in | a number: `300` |
 //! | `airball/<rig>/set/gains` | in | JSON, changed together: `{"kp_per_mm":0.01,"ti_s":3}` |
+//! | `airball/<rig>/set/controller` | in | `pid`, `cascade`, `state_feedback`, `lqg`, `mpc` or `open_loop`, where the config has it |
 //! | `airball/<rig>/set/mode` | in | `stop`, `fly` or `programme` |
 //! | `airball/<rig>/reply` | out | JSON: what is in force, or why a command was refused |
 //! | `airball/<rig>/state` | out, 10 Hz | JSON: the latest cycle, the gains, the counts |

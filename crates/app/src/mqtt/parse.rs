@@ -4,6 +4,7 @@
 
 use super::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
 use crate::command::{Command, GainChange};
+use control::controller::Kind;
 
 /// Longest payload that is looked into, bytes. The longest sensible one, three gains, has about 80.
 const LONGEST_PAYLOAD: usize = 256;
@@ -77,6 +78,7 @@ pub fn parse(topics: &Topics, topic: &str, payload: &[u8]) -> Result<Command, Pa
     }
     match quantity {
         Quantity::Setpoint => number(text).map(Command::Setpoint).ok_or_else(form),
+        Quantity::Controller => Kind::named(text).map(Command::Controller).ok_or_else(form),
         Quantity::Mode => mode(text).ok_or_else(form),
         Quantity::Gains => {
             gains(text).map(Command::Gains).map_err(|why| ParseError::Gains { got: quoted(text), why, expected })
@@ -90,6 +92,9 @@ const fn expected(quantity: Quantity) -> &'static str {
         Quantity::Setpoint => "expected a number of millimetres, like 300 or 300.5",
         Quantity::Gains => {
             r#"expected JSON with one or more of kp_per_mm, ti_s, td_s, like {"kp_per_mm":0.01,"ti_s":3}"#
+        }
+        Quantity::Controller => {
+            "expected one of pid, cascade, state_feedback, lqg, mpc, open_loop that the config holds, like pid"
         }
         Quantity::Mode => "expected one of stop, fly, programme, like stop",
     }
@@ -143,6 +148,7 @@ mod tests {
     use super::{LONGEST_PAYLOAD, ParseError, parse};
     use crate::command::{Command, GainChange};
     use crate::mqtt::topics::{ORIGINAL_SETPOINT, Topics};
+    use control::controller::Kind;
     use proptest::prelude::*;
 
     const SETPOINT: &str = "airball/rig1/set/setpoint_mm";
@@ -189,6 +195,14 @@ mod tests {
         assert_eq!(read(MODE, "fly"), Ok(Command::Fly));
         assert_eq!(read(MODE, "programme"), Ok(Command::Programme));
         assert!(reason(MODE, "program").contains("stop, fly, programme"));
+    }
+
+    #[test]
+    fn every_controller_is_named_and_an_unknown_one_refused_with_all_of_them() {
+        for kind in Kind::ALL {
+            assert_eq!(read("airball/rig1/set/controller", kind.name()), Ok(Command::Controller(kind)));
+            assert!(reason("airball/rig1/set/controller", "PID").contains(kind.name()));
+        }
     }
 
     #[test]

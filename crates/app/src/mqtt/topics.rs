@@ -20,13 +20,15 @@ pub enum Quantity {
     Setpoint,
     /// The controller's gains, together.
     Gains,
+    /// Which controller flies.
+    Controller,
     /// What the loop does.
     Mode,
 }
 
 impl Quantity {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::Setpoint, Self::Gains, Self::Mode];
+    pub const ALL: [Self; 4] = [Self::Setpoint, Self::Gains, Self::Controller, Self::Mode];
 
     /// The topic below the rig's.
     #[must_use]
@@ -34,6 +36,7 @@ impl Quantity {
         match self {
             Self::Setpoint => "set/setpoint_mm",
             Self::Gains => "set/gains",
+            Self::Controller => "set/controller",
             Self::Mode => "set/mode",
         }
     }

@@ -5,13 +5,14 @@ use crate::experiment::Experiment;
 use crate::log::record::{Fault, Mode};
 use control::Duty;
 use control::compensation::Compensation;
-use control::pid::Pid;
+use control::observer::Surprise;
+use control::regulator::Regulator;
 
 /// What the pilot knows before a flight.
 #[derive(Clone, Debug)]
 pub struct Orders {
-    /// Gains at the start.
-    pub pid: Pid,
+    /// Estimate and control.
+    pub regulator: Regulator,
     /// From control value to duty.
     pub compensation: Compensation,
     /// What must not be exceeded.
@@ -38,12 +39,16 @@ pub struct Decision {
     pub mode: Mode,
     /// Commanded position, mm.
     pub setpoint_mm: Option<f64>,
-    /// Control value, percent about hover.
+    /// What the control value means in percent of duty about hover.
     pub control_percent: Option<f64>,
+    /// The control value itself where predistortion makes it an acceleration, mm/s².
+    pub control_mm_per_s2: Option<f64>,
     /// The duty to write.
     pub duty: Duty,
     /// The estimated velocity, mm/s.
     pub velocity_mm_per_s: Option<f64>,
     /// The last position seen, mm.
     pub position_mm: Option<f64>,
+    /// What the reading said to the observer.
+    pub surprise: Option<Surprise>,
 }

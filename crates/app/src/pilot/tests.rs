@@ -6,7 +6,9 @@ use crate::config::Safety;
 use crate::experiment::{Experiment, Limits, Segment};
 use crate::log::record::{Fault, Mode};
 use control::compensation::Compensation;
+use control::controller::{Controllers, Kind};
 use control::pid::{DerivativeOn, Pid};
+use control::regulator::Regulator;
 use control::waveform::Waveform;
 
 const T: f64 = 0.02;
@@ -18,15 +20,10 @@ fn segment(duration_s: f64) -> Segment {
 
 fn pilot(segments: Vec<Segment>) -> Pilot {
     let limits = Limits { position_min_mm: Some(50.0), position_max_mm: Some(550.0) };
+    let pid = Pid::new(0.01, 5.0, 0.3, 10.0, DerivativeOn::Measurement);
     Pilot::new(Orders {
-        pid: Pid {
-            kp_per_mm: 0.01,
-            ti_s: 5.0,
-            td_s: 0.3,
-            derivative_n: 10.0,
-            derivative_on: DerivativeOn::Measurement,
-        },
-        compensation: Compensation { hover_duty_percent: 21.4, dead_zone: None },
+        regulator: Regulator::new(Controllers::only_pid(pid), None, T).unwrap(),
+        compensation: Compensation::bare(21.4),
         safety: Safety {
             setpoint_min_mm: 20.0,
             setpoint_max_mm: 560.0,
@@ -154,6 +151,44 @@ fn commands_beyond_the_limits_are_refused_with_them() {
     let before = pilot.gains();
     assert!(matches!(pilot.command(Command::Gains(change)), Err(Refusal::Gain(_))));
     assert_eq!(pilot.gains(), before);
+}
+
+/// The controllers and the observer of the project's config.
+fn all() -> Regulator {
+    let tables: crate::config::Tables = toml::from_str(include_str!("../../../../config.toml")).unwrap();
+    Regulator::new(tables.controller.unwrap(), tables.observer.as_ref(), T).unwrap()
+}
+
+#[test]
+fn another_controller_takes_over_on_command_without_moving_the_duty() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    pilot.orders.regulator = all();
+    let before = fly(&mut pilot, 0.0, &[Seen::Ball(300.0); 100]).1;
+    for (k, kind) in [Kind::Mpc, Kind::Cascade, Kind::Lqg, Kind::StateFeedback, Kind::Pid].into_iter().enumerate() {
+        pilot.command(Command::Controller(kind)).unwrap();
+        assert_eq!(pilot.controller(), kind);
+        let after = fly(&mut pilot, 2.0 + T * k as f64, &[Seen::Ball(300.0)]).1;
+        assert!((after - before).abs() < 0.01, "{kind:?}: {before} % became {after} %");
+    }
+}
+
+#[test]
+fn a_controller_that_the_config_does_not_hold_is_refused_with_those_that_it_does() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    let refusal = pilot.command(Command::Controller(Kind::Lqg)).unwrap_err().to_string();
+    assert!(refusal.contains("[controller.lqg]") && refusal.ends_with("it has pid"), "{refusal}");
+}
+
+#[test]
+fn the_observers_controller_acts_between_readings_and_the_filters_waits_for_them() {
+    for (kind, moves) in [(Kind::Lqg, true), (Kind::Pid, false)] {
+        let mut pilot = pilot(vec![segment(60.0)]);
+        pilot.orders.regulator = all();
+        pilot.command(Command::Controller(kind)).unwrap();
+        let before = fly(&mut pilot, 0.0, &[Seen::Ball(250.0); 10]).1;
+        let after = fly(&mut pilot, 0.2, &[Seen::Nothing(None)]).1;
+        assert_eq!(after != before, moves, "{kind:?}: {before} %, {after} %");
+    }
 }
 
 proptest::proptest! {

@@ -164,6 +164,9 @@ mod tests {
             position_mm: Some(position_mm),
             fresh: true,
             velocity_mm_per_s: Some(0.0),
+            control_mm_per_s2: None,
+            innovation_mm: None,
+            innovation_test_ratio: None,
         }
     }
 

@@ -32,6 +32,42 @@ pub struct Summary {
     pub rms_error_mm: Option<f64>,
     /// The same, only where a step had settled.
     pub rms_settled_mm: Option<f64>,
+    /// How surprising the readings were to the observer, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub innovations: Option<Innovations>,
+}
+
+/// Readings by the observer's test ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Innovations {
+    /// To 0.5: as expected, percent.
+    pub expected_percent: f64,
+    /// To 1.0: worth a look, percent.
+    pub doubtful_percent: f64,
+    /// Above: refused as outliers, percent.
+    pub refused_percent: f64,
+}
+
+impl Innovations {
+    fn of(ratios: impl Iterator<Item = f64>) -> Option<Self> {
+        let [mut expected, mut doubtful, mut refused] = [0.0_f64; 3];
+        for ratio in ratios {
+            let band = if ratio <= 0.5 {
+                &mut expected
+            } else if ratio <= 1.0 {
+                &mut doubtful
+            } else {
+                &mut refused
+            };
+            *band += 1.0;
+        }
+        let percent = 100.0 / (expected + doubtful + refused);
+        percent.is_finite().then_some(Self {
+            expected_percent: percent * expected,
+            doubtful_percent: percent * doubtful,
+            refused_percent: percent * refused,
+        })
+    }
 }
 
 impl Summary {
@@ -53,6 +89,7 @@ impl Summary {
             settling_s: median(settled),
             rms_error_mm: rms(cycles.iter().filter_map(error)),
             rms_settled_mm: rms(cycles.iter().filter(|cycle| is_settled(cycle, &steps)).filter_map(error)),
+            innovations: Innovations::of(cycles.iter().filter_map(|cycle| cycle.innovation_test_ratio)),
             steps: steps.len(),
         }
     }
@@ -100,6 +137,26 @@ impl fmt::Display for Summary {
             (Some(all), Some(settled)) => writeln!(f, "error     rms {all:.1} mm, {settled:.1} mm once settled"),
             (Some(all), None) => writeln!(f, "error     rms {all:.1} mm"),
             _ => writeln!(f, "error     none: the controller was off"),
-        }
+        }?;
+        let Some(Innovations { expected_percent, doubtful_percent, refused_percent }) = self.innovations else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "observer  {expected_percent:.1} % of the readings as expected, {doubtful_percent:.1} % doubtful, {refused_percent:.1} % refused"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Innovations;
+
+    #[test]
+    fn readings_are_counted_by_the_bands_of_their_test_ratio() {
+        let got = Innovations::of([0.0, 0.5, 0.6, 1.0, 1.1].into_iter()).unwrap();
+        let Innovations { expected_percent, doubtful_percent, refused_percent } = got;
+        assert_eq!([expected_percent, doubtful_percent, refused_percent], [40.0, 40.0, 20.0]);
+        assert_eq!(Innovations::of(std::iter::empty()), None);
     }
 }

@@ -168,6 +168,18 @@ fn an_outlier_is_refused_and_leaves_no_trace_but_a_moved_ball_is_believed_in_the
 }
 
 #[test]
+fn a_ball_that_lies_at_the_bottom_is_not_believed_to_fall_through_it() {
+    let mut estimator = Estimator::new(OBSERVER, T);
+    estimator.update(0.0);
+    for _ in 0..50 {
+        estimator.predict(-21.4, T);
+    }
+    let now = estimator.estimate().unwrap();
+    assert_eq!((now.position_mm, now.velocity_mm_per_s), (0.0, 0.0));
+    assert!(now.fan < -20.0, "{now:?}");
+}
+
+#[test]
 fn the_first_reading_is_where_the_ball_is() {
     let mut estimator = Estimator::new(OBSERVER, T);
     assert_eq!(estimator.estimate(), None);

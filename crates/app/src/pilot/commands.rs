@@ -1,0 +1,51 @@
+//! What the pilot may be told in flight.
+
+use super::Pilot;
+use crate::command::{Command, Refusal};
+use crate::log::record::Mode;
+use control::check::within;
+
+impl Pilot {
+    /// Takes a command, or says why not.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the limit that it would break.
+    pub fn command(&mut self, command: Command) -> Result<(), Refusal> {
+        match command {
+            Command::Setpoint(asked_mm) => {
+                let (min_mm, max_mm) = (self.orders.safety.setpoint_min_mm, self.orders.safety.setpoint_max_mm);
+                within("setpoint_mm", asked_mm, min_mm, max_mm).map_err(|_| Refusal::Setpoint {
+                    asked_mm,
+                    min_mm,
+                    max_mm,
+                })?;
+                if self.mode == Mode::OpenLoop {
+                    return Err(Refusal::OpenLoop);
+                }
+                self.held_mm = Some(asked_mm);
+            }
+            Command::Gains(change) => {
+                let gains = change.applied_to(self.gains().ok_or(Refusal::NoPid)?);
+                gains.check().map_err(Refusal::Gain)?;
+                self.orders.regulator.retune(gains);
+            }
+            Command::Controller(asked) => {
+                if !self.orders.regulator.switch(asked) {
+                    return Err(Refusal::Controller { asked, known: self.orders.regulator.controllers().into() });
+                }
+            }
+            Command::Stop => self.mode = Mode::Stopped,
+            Command::Fly => {
+                if self.mode == Mode::Stopped {
+                    self.mode = Mode::Waiting;
+                    self.fault = None;
+                    self.last = None;
+                    self.waiting_since_s = None;
+                    self.been_in_band = false;
+                }
+            }
+            Command::Programme => self.held_mm = None,
+        }
+        Ok(())
+    }
+}

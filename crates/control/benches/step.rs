@@ -120,18 +120,23 @@ fn crate_idsp() -> Step {
     Box::new(move |reading| filter.process(&mut state, SETPOINT_MM - reading))
 }
 
-/// Observer, controller, dead zone and dither, and predistortion where it is asked for.
-fn whole(kind: Kind, gain: Option<Gain>, predistorted: bool) -> Result<Step, Box<dyn Error>> {
-    // With predistortion a control value is about a three-hundredth of a percent.
-    let unit = if predistorted { 300.0 } else { 1.0 };
-    let observer = gain.map(|gain| Observer {
+/// An observer of the thesis' three-pole model that takes every reading.
+fn observer(gain: Gain, unit: f64) -> Observer {
+    Observer {
         believed: Believed { gain_mm_per_s2_per_control: 827.2 / unit, drag_per_s: 3.896, fan_lag_s: Some(0.257) },
         sensor_mm: 2.5,
         acceleration_psd_mm2_per_s3: 360.0,
         disturbance_psd_per_s: Some(1e-3 * unit * unit),
         gate_sigma: 50.0,
         gain,
-    });
+    }
+}
+
+/// Observer, controller, dead zone and dither, and predistortion where it is asked for.
+fn whole(kind: Kind, gain: Option<Gain>, predistorted: bool) -> Result<Step, Box<dyn Error>> {
+    // With predistortion a control value is about a three-hundredth of a percent.
+    let unit = if predistorted { 300.0 } else { 1.0 };
+    let observer = gain.map(|gain| observer(gain, unit));
     let controllers = Controllers {
         active: Some(kind),
         pid: (kind == Kind::Pid).then_some(GAINS),

@@ -72,7 +72,9 @@ fn a_setpoint_arrives_and_what_is_in_force_is_replied() {
     for topic in [SETPOINT, ORIGINAL_SETPOINT] {
         outside.say(topic, "300");
         assert_eq!(obey(&mut mailbox, None), Command::Setpoint(300.0));
-        let in_force = json!({"setpoint_mm": 300.0, "kp_per_mm": 0.01, "ti_s": 3.0, "td_s": 0.5, "mode": "flying"});
+        let in_force = json!({
+            "setpoint_mm": 300.0, "controller": "pid", "kp_per_mm": 0.01, "ti_s": 3.0, "td_s": 0.5, "mode": "flying"
+        });
         let reply = json!({"topic": "set/setpoint_mm", "accepted": true, "in_force": in_force, "reason": null});
         assert_eq!(outside.json(REPLY), reply);
     }

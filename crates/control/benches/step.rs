@@ -61,6 +61,7 @@ fn contestants() -> Result<Vec<(&'static str, Step)>, Box<dyn Error>> {
         ("lqg-predistorted", whole(Kind::Lqg, Some(Gain::SteadyState), true)?),
         ("lqg-time-varying", whole(Kind::Lqg, Some(Gain::TimeVarying), false)?),
         ("mpc-compensated", whole(Kind::Mpc, Some(Gain::SteadyState), false)?),
+        ("mpc-at-limits", within((21.0, 21.8), Kind::Mpc, Some(Gain::SteadyState), false)?),
     ])
 }
 
@@ -134,6 +135,11 @@ fn observer(gain: Gain, unit: f64) -> Observer {
 
 /// Observer, controller, dead zone and dither, and predistortion where it is asked for.
 fn whole(kind: Kind, gain: Option<Gain>, predistorted: bool) -> Result<Step, Box<dyn Error>> {
+    within((10.0, 40.0), kind, gain, predistorted)
+}
+
+/// The same within other limits of the duty, percent.
+fn within(duties: (f64, f64), kind: Kind, gain: Option<Gain>, predistorted: bool) -> Result<Step, Box<dyn Error>> {
     // With predistortion a control value is about a three-hundredth of a percent.
     let unit = if predistorted { 300.0 } else { 1.0 };
     let observer = gain.map(|gain| observer(gain, unit));
@@ -165,7 +171,7 @@ fn whole(kind: Kind, gain: Option<Gain>, predistorted: bool) -> Result<Step, Box
     Ok(Box::new(move |reading| {
         regulator.pass(control, T);
         regulator.read(reading, T);
-        let limits = compensator.control_limits(Duty::clamped(10.0), Duty::clamped(40.0), 0.0);
+        let limits = compensator.control_limits(Duty::clamped(duties.0), Duty::clamped(duties.1), 0.0);
         control = regulator.step(SETPOINT_MM, T, limits);
         compensator.duty(control, 0.0).percent()
     }))

@@ -23,6 +23,8 @@ use control::pid::Pid;
 
 /// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
 const MISSING_PERIODS: f64 = 2.5;
+/// The fan has been off for longer than it takes to stop, seconds.
+const OFF_S: f64 = 10.0;
 /// How long the first position may take, seconds: a sensor that works and sees a ball needs a hundredth of it.
 const WAIT_S: f64 = 5.0;
 
@@ -52,9 +54,12 @@ pub struct Pilot {
 impl Pilot {
     /// A pilot before take-off.
     #[must_use]
-    pub fn new(orders: Orders) -> Self {
+    pub fn new(mut orders: Orders) -> Self {
+        let compensator = orders.compensation.start();
+        let acting = compensator.control(Duty::OFF);
+        orders.regulator.pass(acting, OFF_S);
         Self {
-            compensator: orders.compensation.start(),
+            compensator,
             orders,
             mode: Mode::Waiting,
             decided_s: None,
@@ -63,7 +68,7 @@ impl Pilot {
             waiting_since_s: None,
             held_mm: None,
             control: 0.0,
-            acting: 0.0,
+            acting,
             been_in_band: false,
             fault: None,
         }

@@ -54,7 +54,7 @@ mod tests {
         mended.hover_duty_percent = 21.5;
         mended.effects.set("dead_zone", &[-0.3, 0.3]);
         let zone = |(lower_percent, upper_percent)| DeadZoneCorrection { lower_percent, upper_percent };
-        let compensation = Compensation { hover_duty_percent: 21.4, dead_zone: correction.map(zone) };
+        let compensation = Compensation { dead_zone: correction.map(zone), ..Compensation::bare(21.4) };
         words(Effects::entry("dead_zone").unwrap(), &mended, Some(&compensation))
     }
 

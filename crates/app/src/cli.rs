@@ -1,5 +1,11 @@
 //! The command line. Flags mean the same everywhere.
 
+mod design;
+
+pub use design::{
+    CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs, RelayRule,
+};
+
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -25,6 +31,9 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Say which effect separates logs of a rig from a model, where, and how far it closes the gap
     Diagnose(DiagnoseArgs),
+    /// Design a controller for the model of a config, or say what its loop bears
+    #[command(subcommand)]
+    Design(DesignCommand),
     /// Diagnose a folder of withheld cases, and score the answers once the truth is known
     Blind(BlindArgs),
     /// Check or print a config

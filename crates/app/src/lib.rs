@@ -1,5 +1,6 @@
 //! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
 
+pub mod assessment;
 pub mod cli;
 pub mod closed_loop;
 pub mod command;

@@ -15,6 +15,7 @@ pub mod cascade;
 pub mod check;
 pub mod compensation;
 pub mod controller;
+pub mod design;
 pub mod dither;
 pub mod feed_forward;
 pub mod filter;

@@ -16,6 +16,7 @@ mod diagnosis;
 mod explain;
 mod fit;
 mod folds;
+pub mod force_curve;
 mod free;
 mod gap;
 mod grid;
@@ -23,6 +24,7 @@ mod hold;
 mod likelihood;
 mod look;
 mod missing_force;
+pub mod oscillation;
 mod picture;
 mod places;
 mod prepare;
@@ -34,6 +36,7 @@ mod spectrum;
 mod starts;
 mod thin;
 mod track;
+pub mod transient;
 mod which;
 
 #[cfg(test)]

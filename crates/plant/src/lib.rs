@@ -15,6 +15,7 @@ mod effect;
 pub mod effects;
 mod flow;
 mod lag;
+mod linear;
 mod model;
 mod motion;
 mod normal;

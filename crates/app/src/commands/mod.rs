@@ -2,6 +2,7 @@
 
 pub mod blind;
 pub mod config;
+pub mod design;
 pub mod diagnose;
 mod diagnosing;
 mod flying;

@@ -1,8 +1,10 @@
 //! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, the [`diagnosis`] with
-//! its [`closed_loop`] and what to fly [`next`], and the score of many that were [`blind`].
+//! its [`closed_loop`] and what to fly [`next`], the score of many that were [`blind`], and a [`design`] with its picture.
 
 pub mod blind;
 pub mod closed_loop;
+pub mod design;
+pub mod design_plot;
 pub mod diagnosis;
 pub mod gap;
 pub mod logs;

@@ -11,9 +11,9 @@ use plotters::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// The same colours for the same signals in every picture.
-const SETPOINT: RGBColor = RGBColor(0x88, 0x88, 0x88);
-const RECORDED: RGBColor = RGBColor(0x1f, 0x77, 0xb4);
-const NOMINAL: RGBColor = RGBColor(0xd6, 0x27, 0x28);
+pub(super) const SETPOINT: RGBColor = RGBColor(0x88, 0x88, 0x88);
+pub(super) const RECORDED: RGBColor = RGBColor(0x1f, 0x77, 0xb4);
+pub(super) const NOMINAL: RGBColor = RGBColor(0xd6, 0x27, 0x28);
 const DUTY: RGBColor = RGBColor(0x2c, 0x7a, 0x2c);
 const MENDED: RGBColor = RGBColor(0x2c, 0xa0, 0x2c);
 const FORCE: RGBColor = RGBColor(0x7b, 0x3f, 0xa0);
@@ -62,24 +62,26 @@ pub fn may_write(path: &Path) -> Result<(), PlotError> {
 }
 
 /// A line of a picture.
-struct Line {
-    label: &'static str,
-    colour: RGBColor,
+pub(super) struct Line {
+    pub(super) label: &'static str,
+    pub(super) colour: RGBColor,
     /// Abscissa, usually the time in s, and value. NaN breaks the line.
-    points: Vec<(f64, f64)>,
+    pub(super) points: Vec<(f64, f64)>,
 }
 
 /// One of the diagrams of a picture.
 #[derive(Clone, Copy, Default)]
-struct Panel<'a> {
-    title: &'a str,
-    abscissa: &'a str,
-    ordinate: &'a str,
-    lines: &'a [Line],
+pub(super) struct Panel<'a> {
+    pub(super) title: &'a str,
+    pub(super) abscissa: &'a str,
+    pub(super) ordinate: &'a str,
+    pub(super) lines: &'a [Line],
+    /// Crosses.
+    pub(super) marks: &'a [(f64, f64)],
     /// Outline of a band about the first line.
-    band: &'a [(f64, f64)],
+    pub(super) band: &'a [(f64, f64)],
     /// Stretches of the abscissa to be pointed out.
-    shaded: &'a [(f64, f64)],
+    pub(super) shaded: &'a [(f64, f64)],
 }
 
 /// Draws a flight: setpoint, position and duty.
@@ -137,16 +139,25 @@ fn draw(path: &Path, title: &str, position: &[Line], duty: &Line) -> Result<(), 
     write(path, &svg)
 }
 
-fn write(path: &Path, svg: &str) -> Result<(), PlotError> {
+/// Writes a picture, unless something that is none has its name.
+pub(super) fn write(path: &Path, svg: &str) -> Result<(), PlotError> {
     may_write(path)?;
     std::fs::write(path, svg).map_err(|source| PlotError::Write { path: path.to_owned(), source })
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-fn panel(area: &Area<'_>, panel: Panel<'_>) -> Result<(), PlotError> {
-    let points =
-        || panel.lines.iter().flat_map(|line| &line.points).chain(panel.band).filter(|(t, y)| is_there(*t, *y));
+/// Draws one diagram.
+pub(super) fn panel(area: &Area<'_>, panel: Panel<'_>) -> Result<(), PlotError> {
+    let points = || {
+        panel
+            .lines
+            .iter()
+            .flat_map(|line| &line.points)
+            .chain(panel.band)
+            .chain(panel.marks)
+            .filter(|(t, y)| is_there(*t, *y))
+    };
     let (times, values) = (range(points().map(|p| p.0))?, padded(range(points().map(|p| p.1))?));
     let mut chart = ChartBuilder::on(area);
     chart.margin(12).x_label_area_size(38).y_label_area_size(58);
@@ -175,6 +186,8 @@ fn panel(area: &Area<'_>, panel: Panel<'_>) -> Result<(), PlotError> {
             .label(line.label)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
     }
+    let cross = |at: &(f64, f64)| Cross::new(*at, 6, NOMINAL.stroke_width(2));
+    chart.draw_series(panel.marks.iter().map(cross)).map_err(failed)?;
     let mut labels = chart.configure_series_labels();
     labels.position(SeriesLabelPosition::LowerRight).background_style(WHITE.mix(0.85));
     labels.border_style(RGBColor(0xcc, 0xcc, 0xcc)).draw().map_err(failed)
@@ -210,7 +223,7 @@ fn padded((low, high): (f64, f64)) -> std::ops::Range<f64> {
     low - pad..high + pad
 }
 
-fn failed(error: impl std::fmt::Display) -> PlotError {
+pub(super) fn failed(error: impl std::fmt::Display) -> PlotError {
     PlotError::Draw(error.to_string())
 }
 

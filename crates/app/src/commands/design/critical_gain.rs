@@ -1,0 +1,108 @@
+//! `airball design critical-gain`: the thesis' table of critical gains, and the third pole that closes its gap.
+//!
+//! The two-pole models are stable for ever where the rig is not: its fan has a pole. Chosen so that a model's critical gain is the
+//! one measured on the rig, that pole predicts the critical integral time, which was measured as well and not used.
+
+use super::{NAME, write};
+use crate::cli::CriticalGainArgs;
+use crate::commands::say;
+use crate::config::Config;
+use crate::report::design::critical_table;
+use anyhow::{Result, bail};
+use control::design::critical::{critical_gain as of_gain, critical_integral_time, third_pole};
+use control::design::law::Gains;
+use control::design::{DesignError, Linear};
+use serde::Serialize;
+
+/// What the thesis measured on the rig: the critical T_i at K_p = 0.01, seconds.
+const RIG_TI_S: f64 = 0.69;
+
+/// A line of the table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Which model.
+    pub model: String,
+    /// The fan's pole, 1/s.
+    pub fan_pole_per_s: Option<f64>,
+    /// Critical gain in continuous time, percent per mm; `None`: stable at any gain.
+    pub critical_kp_per_mm: Option<f64>,
+    /// Critical gain of the sampled loop.
+    pub sampled_critical_kp_per_mm: Option<f64>,
+    /// Critical integral time, seconds.
+    pub critical_ti_s: Option<f64>,
+}
+
+/// The document of `airball design critical-gain --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table {
+    schema: &'static str,
+    /// T_i of the critical gains, seconds.
+    pub ti_s: f64,
+    /// K_p of the critical integral times, percent per mm.
+    pub kp_per_mm: f64,
+    /// Period of the sampled loop, seconds.
+    pub period_s: f64,
+    /// The models as they are, the rig, and the models with the chosen pole.
+    pub rows: Vec<Row>,
+}
+
+pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
+    for (flag, value) in
+        [("--measured", args.measured), ("--ti-s", args.ti_s), ("--kp", args.kp), ("--period-s", args.period_s)]
+    {
+        if !(value > 0.0 && value.is_finite()) {
+            bail!("{flag} {value}: give a number above 0");
+        }
+    }
+    if let Some(path) = &args.patch_out {
+        let config = Config::read(&args.config, &[])?;
+        let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?;
+        let pole = third_pole(&model.linear(), args.ti_s, args.measured)?;
+        let origin = format!("# Critical gain {} at T_i = {} s, as measured.\n", args.measured, args.ti_s);
+        let lag_s = 1.0 / pole;
+        write("patch", path, &format!("{origin}[plant.effects.fan_lag]\ntime_constant_s = {lag_s}\n"))?;
+    }
+    let table = table(args)?;
+    if args.json { say(serde_json::to_string(&table)?) } else { say(critical_table(&table)) }
+}
+
+/// G_a by the transient method, G_b and G_c by the grey box with two and three poles; the thesis, section 3.1.
+fn thesis() -> [(&'static str, Linear); 3] {
+    [
+        ("G_a", Linear::two_poles(254.598, 1.889)),
+        ("G_b", Linear::two_poles(423.4, 1.595)),
+        ("G_c", Linear::three_poles(3222.8 / 3.896, 3.896, 3.896)),
+    ]
+}
+
+fn table(args: &CriticalGainArgs) -> Result<Table, DesignError> {
+    let mut rows = Vec::new();
+    for (name, plant) in thesis() {
+        rows.push(row(name.into(), &plant, args)?);
+    }
+    rows.push(Row {
+        model: "the rig".into(),
+        fan_pole_per_s: None,
+        critical_kp_per_mm: None,
+        sampled_critical_kp_per_mm: Some(args.measured),
+        critical_ti_s: Some(RIG_TI_S),
+    });
+    for (name, plant) in thesis() {
+        let pole = third_pole(&plant, args.ti_s, args.measured)?;
+        let with_pole = Linear::three_poles(plant.gain, plant.drag_per_s, pole);
+        rows.push(row(format!("{name}, third pole chosen"), &with_pole, args)?);
+    }
+    Ok(Table { schema: "airball.critical_gain/1", ti_s: args.ti_s, kp_per_mm: args.kp, period_s: args.period_s, rows })
+}
+
+fn row(model: String, plant: &Linear, args: &CriticalGainArgs) -> Result<Row, DesignError> {
+    let (continuous, sampled) = (plant.continuous(), plant.sampled(args.period_s)?);
+    let gains = Gains::pi(args.kp, args.ti_s);
+    Ok(Row {
+        model,
+        fan_pole_per_s: (plant.fan_lag_s > 0.0).then(|| 1.0 / plant.fan_lag_s),
+        critical_kp_per_mm: of_gain(&gains, &continuous).value(),
+        sampled_critical_kp_per_mm: of_gain(&gains, &sampled).value(),
+        critical_ti_s: critical_integral_time(&gains, &continuous).value(),
+    })
+}

@@ -1,0 +1,167 @@
+//! The methods that end in gains.
+
+use super::{Ground, NAME};
+use crate::cli::{DesignArgs, LqrArgs, PidArgs, PolesArgs, RelayArgs, RelayRule};
+use crate::commands::note;
+use crate::log::reader;
+use crate::report::design::Feedback;
+use anyhow::{Result, anyhow, bail};
+use control::design::ackermann::{ackermann, setpoint_gain};
+use control::design::discretise::discretise;
+use control::design::law::Gains;
+use control::design::placement::{Wanted, place};
+use control::design::relay::{Point, Relay, Rule};
+use control::design::riccati::{lqr as least_cost, sampled_lqr};
+use control::pid::DerivativeOn;
+use diagnose::oscillation::{Oscillation, oscillation};
+use nalgebra::{RowSVector, SMatrix, SVector};
+use std::path::Path;
+
+/// N of the velocity's filter under a state feedback, as in `config.toml`.
+const VELOCITY_N: f64 = 10.0;
+
+pub(super) fn of_config(args: &DesignArgs) -> Result<()> {
+    let ground = Ground::read(args)?;
+    let pid = ground.config.need(NAME, "controller", |tables| tables.controller.as_ref())?.pid;
+    let gains = Gains { kp_per_mm: pid.kp_per_mm, ti_s: pid.ti_s, td_s: pid.td_s, derivative_n: pid.derivative_n };
+    ground.conclude(args, gains, pid.derivative_on == DerivativeOn::Error, None)
+}
+
+pub(super) fn pid(args: &PidArgs) -> Result<()> {
+    let ground = Ground::read(&args.design)?;
+    let wanted = Wanted {
+        damping: above_zero("--damping", args.damping)?,
+        omega: above_zero("--omega", args.omega)?,
+        real_pole_per_s: above_zero("--real-pole", args.real_pole)?,
+    };
+    let placed = place(&ground.model.linear(), wanted, above_zero("--derivative-n", args.derivative_n)?)?;
+    ground.conclude(&args.design, placed.gains, false, None)
+}
+
+pub(super) fn poles(args: &PolesArgs) -> Result<()> {
+    let ground = Ground::read(&args.design)?;
+    let plant = ground.model.linear();
+    let feedback = if let Ok(poles) = <[_; 2]>::try_from(args.poles.as_slice()) {
+        let (a, b) = plant.two_states();
+        feedback(&a, &b, &ackermann(&a, &b, &poles)?)?
+    } else if let Ok(poles) = <[_; 3]>::try_from(args.poles.as_slice()) {
+        let (a, b) = plant.three_states();
+        needs_fan(plant.fan_lag_s)?;
+        feedback(&a, &b, &ackermann(&a, &b, &poles)?)?
+    } else {
+        bail!("{} poles; give two for position and velocity, or three for the fan as well", args.poles.len());
+    };
+    conclude(&ground, &args.design, feedback)
+}
+
+pub(super) fn lqr(args: &LqrArgs) -> Result<()> {
+    let ground = Ground::read(&args.design)?;
+    let plant = ground.model.linear();
+    let control = above_zero("--control", args.control)?;
+    let (position, velocity) =
+        (not_below_zero("--position", args.position)?, not_below_zero("--velocity", args.velocity)?);
+    let period_s = if args.sampled {
+        Some(ground.config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s)
+    } else {
+        None
+    };
+    let feedback = if args.with_fan {
+        needs_fan(plant.fan_lag_s)?;
+        let (a, b) = plant.three_states();
+        regulator(&a, &b, &SVector::from([position, velocity, 0.0]), control, period_s)?
+    } else {
+        let (a, b) = plant.two_states();
+        regulator(&a, &b, &SVector::from([position, velocity]), control, period_s)?
+    };
+    conclude(&ground, &args.design, feedback)
+}
+
+/// The regulator of diagonal weights; with `period_s` of the sampled plant.
+fn regulator<const N: usize>(
+    a: &SMatrix<f64, N, N>,
+    b: &SVector<f64, N>,
+    weights: &SVector<f64, N>,
+    control: f64,
+    period_s: Option<f64>,
+) -> Result<Feedback> {
+    let q = SMatrix::from_diagonal(weights);
+    let gain = match period_s {
+        None => least_cost(a, b, &q, control)?,
+        Some(period_s) => {
+            let over = discretise(a, b, &SMatrix::zeros(), period_s);
+            sampled_lqr(&over.transition, &over.input, &q, control)?
+        }
+    };
+    feedback(a, b, &gain)
+}
+
+fn feedback<const N: usize>(
+    a: &SMatrix<f64, N, N>,
+    b: &SVector<f64, N>,
+    gain: &RowSVector<f64, N>,
+) -> Result<Feedback> {
+    Ok(Feedback { gain: gain.iter().copied().collect(), setpoint_gain: setpoint_gain(a, b, gain)? })
+}
+
+/// A feedback of position and velocity is a PID without integral whose derivative acts on the measurement. One of the fan's
+/// state as well is assessed without that part.
+fn conclude(ground: &Ground, args: &DesignArgs, feedback: Feedback) -> Result<()> {
+    let (kp_per_mm, velocity) = (feedback.gain[0], feedback.gain[1]);
+    let gains = Gains { kp_per_mm, ti_s: f64::INFINITY, td_s: velocity / kp_per_mm, derivative_n: VELOCITY_N };
+    ground.conclude(args, gains, false, Some(feedback))
+}
+
+pub(super) fn relay(args: &RelayArgs) -> Result<()> {
+    let ground = Ground::read(&args.design)?;
+    let point = match &args.log {
+        Some(log) => point_of(log, &ground)?,
+        None => point_of_figures(args)?,
+    };
+    let rule = match args.rule {
+        RelayRule::ZieglerNichols => Rule::ZieglerNichols,
+        RelayRule::TyreusLuyben => Rule::TyreusLuyben,
+        RelayRule::PhaseMargin => Rule::PhaseMargin(args.margin_deg),
+    };
+    let gains = point.gains(rule, above_zero("--derivative-n", args.derivative_n)?)?;
+    ground.conclude(&args.design, gains, false, None)
+}
+
+/// The point that a recorded oscillation shows, its duty's fundamental in place of the relay's height.
+fn point_of(log: &Path, ground: &Ground) -> Result<Point> {
+    let loaded = reader::read(log, ground.config.tables.import.as_ref())?;
+    let found = oscillation(&loaded.recording).ok_or_else(|| {
+        let log = log.display();
+        anyhow!(
+            "{log}: fewer than three periods of an oscillation in its last half; fly experiments/relay.toml for longer"
+        )
+    })?;
+    let Oscillation { amplitude_mm, duty_amplitude_percent, period_s, short_of_half_turn } = found;
+    note(format_args!("oscillation of {amplitude_mm:.1} mm at {duty_amplitude_percent:.3} % of duty, {period_s:.3} s"));
+    let magnitude = amplitude_mm / duty_amplitude_percent;
+    Ok(Point { omega: std::f64::consts::TAU / period_s, magnitude, short_of_half_turn })
+}
+
+fn point_of_figures(args: &RelayArgs) -> Result<Point> {
+    // clap asks for the three where there is no log; one that is absent is refused as no number.
+    let relay = Relay {
+        height: above_zero("--height-percent", args.height_percent.unwrap_or(f64::NAN))?,
+        hysteresis_mm: not_below_zero("--hysteresis-mm", args.hysteresis_mm)?,
+    };
+    let amplitude_mm = above_zero("--amplitude-mm", args.amplitude_mm.unwrap_or(f64::NAN))?;
+    Ok(relay.point(amplitude_mm, above_zero("--period-s", args.period_s.unwrap_or(f64::NAN))?)?)
+}
+
+fn needs_fan(fan_lag_s: f64) -> Result<()> {
+    if fan_lag_s > 0.0 {
+        return Ok(());
+    }
+    bail!("the model has no fan's state: add [plant.effects.fan_lag], or design for position and velocity alone")
+}
+
+fn above_zero(flag: &str, value: f64) -> Result<f64> {
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(anyhow!("{flag} {value}: give a number above 0")) }
+}
+
+fn not_below_zero(flag: &str, value: f64) -> Result<f64> {
+    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(anyhow!("{flag} {value}: give 0 or more")) }
+}

@@ -16,6 +16,7 @@ use crate::experiment::Experiment;
 use crate::log::reader::{LoadedLog, sample};
 use crate::log::record::{Cycle, Mode};
 use crate::pilot::{Orders, Pilot, Seen};
+use control::regulator::Regulator;
 use control::waveform::Waveform;
 use diagnose::{Recording, Sample, nats_apart};
 use hal::BUDGET_US;
@@ -93,12 +94,13 @@ fn under_the_law(log: &LoadedLog) -> &[Cycle] {
 fn duties_by_the_law(cycles: &[Cycle], tables: &Tables) -> Option<Vec<f64>> {
     let first_mm = cycles.iter().find_map(|cycle| cycle.setpoint_mm)?;
     let hold = Reference { setpoint_mm: Waveform::Constant { value: first_mm } };
+    let reading_period_s = tables.r#loop?.period_s.max(1e-6 * f64::from(BUDGET_US));
     let mut pilot = Pilot::new(Orders {
-        pid: tables.controller?.pid,
-        compensation: tables.compensation?,
+        regulator: Regulator::new(tables.controller.clone()?, tables.observer.as_ref(), reading_period_s)?,
+        compensation: tables.compensation.clone()?,
         safety: tables.safety?,
         experiment: Experiment::of_reference(&hold),
-        reading_period_s: tables.r#loop?.period_s.max(1e-6 * f64::from(BUDGET_US)),
+        reading_period_s,
     });
     let duty = |cycle: &Cycle| {
         if let Some(setpoint_mm) = cycle.setpoint_mm {

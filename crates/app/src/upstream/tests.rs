@@ -26,7 +26,7 @@ fn found(log: &LoadedLog) -> Vec<Upstream> {
 
 fn with_twice_the_gain() -> Tables {
     let mut header = project();
-    header.controller.as_mut().unwrap().pid.kp_per_mm *= 2.0;
+    header.controller.as_mut().unwrap().pid.as_mut().unwrap().kp_per_mm *= 2.0;
     header
 }
 

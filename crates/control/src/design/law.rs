@@ -132,7 +132,8 @@ mod tests {
 
     #[test]
     fn the_sampled_form_is_what_the_controller_of_the_firmware_does_with_a_sine() {
-        use crate::pid::{Limits, PidState};
+        use crate::Limits;
+        use crate::pid::PidState;
         let pid = crate::design::law::tests::firmware();
         let (t, omega) = (0.02, 3.0);
         let limits = Limits { lower: -1e9, upper: 1e9 };
@@ -157,6 +158,9 @@ mod tests {
             td_s: GAINS.td_s,
             derivative_n: GAINS.derivative_n,
             derivative_on: crate::pid::DerivativeOn::Error,
+            setpoint_weight: 1.0,
+            rate_limit_per_s: None,
+            anti_windup: crate::pid::AntiWindup::Clamping,
         }
     }
 }

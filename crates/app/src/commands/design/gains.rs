@@ -22,7 +22,7 @@ const VELOCITY_N: f64 = 10.0;
 
 pub(super) fn of_config(args: &DesignArgs) -> Result<()> {
     let ground = Ground::read(args)?;
-    let pid = ground.config.need(NAME, "controller", |tables| tables.controller.as_ref())?.pid;
+    let pid = ground.config.need(NAME, "controller.pid", |tables| tables.controller.as_ref()?.pid.as_ref())?;
     let gains = Gains { kp_per_mm: pid.kp_per_mm, ti_s: pid.ti_s, td_s: pid.td_s, derivative_n: pid.derivative_n };
     ground.conclude(args, gains, pid.derivative_on == DerivativeOn::Error, None)
 }

@@ -16,7 +16,7 @@ pub enum DesignCommand {
     Poles(PolesArgs),
     /// State feedback by least cost (LQR)
     Lqr(LqrArgs),
-    /// Steady-state Kalman observer from the noise of [plant.noise]
+    /// Steady-state Kalman observer from the noise of the model
     Observer(ObserverArgs),
     /// PID from the oscillation that a relay made
     Relay(RelayArgs),
@@ -90,7 +90,7 @@ pub struct LqrArgs {
     /// Feed the fan's state back as well; needs an observer to fly
     #[arg(long)]
     pub with_fan: bool,
-    /// Minimise the sum over the samples of [loop] in place of the integral
+    /// Minimise the sum over the samples of the loop in place of the integral
     #[arg(long)]
     pub sampled: bool,
 }

@@ -25,8 +25,8 @@ const SIMULATE: [&str; 3] = ["simulate", "--duration", "1"];
 
 #[test]
 fn an_unknown_key_of_the_config_is_named_with_file_line_and_the_known_keys() {
-    let bench = with_config("drag_per_s", "drag_per_second");
-    refused(&bench, &SIMULATE, 2, &["config.toml:", "plant.drag_per_second", "unknown field", "`drag_per_s`"]);
+    let bench = with_config("pipe_length_mm", "pipe_length_metres");
+    refused(&bench, &SIMULATE, 2, &["config.toml:", "plant.pipe_length_metres", "unknown field", "`pipe_length_mm`"]);
     let bench = with_config("[plant.effects.fan_lag]", "[plant.effects.fan_lagg]");
     refused(&bench, &SIMULATE, 2, &["plant.effects.fan_lagg", "`dead_zone`", "`fan_lag`"]);
 }
@@ -35,8 +35,8 @@ fn an_unknown_key_of_the_config_is_named_with_file_line_and_the_known_keys() {
 fn a_value_out_of_range_is_named_with_its_bounds() {
     let bench = with_config("period_s = 0.02 ", "period_s = 0.0002 ");
     refused(&bench, &SIMULATE, 2, &["config.toml:", "loop.period_s = 0.0002 is outside 0.005 to 1"]);
-    let bench = with_config("drag_per_s = 3.896", "drag_per_s = nan");
-    refused(&bench, &SIMULATE, 2, &["plant.drag_per_s = NaN is outside"]);
+    let bench = with_config("pipe_length_mm = 583.0", "pipe_length_mm = nan");
+    refused(&bench, &SIMULATE, 2, &["plant.pipe_length_mm = NaN is outside"]);
 }
 
 #[test]

@@ -103,7 +103,7 @@ pub enum Finding {
     },
     /// The record and the belief do not go together.
     #[error(
-        "the record fits a gain that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales          of [import] and plant.gain_mm_per_s2_per_percent"
+        "the record fits a gain that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.gain_mm_per_s2_per_percent"
     )]
     OtherRig {
         /// Fitted gain by believed gain.

@@ -30,8 +30,7 @@ impl Search<'_> {
     }
 
     fn change(&self, fit: &Fit, entry: &Entry) -> (Change, Candidate, Option<Fit>) {
-        let own = |free: &&Free| matches!(free, Free::Effect { name, .. } if *name == entry.name);
-        let free: Vec<Free> = fit.free.iter().filter(|free| !own(free)).copied().collect();
+        let free: Vec<Free> = fit.free.iter().filter(|free| !free.is_of(entry.name)).copied().collect();
         let with = |values: &[f64]| {
             let mut model = fit.model.clone();
             model.effects.set(entry.name, values);

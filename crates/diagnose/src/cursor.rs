@@ -124,8 +124,8 @@ impl<'a> Cursor<'a> {
         if let Some(back) = &mut self.back {
             back.arrive(self.state, self.covariance);
         }
-        let (expected, variance) = self.expect();
         let surprise = self.foresee(reading);
+        let (expected, variance) = (surprise.expected_mm, surprise.variance_mm2);
         let (weight, pull) =
             if self.wild_run >= if reading.outliers.is_some() { WILD_IN_A_BURST } else { WILD_IN_A_ROW } {
                 (1.0, (reading.position_mm - expected) / variance.sqrt())

@@ -145,11 +145,15 @@ fn needed_beside(effects: &[Named]) -> f64 {
 
 /// Drops what stood in for an effect that was found after it.
 fn drop_the_needless(search: &Search<'_>, effects: &mut Vec<Named>, fit: &mut Fit) {
-    let mut at = 0;
+    if effects.len() < 2 {
+        return;
+    }
+    let (mut at, mut worth) = (0, search.worth(fit));
     while effects.len() > 1 && at < effects.len() {
         let without = search.removed(fit, effects[at].candidate.entry.name);
-        if search.worth(fit) - search.worth(&without) < NAMED_SECOND {
-            *fit = without;
+        let worth_without = search.worth(&without);
+        if worth - worth_without < NAMED_SECOND {
+            (*fit, worth) = (without, worth_without);
             effects.remove(at);
         } else {
             at += 1;

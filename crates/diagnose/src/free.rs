@@ -43,6 +43,11 @@ const EFFECT_KNOWN: f64 = 0.07;
 /// Effects whose number is read off the readings: it has no slope to climb.
 pub(crate) const COARSE: &str = "sensor_quantisation";
 pub(crate) const STALE: &str = "stale_samples";
+
+pub(crate) fn is_read_off(name: &str) -> bool {
+    name == COARSE || name == STALE
+}
+
 /// Least ratio that drag and noise are kept above, so that a belief of 0 can move.
 const LEAST: f64 = 1e-3;
 
@@ -52,7 +57,7 @@ const STOP_MM: f64 = 10.0;
 /// The numbers of an effect that a fit moves, each in the size of `values`. A coarse step and a hold are no such numbers: the readings
 /// show them to a hair, and have no slope to climb.
 pub(crate) fn free_of_effect(name: &'static str, values: &[f64]) -> Vec<Free> {
-    if name == COARSE || name == STALE {
+    if is_read_off(name) {
         return Vec::new();
     }
     let entry = Effects::entry(name);

@@ -62,7 +62,7 @@ fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Free>)>
     let removed = contained.filter(|part| model.effects.remove(part));
     model.effects.set(entry.name, values);
     model.effects.check().ok()?;
-    let kept = fit.free.iter().filter(|free| !matches!(free, Free::Effect { name, .. } if Some(*name) == removed));
+    let kept = fit.free.iter().filter(|free| !removed.is_some_and(|part| free.is_of(part)));
     Some((model, kept.copied().chain(free_of_effect(entry.name, values)).collect()))
 }
 

@@ -10,7 +10,7 @@
 use crate::explain::NAMED;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
-use crate::free::{BASE, COARSE, Free, STALE, free_of_effect, prior};
+use crate::free::{BASE, Free, free_of_effect, is_read_off, prior};
 use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::look::Look;
@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
     pub(crate) fn removed(&self, fit: &Fit, name: &str) -> Fit {
         let mut model = fit.model.clone();
         model.effects.remove(name);
-        let others = fit.free.iter().filter(|free| !matches!(free, Free::Effect { name: own, .. } if *own == name));
+        let others = fit.free.iter().filter(|free| !free.is_of(name));
         let mut free: Vec<Free> = others.copied().collect();
         // What it had taken the place of comes back.
         for entry in self.problem.belief.effects.present().iter().filter(|e| CONTAINS.contains(&(name, e.name))) {
@@ -195,14 +195,10 @@ impl<'a> Search<'a> {
 
     /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
     fn does_something(&self, candidate: &Candidate) -> bool {
-        if candidate.entry.name == COARSE || candidate.entry.name == STALE {
+        if is_read_off(candidate.entry.name) {
             return true;
         }
-        let own = candidate
-            .fit
-            .free
-            .iter()
-            .filter(|free| matches!(free, Free::Effect { name, .. } if *name == candidate.entry.name));
+        let own = candidate.fit.free.iter().filter(|free| free.is_of(candidate.entry.name));
         let off: Vec<f64> =
             own.filter_map(|free| free.off_neutral(&candidate.fit.model, self.problem.belief)).collect();
         let has_strength = NOISES.contains(&candidate.entry.name);

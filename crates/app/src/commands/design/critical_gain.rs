@@ -3,12 +3,13 @@
 //! The two-pole models are stable for ever where the rig is not: its fan has a pole. Chosen so that a model's critical gain is the
 //! one measured on the rig, that pole predicts the critical integral time, which was measured as well and not used.
 
+use super::gains::above_zero;
 use super::{NAME, write};
 use crate::cli::CriticalGainArgs;
 use crate::commands::say;
 use crate::config::Config;
 use crate::report::design::critical_table;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use control::design::critical::{critical_gain as of_gain, critical_integral_time, third_pole};
 use control::design::law::Gains;
 use control::design::{DesignError, Linear};
@@ -50,9 +51,7 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     for (flag, value) in
         [("--measured", args.measured), ("--ti-s", args.ti_s), ("--kp", args.kp), ("--period-s", args.period_s)]
     {
-        if !(value > 0.0 && value.is_finite()) {
-            bail!("{flag} {value}: give a number above 0");
-        }
+        above_zero(flag, value)?;
     }
     if let Some(path) = &args.patch_out {
         let config = Config::read(&args.config, &[])?;

@@ -158,7 +158,7 @@ fn needs_fan(fan_lag_s: f64) -> Result<()> {
     bail!("the model has no fan's state: add [plant.effects.fan_lag], or design for position and velocity alone")
 }
 
-fn above_zero(flag: &str, value: f64) -> Result<f64> {
+pub(super) fn above_zero(flag: &str, value: f64) -> Result<f64> {
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err(anyhow!("{flag} {value}: give a number above 0")) }
 }
 

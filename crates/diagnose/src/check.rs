@@ -101,6 +101,12 @@ pub enum Finding {
         /// One reading in so many was used.
         merged: usize,
     },
+    /// The diagnosis worked on means of readings.
+    #[error("a fast clock: the diagnosis used every duty, and the means of {merged} readings each")]
+    Averaged {
+        /// So many readings were merged.
+        merged: usize,
+    },
     /// The record and the belief do not go together.
     #[error(
         "the record fits a gain that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.gain_mm_per_s2_per_percent"

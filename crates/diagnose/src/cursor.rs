@@ -14,7 +14,7 @@
 mod back;
 mod doubt;
 
-pub(crate) use back::{Back, Smoothed, smoothed};
+pub(crate) use back::{Back, Leg, Nudged, Smoothed, smoothed};
 pub(crate) use doubt::Steps;
 use doubt::{derivative, process_noise, remembered, vector};
 
@@ -56,6 +56,8 @@ pub(crate) struct Cursor<'a> {
     wild_run: u32,
     /// Whether duties are written faster than a ball follows.
     chatters: bool,
+    /// Variance of a reading, mm².
+    reading_mm2: f64,
     /// What the way back needs; `None`: nobody goes back.
     back: Option<Back>,
 }
@@ -83,6 +85,7 @@ impl<'a> Cursor<'a> {
             time_s: time_s.min(0.0),
             next_write: 0,
             wild_run: 0,
+            reading_mm2: reading_variance(model),
             chatters: duration_s(samples) < CHATTER_S * samples.len() as f64,
             back: None,
         };
@@ -91,6 +94,11 @@ impl<'a> Cursor<'a> {
         cursor.state[0] = reading_mm;
         cursor.state[4] = reading_mm;
         cursor
+    }
+
+    /// The same filter for readings that are means of so many.
+    pub(crate) fn of_means(self, count: usize) -> Self {
+        Self { reading_mm2: self.reading_mm2 / count as f64, ..self }
     }
 
     /// Moves the filter to when the reading of `row` was taken.
@@ -103,7 +111,7 @@ impl<'a> Cursor<'a> {
     /// What the reading here would be, mm, and its variance, mm².
     pub(crate) fn expect(&self) -> (f64, f64) {
         let seen = seen_state(self.model);
-        (self.state[seen], self.covariance[(seen, seen)] + reading_variance(self.model))
+        (self.state[seen], self.covariance[(seen, seen)] + self.reading_mm2)
     }
 
     /// The same for a reading as the file shows it, rounded by a coarse sensor.

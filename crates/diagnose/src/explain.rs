@@ -24,7 +24,7 @@ const TOLD_APART: f64 = 3.0;
 const TWINS_TOLD_APART: f64 = 15.0;
 const TWINS: [&[&str]; 2] = [&["transport_delay", "sensor_delay"], &["fan_lag", "sensor_lag"]];
 /// Nats that count as one: likelihoods take the model for right, and no model is.
-pub(crate) const DOUBT: f64 = 2.5;
+const DOUBT: f64 = 2.5;
 /// The effect that can follow any missing force.
 const TURBULENCE: &str = "turbulence";
 /// Effects at most that a record can name; if there are more, the answer is not to be trusted.
@@ -76,7 +76,7 @@ impl Explanation {
 
     /// No effect at all.
     pub(crate) fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
-        let residue = Residue::of(&search.problem, refitted);
+        let residue = Residue::of(&search.problem, refitted, 0.0);
         Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), residue }
     }
 }
@@ -114,7 +114,7 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
         }
         drop_the_needless(search, &mut effects, &mut fit);
     }
-    let residue = Residue::of(&search.problem, &fit);
+    let residue = Residue::of(&search.problem, &fit, explained(&effects));
     for (change, candidate, without) in search.changed(&fit) {
         if candidate.gain > NAMED {
             fit = without.unwrap_or(fit);
@@ -131,10 +131,15 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     Explanation { effects, rounds, fit, residue }
 }
 
+/// Nats that these effects explain by what the rig does; those that change the density of a reading explain thousands, and leave no form.
+fn explained(effects: &[Named]) -> f64 {
+    let of_form = effects.iter().filter(|named| !OF_THE_DENSITY.contains(&named.candidate.entry.name));
+    of_form.map(|named| named.candidate.gain).sum()
+}
+
 /// What another effect must gain beside those that were found.
 fn needed_beside(effects: &[Named]) -> f64 {
-    let of_form = effects.iter().filter(|named| !OF_THE_DENSITY.contains(&named.candidate.entry.name));
-    let form = SHARE_OF_FORM * of_form.map(|named| named.candidate.gain).sum::<f64>();
+    let form = SHARE_OF_FORM * explained(effects);
     let coarse = effects.iter().any(|named| named.candidate.entry.name == COARSE);
     match effects.len() {
         0 => NAMED,

@@ -78,8 +78,8 @@ impl Free {
             Self::Hover => Some((1.0, 1.0)),
             Self::SensorNoise => Some((0.02, 10.0)),
             Self::AirNoise => Some((0.1, 10.0)),
-            Self::Effect { name, index, size } => {
-                let believed = *belief.effects.values(name)?.get(index)?;
+            Self::Effect { size, .. } => {
+                let believed = self.value(belief)?;
                 Some((EFFECT_KNOWN * believed.abs().max(0.1 * size) / size, 1.0))
             }
         }
@@ -95,10 +95,22 @@ impl Free {
             Self::Hover => (model.hover_duty_percent - belief.hover_duty_percent) / 0.1,
             Self::SensorNoise => ratio(model.noise.sensor_mm, belief.noise.sensor_mm),
             Self::AirNoise => ratio(model.noise.acceleration_psd_mm2_per_s3, belief.noise.acceleration_psd_mm2_per_s3),
-            Self::Effect { name, index, size } => {
-                let value = |model: &Model| model.effects.values(name).and_then(|values| values.get(index).copied());
-                value(model).zip(value(belief)).map_or(0.0, |(there, believed)| (there - believed) / size)
+            Self::Effect { size, .. } => {
+                self.value(model).zip(self.value(belief)).map_or(0.0, |(there, believed)| (there - believed) / size)
             }
+        }
+    }
+
+    /// The number as the config has it; `None` where its effect is off.
+    #[must_use]
+    pub fn value(self, model: &Model) -> Option<f64> {
+        match self {
+            Self::Gain => Some(model.gain_mm_per_s2_per_percent),
+            Self::Drag => Some(model.drag_per_s),
+            Self::Hover => Some(model.hover_duty_percent),
+            Self::SensorNoise => Some(model.noise.sensor_mm),
+            Self::AirNoise => Some(model.noise.acceleration_psd_mm2_per_s3),
+            Self::Effect { name, index, .. } => model.effects.values(name)?.get(index).copied(),
         }
     }
 
@@ -119,7 +131,7 @@ impl Free {
             return None;
         }
         let neutral = *Effects::entry(name)?.neutral(model).get(index)?;
-        Some(((model.effects.values(name)?.get(index)? - neutral) / size).clamp(-1.0, 1.0))
+        Some(((self.value(model)? - neutral) / size).clamp(-1.0, 1.0))
     }
 
     /// ln of the prior density of where `model` is, up to a constant; its slope; and a curvature that bounds it.

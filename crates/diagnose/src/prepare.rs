@@ -5,6 +5,7 @@
 //! answer does not depend on the one in which they were named.
 
 use crate::check::{Finding, check, is_hopeless, without_codes};
+use crate::grid::coarse_step;
 use crate::recording::{Recording, Sample};
 use crate::thin::thinned;
 use plant::Model;
@@ -46,13 +47,28 @@ impl<'a> Prepared<'a> {
     }
 }
 
+/// Whether the mean of some readings in a row is a reading itself, only surer: none is wild, held or coarse, and noise hides their resolution.
+fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
+    let odd = |finding: &Finding| matches!(finding, Finding::Outliers { .. } | Finding::Repeats { .. });
+    let effects = &belief.effects;
+    let believed =
+        effects.sensor_quantisation.is_some() || effects.stale_samples.is_some() || effects.sensor_outliers.is_some();
+    let noisy = belief.noise.sensor_mm > flight.resolution_mm();
+    noisy && !believed && !findings.iter().any(odd) && coarse_step(flight, belief).is_none()
+}
+
 /// The findings of a flight, its rows as they are used, and whether they can answer anything.
 fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Cow<'a, Recording>, bool) {
     let mut findings = check(flight, belief);
     let flight = without_codes(&findings, flight).map_or(Cow::Borrowed(flight), Cow::Owned);
     let answers = !is_hopeless(&findings, &flight, belief);
-    let Some((merged, thinned)) = thinned(&flight, all) else { return (findings, flight, answers) };
-    findings.push(Finding::Thinned { merged });
+    let smooth = is_smooth(&findings, &flight, belief);
+    let Some((how, thinned)) = thinned(&flight, all, smooth) else { return (findings, flight, answers) };
+    findings.push(if how.means {
+        Finding::Averaged { merged: how.merged }
+    } else {
+        Finding::Thinned { merged: how.merged }
+    });
     (findings, Cow::Owned(thinned), answers)
 }
 
@@ -80,10 +96,12 @@ mod tests {
         Model { effects: Effects::default(), ..model() }
     }
 
-    /// Half of the interval of the lag's time constant, in its own scale.
+    /// Half of the interval of the lag's time constant, s.
     fn half_of_lag(found: &Diagnosis) -> f64 {
         let is_lag = |free: &Free| matches!(free, Free::Effect { name: "fan_lag" | "sensor_lag", .. });
-        found.half_intervals().iter().find(|(free, _)| is_lag(free)).unwrap().1
+        let intervals = found.intervals();
+        let (_, low, high) = intervals.iter().find(|(free, ..)| is_lag(free)).unwrap();
+        (high - low) / 2.0
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub struct Recording {
     samples: Vec<Sample>,
     /// The rows of each flight.
     flights: Vec<Range<usize>>,
+    /// Of how many readings each of a flight is the mean.
+    means_of: Vec<usize>,
     resolution_mm: f64,
 }
 
@@ -133,7 +135,24 @@ impl Recording {
 
     fn of_one(samples: Vec<Sample>) -> Self {
         let all = 0..samples.len();
-        Self { resolution_mm: resolution(&samples), flights: std::iter::once(all).collect(), samples }
+        Self {
+            resolution_mm: resolution(&samples),
+            flights: std::iter::once(all).collect(),
+            means_of: vec![1],
+            samples,
+        }
+    }
+
+    /// The same flight, each of its readings known to be the mean of so many.
+    #[must_use]
+    pub(crate) fn of_means(self, count: usize) -> Self {
+        Self { means_of: vec![count.max(1); self.flights.len()], ..self }
+    }
+
+    /// Of how many readings the one in `row` is the mean.
+    pub(crate) fn mean_of(&self, row: usize) -> usize {
+        let number = self.flights.partition_point(|flight| flight.end <= row);
+        self.means_of.get(number).copied().unwrap_or(1)
     }
 
     /// Several flights of one rig as one recording. Each is put behind the one before it by whole seconds, so that the steps of
@@ -149,6 +168,7 @@ impl Recording {
         let start_s = next.samples.first().map_or(0.0, |first| first.time_s);
         let (rows, later_s) = (self.samples.len(), (end_s - start_s).floor() + 1.0);
         self.flights.extend(next.flights.iter().map(|flight| flight.start + rows..flight.end + rows));
+        self.means_of.extend(next.means_of);
         self.samples.extend(next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row }));
         self.resolution_mm = self.resolution_mm.min(next.resolution_mm);
         self

@@ -4,9 +4,8 @@
 //! e_k = ν_k/√S_k           white, mean 0, variance 1 under a right model, whatever the loop does
 //! colour    Q = n(n+2)·Σ r_l²/(n−l), l ≤ L            Ljung and Box: (Q − L)/√(2L)
 //! line      g = max_f |Σ e_k·exp(−2πi·f·t_k)|²/n      exponential with mean 1 at each frequency
-//! clumps    energy of stretches of 1 s against white: (Var Σe² / (n_b·(m₄ − 1)) − 1)·√(B/2)
 //! energy    the largest |z| of mean e² in sixths of duty, height, speed and time
-//! regressed nats that e_k gains on folds kept back by ridge regression on what was known before it
+//! omitted   the terms that e_k ask for: see `omitted`
 //! air       (d + g·σ²)/σ: how far the noise of the air had to grow, in deviations, its prior taken away
 //! ```
 //!
@@ -15,27 +14,29 @@
 use crate::fit::Fit;
 use crate::fit::Problem;
 use crate::free::Free;
+use crate::omitted::{Omitted, omitted};
 use crate::places::{Row, Spot, rows, spots};
-use crate::regression::regressed;
 use crate::spectrum::periodogram;
 use plant::Model;
 use serde::Serialize;
 
 /// Statistics of what is left over. Each is large where something is; of a long record each is what 6000 readings like it would show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Residue {
     /// Portmanteau over half a second, deviations.
     pub colour: f64,
     /// −ln of the chance of so strong a line anywhere in the spectrum.
     pub line: f64,
-    /// Uneven energy from second to second, deviations.
-    pub clumps: f64,
     /// Uneven energy over places: −ln of its chance.
     pub energy: f64,
     /// Uneven mean over places: −ln of its chance.
     pub mean: f64,
-    /// Held-out nats of a regression on what was known.
-    pub regressed: f64,
+    /// Terms that the model omits and the innovations ask for: −ln of the chance that they ask for so much.
+    pub omitted: f64,
+    /// Those terms.
+    pub asked_for: Vec<Omitted>,
+    /// Nats of it that the form of what was found may leave, which is never quite that of the catalogue.
+    pub of_form: f64,
     /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
     pub coarse: bool,
     /// Growth of the air's noise, deviations.
@@ -49,9 +50,12 @@ const COLOUR: f64 = 5.5;
 const CHANCE: f64 = 7.0;
 /// Tails of the noise that are not normal make these two less certain.
 const CHANCE_OF_POWER: f64 = 9.0;
-const REGRESSED: f64 = 3.0;
-const REGRESSED_OF_CELLS: f64 = 25.0;
-const CLUMPS: f64 = 5.5;
+const OMITTED: f64 = 6.5;
+const OMITTED_OF_CELLS: f64 = 30.0;
+/// The same beside a turbulence, which follows most of what is missing.
+const OMITTED_BESIDE_TURBULENCE: f64 = 4.5;
+/// Share of what effects explain that their form may leave.
+const SHARE_OF_FORM: f64 = 0.02;
 const AIR: f64 = 4.0;
 /// Noise of the air that grew by less than this, as a ratio, is no gap.
 const AIR_RATIO: f64 = 1.3;
@@ -72,39 +76,45 @@ impl Residue {
     /// Whether something is left over.
     #[must_use]
     pub fn is_significant(&self) -> bool {
-        let shape = self.colour > COLOUR
-            || self.regressed > REGRESSED
-            || self.mean > CHANCE
-            || self.clumps > CLUMPS
-            || self.energy > CHANCE_OF_POWER;
-        // Within a cell nothing is normal, and what follows from that is no residue.
-        (if self.coarse { self.regressed > REGRESSED_OF_CELLS } else { shape })
+        let shape = self.colour > COLOUR || self.mean > CHANCE || self.energy > CHANCE_OF_POWER;
+        (shape && !self.coarse)
+            || self.omitted_is_significant()
             || self.line > CHANCE_OF_POWER
             || (self.air > AIR && self.air_ratio > AIR_RATIO)
     }
 
-    /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
-    /// coloured force follows whatever is missing, but it does so at the cost of the white noise.
+    /// Whether the terms that are asked for are no chance.
     #[must_use]
-    pub fn allows_turbulence(&self) -> bool {
-        !self.is_significant() && UNTOUCHED.contains(&self.air_ratio)
+    pub fn omitted_is_significant(&self) -> bool {
+        // Within a cell nothing is normal, and what follows from that is no residue.
+        self.omitted > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { OMITTED }
     }
 
-    /// Judges the innovations of `fit`.
+    /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
+    /// coloured force follows whatever is missing, but it does so at the cost of the white noise, or leaves a trace of what it follows.
     #[must_use]
-    pub fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
+    pub fn allows_turbulence(&self) -> bool {
+        !self.is_significant() && self.omitted < OMITTED_BESIDE_TURBULENCE && UNTOUCHED.contains(&self.air_ratio)
+    }
+
+    /// Judges the innovations of `fit`, whose effects explain so many nats.
+    #[must_use]
+    pub fn of(problem: &Problem<'_>, fit: &Fit, explained: f64) -> Self {
         let rows = clear_of_stops(&fit.model, rows(&fit.model, problem.recording, problem.folds));
         let spots = spots(&rows);
         let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
         let (air, air_ratio) = air(problem, fit);
+        let judged: Vec<usize> = rows.iter().map(|row| row.row).collect();
         let long = (LONG / rows.len().max(1) as f64).min(1.0);
+        let (omitted, asked_for) = omitted(problem, fit, &|row| judged.binary_search(&row).is_ok(), long);
         Self {
             colour: long * colour(&e, lags(&rows)),
             line: long * line(&periodogram(&rows)),
-            clumps: long.sqrt() * clumps(&rows),
             energy: long * largest(&rows, &spots, |row| row.pull * row.pull),
             mean: long * largest(&rows, &spots, |row| row.pull),
-            regressed: long * regressed(&rows, &spots, problem.folds),
+            omitted,
+            of_form: SHARE_OF_FORM * explained,
+            asked_for,
             coarse: fit.model.effects.sensor_quantisation.is_some(),
             air: long.sqrt() * air,
             air_ratio,
@@ -149,20 +159,6 @@ fn line(periodogram: &[(f64, f64)]) -> f64 {
     // Two steps an independent frequency.
     let independent = (periodogram.len() as f64 / 2.0).max(1.0);
     periodogram.iter().map(|(_, power)| *power).fold(0.0, f64::max) - independent.ln()
-}
-
-fn clumps(rows: &[Row]) -> f64 {
-    let energies = |row: &Row| row.pull * row.pull;
-    let n = rows.len() as f64;
-    let m2 = rows.iter().map(energies).sum::<f64>() / n;
-    let variance = rows.iter().map(|row| (energies(row) - m2).powi(2)).sum::<f64>() / n;
-    let seconds: Vec<&[Row]> = rows.chunk_by(|a, b| a.time_s.floor() == b.time_s.floor()).collect();
-    let z2 = |second: &&[Row]| {
-        let count = second.len() as f64;
-        (second.iter().map(energies).sum::<f64>() - count * m2).powi(2) / (count * variance.max(1e-12))
-    };
-    let blocks = seconds.len() as f64;
-    (seconds.iter().map(z2).sum::<f64>() / blocks - 1.0) * (blocks / 2.0).sqrt()
 }
 
 /// −ln of the chance that any of `count` normal numbers is so far out.
@@ -211,7 +207,7 @@ mod tests {
         let recording = record(rig, seed, 60);
         let folds = Folds::new(belief, &recording);
         let problem = Problem { recording: &recording, belief, folds: &folds };
-        Residue::of(&problem, &problem.fit(belief, &BASE))
+        Residue::of(&problem, &problem.fit(belief, &BASE), 0.0)
     }
 
     #[test]

@@ -74,9 +74,9 @@ fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     heights.sort_by(f64::total_cmp);
     let noise = model.noise.sensor_mm;
     let at = |share: f64, inwards: f64| {
-        let top = vec![0.0, quantile(&heights, 1.0 - share) - inwards * noise, 0.5];
-        let bottom = vec![quantile(&heights, share) + inwards * noise, model.pipe_length_mm, 0.5];
-        [top, bottom]
+        let top_mm = quantile(&heights, 1.0 - share) - inwards * noise;
+        let bottom_mm = quantile(&heights, share) + inwards * noise;
+        [vec![0.0, top_mm, 0.5], vec![bottom_mm, model.pipe_length_mm, 0.5], vec![bottom_mm, top_mm, 0.5]]
     };
     STOPS.iter().flat_map(|(share, inwards)| at(*share, *inwards)).collect()
 }

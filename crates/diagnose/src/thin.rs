@@ -1,7 +1,9 @@
 //! Recordings of a fast clock, thinned to what a rig of this kind can show.
 //!
-//! Every duty is kept, since what a fan makes of a duty that chatters is not what it makes of its mean; of the readings, those that are a
-//! hundredth of a second apart. A ball in a pipe, or an arm, does not show more than that.
+//! Every duty is kept, since what a fan makes of a duty that chatters is not what it makes of its mean. Readings are merged to some that are a
+//! hundredth of a second apart: a ball in a pipe, or an arm, does not show more than that. Each is the mean of the readings about it, and
+//! as much surer: the controller saw them all, and a filter that left some out would take what the controller makes of them for
+//! something that the rig does. Readings whose mean is no reading (coarse, held, wild, without noise) are picked, one in so many.
 
 use crate::recording::{Recording, Sample};
 
@@ -12,9 +14,20 @@ const ENOUGH_HZ: f64 = 100.0;
 /// The same where rows are many even so, and how many that is.
 const FEWER_HZ: f64 = 50.0;
 const VERY_MANY_ROWS: f64 = 400_000.0;
+/// Share of the blocks of readings that must be whole.
+const ENOUGH_WHOLE: f64 = 0.9;
 
-/// Which of how many readings is kept, and the thinned flight, one of `all`; `None` where it is used as it is.
-pub(crate) fn thinned(flight: &Recording, all: &[Recording]) -> Option<(usize, Recording)> {
+/// How readings were merged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Thinned {
+    /// How many became one.
+    pub(crate) merged: usize,
+    /// Whether the one is their mean.
+    pub(crate) means: bool,
+}
+
+/// The thinned flight, one of `all`, and how; `None` where it is used as it is. `smooth`: a mean of its readings is a reading.
+pub(crate) fn thinned(flight: &Recording, all: &[Recording], smooth: bool) -> Option<(Thinned, Recording)> {
     let samples = flight.samples();
     let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
     let (all_rows, all_s) =
@@ -25,8 +38,31 @@ pub(crate) fn thinned(flight: &Recording, all: &[Recording]) -> Option<(usize, R
     if all_rows < MANY_ROWS || merged < 2 {
         return None;
     }
+    // An odd number has a row in the middle.
+    let count = merged | 1;
+    let means = if smooth { means(samples, count) } else { None };
+    if let Some(rows) = means {
+        let recording = Recording::new(rows).ok()?.of_means(count);
+        return Some((Thinned { merged: count, means: true }, recording));
+    }
     let rows = samples.iter().enumerate().map(|(k, row)| if k.is_multiple_of(merged) { *row } else { unread(row) });
-    Recording::new(rows.collect()).ok().map(|recording| (merged, recording))
+    Recording::new(rows.collect()).ok().map(|recording| (Thinned { merged, means: false }, recording))
+}
+
+/// The rows, of each `count` the middle one with the mean of their readings, where none of them lacks one. `None`: too many do.
+fn means(samples: &[Sample], count: usize) -> Option<Vec<Sample>> {
+    let mut rows: Vec<Sample> = samples.iter().map(unread).collect();
+    let mut whole = 0;
+    for (block, of_block) in samples.chunks_exact(count).enumerate() {
+        let middle = count / 2;
+        let sum: Option<f64> = of_block.iter().map(|row| row.position_mm).sum();
+        if let Some(sum) = sum {
+            let mean_mm = sum / count as f64;
+            rows[block * count + middle] = Sample { position_mm: Some(mean_mm), ..of_block[middle] };
+            whole += 1;
+        }
+    }
+    (whole as f64 > ENOUGH_WHOLE * (samples.len() / count) as f64).then_some(rows)
 }
 
 /// A row without what was measured in it.
@@ -36,22 +72,43 @@ fn unread(row: &Sample) -> Sample {
 
 #[cfg(test)]
 mod tests {
-    use super::thinned;
+    use super::{Thinned, thinned};
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
+
+    /// 40 s at 1 kHz, every position its time.
+    fn fast(seen: impl Fn(u32) -> bool) -> Recording {
+        let row = |k| Sample {
+            time_s: 0.001 * f64::from(k),
+            duty_percent: f64::from(k % 10),
+            position_mm: seen(k).then(|| 0.001 * f64::from(k)),
+            ..Sample::default()
+        };
+        Recording::new((0..40_000).map(row).collect()).unwrap()
+    }
 
     #[test]
     fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_every_duty_and_some_readings() {
         let slow = record(&model(), 1, 20);
-        assert!(thinned(&slow, slow.as_ref()).is_none());
-        let row = slow.samples()[0];
-        let fast = (0..40_000).map(|k| Sample { time_s: 0.001 * f64::from(k), duty_percent: f64::from(k % 10), ..row });
-        let fast = Recording::new(fast.map(|s| Sample { position_mm: Some(s.time_s), ..s }).collect()).unwrap();
-        let (merged, thin) = thinned(&fast, fast.as_ref()).unwrap();
-        assert_eq!((merged, thin.samples().len(), thin.readings()), (10, 40_000, 4000));
-        for (k, (sample, full)) in thin.samples().iter().zip(fast.samples()).enumerate() {
-            assert_eq!(sample.duty_percent, full.duty_percent);
-            assert_eq!(sample.position_mm, full.position_mm.filter(|_| k % 10 == 0));
+        assert!(thinned(&slow, slow.as_ref(), true).is_none());
+        let fast = fast(|_| true);
+        for (smooth, merged) in [(false, 10), (true, 11)] {
+            let (how, thin) = thinned(&fast, fast.as_ref(), smooth).unwrap();
+            assert_eq!(how, Thinned { merged, means: smooth });
+            assert_eq!((thin.samples().len(), thin.readings()), (40_000, 40_000 / merged));
+            assert_eq!(thin.mean_of(0), if smooth { merged } else { 1 });
+            for (sample, full) in thin.samples().iter().zip(fast.samples()) {
+                assert_eq!(sample.duty_percent, full.duty_percent);
+                // The mean of a straight line lies on it.
+                assert!(sample.position_mm.is_none_or(|mm| (mm - sample.time_s).abs() < 1e-12));
+            }
         }
+    }
+
+    #[test]
+    fn readings_with_too_many_holes_are_picked() {
+        let holes = fast(|k| k % 12 != 5);
+        let (how, thin) = thinned(&holes, holes.as_ref(), true).unwrap();
+        assert!(!how.means && thin.mean_of(0) == 1, "{how:?}");
     }
 }

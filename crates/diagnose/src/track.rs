@@ -1,7 +1,7 @@
 //! A model's filter along a whole recording, and forecasts from any of its readings.
 
 use crate::arrival::Refresh;
-use crate::cursor::{Back, Cursor, Smoothed, Steps, smoothed};
+use crate::cursor::{Back, Cursor, Leg, Smoothed, Steps, smoothed};
 use crate::grid::{Grid, OFF_GRID};
 use crate::likelihood::{Reading, Surprise, log_sum};
 use crate::recording::{Recording, reading_period_s};
@@ -55,7 +55,10 @@ fn along<'a>(
         let Some(reading) = sample.position_mm else { continue };
         let (rows, at) = (&recording.samples()[flight.clone()], row - flight.start);
         let first = filter.is_none();
-        let cursor = filter.get_or_insert_with(|| Cursor::new(model, rows, at, reading, &mut steps).remembering(back));
+        let cursor = filter.get_or_insert_with(|| {
+            let cursor = Cursor::new(model, rows, at, reading, &mut steps);
+            cursor.of_means(recording.mean_of(row)).remembering(back)
+        });
         cursor.go_to_row(at, &mut steps);
         let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
         let seen = Reading { row, position_mm: reading, outliers, coarse };
@@ -107,6 +110,15 @@ pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
         all.remove(0);
     }
     all.extend(rotor::surprises(model, recording));
+    all
+}
+
+/// The way from reading to reading, and how each was seen coming.
+pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)> {
+    let mut all = Vec::with_capacity(recording.samples().len());
+    along(model, recording, Some(Back::default()), |_, surprise, cursor| {
+        all.extend(cursor.and_then(Cursor::leg).map(|leg| (surprise, leg)));
+    });
     all
 }
 

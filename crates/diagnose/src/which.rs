@@ -47,6 +47,8 @@ const WILD: f64 = 5.0;
 /// Readings within which a coloured force does not forget itself, and the seconds that are always enough.
 const FORGETS: f64 = 3.0;
 const FORGETS_S: f64 = 0.1;
+/// Air in a pipe does not remember a swirl for so long, seconds.
+const DRIFTS_S: f64 = 5.0;
 /// Effects that contain a simpler one, and the simpler one: the simpler name wins, and the other is no alternative to it.
 pub(crate) const CONTAINS: [(&str, &str); 1] = [("spin_asymmetry", "fan_lag")];
 
@@ -212,11 +214,12 @@ impl<'a> Search<'a> {
             || self.problem.belief.effects.sensor_outliers.is_some()
     }
 
-    /// A force that forgets itself within a few readings is white noise.
+    /// A force that forgets itself within a few readings is white noise, and one that remembers itself for long is a drift.
     fn is_coloured(&self, candidate: &Candidate) -> bool {
         let recording = self.problem.recording;
         let few_s = FORGETS * recording.duration_s() / recording.readings().max(1) as f64;
-        candidate.fit.model.effects.turbulence.is_none_or(|air| air.correlation_s > few_s.min(FORGETS_S))
+        let coloured = few_s.min(FORGETS_S)..DRIFTS_S;
+        candidate.fit.model.effects.turbulence.is_none_or(|air| coloured.contains(&air.correlation_s))
             || self.problem.belief.effects.turbulence.is_some()
     }
 

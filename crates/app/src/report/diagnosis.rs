@@ -2,6 +2,7 @@
 
 use crate::closed_loop::ClosedLoop;
 use crate::next::{Advice, Next};
+use crate::report::left_over::left_over;
 use crate::report::logs::{Logs, sentences};
 use crate::report::mend;
 use crate::report::stages::{StageEntry, stages};
@@ -86,12 +87,12 @@ impl DiagnosisDocument {
     /// before the plant.
     #[must_use]
     pub fn of(found: &Diagnosis, belief: &Model, closed_loop: &ClosedLoop, advice: &Advice, logs: &Logs<'_>) -> Self {
-        let half = found.half_intervals();
+        let known = found.intervals();
         Self {
             schema: "airball.diagnosis/1",
             verdict: found.verdict,
-            effects: found.effects.iter().map(|named| effect(named, found, &half)).collect(),
-            parameters: parameters(found, belief, &half),
+            effects: found.effects.iter().map(|named| effect(named, found, &known)).collect(),
+            parameters: parameters(found, belief, &known),
             gap: gap(found, *closed_loop),
             r#where: WhereEntry {
                 stage: stages(found, logs),
@@ -101,7 +102,7 @@ impl DiagnosisDocument {
             check: CheckEntry {
                 logs: logs.names.len(),
                 duration_s: logs.duration_s,
-                findings: sentences(found, advice, logs),
+                findings: sentences(found, advice, logs).into_iter().chain(left_over(found)).collect(),
             },
             next_experiment: advice.experiment.clone(),
             version: env!("CARGO_PKG_VERSION"),
@@ -110,26 +111,19 @@ impl DiagnosisDocument {
     }
 }
 
-fn interval(
-    value: f64,
-    half: &[(Free, f64)],
-    wanted: impl Fn(&Free) -> bool,
-    ends: impl Fn(f64) -> (f64, f64),
-) -> Interval {
-    let ends =
-        half.iter().find(|(free, _)| wanted(free)).map(|(_, half)| ends(*half)).filter(|(l, h)| (h - l).is_finite());
-    Interval { value, low: ends.map(|ends| ends.0), high: ends.map(|ends| ends.1) }
+/// A number's interval among those of the diagnosis.
+fn interval(value: f64, known: &[(Free, f64, f64)], wanted: impl Fn(&Free) -> bool) -> Interval {
+    let ends = known.iter().find(|(free, ..)| wanted(free)).filter(|(_, low, high)| (high - low).is_finite());
+    Interval { value, low: ends.map(|ends| ends.1), high: ends.map(|ends| ends.2) }
 }
 
-fn effect(named: &Named, found: &Diagnosis, half: &[(Free, f64)]) -> EffectEntry {
+fn effect(named: &Named, found: &Diagnosis, known: &[(Free, f64, f64)]) -> EffectEntry {
     let entry = named.candidate.entry;
     let values = found.mended.model.effects.values(entry.name).unwrap_or_default();
     let parameters = entry.params.iter().zip(&values).enumerate().map(|(at, (param, value))| {
         let mine =
             |free: &Free| matches!(free, Free::Effect { name, index, .. } if *name == entry.name && *index == at);
-        let size = entry.sizes.first().and_then(|size| size.get(at)).map_or(0.0, |size| size.abs());
-        let ends = |half: f64| ((value - size * half).max(param.min), (value + size * half).min(param.max));
-        (param.name, interval(*value, half, mine, ends))
+        (param.name, interval(*value, known, mine))
     });
     EffectEntry {
         name: entry.name,
@@ -141,33 +135,18 @@ fn effect(named: &Named, found: &Diagnosis, half: &[(Free, f64)]) -> EffectEntry
 }
 
 /// Gain, drag and hover: what was believed, and what the mended model has.
-fn parameters(found: &Diagnosis, belief: &Model, half: &[(Free, f64)]) -> BTreeMap<&'static str, ParameterEntry> {
-    let mended = &found.mended.model;
-    let ratio = |value: f64| move |half: f64| (value * (-half).exp(), value * half.exp());
-    let (gain, drag, hover) = (mended.gain_mm_per_s2_per_percent, mended.drag_per_s, mended.hover_duty_percent);
-    let shift = |half: f64| (hover - 0.1 * half, hover + 0.1 * half);
+fn parameters(found: &Diagnosis, belief: &Model, known: &[(Free, f64, f64)]) -> BTreeMap<&'static str, ParameterEntry> {
+    let number = |free: Free| {
+        let of = |model: &Model| free.value(model).unwrap_or(f64::NAN);
+        ParameterEntry {
+            nominal: of(belief),
+            interval: interval(of(&found.mended.model), known, |other| *other == free),
+        }
+    };
     BTreeMap::from([
-        (
-            "gain_mm_per_s2_per_percent",
-            ParameterEntry {
-                nominal: belief.gain_mm_per_s2_per_percent,
-                interval: interval(gain, half, |free| *free == Free::Gain, ratio(gain)),
-            },
-        ),
-        (
-            "drag_per_s",
-            ParameterEntry {
-                nominal: belief.drag_per_s,
-                interval: interval(drag, half, |free| *free == Free::Drag, ratio(drag)),
-            },
-        ),
-        (
-            "hover_duty_percent",
-            ParameterEntry {
-                nominal: belief.hover_duty_percent,
-                interval: interval(hover, half, |free| *free == Free::Hover, shift),
-            },
-        ),
+        ("gain_mm_per_s2_per_percent", number(Free::Gain)),
+        ("drag_per_s", number(Free::Drag)),
+        ("hover_duty_percent", number(Free::Hover)),
     ])
 }
 
@@ -261,6 +240,9 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
             "\nwrong where {} is {:.1} to {:.1} (p = {:.3})",
             place.signal, place.from, place.to, place.p_value
         );
+    }
+    if let Some(shape) = left_over(found) {
+        let _ = write!(words, "\n{shape}");
     }
     let [nominal, refitted, mended] = &found.gaps;
     let at = |gap: &Gap| gap.error_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));

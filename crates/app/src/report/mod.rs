@@ -7,6 +7,7 @@ pub mod design;
 pub mod design_plot;
 pub mod diagnosis;
 pub mod gap;
+pub mod left_over;
 pub mod logs;
 pub mod mend;
 pub mod missing_force;

@@ -10,7 +10,8 @@
 //! position does without a lag, are left out of the inverse.
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
-use super::{Cursor, Square, State, remembered};
+use super::{Cursor, Square, State, remembered, seen_state};
+use crate::likelihood::Surprise;
 use plant::Model;
 
 /// What keeps an inverse from failing where two states are as good as one: a share of their variance.
@@ -47,7 +48,8 @@ impl Back {
 
 /// The way from one reading to the next.
 pub(crate) struct Leg {
-    time_s: f64,
+    /// The moment of the reading, seconds since the start of the flight.
+    pub(crate) time_s: f64,
     transition: Square,
     expected: Known,
     filtered: Known,
@@ -76,6 +78,44 @@ impl Cursor<'_> {
     pub(crate) fn leg(&self) -> Option<Leg> {
         let (transition, expected) = self.back?.leg;
         Some(Leg { time_s: self.time_s, transition, expected, filtered: (self.state, self.covariance) })
+    }
+}
+
+/// How far a small push along the way, or a small shift of readings, moves what a filter expects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nudged(State);
+
+impl Nudged {
+    /// Nothing was pushed yet.
+    pub(crate) fn nowhere() -> Self {
+        Self(State::zeros())
+    }
+
+    /// Goes along `leg`, of `dt` seconds, with a constant push, mm/s², and a shift of its reading, mm: how far the reading that is expected
+    /// moves, mm. Then the reading is taken as it was `taken`.
+    pub(crate) fn go(
+        &mut self,
+        model: &Model,
+        leg: &Leg,
+        (dt, push, shift_mm): (f64, f64, f64),
+        taken: &Surprise,
+    ) -> f64 {
+        let seen = seen_state(model);
+        // The trapezoid of what a change of velocity has become at the end of the leg.
+        let mut pushed = leg.transition.column(1) * (0.5 * dt * push);
+        pushed[1] += 0.5 * dt * push;
+        self.0 = leg.transition * self.0 + pushed;
+        let moved_mm = self.0[seen] + shift_mm;
+        let towards = leg.expected.1.column(seen);
+        self.0 -= towards * (taken.weight * moved_mm / taken.variance_mm2);
+        moved_mm
+    }
+}
+
+impl Leg {
+    /// Height and velocity, as they are known after the reading, mm and mm/s.
+    pub(crate) fn known(&self) -> (f64, f64) {
+        (self.filtered.0[0], self.filtered.0[1])
     }
 }
 

@@ -1,0 +1,27 @@
+//! The shape of what no effect explains, in words.
+
+use diagnose::{Diagnosis, Verdict};
+
+/// Terms that a sentence names at most.
+const MOST_TERMS: usize = 3;
+/// Growth of the air's noise that is worth a word, as a ratio.
+const RESTLESS: f64 = 1.3;
+/// What the letters of a term mean.
+const LETTERS: &str =
+    "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ";
+
+/// What is left of an unexplained gap; `None` where nothing is, or where it has no shape.
+#[must_use]
+pub fn left_over(found: &Diagnosis) -> Option<String> {
+    if found.verdict != Verdict::Unexplained {
+        return None;
+    }
+    let residue = &found.residue;
+    let terms = residue.asked_for.iter().filter(|_| residue.omitted_is_significant());
+    let terms: Vec<String> = terms.take(MOST_TERMS).map(|term| format!("{} (z = {:.1})", term.words, term.z)).collect();
+    let known = (!terms.is_empty()).then(|| format!("{} [{LETTERS}]", terms.join(", ")));
+    let restless = (residue.air_ratio > RESTLESS)
+        .then(|| format!("noise of the air {:.1} times as strong as believed", residue.air_ratio));
+    let shape: Vec<String> = known.into_iter().chain(restless).collect();
+    (!shape.is_empty()).then(|| format!("what is left looks like {}", shape.join(", and ")))
+}

@@ -1,0 +1,166 @@
+//! Scores of terms, summed row by row, and the terms that explain most together.
+//!
+//! ```text
+//! G = Σ f·fᵀ, b = Σ f·e               f: first what the model can do itself, then the terms
+//! z_j = b_j/√G_jj                      once the model's own have been swept out of G and b
+//! nats(m) = −ln P(χ²_m > Σ z²) − ln C(n, m)          the best m of n terms, one swept out after another
+//! ```
+//!
+//! Source: Goodnight, "A tutorial on the SWEEP operator", The American Statistician 33 (1979).
+
+use nalgebra::{DMatrix, DVector};
+
+/// What a term must keep of its square once others are swept out, to count as one of its own.
+const OF_ITS_OWN: f64 = 1e-3;
+/// Terms at most.
+const MOST: usize = 6;
+
+/// Sums of scores.
+pub(super) struct Scores {
+    gram: DMatrix<f64>,
+    by: DVector<f64>,
+    own: usize,
+}
+
+/// A term that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Asked {
+    /// Its number among the terms.
+    pub(super) term: usize,
+    /// Its score beside those before it, deviations.
+    pub(super) z: f64,
+    /// −ln of the chance of so much, by it and those before it.
+    pub(super) nats: f64,
+}
+
+impl Scores {
+    /// No rows yet, of `own` that the model can do itself and of `terms`.
+    pub(super) fn new(own: usize, terms: usize) -> Self {
+        let width = own + terms;
+        Self { gram: DMatrix::zeros(width, width), by: DVector::zeros(width), own }
+    }
+
+    /// Adds a row and its innovation.
+    pub(super) fn add(&mut self, row: &DVector<f64>, innovation: f64) {
+        self.gram.syger(1.0, row, row, 1.0);
+        self.by.axpy(innovation, row, 1.0);
+    }
+
+    /// The terms that are asked for most. `variance` of the innovations; `weight`: what each row counts.
+    pub(super) fn asked(mut self, variance: f64, weight: f64) -> Vec<Asked> {
+        self.gram.fill_upper_triangle_with_lower_triangle();
+        let before = self.gram.diagonal();
+        let kept = |scores: &Self, j: usize| scores.gram[(j, j)] > OF_ITS_OWN * before[j] && before[j] > 0.0;
+        for j in 0..self.own {
+            if kept(&self, j) {
+                self.sweep(j);
+            }
+        }
+        let mut left: Vec<usize> = (self.own..self.by.len()).filter(|j| kept(&self, *j)).collect();
+        let terms = left.len() as f64;
+        let (mut asked, mut total, mut ways) = (Vec::new(), 0.0, 0.0);
+        while asked.len() < MOST {
+            let z = |j: usize| self.by[j] / (variance * self.gram[(j, j)]).sqrt();
+            let Some(j) = left.iter().copied().max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs())) else { break };
+            let (z, m) = (z(j) * weight.sqrt(), asked.len());
+            total += z * z;
+            ways += ((terms - m as f64) / (m as f64 + 1.0)).ln();
+            asked.push(Asked { term: j - self.own, z, nats: -ln_chance(total, m + 1) - ways });
+            self.sweep(j);
+            left.retain(|other| *other != j && kept(&self, *other));
+        }
+        asked
+    }
+
+    /// Takes out of all others what goes with number `j`.
+    fn sweep(&mut self, j: usize) {
+        let (column, b) = (self.gram.column(j).into_owned(), self.by[j]);
+        let pivot = column[j];
+        self.by.axpy(-b / pivot, &column, 1.0);
+        self.gram.ger(-1.0 / pivot, &column, &column, 1.0);
+    }
+}
+
+/// ln P(χ²_m > x), by its finite sums (Abramowitz and Stegun 26.4.4 and 26.4.5), without the underflow of the tail.
+fn ln_chance(x: f64, m: usize) -> f64 {
+    let half = 0.5 * x;
+    let (mut sum, mut term, first) = if m.is_multiple_of(2) {
+        (0.0, 1.0, 1.0)
+    } else {
+        (scaled_erfc(half.sqrt()), 2.0 * (half / std::f64::consts::PI).sqrt(), 1.5)
+    };
+    for k in 0..m / 2 {
+        sum += term;
+        term *= half / (k as f64 + first);
+    }
+    sum.ln() - half
+}
+
+/// exp(x²)·erfc(x), beyond 5 by its asymptotic series.
+fn scaled_erfc(x: f64) -> f64 {
+    if x < 5.0 {
+        return (x * x).exp() * libm::erfc(x);
+    }
+    let by = 0.5 / (x * x);
+    (1.0 - by * (1.0 - 3.0 * by * (1.0 - 5.0 * by))) / (x * std::f64::consts::PI.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Scores, ln_chance};
+    use nalgebra::DVector;
+    use plant::Normal;
+
+    #[test]
+    fn the_chance_is_that_of_the_tables() {
+        // Quantiles of χ² at 5 %, 1 % and 0.1 %: Abramowitz and Stegun, table 26.8.
+        for (m, x, p) in [
+            (1, 3.84146, 0.05),
+            (2, 5.99147, 0.05),
+            (3, 7.81473, 0.05),
+            (4, 9.48773, 0.05),
+            (5, 11.0705, 0.05),
+            (6, 12.5916, 0.05),
+            (1, 6.63490, 0.01),
+            (3, 11.3449, 0.01),
+            (6, 16.8119, 0.01),
+            (5, 20.515, 0.001),
+        ] {
+            assert!((ln_chance(x, m).exp() / p - 1.0).abs() < 2e-4, "{m} {x}: {}", ln_chance(x, m).exp());
+        }
+        // Far out the tail goes on without underflow: ln of it falls by half of what x grows by, and a little.
+        let fall = ln_chance(4000.0, 3) - ln_chance(4002.0, 3);
+        assert!((0.999..1.0).contains(&fall), "{fall}");
+    }
+
+    /// Rows of independent normal terms; the innovation has `shares` of the first terms and unit noise. The model can do number 0 itself.
+    fn asked(shares: &[f64], seed: u64) -> Vec<super::Asked> {
+        let (terms, mut normal) = (40, Normal::new(seed, 3));
+        let mut scores = Scores::new(1, terms - 1);
+        for _ in 0..2000 {
+            let row = DVector::from_fn(terms, |_, _| normal.draw());
+            let e = normal.draw() + shares.iter().zip(row.iter()).map(|(share, f)| share * f).sum::<f64>();
+            scores.add(&row, e);
+        }
+        scores.asked(1.0, 1.0)
+    }
+
+    #[test]
+    fn nothing_is_asked_for_by_noise_nor_for_what_the_model_can_do_itself() {
+        for seed in 0..40 {
+            let most = asked(&[0.5], seed).iter().map(|asked| asked.nats).fold(0.0, f64::max);
+            assert!(most < 6.0, "seed {seed}: {most} nats");
+        }
+    }
+
+    #[test]
+    fn two_terms_that_act_are_asked_for_with_the_scores_of_their_shares() {
+        let asked = asked(&[0.5, 0.2, -0.15], 1);
+        let found: Vec<usize> = asked.iter().take(2).map(|asked| asked.term).collect();
+        assert_eq!(found, [0, 1]);
+        // z = share·√rows.
+        assert!((asked[0].z - 0.2 * 2000_f64.sqrt()).abs() < 4.0, "{}", asked[0].z);
+        assert!((asked[1].z + 0.15 * 2000_f64.sqrt()).abs() < 4.0, "{}", asked[1].z);
+        assert!(asked[1].nats > asked[0].nats && asked[0].nats > 20.0);
+    }
+}

@@ -1,0 +1,179 @@
+//! The dictionary: forces, shifts of readings and spreads that a model may omit, each a function of what was known before a reading.
+//!
+//! u: duty about hover, x: height, v: speed, each over its own deviation; ~τ: as it was over the last τ seconds (first order); t: -1 at
+//! the start of the flight, 1 at its end.
+
+use std::f64::consts::PI;
+
+/// Memories, seconds.
+const MEMORIES_S: [f64; 5] = [0.1, 0.3, 1.0, 3.0, 10.0];
+/// Waves along the path that the ball covers, and over the time of the flight.
+const WAVES_OF_HEIGHT: u32 = 5;
+const WAVES_OF_TIME: u32 = 4;
+/// The longest wave of height: its angle for a deviation.
+const ANGLE: f64 = 1.2;
+/// How steep the step of a sign is, for a deviation.
+const STEEP: f64 = 4.0;
+
+/// What was known before a reading.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Known {
+    pub(super) u: f64,
+    pub(super) x: f64,
+    pub(super) v: f64,
+    pub(super) t: f64,
+    memory: [Memory; MEMORIES_S.len()],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Memory {
+    u: f64,
+    size_of_u: f64,
+    square_of_u: f64,
+    v: f64,
+}
+
+impl Known {
+    /// What is known after `dt` seconds with this duty, height and speed.
+    pub(super) fn go_on(&mut self, dt: f64, [u, x, v, t]: [f64; 4]) {
+        (self.u, self.x, self.v, self.t) = (u, x, v, t);
+        for (memory, memory_s) in self.memory.iter_mut().zip(MEMORIES_S) {
+            let share = 1.0 - (-dt / memory_s).exp();
+            memory.u += share * (u - memory.u);
+            memory.size_of_u += share * (u.abs() - memory.size_of_u);
+            memory.square_of_u += share * (u * u - memory.square_of_u);
+            memory.v += share * (v - memory.v);
+        }
+    }
+}
+
+/// A function of what was known, in words.
+pub(super) struct Term {
+    pub(super) words: String,
+    pub(super) of: Box<dyn Fn(&Known) -> f64 + Sync>,
+}
+
+fn term(words: impl Into<String>, of: impl Fn(&Known) -> f64 + Sync + 'static) -> Term {
+    Term { words: words.into(), of: Box::new(of) }
+}
+
+fn step(value: f64) -> f64 {
+    (STEEP * value).tanh()
+}
+
+/// Forces.
+pub(super) fn forces() -> Vec<Term> {
+    [of_duty(), of_motion(), of_time(), waves_of_height(), (0..MEMORIES_S.len()).flat_map(of_memory).collect()]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+fn of_duty() -> Vec<Term> {
+    vec![
+        term("u²", |k| k.u * k.u),
+        term("u³", |k| k.u.clamp(-3.0, 3.0).powi(3)),
+        term("|u|", |k| k.u.abs()),
+        term("the sign of u", |k| step(k.u)),
+        term("u·x", |k| k.u * k.x),
+        term("u·x²", |k| k.u * k.x * k.x),
+        term("|u|·x", |k| k.u.abs() * k.x),
+        term("u·v", |k| k.u * k.v),
+        term("u·|v|", |k| k.u * k.v.abs()),
+        term("|u|·v", |k| k.u.abs() * k.v),
+    ]
+}
+
+fn of_motion() -> Vec<Term> {
+    vec![
+        term("v·|v|", |k| k.v * k.v.abs()),
+        term("v²", |k| k.v * k.v),
+        term("the sign of v", |k| step(k.v)),
+        term("x", |k| k.x),
+        term("x²", |k| k.x * k.x),
+        term("x³", |k| k.x.powi(3)),
+        term("x·v", |k| k.x * k.v),
+    ]
+}
+
+fn of_time() -> Vec<Term> {
+    let products = vec![
+        term("t", |k| k.t),
+        term("t²", |k| k.t * k.t),
+        term("t·u", |k| k.t * k.u),
+        term("t²·u", |k| k.t * k.t * k.u),
+        term("t·v", |k| k.t * k.v),
+    ];
+    let waves = (1..=WAVES_OF_TIME).flat_map(|n| {
+        let angle = f64::from(n) * PI;
+        let words = |which| format!("{which} wave of time, {n} half periods a flight");
+        [term(words("an even"), move |k| (angle * k.t).cos()), term(words("an odd"), move |k| (angle * k.t).sin())]
+    });
+    products.into_iter().chain(waves).collect()
+}
+
+fn waves_of_height() -> Vec<Term> {
+    let waves = (1..=WAVES_OF_HEIGHT).flat_map(|n| {
+        let angle = f64::from(n) * ANGLE;
+        let words = |which| format!("{which} wave of height, {:.1} deviations long", 2.0 * PI / angle);
+        [term(words("an even"), move |k| (angle * k.x).cos()), term(words("an odd"), move |k| (angle * k.x).sin())]
+    });
+    waves.collect()
+}
+
+fn of_memory(at: usize) -> Vec<Term> {
+    let of = |words: &str, of: fn(&Known, &Memory) -> f64| {
+        term(words.replace('~', &format!("~{} s", MEMORIES_S[at])), move |k: &Known| of(k, &k.memory[at]))
+    };
+    vec![
+        of("u~", |_, m| m.u),
+        of("|u|~", |_, m| m.size_of_u),
+        of("u²~", |_, m| m.square_of_u),
+        of("v~", |_, m| m.v),
+        of("u·u~", |k, m| k.u * m.u),
+        of("|u|·u~", |k, m| k.u.abs() * m.u),
+        of("u·|u|~", |k, m| k.u * m.size_of_u),
+        of("u·u²~", |k, m| k.u * m.square_of_u),
+        of("u~·(u − u~)", |k, m| m.u * (k.u - m.u)),
+        of("|u~|·(u − u~)", |k, m| m.u.abs() * (k.u - m.u)),
+        of("|u − u~|", |k, m| (k.u - m.u).abs()),
+        of("the sign of u − u~", |k, m| step(k.u - m.u)),
+    ]
+}
+
+/// Shifts of a reading.
+pub(super) fn shifts() -> Vec<Term> {
+    let shifts = vec![
+        term("x²", |k| k.x * k.x),
+        term("x³", |k| k.x.powi(3)),
+        term("v", |k| k.v),
+        term("|v|", |k| k.v.abs()),
+        term("v·|v|", |k| k.v * k.v.abs()),
+        term("the sign of v", |k| step(k.v)),
+        term("u", |k| k.u),
+        term("|u|", |k| k.u.abs()),
+        term("t", |k| k.t),
+        term("t²", |k| k.t * k.t),
+    ];
+    shifts.into_iter().chain(waves_of_height()).collect()
+}
+
+/// Spreads: where noise is larger or smaller than elsewhere.
+pub(super) fn spreads() -> Vec<Term> {
+    let spreads = vec![
+        term("u", |k| k.u),
+        term("u²", |k| k.u * k.u),
+        term("x", |k| k.x),
+        term("x²", |k| k.x * k.x),
+        term("v", |k| k.v),
+        term("|v|", |k| k.v.abs()),
+        term("v²", |k| k.v * k.v),
+        term("t", |k| k.t),
+        term("t²", |k| k.t * k.t),
+        term("|u − u~| of 0.1 s", |k| (k.u - k.memory[0].u).abs()),
+        term("(u − u~)² of 0.1 s", |k| (k.u - k.memory[0].u).powi(2)),
+        term("|u − u~| of 0.3 s", |k| (k.u - k.memory[1].u).abs()),
+        term("(u − u~)² of 0.3 s", |k| (k.u - k.memory[1].u).powi(2)),
+    ];
+    spreads.into_iter().chain(of_time().into_iter().skip(5)).chain(waves_of_height()).collect()
+}

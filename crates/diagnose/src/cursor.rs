@@ -147,6 +147,28 @@ impl<'a> Cursor<'a> {
         surprise
     }
 
+    /// Flies on to `time_s` since the start of the flight, and takes what a second sensor says of the ball itself.
+    pub(crate) fn take_second(
+        &mut self,
+        time_s: f64,
+        reading: Reading,
+        variance_mm2: f64,
+        steps: &mut Steps,
+    ) -> Surprise {
+        self.go_to(time_s, steps);
+        let variance = self.covariance[(0, 0)] + variance_mm2;
+        let surprise = Surprise::of(reading, self.state[0], variance);
+        let towards = self.covariance.column(0).into_owned();
+        self.state += towards * (surprise.pull / variance.sqrt());
+        self.covariance -= towards * towards.transpose() * (surprise.weight / variance);
+        surprise
+    }
+
+    /// When the reading of `row` was taken, seconds since the start of the flight.
+    pub(crate) fn time_of(&self, row: usize) -> f64 {
+        reading_time(self.model, self.samples, row).unwrap_or(self.time_s)
+    }
+
     /// Position and velocity, mm and mm/s.
     pub(crate) fn position_and_velocity(&self) -> (f64, f64) {
         (self.state[0], self.state[1])

@@ -4,6 +4,7 @@
 //! forecasts, beside what noise alone would give. Works on the recorded duty and the real time stamps, and
 //! does no file or network access.
 
+mod along;
 mod apart;
 mod arrival;
 pub mod blind;
@@ -32,6 +33,7 @@ mod prepare;
 mod recording;
 mod residue;
 mod rotor;
+mod second;
 mod spectrum;
 mod starts;
 mod thin;

@@ -199,6 +199,12 @@ impl Recording {
         self.samples.iter().any(|sample| sample.fan_rpm.is_some())
     }
 
+    /// Whether any row holds a reading of a second sensor.
+    #[must_use]
+    pub fn has_second_position(&self) -> bool {
+        self.samples.iter().any(|sample| sample.position2_mm.is_some())
+    }
+
     /// How many rows hold a reading.
     #[must_use]
     pub fn readings(&self) -> usize {

@@ -1,10 +1,9 @@
 //! A model's filter along a whole recording, and forecasts from any of its readings.
 
-use crate::arrival::Refresh;
+use crate::along::along;
 use crate::cursor::{Back, Cursor, Leg, Smoothed, Steps, smoothed};
-use crate::grid::{Grid, OFF_GRID};
-use crate::likelihood::{Reading, Surprise, log_sum};
-use crate::recording::{Recording, reading_period_s};
+use crate::likelihood::Surprise;
+use crate::recording::Recording;
 use crate::rotor;
 use plant::Model;
 use std::ops::Range;
@@ -33,82 +32,16 @@ pub struct Forecast {
     pub variance_mm2: f64,
 }
 
-/// Runs the filter of `model` over `recording` and shows it after each reading: the row, how the reading was seen coming,
-/// and the filter, unless the model says that the sensor only repeated itself. Each flight begins with a new filter. With `back`, the
-/// filter remembers its way.
-fn along<'a>(
-    model: &'a Model,
-    recording: &'a Recording,
-    back: Option<Back>,
-    mut show: impl FnMut(usize, Surprise, Option<&Cursor<'a>>),
-) {
-    let mut steps = Steps::of(model);
-    let mut filter: Option<Cursor<'a>> = None;
-    let mut flight = 0..0;
-    let grid = model.effects.sensor_quantisation.map(|coarse| Grid::of(recording, coarse.step_mm));
-    let outliers = model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
-    let mut refresh: Option<Refresh> = None;
-    for (row, sample) in recording.samples().iter().enumerate() {
-        if !flight.contains(&row) {
-            (flight, filter) = (recording.flight_of(row), None);
-        }
-        let Some(reading) = sample.position_mm else { continue };
-        let (rows, at) = (&recording.samples()[flight.clone()], row - flight.start);
-        let first = filter.is_none();
-        let cursor = filter.get_or_insert_with(|| {
-            let cursor = Cursor::new(model, rows, at, reading, &mut steps);
-            cursor.of_means(recording.mean_of(row)).remembering(back)
-        });
-        cursor.go_to_row(at, &mut steps);
-        let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
-        let seen = Reading { row, position_mm: reading, outliers, coarse };
-        let off_grid = if grid.is_some() && coarse.is_none() { OFF_GRID } else { 0.0 };
-        if first {
-            refresh = Refresh::of(model, reading_period_s(rows), sample.time_s, reading);
-            show(row, cursor.take(seen), Some(cursor));
-            continue;
-        }
-        let (new, log_density) = arrival(refresh.as_ref(), sample.time_s, reading, recording.resolution_mm(), || {
-            cursor.foresee(seen).log_density - off_grid
-        });
-        if let Some(refresh) = &mut refresh {
-            refresh.go_on(sample.time_s, reading, new);
-        }
-        if new {
-            let surprise = cursor.take(seen);
-            let log_density = log_density.unwrap_or(surprise.log_density - off_grid);
-            show(row, Surprise { log_density, ..surprise }, Some(cursor));
-        } else {
-            show(row, Surprise::of_repeat(row, log_density.unwrap_or_default()), None);
-        }
-    }
-}
-
-/// Whether a reading is new, and ln p of it where the sensor may only have repeated itself.
-fn arrival(
-    refresh: Option<&Refresh>,
-    time_s: f64,
-    reading_mm: f64,
-    resolution_mm: f64,
-    if_new: impl Fn() -> f64,
-) -> (bool, Option<f64>) {
-    let Some(refresh) = refresh else { return (true, None) };
-    let chance = refresh.chance(time_s);
-    let new = chance.ln() + if_new();
-    if !refresh.is_same(reading_mm) {
-        return (true, Some(new));
-    }
-    let repeat = (1.0 - chance).ln() - resolution_mm.ln();
-    (new > repeat, Some(log_sum(new, repeat)))
-}
-
-/// Every reading but the first, which has nothing to be compared with, as the model saw it coming; then every speed of the fan.
+/// Every reading but the first, which has nothing to be compared with, as the model saw it coming; then every
+/// reading of a second sensor, and every speed of the fan.
 pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
-    let mut all = Vec::with_capacity(recording.samples().len());
-    along(model, recording, None, |_, surprise, _| all.push(surprise));
+    let mut all = Vec::with_capacity(recording.readings());
+    let mut second = Vec::new();
+    along(model, recording, None, Some(&mut second), |_, surprise, _| all.push(surprise));
     if !all.is_empty() {
         all.remove(0);
     }
+    all.extend(second);
     all.extend(rotor::surprises(model, recording));
     all
 }
@@ -116,7 +49,7 @@ pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
 /// The way from reading to reading, and how each was seen coming.
 pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)> {
     let mut all = Vec::with_capacity(recording.samples().len());
-    along(model, recording, Some(Back::default()), |_, surprise, cursor| {
+    along(model, recording, Some(Back::default()), None, |_, surprise, cursor| {
         all.extend(cursor.and_then(Cursor::leg).map(|leg| (surprise, leg)));
     });
     all
@@ -125,7 +58,7 @@ pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)>
 /// What the whole flight, before and after it, says of each reading's moment: the row and the states.
 pub(crate) fn hindsight(model: &Model, recording: &Recording) -> Vec<(usize, Smoothed)> {
     let (mut rows, mut legs) = (Vec::new(), Vec::new());
-    along(model, recording, Some(Back::default()), |row, _, cursor| {
+    along(model, recording, Some(Back::default()), None, |row, _, cursor| {
         if let Some(leg) = cursor.and_then(Cursor::leg) {
             rows.push(row);
             legs.push(leg);
@@ -148,7 +81,7 @@ impl<'a> Track<'a> {
     pub fn new(model: &'a Model, recording: &'a Recording) -> Self {
         let (mut estimates, mut surprises) = (Vec::new(), Vec::new());
         let mut new = vec![false; recording.samples().len()];
-        along(model, recording, None, |row, surprise, cursor| {
+        along(model, recording, None, None, |row, surprise, cursor| {
             let Some(cursor) = cursor else { return };
             new[row] = true;
             if !estimates.is_empty() {

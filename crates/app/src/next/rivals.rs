@@ -56,15 +56,21 @@ pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], recordi
     let stage = |name: &&str| Effects::entry(name).map(|entry| entry.stage);
     let stages: Vec<Stage> = names.iter().filter_map(stage).collect();
     let cut = |side: Stage| stages.contains(&side) && stages.iter().any(|stage| *stage != side);
+    let mut signals = Vec::new();
+    if cut(Stage::Actuator) && !recording.has_fan_speed() {
+        signals.push("`fan_rpm`, the speed of the fan by a tachometer");
+    }
+    if cut(Stage::Sensor) && !recording.has_second_position() {
+        signals.push("`position2_mm`, the position by a second sensor");
+    }
     let names = names.join(" and ");
-    Some(if cut(Stage::Actuator) && !recording.has_fan_speed() {
-        format!(
-            "{names} look alike in duty and position whatever is flown; record `fan_rpm`, the speed of the fan by a tachometer, which \
-             shows on which side of it the effect acts"
-        )
-    } else {
-        format!(
+    Some(match signals.join(" or ") {
+        signals if signals.is_empty() => format!(
             "{names} look alike in every experiment of the list; a longer record of the kind at hand is the way to tell them apart"
-        )
+        ),
+        signals => format!(
+            "{names} look alike in duty and position whatever is flown; record {signals}, which shows on which side of it the \
+             effect acts"
+        ),
     })
 }

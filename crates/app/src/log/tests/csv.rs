@@ -44,8 +44,7 @@ fn time_duty_and_position_are_enough() {
     let samples = log.recording.samples();
     assert_eq!((samples[0].duty_percent, samples[0].position_mm, samples[0].setpoint_mm), (150.5, None, None));
     assert_eq!((samples[3].duty_percent, samples[3].position_mm), (-3.0, Some(1.0)));
-    assert!(log.cycles.is_empty() && !log.recording.has_fan_speed());
-    assert!(log.recording.samples().iter().all(|row| row.position2_mm.is_none()));
+    assert!(log.cycles.is_empty() && !log.recording.has_fan_speed() && !log.recording.has_second_position());
 }
 
 #[test]

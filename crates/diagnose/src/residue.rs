@@ -61,6 +61,8 @@ const AIR: f64 = 4.0;
 const AIR_RATIO: f64 = 1.3;
 /// White noise that a right turbulence leaves as it was believed, as ratios.
 const UNTOUCHED: std::ops::Range<f64> = 0.5..1.6;
+/// Deviations within which a record does not tell the white noise from that.
+const TOUCHED: f64 = 2.0;
 
 /// A ball this near to a stop may have met it, mm; and so long the filter is not normal afterwards, seconds.
 const NEAR_STOP_MM: f64 = 10.0;
@@ -94,7 +96,8 @@ impl Residue {
     /// coloured force follows whatever is missing, but it does so at the cost of the white noise, or leaves a trace of what it follows.
     #[must_use]
     pub fn allows_turbulence(&self) -> bool {
-        !self.is_significant() && self.omitted < OMITTED_BESIDE_TURBULENCE && UNTOUCHED.contains(&self.air_ratio)
+        let untouched = UNTOUCHED.contains(&self.air_ratio) || self.air.abs() < TOUCHED;
+        !self.is_significant() && self.omitted < OMITTED_BESIDE_TURBULENCE && untouched
     }
 
     /// Judges the innovations of `fit`, whose effects explain so many nats.

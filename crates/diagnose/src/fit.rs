@@ -12,7 +12,7 @@
 //! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
 
 use crate::folds::Folds;
-use crate::free::{Free, prior};
+use crate::free::{Free, Prior, prior};
 use crate::likelihood::Surprise;
 use crate::recording::Recording;
 use crate::track::surprises;
@@ -93,6 +93,8 @@ pub struct Problem<'a> {
     pub belief: &'a Model,
     /// Which rows count, and in which fold.
     pub folds: &'a Folds,
+    /// What is known beforehand.
+    pub prior: Prior,
 }
 
 /// Everything about one point of a fit.
@@ -108,7 +110,7 @@ impl Problem<'_> {
     pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
         let (best, slope) = self.climb(start, free, MOST_STEPS);
         let slope = slope.unwrap_or_else(|| self.slope(&best, free));
-        let log_prior = prior(free, &best.model, self.belief);
+        let log_prior = self.log_prior(free, &best.model);
         Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
     }
 
@@ -184,12 +186,16 @@ impl Problem<'_> {
         for _ in 0..SHORTER {
             let model = moved(&fit.model, &fit.free, &direction);
             let there = self.by_fold(&model);
-            if kept(&there) + prior(&fit.free, &model, self.belief) > before - slack {
+            if kept(&there) + self.log_prior(&fit.free, &model) > before - slack {
                 return (model, there);
             }
             direction /= 4.0;
         }
         (fit.model.clone(), here)
+    }
+
+    fn log_prior(&self, free: &[Free], model: &Model) -> f64 {
+        if self.prior == Prior::Belief { prior(free, model, self.belief) } else { 0.0 }
     }
 
     /// What each fold is worth under `model` as it is, nats.
@@ -211,7 +217,7 @@ impl Problem<'_> {
     fn point(&self, model: Model, free: &[Free]) -> Point {
         let surprises = surprises(&model, self.recording);
         let likelihood: f64 = surprises.iter().filter(|s| self.folds.of(s.row).is_some()).map(|s| s.log_density).sum();
-        let total = likelihood + prior(free, &model, self.belief);
+        let total = likelihood + self.log_prior(free, &model);
         Point { model, surprises, total }
     }
 
@@ -276,7 +282,7 @@ impl Problem<'_> {
             information.fill_upper_triangle_with_lower_triangle();
         }
         let mut prior = zero;
-        for (i, free) in free.iter().enumerate() {
+        for (i, free) in free.iter().enumerate().filter(|_| self.prior == Prior::Belief) {
             let (_, slope, curvature) = free.prior(&point.model, self.belief);
             prior.0[i] = slope;
             prior.1[(i, i)] = curvature;
@@ -294,7 +300,7 @@ fn moved(model: &Model, free: &[Free], direction: &DVector<f64>) -> Model {
 mod tests {
     use super::Problem;
     use crate::folds::Folds;
-    use crate::free::{BASE, Free};
+    use crate::free::{BASE, Free, Prior};
     use crate::tests_support::{model, record};
     use plant::Model;
 
@@ -308,7 +314,7 @@ mod tests {
         for seed in 0..8 {
             let recording = record(&rig, seed, 60);
             let folds = Folds::new(&rig, &recording);
-            let problem = Problem { recording: &recording, belief: &rig, folds: &folds };
+            let problem = Problem { recording: &recording, belief: &rig, folds: &folds, prior: Prior::Belief };
             let fitted = problem.fit(&wrong, &free);
             let deviations = fitted.deviations();
             let off = [

@@ -39,6 +39,13 @@ impl Folds {
         Self { stretches }
     }
 
+    /// The same without the rows for which `keep` does not hold.
+    #[must_use]
+    pub(crate) fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let kept = self.stretches.iter().enumerate().map(|(row, stretch)| stretch.filter(|_| keep(row)));
+        Self { stretches: kept.collect() }
+    }
+
     /// The stretch that a row is in; `None` if the row does not count.
     #[must_use]
     pub fn stretch(&self, row: usize) -> Option<usize> {

@@ -35,6 +35,15 @@ pub enum Free {
     },
 }
 
+/// What a fit knows of the numbers before it sees the record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prior {
+    /// What the owner's belief in them is worth, see [`Free`].
+    Belief,
+    /// Nothing: the record alone speaks.
+    Nothing,
+}
+
 /// The numbers that every model has, noise last.
 pub const BASE: [Free; 5] = [Free::Gain, Free::Drag, Free::Hover, Free::SensorNoise, Free::AirNoise];
 

@@ -5,6 +5,7 @@
 use crate::diagnosis::Diagnosis;
 use crate::fit::Problem;
 use crate::folds::Folds;
+use crate::free::Prior;
 use crate::gap::{FreeRun, free_runs};
 use crate::missing_force::{MissingForce, missing_force};
 use crate::prepare::Prepared;
@@ -31,7 +32,7 @@ impl Picture {
     pub fn of(found: &Diagnosis, belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized)) -> Self {
         let recording = Prepared::of(recordings.as_ref(), belief).recording.into_owned();
         let folds = Folds::new(belief, &recording);
-        let problem = Problem { recording: &recording, belief, folds: &folds };
+        let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
         let models = problem.without_each_fold(&found.mended);
         let runs = models.par_iter().enumerate().flat_map_iter(|(fold, model)| {
             let runs = free_runs(model, &recording).into_iter();

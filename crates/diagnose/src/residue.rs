@@ -202,14 +202,14 @@ mod tests {
     use super::Residue;
     use crate::fit::Problem;
     use crate::folds::Folds;
-    use crate::free::BASE;
+    use crate::free::{BASE, Prior};
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
 
     fn residue(belief: &Model, rig: &Model, seed: u64) -> Residue {
         let recording = record(rig, seed, 60);
         let folds = Folds::new(belief, &recording);
-        let problem = Problem { recording: &recording, belief, folds: &folds };
+        let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
         Residue::of(&problem, &problem.fit(belief, &BASE), 0.0)
     }
 

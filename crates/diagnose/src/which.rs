@@ -10,7 +10,7 @@
 use crate::explain::NAMED;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
-use crate::free::{BASE, Free, free_of_effect, is_read_off, prior};
+use crate::free::{BASE, Free, Prior, free_of_effect, is_read_off, prior};
 use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::look::Look;
@@ -89,7 +89,12 @@ pub(crate) struct Search<'a> {
 
 impl<'a> Search<'a> {
     pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, without: &[String]) -> Self {
-        Self { problem: Problem { recording, belief, folds }, without: without.to_vec() }
+        Self { problem: Problem { recording, belief, folds, prior: Prior::Belief }, without: without.to_vec() }
+    }
+
+    /// A search that knows of the problem alone.
+    pub(crate) const fn of(problem: Problem<'a>) -> Self {
+        Self { problem, without: Vec::new() }
     }
 
     /// The same search without one more effect.
@@ -163,7 +168,7 @@ impl<'a> Search<'a> {
 
     /// The belief, or the belief with noise of another order, if that is much nearer to the record: where every reading looks wild, there is no slope
     /// to climb.
-    fn with_noise_that_fits(&self, free: &[Free]) -> Model {
+    pub(crate) fn with_noise_that_fits(&self, free: &[Free]) -> Model {
         let belief = self.as_readings_show();
         let factors = AIR_ORDERS.iter().flat_map(|air| SENSOR_ORDERS.iter().map(move |sensor| (*air, *sensor)));
         let rated = factors.collect::<Vec<_>>().into_par_iter().map(|(air, sensor): (f64, f64)| {

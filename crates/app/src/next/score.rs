@@ -4,7 +4,7 @@ use super::candidates::Candidate;
 use super::{Rival, SEPARATES, settle_s};
 use crate::desk::{Desk, Flown};
 use crate::log::reader::sample;
-use diagnose::{BASE, Folds, Free, Problem, Recording, surprises};
+use diagnose::{BASE, Folds, Free, Prior, Problem, Recording, surprises};
 use plant::{Effects, Model};
 
 /// The seed of every flight: experiments are compared on the same noise.
@@ -82,7 +82,11 @@ fn nats_per_minute(record: &Recording, truth: &Rival, other: &Rival, moved: bool
 
 /// The rival with its numbers moved towards where the record is most likely.
 fn suited((_, model): &Rival, record: &Recording, folds: &Folds) -> Model {
-    Problem { recording: record, belief: model, folds }.fit_in_steps(model, &numbers_of(model), STEPS)
+    Problem { recording: record, belief: model, folds, prior: Prior::Belief }.fit_in_steps(
+        model,
+        &numbers_of(model),
+        STEPS,
+    )
 }
 
 /// The base numbers and those of every effect that is on.

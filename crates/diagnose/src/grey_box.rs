@@ -1,0 +1,162 @@
+//! Grey-box identification: a plant of two or three poles from what a rig did, with intervals.
+//!
+//! ```text
+//! two poles   K/(s(s + a))        three poles   K/(s(s + a)(τs + 1))
+//! θ = (K, a, τ, hover, both noises) = arg max Σ ln p(ν_k)      ν: innovations of the Kalman filter along the recorded duty
+//! ```
+//!
+//! The recorded duty goes in, whoever made it: in closed loop as well the innovations of a right model are white, and no controller is
+//! simulated (the direct approach). Other effects of the start stay as they are believed. The start says nothing of the result.
+//! Source: Ljung, *System Identification*, 2nd edition, chapters 7 and 13; the thesis, sections 3.1.3 and 3.1.4.
+
+use crate::fit::{Fit, Problem};
+use crate::folds::Folds;
+use crate::free::{BASE, Free, Prior, free_of_effect};
+use crate::held_out::HeldOut;
+use crate::profile::interval;
+use crate::recording::Recording;
+use crate::residual_tests::ResidualTests;
+use crate::which::Search;
+use plant::Model;
+use serde::Serialize;
+
+/// Lags of the fan from which a fit of three poles begins, seconds; the best wins.
+const LAGS_S: [f64; 3] = [0.05, 0.2, 0.6];
+/// Steps of the first look from each.
+const FIRST_LOOK: usize = 4;
+/// Readings in free flight that an identification needs.
+const ENOUGH_READINGS: usize = 300;
+
+/// The key of the fan's lag.
+const FAN_LAG: &str = "fan_lag.time_constant_s";
+
+/// How many poles the plant has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Poles {
+    /// The ball alone.
+    Two,
+    /// Ball and fan.
+    Three,
+}
+
+/// A number of the plant with its 90 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Its key in the config's `[plant]`.
+    pub name: &'static str,
+    /// The most likely value.
+    pub value: f64,
+    /// Lower end; `None`: the record sets none.
+    pub low: Option<f64>,
+    /// Upper end; `None`: the record sets none.
+    pub high: Option<f64>,
+}
+
+/// A plant that was identified.
+#[derive(Clone, Debug)]
+pub struct GreyBox {
+    /// How many poles it has.
+    pub poles: Poles,
+    /// The model at its best, and how the record looks to it.
+    pub fit: Fit,
+    /// Gain, drag, hover and, with three poles, the fan's lag.
+    pub estimates: Vec<Estimate>,
+    /// Whether the innovations are noise.
+    pub residuals: ResidualTests,
+    /// How well the same fit, made without the last third of each flight, foretells that third.
+    pub held_out: HeldOut,
+}
+
+/// Why nothing was identified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TooLittle {
+    /// Too few readings in free flight.
+    #[error(
+        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s"
+    )]
+    Readings {
+        /// How many there are.
+        readings: usize,
+    },
+}
+
+impl GreyBox {
+    /// Identifies a plant of so many poles from `recording`, with `start` as a first guess.
+    ///
+    /// # Errors
+    /// [`TooLittle`]: the record is too short.
+    pub fn identify(start: &Model, recording: &Recording, poles: Poles) -> Result<Self, TooLittle> {
+        let folds = Folds::new(start, recording);
+        let counts = recording.samples().iter().enumerate();
+        let readings = counts.filter(|(row, s)| s.position_mm.is_some() && folds.counts(*row)).count();
+        if readings < ENOUGH_READINGS {
+            return Err(TooLittle::Readings { readings });
+        }
+        let start = with_poles(start, poles);
+        let problem = Problem { recording, belief: &start, folds: &folds, prior: Prior::Nothing };
+        let fit = best_fit(&problem, poles);
+        let estimates = estimates(&problem, &fit);
+        let residuals = ResidualTests::of(&fit, recording, &folds);
+        let held_out = HeldOut::of(&problem, &fit);
+        Ok(Self { poles, fit, estimates, residuals, held_out })
+    }
+}
+
+/// The start with a fan's lag where three poles are asked for, and without where two are.
+fn with_poles(start: &Model, poles: Poles) -> Model {
+    let mut model = start.clone();
+    model.effects.remove("spin_asymmetry");
+    if poles == Poles::Two {
+        model.effects.remove("fan_lag");
+    } else if model.effects.fan_lag.is_none_or(|lag| lag.time_constant_s <= 0.0) {
+        model.effects.set("fan_lag", &[LAGS_S[1]]);
+    }
+    model
+}
+
+/// The most likely model, from the start's own lag and from others.
+fn best_fit(problem: &Problem<'_>, poles: Poles) -> Fit {
+    let free = free(problem.belief);
+    let near = Search::of(*problem).with_noise_that_fits(&free);
+    let mut starts = vec![near.clone()];
+    if poles == Poles::Three {
+        starts.extend(LAGS_S.map(|lag_s| {
+            let mut other = near.clone();
+            other.effects.set("fan_lag", &[lag_s]);
+            other
+        }));
+    }
+    let looks = starts.iter().map(|start| problem.look(start, &free, FIRST_LOOK));
+    let best = looks.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(near, |(model, _)| model);
+    // A lag moves in units of what it is about.
+    problem.fit(&best, &self::free(&best))
+}
+
+/// What a fit moves: gain, drag, hover, both noises, and the fan's lag where there is one.
+fn free(model: &Model) -> Vec<Free> {
+    let lag = model.effects.fan_lag.map_or_else(Vec::new, |lag| free_of_effect("fan_lag", &[lag.time_constant_s]));
+    [&BASE[..], &lag].concat()
+}
+
+/// The key of a number in the config's `[plant]`, and its value in a model. `None`: a nuisance.
+fn named(free: Free, model: &Model) -> Option<(&'static str, f64)> {
+    match free {
+        Free::Gain => Some(("gain_mm_per_s2_per_percent", model.gain_mm_per_s2_per_percent)),
+        Free::Drag => Some(("drag_per_s", model.drag_per_s)),
+        Free::Hover => Some(("hover_duty_percent", model.hover_duty_percent)),
+        Free::SensorNoise | Free::AirNoise => None,
+        Free::Effect { .. } => Some((FAN_LAG, model.effects.fan_lag.map_or(0.0, |lag| lag.time_constant_s))),
+    }
+}
+
+/// Every number but the nuisances, with its interval.
+fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
+    let one = |(at, free): (usize, &Free)| {
+        let (name, value) = named(*free, &fit.model)?;
+        let ends = interval(problem, fit, at);
+        let at = |model: Option<Model>| model.and_then(|model| named(*free, &model)).map(|(_, value)| value);
+        Some(Estimate { name, value, low: at(ends.0), high: at(ends.1) })
+    };
+    fit.free.iter().enumerate().filter_map(one).collect()
+}

@@ -1,10 +1,12 @@
 //! The command line. Flags mean the same everywhere.
 
 mod design;
+mod identify;
 
 pub use design::{
     CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs, RelayRule,
 };
+pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
@@ -34,6 +36,9 @@ pub enum Command {
     /// Design a controller for the model of a config, or say what its loop bears
     #[command(subcommand)]
     Design(DesignCommand),
+    /// Identify the plant of a rig from its logs
+    #[command(subcommand)]
+    Identify(IdentifyCommand),
     /// Diagnose a folder of withheld cases, and score the answers once the truth is known
     Blind(BlindArgs),
     /// Check or print a config

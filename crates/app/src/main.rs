@@ -1,7 +1,7 @@
 //! The binary `airball`.
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
-use airball::commands::{blind, config, design, diagnose, log, note, reader_is_gone, replay, run, simulate};
+use airball::commands::{blind, config, design, diagnose, identify, log, note, reader_is_gone, replay, run, simulate};
 use airball::config::ConfigError;
 use clap::Parser;
 use std::process::ExitCode;
@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::Replay(args) => replay::replay(&args),
         Command::Diagnose(args) => diagnose::diagnose(&args),
         Command::Design(command) => design::design(&command),
+        Command::Identify(command) => identify::identify(&command),
         Command::Blind(args) => blind::blind(&args),
         Command::Config(ConfigCommand::Check(args)) => config::check(&args),
         Command::Config(ConfigCommand::Print(args)) => config::print(&args),

@@ -27,9 +27,6 @@ const FIRST_LOOK: usize = 4;
 /// Readings in free flight that an identification needs.
 const ENOUGH_READINGS: usize = 300;
 
-/// The key of the fan's lag.
-const FAN_LAG: &str = "fan_lag.time_constant_s";
-
 /// How many poles the plant has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -139,24 +136,23 @@ fn free(model: &Model) -> Vec<Free> {
     [&BASE[..], &lag].concat()
 }
 
-/// The key of a number in the config's `[plant]`, and its value in a model. `None`: a nuisance.
-fn named(free: Free, model: &Model) -> Option<(&'static str, f64)> {
+/// The key of a number in the config's `[plant]`. `None`: a nuisance.
+const fn key(free: Free) -> Option<&'static str> {
     match free {
-        Free::Gain => Some(("gain_mm_per_s2_per_percent", model.gain_mm_per_s2_per_percent)),
-        Free::Drag => Some(("drag_per_s", model.drag_per_s)),
-        Free::Hover => Some(("hover_duty_percent", model.hover_duty_percent)),
+        Free::Gain => Some("gain_mm_per_s2_per_percent"),
+        Free::Drag => Some("drag_per_s"),
+        Free::Hover => Some("hover_duty_percent"),
         Free::SensorNoise | Free::AirNoise => None,
-        Free::Effect { .. } => Some((FAN_LAG, model.effects.fan_lag.map_or(0.0, |lag| lag.time_constant_s))),
+        Free::Effect { .. } => Some("fan_lag.time_constant_s"),
     }
 }
 
 /// Every number but the nuisances, with its interval.
 fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
     let one = |(at, free): (usize, &Free)| {
-        let (name, value) = named(*free, &fit.model)?;
-        let ends = interval(problem, fit, at);
-        let at = |model: Option<Model>| model.and_then(|model| named(*free, &model)).map(|(_, value)| value);
-        Some(Estimate { name, value, low: at(ends.0), high: at(ends.1) })
+        let (name, value) = (key(*free)?, free.value(&fit.model)?);
+        let [low, high] = interval(problem, fit, at).map(|end| free.value(&end?));
+        Some(Estimate { name, value, low, high })
     };
     fit.free.iter().enumerate().filter_map(one).collect()
 }

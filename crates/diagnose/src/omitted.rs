@@ -200,7 +200,7 @@ mod tests {
     use super::{DIFFERENCE, Nudged, omitted};
     use crate::fit::Problem;
     use crate::folds::Folds;
-    use crate::free::{BASE, Free};
+    use crate::free::{BASE, Free, Prior};
     use crate::tests_support::{model, record};
     use crate::track::legs;
     use crate::{Recording, Sample};
@@ -246,7 +246,7 @@ mod tests {
 
     fn asked(recording: &Recording) -> (f64, Vec<String>) {
         let folds = Folds::new(&model(), recording);
-        let problem = Problem { recording, belief: &model(), folds: &folds };
+        let problem = Problem { recording, belief: &model(), folds: &folds, prior: Prior::Belief };
         let fit = problem.fit(&model(), &BASE);
         let (nats, terms) = omitted(&problem, &fit, &|row| folds.counts(row), 1.0);
         (nats, terms.into_iter().map(|term| term.words).collect())

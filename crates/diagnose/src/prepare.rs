@@ -57,6 +57,13 @@ fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
     noisy && !believed && !findings.iter().any(odd) && coarse_step(flight, belief).is_none()
 }
 
+/// The rows of `recordings`, one flight each, as every method here uses them, and what is to be known of each.
+#[must_use]
+pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<Noted>, Recording) {
+    let Prepared { findings, recording, .. } = Prepared::of(recordings, belief);
+    (findings, recording.into_owned())
+}
+
 /// The findings of a flight, its rows as they are used, and whether they can answer anything.
 fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Cow<'a, Recording>, bool) {
     let mut findings = check(flight, belief);

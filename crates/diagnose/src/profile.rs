@@ -25,12 +25,12 @@ const STEPS: usize = 4;
 const TOO_FAR: f64 = 12.0;
 
 /// The models at the lower and the upper end of the interval of number `at` of the fit. `None`: the record sets no end there.
-pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize) -> (Option<Model>, Option<Model>) {
+pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize) -> [Option<Model>; 2] {
     let deviation = fit.deviations().get(at).copied().unwrap_or(f64::INFINITY);
     if !deviation.is_finite() || deviation <= 0.0 {
-        return (None, None);
+        return [None, None];
     }
-    (end(problem, fit, at, -deviation), end(problem, fit, at, deviation))
+    [-deviation, deviation].map(|towards| end(problem, fit, at, towards))
 }
 
 /// The model where the likelihood has dropped enough, on the side of `deviation`.

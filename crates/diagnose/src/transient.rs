@@ -3,6 +3,8 @@
 //! ```text
 //! overshoot R = e^(−πδ/√(1 − δ²))      peak time T_p = π/(ω_n·√(1 − δ²))      K_g = ω_n²/K_p      a = 2δω_n
 //! δ = −ln R/√(π² + ln² R)
+//! with a dead time L in the loop, s² + a·s + κ·e^(−Ls), e^(−Ls) ≈ 1 − Ls + L²s²/2:      κ = K_p·K_g = ω_n²/(1 − ω_n²L²/2)
+//!                                                                a = 2δω_n·(1 + κL²/2) + κL
 //! ```
 //!
 //! Unit feedback and no other pole are assumed: the fan's pole goes into δ and ω_n unseen.
@@ -45,6 +47,23 @@ impl Transient {
         let root = (1.0 - self.damping * self.damping).sqrt();
         let pi = std::f64::consts::PI;
         (root > 0.0 && self.omega > 0.0).then(|| (libm::exp(-pi * self.damping / root), pi / (self.omega * root)))
+    }
+
+    /// The step response at `t_s` after the step, as a share of it. Meant for δ below 1.
+    #[must_use]
+    pub fn response(&self, t_s: f64) -> f64 {
+        let (sigma, omega) = (self.damping * self.omega, self.omega * (1.0 - self.damping * self.damping).sqrt());
+        let turn = omega * t_s;
+        1.0 - libm::exp(-sigma * t_s) * (libm::cos(turn) + sigma / omega * libm::sin(turn))
+    }
+
+    /// The plant behind the loop of a proportional controller of `kp_per_mm` that acts `dead_time_s` late.
+    #[must_use]
+    pub fn plant_behind(&self, kp_per_mm: f64, dead_time_s: f64) -> TwoPoles {
+        let half = 0.5 * dead_time_s * dead_time_s;
+        let kappa = self.omega * self.omega / (1.0 - half * self.omega * self.omega);
+        let drag_per_s = 2.0 * self.damping * self.omega * (1.0 + half * kappa) + kappa * dead_time_s;
+        TwoPoles { gain: kappa / kp_per_mm, drag_per_s }
     }
 
     /// The plant that a proportional controller of `kp_per_mm` closes to this loop.

@@ -6,6 +6,7 @@ pub mod design;
 pub mod diagnose;
 mod diagnosing;
 mod flying;
+pub mod identify;
 pub mod log;
 mod output;
 pub mod replay;

@@ -1,5 +1,6 @@
 //! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, the [`diagnosis`] with
-//! its [`closed_loop`] and what to fly [`next`], the score of many that were [`blind`], and a [`design`] with its picture.
+//! its [`closed_loop`] and what to fly [`next`], the score of many that were [`blind`], and a [`design`] with its picture, and what was
+//! [`identify`](mod@identify)ed.
 
 pub mod blind;
 pub mod closed_loop;
@@ -7,6 +8,7 @@ pub mod design;
 pub mod design_plot;
 pub mod diagnosis;
 pub mod gap;
+pub mod identify;
 pub mod left_over;
 pub mod logs;
 pub mod mend;

@@ -1,6 +1,7 @@
 //! Pictures as SVG: the signal path over time, position above duty; and what a [`diagnosis`](fn@diagnosis) found.
 
 mod diagnosis;
+pub mod identify;
 
 pub use diagnosis::diagnosis;
 

@@ -1,0 +1,47 @@
+//! `airball identify grey-box`: two and three poles from any flight.
+
+use super::{conclude, read, say_findings, write_patch};
+use crate::cli::{GreyBoxArgs, PolesArg};
+use crate::report::identify::grey_box::{Document, better, words};
+use crate::report::plot::identify::grey_box as draw;
+use ::diagnose::{GreyBox, OpenLoop, Poles, Recording, prepared};
+use anyhow::{Result, bail};
+use plant::Model;
+use rayon::prelude::*;
+
+pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
+    let asked = read(&args.logs, &args.identify)?;
+    if args.open_loop && asked.belief.effects.height_dependent_flow.is_some() {
+        bail!(
+            "a line cannot be taken from a ball whose lift changes with height ([plant.effects.height_dependent_flow]); \
+             identify without --open-loop, which needs no line"
+        );
+    }
+    let (findings, recording) = prepared(&asked.recordings, &asked.belief);
+    let poles = match args.poles {
+        Some(PolesArg::Two) => vec![Poles::Two],
+        Some(PolesArg::Three) => vec![Poles::Three],
+        None => vec![Poles::Two, Poles::Three],
+    };
+    let open = args.open_loop.then(|| OpenLoop::of(&asked.recordings, &asked.belief));
+    let used = open.as_ref().map_or(&recording, |open| &open.recording);
+    let one = |poles: &Poles| identify(open.as_ref(), &asked.belief, &recording, *poles);
+    let found = poles.par_iter().map(one).collect::<Result<Vec<GreyBox>>>()?;
+    let Some(best) = better(&found) else { bail!("no number of poles was asked for; give --poles 2 or --poles 3") };
+    let origin = format!("airball identify grey-box, {} of {}", words::poles(best.poles), asked.names.join(", "));
+    write_patch(&args.identify, &origin, &best.estimates, &asked.belief)?;
+    if let Some(path) = &args.identify.plot {
+        draw(path, &asked.names.join(", "), used, &found, best)?;
+    }
+    if !args.identify.json {
+        say_findings(&asked, &findings);
+    }
+    conclude(&args.identify, &Document::of(&found, best, args.open_loop), words::lines(used, &found, best))
+}
+
+fn identify(open: Option<&OpenLoop>, start: &Model, recording: &Recording, poles: Poles) -> Result<GreyBox> {
+    Ok(match open {
+        Some(open) => open.identify(poles)?,
+        None => GreyBox::identify(start, recording, poles)?,
+    })
+}

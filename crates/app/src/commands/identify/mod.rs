@@ -1,0 +1,81 @@
+//! `airball identify`: a plant from what a rig did.
+
+mod grey_box;
+mod third_pole;
+mod transient;
+
+use super::diagnosing::Asked;
+use super::{note, say};
+use crate::cli::{IdentifyArgs, IdentifyCommand};
+use crate::report::identify::patch;
+use crate::report::plot;
+use ::diagnose::{Estimate, Noted};
+use anyhow::{Result, anyhow, bail};
+use plant::Model;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// The command that configs and errors are told.
+const NAME: &str = "identify";
+
+/// Identifies, and says it.
+///
+/// # Errors
+/// A config that is not sound, a log that cannot be read or says too little, a file that cannot be written.
+pub fn identify(command: &IdentifyCommand) -> Result<()> {
+    match command {
+        IdentifyCommand::GreyBox(args) => grey_box::grey_box(args),
+        IdentifyCommand::Transient(args) => transient::transient(args),
+        IdentifyCommand::ThirdPole(args) => third_pole::third_pole(args),
+    }
+}
+
+/// Reads logs and the model to begin with.
+fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
+    if let Some(picture) = &args.plot {
+        plot::may_write(picture)?;
+    }
+    let asked = Asked::read(NAME, logs, &args.config.config, &args.config.patch)?;
+    has_one_lag(&asked.belief)?;
+    for (log, name) in asked.logs.iter().zip(&asked.names) {
+        if let Some(lost) = &log.truncated {
+            note(format_args!("{name}: {lost}"));
+        }
+    }
+    Ok(asked)
+}
+
+/// A patch can add a table and change it, and not take one away.
+fn has_one_lag(model: &Model) -> Result<()> {
+    if model.effects.spin_asymmetry.is_some() {
+        bail!(
+            "the config has [plant.effects.spin_asymmetry], and a lag of the fan excludes it; identify with a config without that table"
+        );
+    }
+    Ok(())
+}
+
+fn say_findings(asked: &Asked, findings: &[Noted]) {
+    for noted in findings {
+        note(format_args!("{}: {}", asked.names[noted.flight], noted.finding));
+    }
+}
+
+/// Writes the patch that was asked for.
+fn write_patch(args: &IdentifyArgs, origin: &str, estimates: &[Estimate], start: &Model) -> Result<()> {
+    let Some(path) = &args.patch_out else { return Ok(()) };
+    write("patch", path, &patch(origin, estimates, start))
+}
+
+/// Says the document where JSON is asked for, and else the words.
+fn conclude(args: &IdentifyArgs, document: &impl Serialize, words: Vec<String>) -> Result<()> {
+    if args.json {
+        return say(serde_json::to_string(document)?);
+    }
+    words.into_iter().try_for_each(say)
+}
+
+fn write(what: &str, path: &Path, text: &str) -> Result<()> {
+    std::fs::write(path, text)
+        .map_err(|error| anyhow!("cannot write the {what} {}: {error}; check the folder", path.display()))
+}

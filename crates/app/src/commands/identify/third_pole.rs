@@ -1,0 +1,50 @@
+//! `airball identify third-pole`: the fan's lag by the critical gain of the rig.
+
+use super::{NAME, conclude, has_one_lag, write};
+use crate::assessment::Loop;
+use crate::cli::ThirdPoleArgs;
+use crate::config::Config;
+use crate::report::identify::third_pole::{Document, lines, patch};
+use crate::report::{design_plot, plot};
+use ::diagnose::fan_pole::fan_lag_s;
+use anyhow::Result;
+use control::design::Linear;
+use control::design::critical::critical_integral_time;
+use control::design::law::Gains;
+
+pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
+    if let Some(picture) = &args.identify.plot {
+        plot::may_write(picture)?;
+    }
+    let config = Config::read(&args.identify.config.config, &args.identify.config.patch)?;
+    let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?;
+    has_one_lag(model)?;
+    let period_s = match args.sampled {
+        true => Some(config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s),
+        false => None,
+    };
+    let (ti_s, measured) = (args.integral_time, args.critical_gain);
+    let lag_s = fan_lag_s(&model.linear(), ti_s, measured, period_s)?;
+    let plant = Linear { fan_lag_s: lag_s, ..model.linear() };
+    let half = Gains::pi(0.5 * measured, ti_s);
+    let transfer = period_s.map_or_else(|| Ok(plant.continuous()), |period_s| plant.sampled(period_s))?;
+    let document = Document {
+        schema: "airball.identify/1",
+        method: "third_pole",
+        critical_gain_per_mm: measured,
+        integral_time_s: ti_s,
+        period_s,
+        fan_lag_s: lag_s,
+        fan_pole_per_s: 1.0 / lag_s,
+        lag_before_s: model.linear().fan_lag_s,
+        critical_ti_s: critical_integral_time(&half, &transfer).value(),
+    };
+    if let Some(path) = &args.identify.patch_out {
+        write("patch", path, &patch(&document))?;
+    }
+    if let Some(path) = &args.identify.plot {
+        let of = Loop { plant, gains: half, derivative_on_error: false };
+        design_plot::draw(path, &of, period_s)?;
+    }
+    conclude(&args.identify, &document, lines(&document))
+}

@@ -1,0 +1,31 @@
+//! `airball identify transient`: gain and drag from a sweep of proportional gains.
+
+use super::{conclude, read, write_patch};
+use crate::cli::TransientArgs;
+use crate::report::identify::transient::{Document, lines};
+use crate::report::plot::identify::sweep as draw;
+use ::diagnose::{Recording, Sweep};
+use anyhow::{Result, bail};
+
+pub(super) fn transient(args: &TransientArgs) -> Result<()> {
+    let asked = read(&args.logs, &args.identify)?;
+    let recording = Recording::together(asked.recordings.iter().cloned());
+    let dead_time_s = args.dead_time.unwrap_or_else(|| 0.5 * period_s(&recording));
+    if !(0.0..1.0).contains(&dead_time_s) {
+        bail!("--dead-time {dead_time_s}: give a time from 0 to 1 s, for instance 0.01");
+    }
+    let found = Sweep::of(&recording, dead_time_s)?;
+    let origin = format!("airball identify transient of {}", asked.names.join(", "));
+    write_patch(&args.identify, &origin, &[found.gain, found.drag], &asked.belief)?;
+    if let Some(path) = &args.identify.plot {
+        draw(path, &asked.names.join(", "), &found)?;
+    }
+    conclude(&args.identify, &Document::of(&found, dead_time_s), lines(&found))
+}
+
+/// The usual time from row to row, seconds.
+fn period_s(recording: &Recording) -> f64 {
+    let mut steps: Vec<f64> = recording.samples().windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or_default()
+}

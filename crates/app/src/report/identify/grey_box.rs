@@ -1,0 +1,157 @@
+//! A grey-box identification in words and as a document.
+
+use super::{SCHEMA, empty, name, said};
+use diagnose::{Estimate, GreyBox, Percent, Poles, Recording, ResidualTests, Test};
+use serde::Serialize;
+
+/// Nats by which the third pole must help on what was held out: one more number gains half a nat by chance.
+const WORTH_A_POLE: f64 = 2.0;
+/// A test below this chance says that the model is not right.
+const REJECTED: f64 = 0.01;
+
+/// The document that `identify grey-box --json` writes.
+#[derive(Debug, Serialize)]
+pub struct Document<'a> {
+    schema: &'static str,
+    method: &'static str,
+    open_loop: bool,
+    chosen: Poles,
+    models: Vec<ModelEntry<'a>>,
+    version: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct ModelEntry<'a> {
+    poles: Poles,
+    estimates: &'a [Estimate],
+    sensor_mm: f64,
+    acceleration_psd_mm2_per_s3: f64,
+    held_out: HeldOutEntry,
+    residuals: &'a ResidualTests,
+}
+
+#[derive(Debug, Serialize)]
+struct HeldOutEntry {
+    horizons_s: [f64; 3],
+    fit_percent: Percent,
+    noise_allows_percent: Percent,
+    log_likelihood: f64,
+}
+
+const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
+
+impl<'a> Document<'a> {
+    /// The document of what was found with each number of poles, of which `best` is kept.
+    #[must_use]
+    pub fn of(found: &'a [GreyBox], best: &GreyBox, open_loop: bool) -> Self {
+        let entry = |found: &'a GreyBox| ModelEntry {
+            poles: found.poles,
+            estimates: &found.estimates,
+            sensor_mm: found.fit.model.noise.sensor_mm,
+            acceleration_psd_mm2_per_s3: found.fit.model.noise.acceleration_psd_mm2_per_s3,
+            held_out: HeldOutEntry {
+                horizons_s: HORIZONS_S,
+                fit_percent: found.held_out.percent,
+                noise_allows_percent: found.held_out.allowed,
+                log_likelihood: found.held_out.log_likelihood,
+            },
+            residuals: &found.residuals,
+        };
+        let models = found.iter().map(entry).collect();
+        let (chosen, version) = (best.poles, env!("CARGO_PKG_VERSION"));
+        Self { schema: SCHEMA, method: "grey_box", open_loop, chosen, models, version }
+    }
+}
+
+/// The plant of fewer poles, unless the others foretell what was held out better by more than chance. `None`: of none.
+#[must_use]
+pub fn better(found: &[GreyBox]) -> Option<&GreyBox> {
+    let likelihood = |found: &GreyBox| found.held_out.log_likelihood;
+    found.iter().reduce(|best, next| if likelihood(next) > likelihood(best) + WORTH_A_POLE { next } else { best })
+}
+
+/// The words of an identification.
+pub mod words {
+    use super::{GreyBox, HORIZONS_S, Percent, Poles, REJECTED, Recording, Test, empty, name, said};
+
+    /// How many poles, in words.
+    #[must_use]
+    pub const fn poles(poles: Poles) -> &'static str {
+        match poles {
+            Poles::Two => "two poles",
+            Poles::Three => "three poles",
+        }
+    }
+
+    /// What was found with each number of poles, and which is kept.
+    #[must_use]
+    pub fn lines(recording: &Recording, found: &[GreyBox], best: &GreyBox) -> Vec<String> {
+        let (seconds, readings) = (recording.duration_s(), recording.readings());
+        let flights = recording.flights().len();
+        let mut lines = vec![
+            format!(
+                "record    {seconds:.1} s, {readings} readings in {flights} stretch{}",
+                if flights == 1 { "" } else { "es" }
+            ),
+            table(found),
+        ];
+        if found.len() > 1 {
+            lines.push(format!("kept      {}: {}", poles(best.poles), why(found, best)));
+        }
+        lines.push(verdict(best).into());
+        lines
+    }
+
+    fn why(found: &[GreyBox], best: &GreyBox) -> String {
+        let gain = found.iter().map(|one| one.held_out.log_likelihood).fold(f64::NEG_INFINITY, f64::max)
+            - found.iter().map(|one| one.held_out.log_likelihood).fold(f64::INFINITY, f64::min);
+        match best.poles {
+            Poles::Three => format!("the fan's pole is worth {gain:.1} nats on what was held out"),
+            Poles::Two => "the fan's pole foretells nothing more of what was held out".into(),
+        }
+    }
+
+    fn verdict(best: &GreyBox) -> &'static str {
+        let rejected = |test: Test| test.p_value < REJECTED;
+        match (rejected(best.residuals.input), rejected(best.residuals.whiteness)) {
+            (false, false) => "The residuals are noise: nothing in this record speaks against the plant.",
+            (true, _) => {
+                "The residuals still know the duty: the plant lacks something, and its intervals are too short. `airball diagnose` names what."
+            }
+            (false, true) => {
+                "The residuals are coloured: air or sensor are not as the model has them, and the intervals are too short. `airball diagnose` names what."
+            }
+        }
+    }
+
+    fn table(found: &[GreyBox]) -> String {
+        let header = std::iter::once(String::new()).chain(found.iter().map(|one| poles(one.poles).to_owned()));
+        let mut table = empty(header.collect());
+        let mut row = |title: String, cell: &dyn Fn(&GreyBox) -> String| {
+            table.add_row(std::iter::once(title).chain(found.iter().map(cell)).collect::<Vec<_>>());
+        };
+        let longest = found.iter().max_by_key(|one| one.estimates.len());
+        for key in longest.into_iter().flat_map(|one| one.estimates.iter().map(|estimate| estimate.name)) {
+            let own = |one: &GreyBox| one.estimates.iter().find(|e| e.name == key).map_or_else(String::new, said);
+            row(name(key).into(), &own);
+        }
+        for (at, horizon) in HORIZONS_S.iter().enumerate() {
+            row(format!("fit {horizon} s ahead"), &|one| fit(one, |percent| percent.ahead[at]));
+        }
+        row("fit of simulation, 10 s".into(), &|one| fit(one, |percent| percent.simulated_10s));
+        row("whiteness".into(), &|one| chance(one.residuals.whiteness));
+        row("independence of duty".into(), &|one| chance(one.residuals.input));
+        table.to_string()
+    }
+
+    fn fit(of: &GreyBox, which: impl Fn(&Percent) -> Option<f64>) -> String {
+        match (which(&of.held_out.percent), which(&of.held_out.allowed)) {
+            (Some(fit), Some(allowed)) => format!("{fit:.1} % ({allowed:.1} % by noise)"),
+            _ => "too short".into(),
+        }
+    }
+
+    fn chance(test: Test) -> String {
+        if test.p_value < 0.001 { "p < 0.001".into() } else { format!("p = {:.3}", test.p_value) }
+    }
+}

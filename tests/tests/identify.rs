@@ -1,0 +1,168 @@
+//! `airball identify`: from logs to a plant, and from the plant on to designs and flights.
+
+use serde_json::Value;
+use system_tests::{Bench, root};
+
+/// A bench with the project's experiments and records.
+fn bench() -> Bench {
+    let bench = Bench::default();
+    for directory in ["docs", "experiments", "data"] {
+        std::os::unix::fs::symlink(root().join(directory).canonicalize().unwrap(), bench.path(directory)).unwrap();
+    }
+    bench
+}
+
+fn identify(bench: &Bench, arguments: &[&str]) -> Value {
+    let flags = [&["identify"], arguments, &["--json"]].concat();
+    serde_json::from_str(&bench.output(&flags)).unwrap()
+}
+
+/// Whether the 90 % interval of a number holds `truth`; both ends must be there.
+fn holds(estimates: &Value, name: &str, truth: f64) -> bool {
+    let own = estimates
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|e| e["name"] == name)
+        .unwrap_or_else(|| panic!("{name}: {estimates}"));
+    (own["low"].as_f64().unwrap()..=own["high"].as_f64().unwrap()).contains(&truth)
+}
+
+#[test]
+fn a_flight_gives_back_the_plant_of_the_config_and_the_plant_is_designed_for_and_flown() {
+    let bench = bench();
+    let _ = bench.output(&["simulate", "--experiment", "experiments/identify.toml", "--log", "id.mcap", "--seed", "4"]);
+    // The belief to begin with is another rig.
+    bench.write(
+        "guess.toml",
+        "[plant]\ngain_mm_per_s2_per_percent = 500.0\ndrag_per_s = 2.0\nhover_duty_percent = 21.6\n",
+    );
+    let flags = ["grey-box", "id.mcap", "--patch", "guess.toml", "--patch-out", "plant.toml", "--plot", "id.svg"];
+    let found = identify(&bench, &flags);
+    assert_eq!(
+        (found["schema"].as_str(), found["chosen"].as_str()),
+        (Some("airball.identify/1"), Some("three")),
+        "{found}"
+    );
+    let [two, three] = [0, 1].map(|at| &found["models"][at]);
+    for (name, truth) in [
+        ("gain_mm_per_s2_per_percent", 827.2),
+        ("drag_per_s", 3.896),
+        ("hover_duty_percent", 21.4),
+        ("fan_lag.time_constant_s", 0.257),
+    ] {
+        assert!(holds(&three["estimates"], name, truth), "{name}: {}", three["estimates"]);
+    }
+    assert!(two["residuals"]["input"]["p_value"].as_f64().unwrap() < 1e-3, "{two}");
+    assert!(bench.read("id.svg").starts_with("<svg"));
+    // What was identified is a model like any other.
+    let design: Value = serde_json::from_str(&bench.output(&[
+        "design",
+        "lqr",
+        "--patch",
+        "plant.toml",
+        "--patch-out",
+        "lqr.toml",
+        "--json",
+    ]))
+    .unwrap();
+    let value = |name: &str| {
+        three["estimates"].as_array().unwrap().iter().find(|e| e["name"] == name).unwrap()["value"].as_f64().unwrap()
+    };
+    assert_eq!(design["plant"]["fan_lag_s"].as_f64(), Some(value("fan_lag.time_constant_s")));
+    let _ = bench.output(&[
+        "simulate",
+        "--patch",
+        "plant.toml",
+        "--patch",
+        "lqr.toml",
+        "--duration",
+        "30",
+        "--log",
+        "f.mcap",
+    ]);
+}
+
+#[test]
+fn a_sweep_of_gains_gives_back_the_plant_of_a_rig_without_lag_and_the_critical_gain_its_third_pole() {
+    let bench = bench();
+    bench.write("ball.toml", "[plant]\ngain_mm_per_s2_per_percent = 254.598\ndrag_per_s = 1.889\n[plant.effects.fan_lag]\ntime_constant_s = 0.0\n");
+    let mut logs = Vec::new();
+    for (gain, log) in [("0.009", "1.mcap"), ("0.011", "2.mcap"), ("0.013", "3.mcap"), ("0.015", "4.mcap")] {
+        bench.write("kp.toml", format!("[controller.pid]\nkp_per_mm = {gain}\n"));
+        let patches = ["--patch", "ball.toml", "--patch", "docs/gain-patch.toml", "--patch", "kp.toml"];
+        let flight = ["simulate", "--experiment", "experiments/gain-pulses.toml", "--log", log];
+        let _ = bench.output(&[&flight[..], &patches[..]].concat());
+        logs.push(log);
+    }
+    let flags = ["--patch-out", "sweep.toml", "--plot", "sweep.svg"];
+    let found = identify(&bench, &[&["transient"], &logs[..], &flags[..]].concat());
+    let read: Vec<f64> =
+        found["gains"].as_array().unwrap().iter().map(|gain| gain["kp_per_mm"].as_f64().unwrap()).collect();
+    assert!(
+        read.iter().zip([0.009, 0.011, 0.013, 0.015]).all(|(read, flown)| (read / flown - 1.0).abs() < 1e-3),
+        "{read:?}"
+    );
+    for (name, truth) in [("gain", 254.598), ("drag", 1.889)] {
+        let value = found[name]["value"].as_f64().unwrap();
+        assert!((value / truth - 1.0).abs() < 0.08, "{name}: {}", found[name]);
+    }
+    assert!(bench.read("sweep.svg").starts_with("<svg"));
+    // And from there to the third pole, which the closed form gives for the exact plant.
+    let third = ["third-pole", "--critical-gain", "0.038", "--patch-out", "fan.toml"];
+    let exact = identify(&bench, &[&third[..], &["--patch", "ball.toml"]].concat());
+    assert!((exact["fan_pole_per_s"].as_f64().unwrap() - 3.526).abs() < 5e-4, "{exact}");
+    let _ = identify(&bench, &[&third[..], &["--patch", "sweep.toml"]].concat());
+    let design: Value = serde_json::from_str(&bench.output(&[
+        "design",
+        "loop",
+        "--patch",
+        "sweep.toml",
+        "--patch",
+        "fan.toml",
+        "--json",
+    ]))
+    .unwrap();
+    assert!(design["plant"]["fan_lag_s"].as_f64().unwrap() > 0.1, "{design}");
+}
+
+#[test]
+fn the_sampled_third_pole_brings_the_designed_loop_to_the_edge_at_the_measured_gain() {
+    let bench = bench();
+    let flags = ["third-pole", "--critical-gain", "0.03", "--sampled", "--patch-out", "fan.toml"];
+    assert_eq!(identify(&bench, &flags)["period_s"].as_f64(), Some(0.02));
+    bench.write("pi.toml", "[controller.pid]\nkp_per_mm = 0.01\nti_s = 15.0\ntd_s = 0.0\n");
+    let design: Value =
+        serde_json::from_str(&bench.output(&["design", "loop", "--patch", "fan.toml", "--patch", "pi.toml", "--json"]))
+            .unwrap();
+    let critical = design["sampled"]["critical_kp_per_mm"].as_f64().unwrap();
+    assert!((critical / 0.03 - 1.0).abs() < 1e-3, "{critical}");
+}
+
+#[test]
+fn a_record_of_another_rig_is_identified_and_its_residuals_say_what_a_linear_plant_leaves_out() {
+    let bench = bench();
+    let flags =
+        ["grey-box", "data/quarter_drone/swept_sine.csv", "--config", "data/quarter_drone/linear.toml", "--poles", "2"];
+    let found = identify(&bench, &flags);
+    let of = &found["models"][0];
+    // The makers' own model has 15.8 degrees/s² per percent about the mean angle; a linear plant that lacks gravity and friction finds the like.
+    let gain = of["estimates"][0]["value"].as_f64().unwrap();
+    assert!((4.0..40.0).contains(&gain), "{gain}");
+    assert!(of["residuals"]["input"]["p_value"].as_f64().unwrap() < 1e-3, "{of}");
+}
+
+#[test]
+fn records_that_cannot_answer_are_refused_with_the_next_thing_to_fly() {
+    let bench = bench();
+    let _ = bench.output(&["simulate", "--duration", "40", "--log", "f.mcap"]);
+    let ran = bench.run(&["identify", "transient", "f.mcap"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("experiments/gain-pulses.toml"), "{}", ran.errors);
+    let ran = bench.run(&["identify", "grey-box", "f.mcap", "--open-loop"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("300 are needed"), "{}", ran.errors);
+    let ran = bench.run(&["identify", "third-pole", "--critical-gain", "5", "--sampled"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("no third pole"), "{}", ran.errors);
+}

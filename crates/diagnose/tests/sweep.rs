@@ -18,6 +18,8 @@ const TABLE: [[f64; 5]; 6] = [
     [0.015, 0.392, 1.972, 259.334, 1.547],
 ];
 const HALF_PERIOD_S: f64 = 8.0;
+/// Rows of ten pulses and ten back, 50 a second.
+const ROWS: u32 = 8000;
 
 /// Setpoints of five pulses of ±100 mm and five of ±200 mm.
 fn setpoint_mm(time_s: f64) -> f64 {
@@ -46,7 +48,7 @@ fn a_sweep_of_loops_of_second_order_gives_back_the_table_of_the_thesis() {
                 ..Sample::default()
             }
         };
-        let found = Sweep::of(&Recording::new((0..8000).map(row).collect()).unwrap(), 0.0).unwrap();
+        let found = Sweep::of(&Recording::new((0..ROWS).map(row).collect()).unwrap(), 0.0).unwrap();
         // Half a digit of the printed δ and ω_n allows the first part, reading the peak off 50 points a second the second.
         assert!((found.gain.value / gain - 1.0).abs() < 0.0025 + 0.003, "K_p {kp}: {:?}", found.gain);
         assert!((found.drag.value / drag - 1.0).abs() < 0.0015 + 0.003, "K_p {kp}: {:?}", found.drag);
@@ -64,14 +66,14 @@ fn flown(seed: u64, gains: &[f64]) -> Recording {
         noise,
         effects: Effects::default(),
     };
-    let each_s = 20.0 * HALF_PERIOD_S;
     let mut simulator = Simulator::new(rig, seed);
-    let rows = (0..(50.0 * each_s) as u32 * u32::try_from(gains.len()).unwrap()).map(|k| {
+    let each = gains.iter().flat_map(|kp| (0..ROWS).map(move |row| (kp, 0.02 * f64::from(row))));
+    let rows = (0..).zip(each).map(|(k, (kp, since_s))| {
         let time_s = 0.02 * f64::from(k);
         simulator.advance_to(time_s);
         let reading = simulator.reading_mm().round();
-        let setpoint = setpoint_mm(time_s % each_s);
-        let control = gains[(time_s / each_s) as usize] * (setpoint - reading);
+        let setpoint = setpoint_mm(since_s);
+        let control = kp * (setpoint - reading);
         // Hover is believed 0.1 % too high: the ball settles beside the setpoint.
         let duty_percent = (21.5 + control).clamp(10.0, 40.0);
         simulator.drive(duty_percent);

@@ -21,6 +21,7 @@ use crate::prepare::{Noted, Prepared};
 use crate::recording::Recording;
 use crate::residue::Residue;
 use crate::spectrum::{Band, band, periodogram};
+use crate::watch::Watch;
 use crate::which::{Search, Tried};
 use plant::Model;
 use rayon::prelude::*;
@@ -90,6 +91,8 @@ pub struct Diagnosis {
 pub struct Options {
     /// Effects that the search may not name, as if the catalogue did not hold them.
     pub without: Vec<String>,
+    /// Who is told how far the search has come.
+    pub watch: Watch,
 }
 
 /// Compares `belief` with a recording, or with several of one rig, and says what separates them.
@@ -98,7 +101,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let Prepared { mut findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
     let recording = recording.as_ref();
     let folds = Folds::new(belief, recording);
-    let search = Search::new(belief, recording, &folds, &options.without);
+    let search = Search::new(belief, recording, &folds, options);
     let refitted = search.refitted();
     let readings = recording.samples().iter().enumerate();
     let readings = readings.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();

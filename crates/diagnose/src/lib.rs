@@ -49,6 +49,7 @@ mod sweep;
 mod thin;
 mod track;
 pub mod transient;
+mod watch;
 mod which;
 
 #[cfg(test)]
@@ -79,4 +80,5 @@ pub use residue::Residue;
 pub use spectrum::Band;
 pub use sweep::{NoSweep, OfGain, Sweep};
 pub use track::{Forecast, Track};
+pub use watch::{Step, Watch};
 pub use which::{Candidate, Tried};

@@ -7,6 +7,7 @@
 //!
 //! What is worth nothing on the other folds was noise. Staged: a first look at each ([`mod@crate::look`]), the most promising in full.
 
+use crate::diagnosis::Options;
 use crate::explain::NAMED;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
@@ -15,6 +16,7 @@ use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::look::Look;
 use crate::recording::Recording;
+use crate::watch::{Step, Watch};
 use plant::{Effects, Entry, Model};
 use rayon::prelude::*;
 
@@ -85,22 +87,24 @@ fn prefer_the_simple(all: &mut [Candidate]) {
 pub(crate) struct Search<'a> {
     pub(crate) problem: Problem<'a>,
     without: Vec<String>,
+    watch: Watch,
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, without: &[String]) -> Self {
-        Self { problem: Problem { recording, belief, folds, prior: Prior::Belief }, without: without.to_vec() }
+    pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, options: &Options) -> Self {
+        let problem = Problem { recording, belief, folds, prior: Prior::Belief };
+        Self { problem, without: options.without.clone(), watch: options.watch.clone() }
     }
 
     /// A search that knows of the problem alone.
-    pub(crate) const fn of(problem: Problem<'a>) -> Self {
-        Self { problem, without: Vec::new() }
+    pub(crate) fn of(problem: Problem<'a>) -> Self {
+        Self { problem, without: Vec::new(), watch: Watch::default() }
     }
 
     /// The same search without one more effect.
     pub(crate) fn without_too(&self, name: &str) -> Self {
         let without = self.without.iter().cloned().chain([name.to_owned()]).collect();
-        Self { problem: self.problem, without }
+        Self { problem: self.problem, without, watch: self.watch.clone() }
     }
 
     /// What a fit is worth on the folds that it was not fitted to, and its prior, nats.
@@ -184,13 +188,17 @@ impl<'a> Search<'a> {
     pub(crate) fn candidates(&self, so_far: &Fit) -> (Vec<Candidate>, Vec<Tried>) {
         let before = self.problem.held_out(so_far);
         let known = |entry: &&Entry| !self.without.iter().any(|name| name == entry.name);
-        let looks = Effects::CATALOGUE.par_iter().filter(known).filter_map(|entry| self.look(so_far, entry));
+        let entries: Vec<&Entry> = Effects::CATALOGUE.iter().filter(known).collect();
+        self.watch.tell(Step::Planned(entries.len()));
+        let looks = entries.par_iter().filter_map(|entry| self.watched(|| self.look(so_far, entry)));
         let mut looks: Vec<Look> = looks.collect();
         looks.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let best = looks.first().map_or(0.0, |look| look.gain);
         let enough = WORTH_A_LOOK.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
-        let promising = looks.par_iter().take(FULL_FITS).filter(|look| look.gain > enough);
-        let mut all: Vec<Candidate> = promising.map(|look| self.in_full(look, so_far, &before)).collect();
+        let promising: Vec<&Look> = looks.iter().take(FULL_FITS).filter(|look| look.gain > enough).collect();
+        self.watch.tell(Step::Planned(promising.len()));
+        let in_full = |look: &&Look| self.watched(|| self.in_full(look, so_far, &before));
+        let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
         all.retain(|c| self.does_something(c) && self.is_wild_enough(c) && self.is_coloured(c));
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
@@ -198,6 +206,13 @@ impl<'a> Search<'a> {
         let rest = looks.iter().filter(|look| !all.iter().any(|c| c.entry.name == look.entry.name));
         let tried = fitted.chain(rest.map(|look| Tried { name: look.entry.name, gain: look.gain.min(0.0) })).collect();
         (all, tried)
+    }
+
+    /// The result of a fit that was planned.
+    fn watched<T>(&self, fit: impl FnOnce() -> T) -> T {
+        let made = fit();
+        self.watch.tell(Step::Made);
+        made
     }
 
     /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
@@ -258,6 +273,7 @@ impl<'a> Search<'a> {
 #[cfg(test)]
 mod tests {
     use super::{Candidate, Search};
+    use crate::diagnosis::Options;
     use crate::folds::Folds;
     use crate::tests_support::{model, record};
     use plant::effects::DeadZone;
@@ -265,7 +281,7 @@ mod tests {
 
     fn candidates(belief: &Model, recording: &crate::Recording) -> Vec<Candidate> {
         let folds = Folds::new(belief, recording);
-        let search = Search::new(belief, recording, &folds, &[]);
+        let search = Search::new(belief, recording, &folds, &Options::default());
         search.candidates(&search.refitted()).0
     }
 

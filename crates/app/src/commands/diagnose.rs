@@ -1,6 +1,6 @@
 //! `airball diagnose`: what separates the logs of a rig from a model.
 
-use super::diagnosing::{Answer, Asked, STEPS};
+use super::diagnosing::{Answer, Asked};
 use super::{note, say};
 use crate::cli::DiagnoseArgs;
 use crate::desk::Desk;
@@ -8,7 +8,7 @@ use crate::next::Advice;
 use crate::report::diagnosis::{patch, regions, words};
 use crate::report::logs::findings;
 use crate::report::{closed_loop, missing_force, next, plot};
-use ::diagnose::Picture;
+use ::diagnose::{Options, Picture, Step, Watch};
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
@@ -32,10 +32,13 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
         }
     }
     let bar = bar()?;
-    let answer = asked.diagnose(&::diagnose::Options::default(), &|step| {
-        bar.set_message(step);
-        bar.inc(1);
+    let shown = bar.clone();
+    let watch = Watch::new(move |step| match step {
+        Step::Planned(fits) => shown.inc_length(fits as u64),
+        Step::Made => shown.inc(1),
     });
+    let options = Options { watch, ..Options::default() };
+    let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     if let Some(path) = &args.patch_out {
         write("patch", path, &patch(&answer.found))?;
@@ -62,10 +65,10 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice)).try_for_each(say)
 }
 
-/// A bar of the diagnosis' steps on standard error, if that is a terminal.
+/// A bar of the diagnosis' fits on standard error, if that is a terminal; it grows with every effect that is found.
 fn bar() -> Result<ProgressBar> {
-    let bar = ProgressBar::new(STEPS.len() as u64);
-    bar.set_style(ProgressStyle::with_template("{spinner} {pos}/{len} {wide_msg} {elapsed}")?);
+    let bar = ProgressBar::new(0);
+    bar.set_style(ProgressStyle::with_template("{spinner} {bar:30} {pos}/{len} fits  {wide_msg} {elapsed}")?);
     bar.enable_steady_tick(TICK);
     Ok(bar)
 }

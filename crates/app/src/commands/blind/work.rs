@@ -131,7 +131,7 @@ fn file(folder: &Path, case: &str) -> PathBuf {
 
 /// Diagnoses a case, and writes the answer down where that is wanted.
 fn diagnosed(asked: &Asked, without: &[String], out: Option<PathBuf>) -> Result<Answer> {
-    let found = asked.diagnose(&Options { without: without.to_vec() }, &|_| {});
+    let found = asked.diagnose(&Options { without: without.to_vec(), ..Options::default() }, &|_| {});
     let document = asked.document(&found)?;
     if let Some(file) = out {
         let context = || format!("cannot write {}; check the folder of --out", file.display());

@@ -35,6 +35,7 @@ pub mod oscillation;
 mod peak;
 mod picture;
 mod places;
+mod plausible;
 mod prepare;
 mod profile;
 mod pulses;

@@ -54,7 +54,8 @@ mod tests {
             };
             heard[which].fetch_add(by, Ordering::Relaxed);
         });
-        diagnose(&model(), &record(&model(), 1, 30), &Options { watch, ..Options::default() });
+        let found = diagnose(&model(), &record(&model(), 1, 30), &Options { watch, ..Options::default() });
+        assert!(found.effects.is_empty());
         let [planned, made] = [&counts[0], &counts[1]].map(|count| count.load(Ordering::Relaxed));
         assert!(planned >= plant::Effects::CATALOGUE.len() && planned == made, "{made} of {planned}");
     }

@@ -11,7 +11,7 @@ use crate::diagnosis::Options;
 use crate::explain::NAMED;
 use crate::fit::{Fit, Problem, Worth};
 use crate::folds::Folds;
-use crate::free::{BASE, Free, Prior, free_of_effect, is_read_off, prior};
+use crate::free::{BASE, Free, Prior, free_of_effect, prior};
 use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::look::Look;
@@ -32,25 +32,11 @@ pub(crate) const ALIKE: f64 = 2.0;
 const AIR_ORDERS: [f64; 5] = [0.1, 1.0, 10.0, 100.0, 1000.0];
 const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
 const OTHER_ORDER: f64 = 50.0;
-/// Effects that make something late, and what the form of a believed lag may be worth to them, nats.
-const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
-const FORM_OF_A_LAG: f64 = 5.0;
 /// Sizes of a believed effect, beside the one that was fitted, from which it is fitted again, and how far.
 const OTHER_SIZES: [f64; 4] = [0.35, 0.6, 1.7, 2.8];
 const STEPS_FROM_OTHER_SIZES: usize = 4;
 /// What it may be worth at most that gain, drag and hover need not move, nats.
 const UNMOVED: f64 = 2.5;
-/// Numbers that are this near to doing nothing, in their own scale, do nothing.
-const NOTHING: f64 = 1e-3;
-/// Effects whose first number is their strength: at 0 the others mean nothing.
-const NOISES: [&str; 2] = ["turbulence", "sensor_outliers"];
-/// Wild readings are so many deviations of the noise away.
-const WILD: f64 = 5.0;
-/// Readings within which a coloured force does not forget itself, and the seconds that are always enough.
-const FORGETS: f64 = 3.0;
-const FORGETS_S: f64 = 0.1;
-/// Air in a pipe does not remember a swirl for so long, seconds.
-const DRIFTS_S: f64 = 5.0;
 /// Effects that contain a simpler one, and the simpler one: the simpler name wins, and the other is no alternative to it.
 pub(crate) const CONTAINS: [(&str, &str); 1] = [("spin_asymmetry", "fan_lag")];
 
@@ -199,7 +185,7 @@ impl<'a> Search<'a> {
         self.watch.tell(Step::Planned(promising.len()));
         let in_full = |look: &&Look| self.watched(|| self.in_full(look, so_far, &before));
         let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
-        all.retain(|c| self.does_something(c) && self.is_wild_enough(c) && self.is_coloured(c));
+        all.retain(|candidate| self.is_plausible(candidate));
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
         let fitted = all.iter().map(|candidate| Tried { name: candidate.entry.name, gain: candidate.gain });
@@ -213,41 +199,6 @@ impl<'a> Search<'a> {
         let made = fit();
         self.watch.tell(Step::Made);
         made
-    }
-
-    /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
-    fn does_something(&self, candidate: &Candidate) -> bool {
-        if is_read_off(candidate.entry.name) {
-            return true;
-        }
-        let own = candidate.fit.free.iter().filter(|free| free.is_of(candidate.entry.name));
-        let off: Vec<f64> =
-            own.filter_map(|free| free.off_neutral(&candidate.fit.model, self.problem.belief)).collect();
-        let has_strength = NOISES.contains(&candidate.entry.name);
-        off.iter().take(if has_strength { 1 } else { off.len() }).any(|off| off.abs() > NOTHING)
-    }
-
-    /// Wild readings that are hardly wild are the tails of the noise.
-    fn is_wild_enough(&self, candidate: &Candidate) -> bool {
-        let noise = &self.problem.belief.noise;
-        candidate.fit.model.effects.sensor_outliers.is_none_or(|wild| wild.size_mm > WILD * noise.sensor_mm)
-            || self.problem.belief.effects.sensor_outliers.is_some()
-    }
-
-    /// A force that forgets itself within a few readings is white noise, and one that remembers itself for long is a drift.
-    fn is_coloured(&self, candidate: &Candidate) -> bool {
-        let recording = self.problem.recording;
-        let few_s = FORGETS * recording.duration_s() / recording.readings().max(1) as f64;
-        let coloured = few_s.min(FORGETS_S)..DRIFTS_S;
-        candidate.fit.model.effects.turbulence.is_none_or(|air| coloured.contains(&air.correlation_s))
-            || self.problem.belief.effects.turbulence.is_some()
-    }
-
-    /// A rig's lag is never quite of first order: where one is believed, another thing that is late may only mend its form.
-    fn cost_of_form(&self, entry: &Entry) -> f64 {
-        let believed = &self.problem.belief.effects;
-        let lag = believed.fan_lag.is_some() || believed.spin_asymmetry.is_some() || believed.sensor_lag.is_some();
-        if lag && LATE.contains(&entry.name) { FORM_OF_A_LAG } else { 0.0 }
     }
 
     /// ln prior of gain, drag and hover.

@@ -1,0 +1,62 @@
+//! Whether what a fit found is what its name says, and what that name costs on a rig that is believed to be as it is.
+
+use crate::free::is_read_off;
+use crate::which::{Candidate, Search};
+use plant::Entry;
+
+/// Effects that make something late, and what the form of a believed lag may be worth to them, nats.
+const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
+const FORM_OF_A_LAG: f64 = 5.0;
+/// Numbers that are this near to doing nothing, in their own scale, do nothing.
+const NOTHING: f64 = 1e-3;
+/// Effects whose first number is their strength: at 0 the others mean nothing.
+const NOISES: [&str; 2] = ["turbulence", "sensor_outliers"];
+/// Wild readings are so many deviations of the noise away.
+const WILD: f64 = 5.0;
+/// Readings within which a coloured force does not forget itself, and the seconds that are always enough.
+const FORGETS: f64 = 3.0;
+const FORGETS_S: f64 = 0.1;
+/// Air in a pipe does not remember a swirl for so long, seconds.
+const DRIFTS_S: f64 = 5.0;
+
+impl Search<'_> {
+    /// Whether an effect was found, and not just noise or other base parameters under its name.
+    pub(crate) fn is_plausible(&self, candidate: &Candidate) -> bool {
+        self.does_something(candidate) && self.is_wild_enough(candidate) && self.is_coloured(candidate)
+    }
+
+    /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
+    fn does_something(&self, candidate: &Candidate) -> bool {
+        if is_read_off(candidate.entry.name) {
+            return true;
+        }
+        let own = candidate.fit.free.iter().filter(|free| free.is_of(candidate.entry.name));
+        let off: Vec<f64> =
+            own.filter_map(|free| free.off_neutral(&candidate.fit.model, self.problem.belief)).collect();
+        let has_strength = NOISES.contains(&candidate.entry.name);
+        off.iter().take(if has_strength { 1 } else { off.len() }).any(|off| off.abs() > NOTHING)
+    }
+
+    /// Wild readings that are hardly wild are the tails of the noise.
+    fn is_wild_enough(&self, candidate: &Candidate) -> bool {
+        let noise = &self.problem.belief.noise;
+        candidate.fit.model.effects.sensor_outliers.is_none_or(|wild| wild.size_mm > WILD * noise.sensor_mm)
+            || self.problem.belief.effects.sensor_outliers.is_some()
+    }
+
+    /// A force that forgets itself within a few readings is white noise, and one that remembers itself for long is a drift.
+    fn is_coloured(&self, candidate: &Candidate) -> bool {
+        let recording = self.problem.recording;
+        let few_s = FORGETS * recording.duration_s() / recording.readings().max(1) as f64;
+        let coloured = few_s.min(FORGETS_S)..DRIFTS_S;
+        candidate.fit.model.effects.turbulence.is_none_or(|air| coloured.contains(&air.correlation_s))
+            || self.problem.belief.effects.turbulence.is_some()
+    }
+
+    /// A rig's lag is never quite of first order: where one is believed, another thing that is late may only mend its form.
+    pub(crate) fn cost_of_form(&self, entry: &Entry) -> f64 {
+        let believed = &self.problem.belief.effects;
+        let lag = believed.fan_lag.is_some() || believed.spin_asymmetry.is_some() || believed.sensor_lag.is_some();
+        if lag && LATE.contains(&entry.name) { FORM_OF_A_LAG } else { 0.0 }
+    }
+}

@@ -41,7 +41,7 @@ fn the_config_of_the_project_is_sound_and_prints_back_as_itself() {
 fn every_command_explains_itself_and_its_flags() {
     let bench = Bench::default();
     let help = bench.output(&["--help"]);
-    for command in ["run", "simulate", "replay", "diagnose", "config", "log"] {
+    for command in ["run", "simulate", "replay", "diagnose", "identify", "config", "log"] {
         assert!(help.contains(&format!("  {command} ")), "{help}");
     }
     for command in ["run", "simulate"] {

@@ -7,6 +7,9 @@
 //!
 //! The 25 MHz are the chip's own oscillator, several per cent off from part to part: so is the frequency, but not the
 //! duty. The chip has no watchdog. It holds the last duty when the program dies: see [`fan_off`].
+//!
+//! The `pwm-pca9685` crate sets the chip up. Duties are written past it, because it cannot read: each is read back, so
+//! that a bus on which nothing arrives, or a chip that has lost its power for a moment, is found in the same cycle.
 
 use control::Duty;
 use embedded_hal::i2c::I2c;
@@ -17,6 +20,12 @@ const FAN: Channel = Channel::C0;
 const OSCILLATOR_HZ: f64 = 25e6;
 const COUNTS: u16 = 4096;
 const PRE_SCALE: u8 = 0xFE;
+/// First of the four registers of channel 0: the counts at which it goes on and off, low byte first.
+const LED0_ON_L: u8 = 0x06;
+const LED0_OFF_L: u8 = 0x08;
+const LED0_OFF_H: u8 = 0x09;
+/// The same bit in ON_H (full on) and OFF_H (full off).
+const FULL: u8 = 0x10;
 
 /// Why the fan does not obey.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -34,6 +43,17 @@ pub enum FanError<E> {
         /// What it holds.
         found: u8,
     },
+    /// The chip does not hold the duty that was written.
+    #[error(
+        "fan driver 0x40 holds {found:02x?} in the registers of its channel after {asked:02x?} was written; \
+         check the bus for stuck lines and the chip for a supply that fails"
+    )]
+    DutyIgnored {
+        /// ON and OFF, as they were written.
+        asked: [u8; 4],
+        /// What it holds.
+        found: [u8; 4],
+    },
     /// The driver crate did not accept a value that is within the limits of the chip.
     #[error("the pwm-pca9685 crate refused a valid count or prescale; check the version of that crate")]
     DriverRefused,
@@ -50,7 +70,7 @@ impl<E> From<DriverError<E>> for FanError<E> {
 
 /// A fan on channel 0 of a PCA9685.
 pub struct Fan<I> {
-    driver: Pca9685<I>,
+    i2c: I,
     prescale: u8,
 }
 
@@ -73,22 +93,27 @@ impl<I: I2c> Fan<I> {
         driver.enable()?;
         // Off again, now through the driver: it switches auto-increment on, so each later duty is one transaction.
         driver.set_channel_full_off(FAN)?;
-        Ok(Self { driver, prescale })
+        Ok(Self { i2c: driver.destroy(), prescale })
     }
 
     /// Drives the fan. Returns the duty as the chip holds it, the nearest 1/4096.
     ///
     /// # Errors
-    /// The bus failed.
+    /// The bus failed, or the chip does not hold what was written.
     pub fn drive(&mut self, duty: Duty) -> Result<Duty, FanError<I::Error>> {
         let count = count(duty);
         match count {
-            0 => self.driver.set_channel_full_off(FAN)?,
-            1..COUNTS => self.driver.set_channel_on_off(FAN, 0, count)?,
+            0 => self.off()?,
+            1..COUNTS => {
+                let [low, high] = count.to_le_bytes();
+                self.write(&[LED0_ON_L, 0, 0, low, high])?;
+                self.holds([0, 0, low, high])?;
+            }
             _ => {
                 // Full-off wins over full-on: it is cleared last, so that the output jumps to 100 % and nowhere else.
-                self.driver.set_channel_full_on(FAN, 0)?;
-                self.driver.set_channel_off(FAN, 0)?;
+                self.write(&[LED0_ON_L, 0, FULL])?;
+                self.write(&[LED0_OFF_L, 0, 0])?;
+                self.holds([0, FULL, 0, 0])?;
             }
         }
         Ok(Duty::clamped(f64::from(count) / f64::from(COUNTS) * 100.0))
@@ -97,9 +122,19 @@ impl<I: I2c> Fan<I> {
     /// Stops the fan.
     ///
     /// # Errors
-    /// The bus failed. The fan keeps its last duty.
+    /// The bus failed, or the chip does not hold what was written. The fan keeps its last duty.
     pub fn off(&mut self) -> Result<(), FanError<I::Error>> {
-        Ok(self.driver.set_channel_full_off(FAN)?)
+        stop(&mut self.i2c)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), FanError<I::Error>> {
+        self.i2c.write(ADDRESS, bytes).map_err(FanError::Bus)
+    }
+
+    fn holds(&mut self, asked: [u8; 4]) -> Result<(), FanError<I::Error>> {
+        let mut found = [0; 4];
+        self.i2c.write_read(ADDRESS, &[LED0_ON_L], &mut found).map_err(FanError::Bus)?;
+        if found == asked { Ok(()) } else { Err(FanError::DutyIgnored { asked, found }) }
     }
 
     /// The PWM frequency in force, at the nominal oscillator.
@@ -116,9 +151,22 @@ impl<I: I2c> Fan<I> {
 /// # Errors
 /// The bus failed. The fan keeps its last duty.
 pub fn fan_off<I: I2c>(mut i2c: I) -> Result<(), I::Error> {
-    const LED0_OFF_H: u8 = 0x09;
-    const FULL_OFF: u8 = 0x10;
-    i2c.write(ADDRESS, &[LED0_OFF_H, FULL_OFF])
+    i2c.write(ADDRESS, &[LED0_OFF_H, FULL])
+}
+
+/// [`fan_off`], and the proof that the chip has taken it: for whoever must be sure, whatever state the chip is in.
+///
+/// # Errors
+/// The bus failed, or the chip does not hold the bit. The fan keeps its last duty.
+pub fn stop<I: I2c>(mut i2c: I) -> Result<(), FanError<I::Error>> {
+    fan_off(&mut i2c).map_err(FanError::Bus)?;
+    let mut found = [0];
+    i2c.write_read(ADDRESS, &[LED0_OFF_H], &mut found).map_err(FanError::Bus)?;
+    match found {
+        // All bits high is a bus that is stuck, not a register: three of them are reserved and read 0.
+        [found] if found & FULL != 0 && found != 0xFF => Ok(()),
+        [found] => Err(FanError::DutyIgnored { asked: [0, 0, 0, FULL], found: [0, 0, 0, found] }),
+    }
 }
 
 fn new_driver<I: I2c>(i2c: I) -> Result<Pca9685<I>, FanError<I::Error>> {

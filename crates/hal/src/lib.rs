@@ -19,5 +19,5 @@ mod tests;
 
 pub use clock::Clock;
 pub use deadline::{Deadline, DeadlineError, DeadlineI2c};
-pub use fan::{Fan, FanError, fan_off};
+pub use fan::{Fan, FanError, fan_off, stop as stop_fan};
 pub use range_sensor::{BUDGET_US, Range, RangeError, RangeSensor};

@@ -34,12 +34,12 @@ fn left_running(frequency_hz: f64, duty: f64) -> Bus {
 }
 
 #[test]
-fn half_duty_writes_count_2048_in_one_transaction() {
+fn half_duty_writes_count_2048_in_one_transaction_and_reads_it_back_in_another() {
     let (bus, _) = bench();
     let mut fan = start(&bus);
     let before = bus.transactions(PWM);
     assert_eq!(fan.drive(Duty::clamped(50.0)).unwrap().percent(), 50.0);
-    assert_eq!(bus.transactions(PWM) - before, 1);
+    assert_eq!(bus.transactions(PWM) - before, 2);
     assert_eq!(registers(&bus, 0x06), [0x00, 0x00, 0x00, 0x08]);
     assert_eq!(pwm(&bus), [0.5]);
 }
@@ -152,4 +152,32 @@ fn the_crash_path_does_not_need_auto_increment() {
     bus.handle().write(PWM, &[0x00, 0x01]).unwrap();
     fan_off(bus.handle()).unwrap();
     assert_eq!(pwm(&bus), [0.0]);
+}
+
+#[test]
+fn a_duty_that_does_not_arrive_is_found_at_once() {
+    for fault in [Fault::StuckLow, Fault::StuckHigh] {
+        let (bus, _) = bench();
+        let mut fan = start(&bus);
+        fan.drive(Duty::clamped(30.0)).unwrap();
+        let now = bus.transactions(PWM);
+        bus.inject(PWM, fault, now..u64::MAX);
+        assert!(matches!(fan.drive(Duty::clamped(20.0)), Err(FanError::DutyIgnored { .. })), "{fault:?}");
+        assert!(matches!(fan.off(), Err(FanError::DutyIgnored { .. })), "{fault:?}");
+        bus.repair();
+        fan.off().unwrap();
+        assert_eq!(pwm(&bus).last(), Some(&0.0), "{fault:?}");
+    }
+}
+
+#[test]
+fn a_chip_that_lost_its_power_for_a_moment_is_found_and_its_fan_counts_as_off() {
+    let (bus, _) = bench();
+    let mut fan = start(&bus);
+    fan.drive(Duty::clamped(30.0)).unwrap();
+    // As after power-on: asleep, no auto-increment, channel 0 full off.
+    bus.handle().write(PWM, &[0x00, 0x11]).unwrap();
+    assert!(matches!(fan.drive(Duty::clamped(20.0)), Err(FanError::DutyIgnored { .. })));
+    assert_eq!(fan.off(), Ok(()));
+    assert_eq!(pwm(&bus).last(), Some(&0.0));
 }

@@ -30,6 +30,11 @@ struct Shared<W> {
     sockets: [Socket; 2],
 }
 
+/// Sensor and fan driver as after power-on.
+fn fresh_chips() -> [Box<dyn Chip>; 2] {
+    [Box::new(Vl53l0x::default()), Box::new(Pca9685::default())]
+}
+
 /// A chip on the bus, and the state of its wires.
 struct Socket {
     address: u8,
@@ -53,8 +58,8 @@ impl<W: World> EmulatedBus<W> {
 
     /// Both chips as after power-on, at a bus clock of `bus_hz`.
     pub fn at_bus_hz(world: W, bus_hz: f64) -> Self {
-        let sockets =
-            [Socket::new(0x29, Box::new(Vl53l0x::default())), Socket::new(0x40, Box::new(Pca9685::default()))];
+        let [sensor, pwm] = fresh_chips();
+        let sockets = [Socket::new(0x29, sensor), Socket::new(0x40, pwm)];
         Self { shared: Arc::new(Mutex::new(Shared { world, bus_hz, sockets })) }
     }
 
@@ -77,9 +82,28 @@ impl<W: World> EmulatedBus<W> {
 
     /// Spoils the transactions `during` of the chip at `address`, counted like [`Self::transactions`].
     pub fn inject(&self, address: u8, fault: Fault, during: Range<u64>) {
+        self.add(address, Injection { fault, during, register: None });
+    }
+
+    /// The same, only of transactions that begin at `register`.
+    pub fn inject_at(&self, address: u8, register: u8, fault: Fault, during: Range<u64>) {
+        self.add(address, Injection { fault, during, register: Some(register) });
+    }
+
+    fn add(&self, address: u8, injection: Injection) {
         if let Some((socket, _)) = self.lock().socket(address) {
-            socket.injections.push(Injection { fault, during });
+            socket.injections.push(injection);
         }
+    }
+
+    /// Takes the power of both chips away for a moment: their registers are as after power-on.
+    pub fn power_cycle(&self) {
+        let mut shared = self.lock();
+        let Shared { world, sockets, .. } = &mut *shared;
+        for (socket, fresh) in sockets.iter_mut().zip(fresh_chips()) {
+            socket.chip = fresh;
+        }
+        world.pwm(0.0);
     }
 
     /// Repairs all wires.
@@ -107,7 +131,7 @@ impl Socket {
     fn transaction(&mut self, operations: &mut [Operation<'_>], world: &mut dyn World) -> Result<(), ErrorKind> {
         let n = self.transactions;
         self.transactions += 1;
-        let fault = self.injections.iter().find(|injection| injection.during.contains(&n)).map(|i| i.fault);
+        let fault = self.injections.iter().find(|injection| injection.hits(n, operations)).map(|hit| hit.fault);
         if let Some(Fault::Timeout { seconds }) = fault {
             world.elapse_s(seconds);
         }

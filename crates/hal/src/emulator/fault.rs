@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use embedded_hal::i2c::{ErrorKind, NoAcknowledgeSource};
+use embedded_hal::i2c::{ErrorKind, NoAcknowledgeSource, Operation};
 
 /// A fault of one chip's wires.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +64,19 @@ impl Fault {
 pub(super) struct Injection {
     pub(super) fault: Fault,
     pub(super) during: Range<u64>,
+    /// Only those that begin at this register; all where there is none.
+    pub(super) register: Option<u8>,
+}
+
+impl Injection {
+    /// Whether it spoils transaction `n`, which is these operations.
+    pub(super) fn hits(&self, n: u64, operations: &[Operation<'_>]) -> bool {
+        let first = match operations.first() {
+            Some(Operation::Write(bytes)) => bytes.first().copied(),
+            _ => None,
+        };
+        self.during.contains(&n) && self.register.is_none_or(|register| first == Some(register))
+    }
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014): a counter in, well-mixed bytes out.

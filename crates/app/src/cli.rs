@@ -205,6 +205,14 @@ pub enum LogCommand {
         /// The log
         log: PathBuf,
     },
+    /// Write a whole log from what a damaged or cut one holds. Exit status: 0 all of it, 3 some is lost, 1 nothing
+    Recover {
+        /// The damaged log
+        log: PathBuf,
+        /// The new log [default: the damaged one's name with .recovered.mcap]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
 }
 
 fn effect() -> PossibleValuesParser {

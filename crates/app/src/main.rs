@@ -19,6 +19,10 @@ fn main() -> ExitCode {
         Command::Config(ConfigCommand::Print(args)) => config::print(&args),
         Command::Log(LogCommand::Info { log }) => log::info(&log),
         Command::Log(LogCommand::Export { log }) => log::export(&log),
+        Command::Log(LogCommand::Recover { log, out }) => match log::recover(&log, out.as_deref()) {
+            Ok(status) => return status,
+            Err(error) => Err(error),
+        },
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

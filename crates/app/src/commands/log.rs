@@ -1,10 +1,14 @@
-//! `airball log info` and `airball log export`.
+//! `airball log info`, `airball log export` and `airball log recover`.
 
 use super::{note, say};
-use crate::log::{export, flight};
+use crate::log::{export, flight, recover as mended};
 use crate::report::summary::Summary;
 use anyhow::Result;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Exit status of a recovery that lost something.
+const LOSSY: u8 = 3;
 
 /// Says what is in a log.
 ///
@@ -37,4 +41,23 @@ pub fn export(path: &Path) -> Result<()> {
     let log = flight::read(path)?;
     export::csv(&log.cycles, std::io::stdout().lock())?;
     Ok(())
+}
+
+/// Writes a whole log from what a damaged one holds, and says what is lost. Returns the exit status: 0 for all, 3 for
+/// less; an error is nothing.
+///
+/// # Errors
+/// A log of which nothing can be read, or a new one that cannot be written.
+pub fn recover(path: &Path, out: Option<&Path>) -> Result<ExitCode> {
+    let flight = flight::read(path)?;
+    let out = out.map_or_else(|| path.with_extension("recovered.mcap"), PathBuf::from);
+    let written = mended::write(&flight, &out)?;
+    say(format_args!("{}: {} cycles, {} events", out.display(), written.cycles, written.events))?;
+    if flight.complete {
+        say("all of the flight is in it")?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let lost = flight.truncated.unwrap_or_else(|| "the log does not say how the flight ended".into());
+    note(format_args!("some of the flight is lost: {lost}"));
+    Ok(ExitCode::from(LOSSY))
 }

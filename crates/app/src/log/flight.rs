@@ -2,9 +2,9 @@
 
 use super::{
     LogError,
-    header::{ABOUT, About, CONFIG, TOML},
+    header::{ABOUT, About, CONFIG, TOML, is_intact},
     record::{Cycle, EventMessage},
-    records::{Damage, walk},
+    records::{Damage, has_chunk, walk},
     writer::{CYCLE, EVENT},
 };
 use mcap::{MAGIC, records::Record};
@@ -27,6 +27,9 @@ pub struct Flight {
     pub events: Vec<EventMessage>,
     /// What is missing, in words and numbers, if anything is.
     pub truncated: Option<String>,
+    /// Nothing of the flight is missing: all that was written before its end is here, config and all. A file without its
+    /// summary can be complete, one that was cut between two chunks is not.
+    pub complete: bool,
 }
 
 /// Reads an MCAP file; also one with too few readings to be a recording.
@@ -42,20 +45,21 @@ pub fn read(path: &Path) -> Result<Flight, LogError> {
     }
 }
 
-/// Whether these are the first bytes of an MCAP file, be it cut within its magic number.
+/// Whether these are the bytes of an MCAP file, be it cut within its magic number, or damaged there.
 pub(super) fn is_mcap(bytes: &[u8]) -> bool {
-    !bytes.is_empty() && (bytes.starts_with(MAGIC) || MAGIC.starts_with(bytes))
+    !bytes.is_empty() && (bytes.starts_with(MAGIC) || MAGIC.starts_with(bytes) || has_chunk(bytes))
 }
 
 /// Reads the bytes of an MCAP file; `path` is only its name in messages.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Flight, LogError> {
+pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Flight, LogError> {
     let mut gathered = Gathered::default();
     let damage = walk(bytes, &mut |record| gathered.take(record));
     if gathered.flight.cycles.is_empty() {
         return no_cycles(path, gathered.why_none(damage, bytes.len()));
     }
     let truncated = gathered.missing(damage, bytes.len());
-    Ok(Flight { truncated, ..gathered.flight })
+    let complete = gathered.is_complete();
+    Ok(Flight { truncated, complete, ..gathered.flight })
 }
 
 fn no_cycles<T>(path: &Path, cause: String) -> Result<T, LogError> {
@@ -67,6 +71,10 @@ fn no_cycles<T>(path: &Path, cause: String) -> Result<T, LogError> {
 struct Gathered {
     flight: Flight,
     topics: BTreeMap<u16, String>,
+    /// Messages that come next in each channel, unless one has been missing.
+    next: BTreeMap<u16, u32>,
+    missing_messages: bool,
+    spoilt_metadata: bool,
     misunderstood: Option<String>,
     misunderstood_count: usize,
 }
@@ -76,22 +84,53 @@ impl Gathered {
         match record {
             Record::Channel(channel) => drop(self.topics.insert(channel.id, channel.topic)),
             Record::Message { header, data } => {
-                let understood = match self.topics.get(&header.channel_id).map(String::as_str) {
-                    Some(CYCLE) => serde_json::from_slice(&data).map(|cycle| self.flight.cycles.push(cycle)),
-                    Some(EVENT) => serde_json::from_slice(&data).map(|event| self.flight.events.push(event)),
-                    _ => Ok(()),
-                };
-                if let Err(error) = understood {
-                    self.misunderstood_count += 1;
-                    self.misunderstood.get_or_insert(error.to_string());
-                }
+                self.count(header.channel_id, header.sequence);
+                self.message(header.channel_id, &data);
             }
-            Record::Metadata(record) if record.name == ABOUT => self.flight.about = About::from(&record.metadata),
-            Record::Metadata(mut record) if record.name == CONFIG => {
-                self.flight.config_toml = record.metadata.remove(TOML);
-            }
+            Record::Metadata(mut record) => match (record.name.as_str(), is_intact(&record.metadata)) {
+                (ABOUT, true) => self.flight.about = About::from(&record.metadata),
+                (CONFIG, true) => self.flight.config_toml = record.metadata.remove(TOML),
+                (ABOUT | CONFIG, false) => self.spoilt_metadata = true,
+                _ => {}
+            },
             _ => {}
         }
+    }
+
+    /// Messages of a channel are numbered from 0.
+    fn count(&mut self, channel: u16, sequence: u32) {
+        let next = self.next.entry(channel).or_insert(0);
+        self.missing_messages |= *next != sequence;
+        *next = sequence.wrapping_add(1);
+    }
+
+    fn message(&mut self, channel: u16, data: &[u8]) {
+        let flight = &mut self.flight;
+        let understood = match self.topics.get(&channel).map(String::as_str) {
+            Some(CYCLE) => serde_json::from_slice(data).map(|cycle| flight.cycles.push(cycle)),
+            Some(EVENT) => serde_json::from_slice(data).map(|event| flight.events.push(event)),
+            Some(_) => Ok(()),
+            // The chunk that said what this channel is was damaged. No message of ours passes for one of the other kind.
+            None => {
+                if let Ok(cycle) = serde_json::from_slice(data) {
+                    flight.cycles.push(cycle);
+                } else if let Ok(event) = serde_json::from_slice(data) {
+                    flight.events.push(event);
+                }
+                Ok(())
+            }
+        };
+        if let Err(error) = understood {
+            self.misunderstood_count += 1;
+            self.misunderstood.get_or_insert(error.to_string());
+        }
+    }
+
+    /// Every message is there up to the last, which says that the flight has ended, and what the file says of itself.
+    fn is_complete(&self) -> bool {
+        let ended = self.flight.events.last().is_some_and(|event| event.kind == "end");
+        let described = self.flight.about.version.is_some() && self.flight.config_toml.is_some();
+        ended && described && !self.missing_messages && self.misunderstood.is_none()
     }
 
     fn why_none(&self, damage: Option<Damage>, file_bytes: usize) -> String {
@@ -113,6 +152,9 @@ impl Gathered {
         if let Some(Damage { at_byte, cause, records }) = damage {
             let count = if records == 1 { String::new() } else { format!(" ({records} such places)") };
             return Some(format!("the log is not whole: at byte {at_byte} of {file_bytes}, {cause}{count}; {read}"));
+        }
+        if self.spoilt_metadata {
+            return Some(format!("what the log says of its flight, or its config, is damaged; {read}"));
         }
         let error = self.misunderstood.as_ref()?;
         let count = self.misunderstood_count;

@@ -1,7 +1,8 @@
 //! What a log says about its flight: version, command, seed, start, and the config in force.
 //!
 //! Two metadata records at the start of the file: `airball` (keys `version`, `command`, `seed`, `started`) and
-//! `config` (key `toml`). A flight without a seed has no key `seed`.
+//! `config` (key `toml`). A flight without a seed has no key `seed`. Metadata have no checksum in MCAP, so each record has
+//! one of its own (key `crc32`), without which a damaged config would be believed.
 
 use std::{
     collections::BTreeMap,
@@ -14,6 +15,9 @@ pub(super) const ABOUT: &str = "airball";
 pub(super) const CONFIG: &str = "config";
 /// Key of the config's text.
 pub(super) const TOML: &str = "toml";
+
+/// Key of a record's checksum.
+const CHECKSUM: &str = "crc32";
 
 /// When every simulated flight starts, so that the same seed gives the same file.
 pub const SIMULATED_START: SystemTime = UNIX_EPOCH;
@@ -55,8 +59,36 @@ impl Header {
             ("started".into(), rfc3339(self.started)),
         ]);
         about.extend(self.seed.map(|seed| ("seed".into(), seed.to_string())));
-        about
+        sealed(about)
     }
+
+    /// The record [`CONFIG`].
+    pub(super) fn config(&self) -> BTreeMap<String, String> {
+        sealed(BTreeMap::from([(TOML.into(), self.config_toml.clone())]))
+    }
+}
+
+/// The entries with their checksum.
+fn sealed(mut entries: BTreeMap<String, String>) -> BTreeMap<String, String> {
+    entries.insert(CHECKSUM.into(), checksum(&entries));
+    entries
+}
+
+/// Whether the entries are as they were written. Logs from before there was a checksum are believed.
+pub(super) fn is_intact(entries: &BTreeMap<String, String>) -> bool {
+    entries.get(CHECKSUM).is_none_or(|sum| *sum == checksum(entries))
+}
+
+/// CRC-32 (as in zip) of the entries but the checksum, each text ended by a zero byte, in the order of the keys.
+fn checksum(entries: &BTreeMap<String, String>) -> String {
+    let mut hasher = crc32fast::Hasher::new();
+    for (key, value) in entries.iter().filter(|(key, _)| *key != CHECKSUM) {
+        for text in [key, value] {
+            hasher.update(text.as_bytes());
+            hasher.update(&[0]);
+        }
+    }
+    format!("{:08x}", hasher.finalize())
 }
 
 impl From<&BTreeMap<String, String>> for About {
@@ -79,13 +111,30 @@ pub fn rfc3339(moment: SystemTime) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{About, Header, SIMULATED_START, rfc3339};
+    use super::{About, Header, SIMULATED_START, is_intact, rfc3339};
     use std::time::{Duration, UNIX_EPOCH};
 
     #[test]
     fn moments_are_written_in_utc_and_none_is_too_early() {
         assert_eq!(rfc3339(UNIX_EPOCH + Duration::from_millis(951_782_400_250)), "2000-02-29T00:00:00.250Z");
         assert_eq!(rfc3339(UNIX_EPOCH - Duration::from_secs(1)), "1970-01-01T00:00:00.000Z");
+    }
+
+    #[test]
+    fn a_record_with_another_letter_is_not_intact() {
+        let header = Header {
+            version: "1.2.3".into(),
+            command: "airball run".into(),
+            seed: None,
+            started: SIMULATED_START,
+            config_toml: "period_s = 0.02".into(),
+        };
+        let mut config = header.config();
+        assert!(is_intact(&config) && is_intact(&header.about()));
+        config.insert("toml".into(), "period_s = 0.12".into());
+        assert!(!is_intact(&config));
+        config.remove("crc32");
+        assert!(is_intact(&config));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! Writing: [`recorder`] (what the loop sees) → [`queue`] (real time) → [`writer`] → MCAP.
 //! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or `table` and `columns` (CSV, mapped by [`import`]) → recording.
+//! Mending: [`flight`] → [`recover`] → a new MCAP.
 //! Other rigs' files become ours by [`import`]; ours become tables by [`export`].
 
 mod columns;
@@ -16,11 +17,12 @@ pub mod reader;
 pub mod record;
 pub mod recorder;
 mod records;
+pub mod recover;
 mod schema;
 mod table;
 pub mod writer;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use error::LogError;

@@ -58,7 +58,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Resul
 }
 
 fn from_flight(path: &Path, flight: Flight) -> Result<LoadedLog, LogError> {
-    let Flight { about, config_toml, cycles, events, truncated } = flight;
+    let Flight { about, config_toml, cycles, events, truncated, .. } = flight;
     Ok(LoadedLog {
         recording: recording(path, cycles.iter().map(sample).collect())?,
         about,

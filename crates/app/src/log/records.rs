@@ -21,6 +21,11 @@ const FRAME: usize = 9;
 /// Largest record in a chunk, and largest chunk, that is believed, bytes. Ours are a thousandth of it.
 const LIMIT: usize = 16 << 20;
 
+/// What a zstd chunk of ours has at [`SIGN_AT`]: the length of its compression's name, and the name.
+const SIGN: &[u8] = b"\x04\0\0\0zstd";
+/// Where it has it, bytes from the chunk's frame: after start, end, size and checksum.
+const SIGN_AT: usize = FRAME + 8 + 8 + 8 + 4;
+
 /// What could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Damage {
@@ -28,40 +33,69 @@ pub(super) struct Damage {
     pub(super) at_byte: usize,
     /// What is wrong there.
     pub(super) cause: String,
-    /// Unreadable records in all.
+    /// Unreadable places in all.
     pub(super) records: usize,
 }
 
 /// Hands every channel, message and metadata record to `each`, in the order of the file, and says what was not readable.
+///
+/// After an unreadable place it goes on at the next whole chunk, wherever that begins: a length that is damaged must not
+/// take more with it than its own record.
 pub(super) fn walk(file: &[u8], each: &mut dyn FnMut(Record<'_>)) -> Option<Damage> {
     let mut damage = None;
     let mut at_byte = MAGIC.len();
     loop {
-        let rest = file.get(at_byte..).unwrap_or_default();
-        let Some((opcode, body, whole)) = frame(rest) else {
-            note(&mut damage, at_byte, "the file ends without a summary".into());
-            return damage;
-        };
-        if whole && opcode == op::DATA_END {
-            if !file.ends_with(MAGIC) {
-                note(&mut damage, at_byte, "the summary at the end is incomplete".into());
+        match one(file, at_byte, each) {
+            Ok(Some(length)) => at_byte += length,
+            Ok(None) => return damage,
+            Err(cause) => {
+                note(&mut damage, at_byte, cause);
+                let Some(next) = next_chunk(file, at_byte + 1) else { return damage };
+                at_byte = next;
             }
-            return damage;
         }
-        let taken = match opcode {
-            op::CHUNK => chunk(&rest[..FRAME + body.len()], each),
-            _ if whole => hand_over(opcode, body, each),
-            _ => Ok(()),
-        };
-        if !whole {
-            note(&mut damage, at_byte, "the file ends within this record".into());
-            return damage;
-        }
-        if let Err(error) = taken {
-            note(&mut damage, at_byte, error.to_string());
-        }
-        at_byte += FRAME + body.len();
     }
+}
+
+/// Reads the record at `at_byte`. Returns its length with its frame, or `None` at the end of the file.
+fn one(file: &[u8], at_byte: usize, each: &mut dyn FnMut(Record<'_>)) -> Result<Option<usize>, String> {
+    let rest = file.get(at_byte..).unwrap_or_default();
+    let Some((opcode, body, whole)) = frame(rest) else { return Err("the file ends without a summary".into()) };
+    let length = FRAME + body.len();
+    if opcode != op::CHUNK && next_chunk(&rest[..length], 1).is_some() {
+        return Err("the length of this record is wrong".into());
+    }
+    if whole && opcode == op::DATA_END {
+        return match (next_chunk(rest, 1), file.ends_with(MAGIC)) {
+            (Some(_), _) => Err("the data do not end here".into()),
+            (None, true) => Ok(None),
+            (None, false) => Err("the summary at the end is incomplete".into()),
+        };
+    }
+    let taken = match opcode {
+        op::CHUNK => chunk(&rest[..length], each),
+        _ if whole => hand_over(opcode, body, each),
+        _ => Ok(()),
+    };
+    if !whole {
+        return Err("the file ends within this record".into());
+    }
+    taken.map(|()| Some(length)).map_err(|error| error.to_string())
+}
+
+/// Whether there is a whole chunk of ours anywhere in the bytes.
+pub(super) fn has_chunk(bytes: &[u8]) -> bool {
+    next_chunk(bytes, 0).is_some()
+}
+
+/// Where the first whole chunk of ours begins, at `from` or after it: found by its sign, believed for its checksum.
+fn next_chunk(bytes: &[u8], from: usize) -> Option<usize> {
+    let signs = memchr::memmem::find_iter(bytes.get(from..)?, SIGN).map(|at| from + at);
+    signs.filter_map(|sign| sign.checked_sub(SIGN_AT)).filter(|at| *at >= from).find(|at| {
+        let rest = &bytes[*at..];
+        let Some((op::CHUNK, body, true)) = frame(rest) else { return false };
+        compressed(&rest[..FRAME + body.len()], &mut |_| {}).is_ok()
+    })
 }
 
 fn note(damage: &mut Option<Damage>, at_byte: usize, cause: String) {
@@ -87,7 +121,7 @@ fn hand_over(opcode: u8, body: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapR
 
 /// The records of a chunk, given with its frame; of a chunk that was cut, those that are stored before the cut.
 fn chunk(framed: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
-    match stored(&framed[FRAME..]) {
+    match stored(&framed[FRAME..])? {
         Some(mut records) => {
             while let Some((opcode, body, true)) = frame(records) {
                 hand_over(opcode, body, each)?;
@@ -100,14 +134,24 @@ fn chunk(framed: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
 }
 
 /// The records of a chunk without compression; `None` if it has one. Found by hand, because the parser insists on a
-/// whole chunk.
-fn stored(body: &[u8]) -> Option<&[u8]> {
-    /// Start, end, size and checksum, bytes.
-    const FIXED: usize = 8 + 8 + 8 + 4;
-    let (name_length, rest) = body.get(FIXED..)?.split_first_chunk::<4>()?;
-    let (length, records) = rest.split_first_chunk()?;
-    let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
-    (*name_length == [0; 4]).then(|| records.get(..length).unwrap_or(records))
+/// whole chunk. A whole one is compared with its checksum, if it has any.
+fn stored(body: &[u8]) -> McapResult<Option<&[u8]>> {
+    /// Start, end and size, bytes.
+    const FIXED: usize = 8 + 8 + 8;
+    let parts = || {
+        let (saved, rest) = body.get(FIXED..)?.split_first_chunk::<4>()?;
+        let (name_length, rest) = rest.split_first_chunk::<4>()?;
+        let (length, records) = rest.split_first_chunk()?;
+        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
+        (*name_length == [0; 4]).then_some((u32::from_le_bytes(*saved), length, records))
+    };
+    let Some((saved, length, records)) = parts() else { return Ok(None) };
+    let Some(whole) = records.get(..length) else { return Ok(Some(records)) };
+    let calculated = crc32fast::hash(whole);
+    if saved != 0 && saved != calculated {
+        return Err(McapError::BadChunkCrc { saved, calculated });
+    }
+    Ok(Some(whole))
 }
 
 /// Compares the chunk with its checksum before anything of it is handed over.

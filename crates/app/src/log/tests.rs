@@ -1,6 +1,7 @@
 //! The log as a whole: written, cut, damaged, read, exported. Flights and their files for the tests of its parts.
 
 mod csv;
+mod damage;
 mod mcap;
 
 use super::header::{Header, SIMULATED_START};
@@ -43,7 +44,7 @@ pub(super) fn events() -> Vec<Event> {
 }
 
 /// A simulated flight's header.
-pub(super) fn header() -> Header {
+pub(crate) fn header() -> Header {
     Header {
         version: "0.1.0".into(),
         command: "airball simulate --seed 7".into(),

@@ -9,7 +9,7 @@
 
 use super::{
     LogError,
-    header::{ABOUT, CONFIG, Header, TOML},
+    header::{ABOUT, CONFIG, Header},
     record::{Cycle, Event, EventMessage},
     schema,
 };
@@ -89,8 +89,7 @@ impl<W: Write + Seek> LogWriter<W> {
     pub fn to(to: W, path: &Path, header: &Header) -> Result<Self, LogError> {
         let failed = |error| write_error(path, 0, &error);
         let mut mcap = options(header).create(to).map_err(failed)?;
-        let toml = BTreeMap::from([(TOML.into(), header.config_toml.clone())]);
-        for (name, metadata) in [(ABOUT, header.about()), (CONFIG, toml)] {
+        for (name, metadata) in [(ABOUT, header.about()), (CONFIG, header.config())] {
             mcap.write_metadata(&Metadata { name: name.into(), metadata }).map_err(failed)?;
         }
         let cycle = channel(&mut mcap, CYCLE, "airball.Cycle", &schema::of::<Cycle>()).map_err(failed)?;
@@ -118,8 +117,15 @@ impl<W: Write + Seek> LogWriter<W> {
     /// # Errors
     /// As [`cycle`](Self::cycle).
     pub fn event(&mut self, event: &Event) -> Result<(), LogError> {
-        let message = EventMessage::from(*event);
-        let written = write(&mut self.mcap, &mut self.event, self.start, event.time_s, &message);
+        self.message(&EventMessage::from(*event))
+    }
+
+    /// Writes an event that is in words already.
+    ///
+    /// # Errors
+    /// As [`cycle`](Self::cycle).
+    pub fn message(&mut self, message: &EventMessage) -> Result<(), LogError> {
+        let written = write(&mut self.mcap, &mut self.event, self.start, message.time_s, message);
         written.map_err(|error| self.error(&error))
     }
 

@@ -1,0 +1,41 @@
+//! A whole log from what a damaged one still holds.
+
+use super::{
+    LogError,
+    flight::Flight,
+    header::{Header, SIMULATED_START},
+    writer::{LogSummary, LogWriter},
+};
+use std::path::Path;
+
+/// What stands for what the damaged file no longer says.
+const UNKNOWN: &str = "unknown";
+
+/// Writes the flight to a new file at `path`: cycles and events in the order of time, with schemas and summary.
+///
+/// # Errors
+/// [`LogError`]: the file is there already or cannot be written.
+pub fn write(flight: &Flight, path: &Path) -> Result<LogSummary, LogError> {
+    let about = &flight.about;
+    let text = |known: &Option<String>| known.clone().unwrap_or_else(|| UNKNOWN.into());
+    let started = about.started.as_deref().and_then(|at| humantime::parse_rfc3339(at).ok());
+    let header = Header {
+        version: text(&about.version),
+        command: text(&about.command),
+        seed: about.seed,
+        started: started.unwrap_or(SIMULATED_START),
+        config_toml: flight.config_toml.clone().unwrap_or_default(),
+    };
+    let mut log = LogWriter::create(path, &header)?;
+    let mut events = flight.events.iter().peekable();
+    for cycle in &flight.cycles {
+        while let Some(event) = events.next_if(|event| event.time_s < cycle.time_s) {
+            log.message(event)?;
+        }
+        log.cycle(cycle)?;
+    }
+    for event in events {
+        log.message(event)?;
+    }
+    log.finish()
+}

@@ -41,6 +41,13 @@ pub enum Command {
     Identify(IdentifyCommand),
     /// Diagnose a folder of withheld cases, and score the answers once the truth is known
     Blind(BlindArgs),
+    /// Turn the fan off, whatever else happens on the rig
+    FanOff(FanOffArgs),
+    /// Emulate the rig's bus on a socket: what is flown on it can be killed, and the fan looked at
+    Emulate(EmulateArgs),
+    /// Turn the fan off when the loop on the other end of standard input is gone; `run` starts it
+    #[command(hide = true)]
+    Guard(GuardArgs),
     /// Check or print a config
     #[command(subcommand)]
     Config(ConfigCommand),
@@ -181,6 +188,45 @@ pub struct BlindArgs {
     /// Write the result as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// `airball fan-off`
+#[derive(Debug, Args)]
+pub struct FanOffArgs {
+    /// Which config; its table bus says where the fan is.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// I2C bus [default: the config's]; with it no config is read
+    #[arg(long, value_name = "FILE")]
+    pub device: Option<String>,
+}
+
+/// `airball emulate`
+#[derive(Debug, Args)]
+pub struct EmulateArgs {
+    /// Which config; its tables plant and rig are emulated.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Socket to serve the bus at; fly it with [bus] device = "unix:FILE"
+    #[arg(long, value_name = "FILE")]
+    pub socket: PathBuf,
+    /// Seed of the simulated rig's noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// `airball guard`
+#[derive(Debug, Args)]
+pub struct GuardArgs {
+    /// I2C bus of the fan
+    #[arg(long, value_name = "FILE")]
+    pub device: String,
+    /// Turn the fan off after so many seconds without a control cycle
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub stall: f64,
+    /// Keep what happened here
+    #[arg(long, value_name = "FILE")]
+    pub last_fault: Option<PathBuf>,
 }
 
 /// `airball config`

@@ -7,6 +7,7 @@
 //! Deadlines that have passed when a cycle ends are skipped and counted as missed: a loop that fell behind
 //! does not catch up by cycles without time between them.
 
+use crate::lateness::{Histogram, Quantiles};
 use serde::Serialize;
 
 /// The grid, and what became of it.
@@ -16,6 +17,9 @@ pub struct Deadlines {
     period_s: f64,
     late_after_s: f64,
     next: f64,
+    /// Lateness of the cycles since the last one in time, summed, seconds.
+    behind_s: f64,
+    histogram: Histogram,
     punctuality: Punctuality,
 }
 
@@ -30,13 +34,23 @@ pub struct Punctuality {
     pub missed: u64,
     /// Largest lateness, seconds.
     pub worst_s: f64,
+    /// How late most of them began.
+    pub lateness: Quantiles,
 }
 
 impl Deadlines {
     /// A grid whose deadline 0 is `start_s`.
     #[must_use]
     pub fn new(start_s: f64, period_s: f64, late_after_s: f64) -> Self {
-        Self { start_s, period_s, late_after_s, next: 0.0, punctuality: Punctuality::default() }
+        Self {
+            start_s,
+            period_s,
+            late_after_s,
+            next: 0.0,
+            behind_s: 0.0,
+            histogram: Histogram::default(),
+            punctuality: Punctuality::default(),
+        }
     }
 
     /// The deadline to sleep until, seconds.
@@ -51,6 +65,7 @@ impl Deadlines {
         let lateness_s = (now_s - self.next_s()).max(0.0);
         let skipped = (lateness_s / self.period_s).floor();
         self.next += 1.0 + skipped;
+        self.behind_s = if skipped > 0.0 { self.behind_s + lateness_s } else { 0.0 };
         let seen = &mut self.punctuality;
         seen.cycles += 1;
         seen.late += u64::from(lateness_s > self.late_after_s);
@@ -63,13 +78,21 @@ impl Deadlines {
             seen.missed += skipped as u64;
         }
         seen.worst_s = seen.worst_s.max(lateness_s);
+        self.histogram.count(lateness_s);
         lateness_s
+    }
+
+    /// How late the latest cycles were together, seconds: of those in a row that each missed a deadline. One cycle that
+    /// hangs and a loop that never keeps up both show here.
+    #[must_use]
+    pub const fn behind_s(&self) -> f64 {
+        self.behind_s
     }
 
     /// What became of the deadlines so far.
     #[must_use]
-    pub const fn punctuality(&self) -> Punctuality {
-        self.punctuality
+    pub fn punctuality(&self) -> Punctuality {
+        Punctuality { lateness: self.histogram.quantiles(self.punctuality.worst_s), ..self.punctuality }
     }
 }
 
@@ -95,6 +118,19 @@ mod tests {
         deadlines.woke(0.075);
         assert!((deadlines.next_s() - 0.08).abs() < 1e-9, "{}", deadlines.next_s());
         assert_eq!(deadlines.punctuality().missed, 2);
+    }
+
+    #[test]
+    fn a_loop_falls_behind_by_one_long_pause_or_by_many_short_ones_in_a_row() {
+        let mut deadlines = Deadlines::new(0.0, 0.02, 0.002);
+        deadlines.woke(0.5);
+        assert_eq!(deadlines.behind_s(), 0.5);
+        deadlines.woke(deadlines.next_s() + 0.019);
+        assert_eq!(deadlines.behind_s(), 0.0);
+        for _ in 0..20 {
+            deadlines.woke(deadlines.next_s() + 0.025);
+        }
+        assert!((deadlines.behind_s() - 0.5).abs() < 1e-9, "{}", deadlines.behind_s());
     }
 
     #[test]

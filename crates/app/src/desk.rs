@@ -115,6 +115,8 @@ impl Desk {
             duty_min_percent: hover - reach,
             duty_max_percent: hover + reach,
             coast_s: 0.3,
+            stall_s: 0.5,
+            stuck: None,
         };
         let fast = (BESIDE_LAGS / slowness_s(model, period_s)).min(FASTEST_PER_S);
         let noisy = gentle_pid(model, fast).kp_per_mm * (1.0 + DERIVATIVE_N) * model.noise.sensor_mm;

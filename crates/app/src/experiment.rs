@@ -216,6 +216,8 @@ mod tests {
         duty_min_percent: 0.0,
         duty_max_percent: 40.0,
         coast_s: 0.5,
+        stall_s: 0.5,
+        stuck: None,
     };
 
     fn read(text: &str) -> Result<Experiment, String> {

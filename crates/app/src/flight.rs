@@ -16,12 +16,17 @@ use crate::pilot::{Pilot, Seen};
 use crate::rig::{Rig, Sighting};
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Commands that one cycle takes at most: a flood must not stretch it.
 const COMMANDS_PER_CYCLE: usize = 4;
 /// Writes of the fan in a row that may fail before the flight ends.
-const FAN_FAILURES: u32 = 5;
+pub const FAN_FAILURES: u32 = 5;
+/// How long the loop tries to turn the fan off at the end, seconds: as long as the kernel waits for a stuck bus. A guard
+/// goes on after that.
+const LANDING_S: f64 = 1.0;
+/// Between two attempts.
+const RETRY_S: f64 = 0.01;
 
 /// Everything that a flight needs.
 pub struct Flight<'a, R: Rig> {
@@ -38,6 +43,7 @@ pub struct Flight<'a, R: Rig> {
     fan_failures: u32,
     /// The last fault that was recorded, so that one that lasts is recorded once.
     noted: Option<Fault>,
+    pulse: Option<&'a AtomicU32>,
 }
 
 /// What is left of a flight besides its log.
@@ -74,7 +80,15 @@ impl<'a, R: Rig> Flight<'a, R> {
             held: Duty::OFF,
             fan_failures: 0,
             noted: None,
+            pulse: None,
         }
+    }
+
+    /// Counts the cycles in `pulse`, for whoever watches whether they run.
+    #[must_use]
+    pub fn with_pulse(mut self, pulse: &'a AtomicU32) -> Self {
+        self.pulse = Some(pulse);
+        self
     }
 
     /// Flies until the programme is over, `duration_s` has passed, `stop` is set or a fault ends it.
@@ -94,8 +108,12 @@ impl<'a, R: Rig> Flight<'a, R> {
             }
         };
         let fan_still_on = self.land();
+        let punctuality = self.deadlines.punctuality();
+        if punctuality.worst_s > 0.0 {
+            self.event(What::Lateness(punctuality.lateness));
+        }
         self.event(What::End(end));
-        Outcome { end, fault, punctuality: self.deadlines.punctuality(), fan_still_on }
+        Outcome { end, fault, punctuality, fan_still_on }
     }
 
     /// Lays the deadlines right behind the sensor's readings. A sensor that is silent shows in the first cycles.
@@ -110,6 +128,12 @@ impl<'a, R: Rig> Flight<'a, R> {
     fn cycle(&mut self) -> Option<Fault> {
         let woke_s = self.rig.now_s();
         let lateness_s = self.deadlines.woke(woke_s);
+        if let Some(pulse) = self.pulse {
+            pulse.fetch_add(1, Ordering::Relaxed);
+        }
+        if let Some(fault) = self.behind() {
+            return Some(fault);
+        }
         let before = self.pilot.mode();
         self.take_commands();
 
@@ -137,6 +161,14 @@ impl<'a, R: Rig> Flight<'a, R> {
         self.last_cycle_s = woke_s;
         self.record(&cycle, before, seen);
         fan_fault.or(self.pilot.fault())
+    }
+
+    /// A loop that cannot keep up no longer controls the ball.
+    fn behind(&mut self) -> Option<Fault> {
+        let behind_s = self.deadlines.behind_s();
+        let fault = (behind_s >= self.pilot.stall_s()).then_some(Fault::Late { behind_s })?;
+        self.note(fault);
+        Some(fault)
     }
 
     fn take_commands(&mut self) {
@@ -192,12 +224,15 @@ impl<'a, R: Rig> Flight<'a, R> {
             _ => {}
         }
         self.recorder.cycle(cycle);
+        let punctuality = self.deadlines.punctuality();
         let state = State {
             cycle: *cycle,
             controller: self.pilot.controller(),
             gains: self.pilot.gains().map(Into::into),
-            late_cycles: self.deadlines.punctuality().late,
+            late_cycles: punctuality.late,
+            lateness: punctuality.lateness,
             dropped_log_messages: self.recorder.dropped(),
+            fault: self.noted,
         };
         if let Some(mailbox) = self.mailbox.as_mut() {
             mailbox.publish_state(state);
@@ -220,15 +255,14 @@ impl<'a, R: Rig> Flight<'a, R> {
 
     /// Turns the fan off. A bus that fails now may work a moment later.
     fn land(&mut self) -> Option<ErrorKind> {
-        let mut failure = None;
-        for _ in 0..FAN_FAILURES {
+        let until_s = self.rig.now_s() + LANDING_S;
+        loop {
             match self.rig.drive(Duty::OFF) {
                 Ok(_) => return None,
-                Err(kind) => failure = Some(kind),
+                Err(failure) if self.rig.now_s() >= until_s => return Some(failure),
+                Err(_) => self.rig.sleep_until_s(self.rig.now_s() + RETRY_S),
             }
-            self.rig.sleep_until_s(self.rig.now_s() + 0.01);
         }
-        failure
     }
 }
 

@@ -1,7 +1,9 @@
 //! The binary `airball`.
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
-use airball::commands::{blind, config, design, diagnose, identify, log, note, reader_is_gone, replay, run, simulate};
+use airball::commands::{
+    blind, config, design, diagnose, emulate, fan_off, guard, identify, log, note, reader_is_gone, replay, run, simulate,
+};
 use airball::config::ConfigError;
 use clap::Parser;
 use std::process::ExitCode;
@@ -15,6 +17,9 @@ fn main() -> ExitCode {
         Command::Design(command) => design::design(&command),
         Command::Identify(command) => identify::identify(&command),
         Command::Blind(args) => blind::blind(&args),
+        Command::FanOff(args) => fan_off::fan_off(&args),
+        Command::Emulate(args) => emulate::emulate(&args),
+        Command::Guard(args) => guard::guard(&args),
         Command::Config(ConfigCommand::Check(args)) => config::check(&args),
         Command::Config(ConfigCommand::Print(args)) => config::print(&args),
         Command::Log(LogCommand::Info { log }) => log::info(&log),

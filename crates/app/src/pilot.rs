@@ -11,6 +11,7 @@
 
 mod commands;
 mod exchange;
+mod still;
 
 pub use exchange::{Decision, Orders, Seen};
 
@@ -20,6 +21,7 @@ use control::Duty;
 use control::compensation::Compensator;
 use control::controller::Kind;
 use control::pid::Pid;
+use still::Still;
 
 /// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
 const MISSING_PERIODS: f64 = 2.5;
@@ -48,6 +50,7 @@ pub struct Pilot {
     /// The control value that acts on the ball, whoever asked for it.
     acting: f64,
     been_in_band: bool,
+    still: Still,
     fault: Option<Fault>,
 }
 
@@ -70,6 +73,7 @@ impl Pilot {
             control: 0.0,
             acting,
             been_in_band: false,
+            still: Still::default(),
             fault: None,
         }
     }
@@ -107,6 +111,12 @@ impl Pilot {
         self.fault
     }
 
+    /// How far the cycles may fall behind, seconds.
+    #[must_use]
+    pub const fn stall_s(&self) -> f64 {
+        self.orders.safety.stall_s
+    }
+
     /// Whether the programme is over at `time_s`.
     #[must_use]
     pub fn is_over(&self, time_s: f64) -> bool {
@@ -137,6 +147,7 @@ impl Pilot {
                 }
                 decision.setpoint_mm = Some(setpoint_mm);
                 self.fly(&mut decision, excitation_percent);
+                self.stop_if_stuck(time_s, &mut decision);
             }
             (Mode::OpenLoop, Some(Demand::Drive { duty_percent })) => decision.duty = self.drive(duty_percent),
             (Mode::Coasting, _) => decision.duty = self.drive(self.orders.compensation.hover_duty_percent),
@@ -240,6 +251,17 @@ impl Pilot {
         decision.control_mm_per_s2 = self.orders.compensation.predistortion.is_some().then_some(self.control);
         let duty = self.compensator.duty(self.control, excitation_percent);
         decision.duty = self.safe_duty(duty.percent());
+    }
+
+    /// Turns the fan off when the ball is pushed and does not move.
+    fn stop_if_stuck(&mut self, time_s: f64, decision: &mut Decision) {
+        let (Some(limits), Some(position_mm)) = (&self.orders.safety.stuck, decision.position_mm) else { return };
+        let control_percent = decision.control_percent.unwrap_or(0.0);
+        let Some(still_s) = self.still.pushed(time_s, position_mm, control_percent, limits) else { return };
+        self.mode = self.stop(Fault::BallStuck { position_mm, control_percent, still_s });
+        decision.mode = self.mode;
+        decision.duty = Duty::OFF;
+        self.acting = self.compensator.control(Duty::OFF);
     }
 
     /// Gives the fan a duty that no controller asked for.

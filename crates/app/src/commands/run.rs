@@ -5,14 +5,22 @@ use super::{note, say};
 use crate::cli::RunArgs;
 use crate::config;
 use crate::flight::Flight;
+use crate::last_fault::LastFault;
+use crate::log::LogError;
+use crate::log::header::Header;
 use crate::log::queue::Queue;
+use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::{Counts, Link};
-use crate::rig::{Chips, bench, claim, simulated_in_real_time};
-use anyhow::Result;
+use crate::real_time;
+use crate::rig::{Chips, Guard, bench, claim, simulated_in_real_time};
+use crate::watch::Watch;
+use anyhow::{Context, Result};
 use embedded_hal::i2c::I2c;
 use hal::Clock;
-use std::sync::atomic::AtomicBool;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32};
 use std::time::SystemTime;
 
 /// A PWM frequency that is off by more than this share of what was asked for is worth a word.
@@ -27,43 +35,105 @@ pub fn run(args: &RunArgs) -> Result<()> {
     let plan = plan("run", &args.flight)?;
     let table = plan.config.need("run", "rig", |tables| tables.rig.as_ref())?;
     let stop = landing_signal()?;
+    let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref());
     if args.sim {
         let model = plan.config.need("run --sim", "plant", |tables| tables.plant.as_ref())?;
-        fly(args, &plan, table, simulated_in_real_time(model, table, args.flight.seed)?, &stop)
-    } else {
-        let bus = plan.config.need("run", "bus", |tables| tables.bus.as_ref())?;
-        let _claim = claim(bus)?;
-        fly(args, &plan, table, bench(bus, table)?, &stop)
+        let rig = simulated_in_real_time(model, table, args.flight.seed)?;
+        return fly(args, &plan, table, rig, None, &stop);
     }
+    let bus = plan.config.need("run", "bus", |tables| tables.bus.as_ref())?;
+    let claim = claim(bus)?;
+    let guard = Guard::start(bus, plan.pilot.stall_s(), kept, &claim)?;
+    let rig = bench(bus, table).inspect_err(|error| keep(kept, &LastFault::now(error.to_string(), None)))?;
+    fly(args, &plan, table, rig, Some(guard), &stop)
 }
 
-/// Starts log and MQTT around a rig whose fan is off, and flies it.
+/// Starts log, MQTT and watch around a rig whose fan is off, and flies it.
 fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     args: &RunArgs,
     plan: &Plan,
     table: &config::Rig,
     mut rig: Chips<S, P, C>,
-    stop: &AtomicBool,
+    guard: Option<Guard>,
+    stop: &Arc<AtomicBool>,
 ) -> Result<()> {
-    let (asked_hz, given_hz) = (table.fan_pwm_hz, rig.fan_pwm_hz());
-    if (given_hz / asked_hz - 1.0).abs() > PWM_OFF {
-        note(format_args!("[rig] fan_pwm_hz asks for {asked_hz} Hz; the fan driver can give {given_hz:.0} Hz"));
+    say_pwm(table.fan_pwm_hz, rig.fan_pwm_hz());
+    let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !args.sim);
+    let last = kept.and_then(LastFault::read);
+    if let Some(LastFault { at, fault, .. }) = &last {
+        note(format_args!("the last fault, at {at}: {fault}"));
     }
     let seed = args.sim.then_some(args.flight.seed);
     let (path, header) = log_of(plan, &args.flight, seed, SystemTime::now());
-    let mut link = plan.config.tables.mqtt.as_ref().map(|mqtt| Link::start(mqtt, &table.name)).transpose()?;
-    let mut queue = Queue::start(LogWriter::create(&path, &header)?)?;
+    let mqtt = plan.config.tables.mqtt.as_ref();
+    let mut link = mqtt.map(|mqtt| Link::start(mqtt, &table.name, last.as_ref())).transpose()?;
+    let mut queue = open_log(plan, &path, &header, args.flight.log.is_none())?;
+    let pulse = Arc::new(AtomicU32::new(0));
+    let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop)).context("no thread to watch the loop")?;
+    real_time::of_the_loop().into_iter().for_each(note);
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 
     let mailbox = link.as_mut().map(|(_, mailbox)| mailbox);
-    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, mailbox);
+    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, mailbox).with_pulse(&pulse);
     let outcome = flight.fly(args.duration.unwrap_or(f64::INFINITY), stop);
-    let counts = link.map(|(link, _)| link.stop());
-    report(&args.flight, &plan.experiment.title, &outcome, queue.finish(), &path)?;
-    match counts.filter(|counts| counts.commands_received > 0 && !args.flight.json) {
-        Some(Counts { commands_received, commands_refused, commands_busy, .. }) => say(format_args!(
-            "commands  {commands_received}: {commands_refused} refused as unreadable, {commands_busy} while busy"
-        )),
-        None => Ok(()),
+    let watched = watch.finish(outcome.fan_still_on.is_none());
+    let fault = outcome.fault.map(|fault| LastFault::now(fault.to_string(), Some(&path)));
+    if let Some(fault) = &fault {
+        keep(kept, fault);
     }
+    let counts = link.map(|(link, _)| link.stop(fault.as_ref()));
+    report(&args.flight, &plan.experiment.title, &outcome, queue.finish(), &path)?;
+    watched?;
+    counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
+}
+
+/// The log of the flight. A disk that takes none is no reason not to fly; a log that is there already is somebody's.
+fn open_log(plan: &Plan, path: &Path, header: &Header, ours: bool) -> Result<Queue, LogError> {
+    let table = plan.config.tables.log.as_ref();
+    // Room is made only among logs that the program has named.
+    let keep_bytes = table.and_then(|log| log.keep_mb).filter(|_| ours).map(bytes);
+    let part_s = table.and_then(|log| log.part_s);
+    let opened = if part_s.is_none() && keep_bytes.is_none() {
+        LogWriter::create(path, header).and_then(Queue::start)
+    } else {
+        let limits = Limits { part_s: part_s.unwrap_or(f64::INFINITY), keep_bytes };
+        Rotation::create(path, header, limits).and_then(Queue::rotating)
+    };
+    match opened {
+        Err(error @ (LogError::Create { .. } | LogError::Write { .. })) => {
+            note(format_args!("{error}; flying without a log"));
+            Ok(Queue::without_file(path, error))
+        }
+        opened => opened,
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and a million megabytes")]
+fn bytes(megabytes: f64) -> u64 {
+    (1e6 * megabytes) as u64
+}
+
+fn say_pwm(asked_hz: f64, given_hz: f64) {
+    if (given_hz / asked_hz - 1.0).abs() > PWM_OFF {
+        note(format_args!("[rig] fan_pwm_hz asks for {asked_hz} Hz; the fan driver can give {given_hz:.0} Hz"));
+    }
+}
+
+/// Keeps a fault over a restart. A disk that takes no file is worth a word, and no reason for another fault.
+fn keep(kept: Option<&Path>, fault: &LastFault) {
+    if let Some(path) = kept
+        && let Err(error) = fault.keep(path)
+    {
+        note(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
+    }
+}
+
+fn say_commands(counts: Counts) -> Result<()> {
+    let Counts { commands_received, commands_refused, commands_busy, .. } = counts;
+    if commands_received == 0 {
+        return Ok(());
+    }
+    say(format_args!(
+        "commands  {commands_received}: {commands_refused} refused as unreadable, {commands_busy} while busy"
+    ))
 }

@@ -6,4 +6,4 @@ mod load;
 mod tables;
 
 pub use load::{Config, ConfigError, parse_file};
-pub use tables::{Bus, Log, Loop, Reference, Rig, Safety, Tables};
+pub use tables::{Bus, Log, Loop, Reference, Rig, Safety, Stuck, Tables};

@@ -10,6 +10,7 @@ use control::observer::Observer;
 use control::waveform::Waveform;
 use plant::{Model, Unsound};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Everything that a config file may hold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -69,8 +70,16 @@ pub struct Rig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bus {
-    /// Device file of the I2C bus.
+    /// Device file of the I2C bus, or `unix:` and the socket of `airball emulate`.
     pub device: String,
+}
+
+impl Bus {
+    /// The socket of an emulated bus, where the device is none of the kernel's.
+    #[must_use]
+    pub fn socket(&self) -> Option<&str> {
+        self.device.strip_prefix("unix:")
+    }
 }
 
 /// `[loop]`: when the cycle runs.
@@ -105,6 +114,27 @@ pub struct Safety {
     pub duty_max_percent: f64,
     /// How long the fan holds hover without a new reading before it is turned off, seconds.
     pub coast_s: f64,
+    /// How far the cycles may fall behind their deadlines before the fan is turned off, seconds.
+    #[serde(default = "half_a_second")]
+    pub stall_s: f64,
+    /// When a ball counts as stuck; absent: never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stuck: Option<Stuck>,
+}
+
+/// `[safety] stuck`: a ball that is pushed and does not move.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stuck {
+    /// The controller asks for at least this much, percent of duty about hover.
+    pub control_percent: f64,
+    /// For so long, seconds.
+    pub after_s: f64,
+}
+
+/// Configs from before there was such a limit.
+fn half_a_second() -> f64 {
+    0.5
 }
 
 /// `[log]`: where flights are kept.
@@ -113,6 +143,15 @@ pub struct Safety {
 pub struct Log {
     /// Directory of the logs, made when missing; relative to where the command runs.
     pub directory: String,
+    /// File that keeps the last fault over a restart; absent: none is kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_fault: Option<PathBuf>,
+    /// A flight in real time begins a new file after so long, seconds; absent: one file a flight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part_s: Option<f64>,
+    /// The oldest logs of the directory are deleted when all take more than this, megabytes; absent: none is deleted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep_mb: Option<f64>,
 }
 
 impl Tables {
@@ -144,6 +183,7 @@ impl Tables {
         }
         self.compensation.as_ref().map_or(Ok(()), Compensation::check).map_err(at("compensation"))?;
         self.safety.map_or(Ok(()), |table| table.check()).map_err(at("safety"))?;
+        self.log.as_ref().map_or(Ok(()), Log::check).map_err(at("log"))?;
         if let Some(reference) = &self.reference {
             let (min, max) = self.safety.map_or((-1e6, 1e6), |s| (s.setpoint_min_mm, s.setpoint_max_mm));
             reference.setpoint_mm.check(min, max).map_err(at("reference.setpoint_mm"))?;
@@ -222,12 +262,23 @@ impl Loop {
     }
 }
 
+impl Log {
+    fn check(&self) -> Result<(), OutOfRange> {
+        self.part_s.map_or(Ok(()), |part_s| within("part_s", part_s, 10.0, 1e6))?;
+        self.keep_mb.map_or(Ok(()), |keep_mb| within("keep_mb", keep_mb, 1.0, 1e6))
+    }
+}
+
 impl Safety {
     fn check(&self) -> Result<(), OutOfRange> {
         within("setpoint_max_mm", self.setpoint_max_mm, 0.0, 2000.0)?;
         within("setpoint_min_mm", self.setpoint_min_mm, 0.0, self.setpoint_max_mm)?;
         within("duty_max_percent", self.duty_max_percent, 0.0, 100.0)?;
         within("duty_min_percent", self.duty_min_percent, 0.0, self.duty_max_percent)?;
-        within("coast_s", self.coast_s, 0.0, 10.0)
+        within("coast_s", self.coast_s, 0.0, 10.0)?;
+        within("stall_s", self.stall_s, 0.05, 10.0)?;
+        let Some(stuck) = self.stuck else { return Ok(()) };
+        within("stuck.control_percent", stuck.control_percent, 0.1, 100.0)?;
+        within("stuck.after_s", stuck.after_s, 0.2, 60.0)
     }
 }

@@ -4,8 +4,9 @@ use super::{Flight, Outcome};
 use crate::config::Loop;
 use crate::log::record::{Cycle, End, Event, Fault, Mode, What};
 use crate::log::recorder::Recorder;
+use crate::log::writer::LogWriter;
 use crate::pilot::tests::pilot_holding;
-use crate::rig::{Rig, Sighting};
+use crate::rig::{Rig, Sighting, simulated_in_virtual_time};
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
 use std::cell::Cell;
@@ -124,4 +125,70 @@ fn a_short_hiccup_of_the_fan_is_survived() {
         |now_s| if (6.0..6.05).contains(&now_s) { Err(ErrorKind::Bus) } else { Ok(()) };
     let (outcome, _, _) = fly(HERE, hiccup, &AtomicBool::new(false));
     assert_eq!((outcome.end, outcome.fan_still_on), (End::Finished, None));
+}
+
+#[test]
+fn a_cycle_that_hangs_ends_the_flight_with_the_fan_off_before_another_duty_is_written() {
+    static DRIVEN: AtomicBool = AtomicBool::new(false);
+    let mut rig = Script { now_s: Cell::new(5.0), position: HERE, drive: WORKS, duty: Duty::OFF };
+    struct Hangs<'a>(&'a mut Script);
+    impl Rig for Hangs<'_> {
+        fn now_s(&self) -> f64 {
+            self.0.now_s()
+        }
+        fn sleep_until_s(&self, t_s: f64) {
+            // Once, for 0.6 s, after a second.
+            let late_s = if (6.0..6.02).contains(&t_s) { 0.6 } else { 0.0 };
+            self.0.sleep_until_s(t_s + late_s);
+        }
+        fn align(&mut self) -> Result<(), ErrorKind> {
+            Ok(())
+        }
+        fn position(&mut self) -> Result<Sighting, ErrorKind> {
+            self.0.position()
+        }
+        fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
+            DRIVEN.fetch_or(self.now_s() > 6.5 && duty != Duty::OFF, Ordering::Relaxed);
+            self.0.drive(duty)
+        }
+    }
+    let (mut memory, table) = (Memory::default(), Loop { period_s: 0.02, late_after_s: 0.002 });
+    let mut hangs = Hangs(&mut rig);
+    let flight = Flight::new(&mut hangs, pilot_holding(300.0, 60.0), &table, &mut memory, None);
+    let outcome = flight.fly(5.0, &AtomicBool::new(false));
+    assert!(matches!(outcome.fault, Some(Fault::Late { behind_s }) if (0.5..0.7).contains(&behind_s)), "{outcome:?}");
+    assert_eq!((rig.duty, DRIVEN.load(Ordering::Relaxed)), (Duty::OFF, false));
+    assert!(memory.events.iter().any(|what| matches!(what, What::Fault(Fault::Late { .. }))));
+}
+
+#[test]
+fn the_pulse_counts_the_cycles() {
+    let pulse = std::sync::atomic::AtomicU32::new(0);
+    let mut rig = Script { now_s: Cell::new(5.0), position: HERE, drive: WORKS, duty: Duty::OFF };
+    let (mut memory, table) = (Memory::default(), Loop { period_s: 0.02, late_after_s: 0.002 });
+    let flight = Flight::new(&mut rig, pilot_holding(300.0, 60.0), &table, &mut memory, None);
+    let outcome = flight.with_pulse(&pulse).fly(2.0, &AtomicBool::new(false));
+    assert_eq!(u64::from(pulse.load(Ordering::Relaxed)), outcome.punctuality.cycles);
+}
+
+/// Allocations of the loop's thread in a flight of `duration_s`, over chips, ring, link and all controllers of the config.
+fn allocations(duration_s: f64) -> u64 {
+    let tables: crate::config::Tables = toml::from_str(include_str!("../../../../config.toml")).unwrap();
+    let mqtt = crate::mqtt::MqttConfig { port: 1, ..tables.mqtt.clone().unwrap() };
+    let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, "rig1", None).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let writer = LogWriter::create(&folder.path().join("f.mcap"), &crate::log::tests::header()).unwrap();
+    let mut queue = crate::log::queue::Queue::start(writer).unwrap();
+    let mut rig = simulated_in_virtual_time(&tables.plant.unwrap(), &tables.rig.unwrap(), 1).unwrap();
+    let (table, stop) = (tables.r#loop.unwrap(), AtomicBool::new(false));
+    let flight = Flight::new(&mut rig, pilot_holding(300.0, 600.0), &table, &mut queue, Some(&mut mailbox));
+    allocation_counter::measure(|| {
+        assert_eq!(flight.fly(duration_s, &stop).end, End::Finished);
+    })
+    .count_total
+}
+
+#[test]
+fn a_cycle_allocates_nothing() {
+    assert_eq!(allocations(20.0), allocations(2.0));
 }

@@ -18,6 +18,7 @@ pub mod record;
 pub mod recorder;
 mod records;
 pub mod recover;
+pub mod rotation;
 mod schema;
 mod table;
 pub mod writer;

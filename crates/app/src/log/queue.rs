@@ -6,13 +6,14 @@
 use super::{
     LogError,
     record::{Cycle, Event},
-    recorder::{Inline, Recorder},
+    recorder::{Inline, Recorder, Sink},
+    rotation::Rotation,
     writer::{LogSummary, LogWriter},
 };
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::{
-    io::{Seek, Write},
-    path::PathBuf,
+    io::{self, Seek, Write},
+    path::{Path, PathBuf},
     thread::{self, JoinHandle},
     time::Duration,
 };
@@ -33,6 +34,8 @@ pub struct Queue {
     path: PathBuf,
     producer: Option<Producer<Entry>>,
     thread: Option<JoinHandle<Result<LogSummary, LogError>>>,
+    /// Why there is no file.
+    failed: Option<LogError>,
     dropped: u64,
 }
 
@@ -42,20 +45,31 @@ impl Queue {
     /// # Errors
     /// [`LogError::Thread`] if the system has no thread to give.
     pub fn start<W: Write + Seek + Send + 'static>(writer: LogWriter<W>) -> Result<Self, LogError> {
-        Self::with_capacity(writer, CAPACITY)
+        let path = writer.path().to_path_buf();
+        Self::with_capacity(path, Inline::new(writer), CAPACITY)
     }
 
-    fn with_capacity<W: Write + Seek + Send + 'static>(
-        writer: LogWriter<W>,
-        capacity: usize,
-    ) -> Result<Self, LogError> {
+    /// The same for a log in several files.
+    ///
+    /// # Errors
+    /// As [`Queue::start`].
+    pub fn rotating(rotation: Rotation) -> Result<Self, LogError> {
+        Self::with_capacity(rotation.path().to_path_buf(), rotation, CAPACITY)
+    }
+
+    /// A flight without a log, because of `failed`: a disk that cannot be written is no reason not to fly.
+    #[must_use]
+    pub fn without_file(path: &Path, failed: LogError) -> Self {
+        Self { path: path.into(), producer: None, thread: None, failed: Some(failed), dropped: 0 }
+    }
+
+    fn with_capacity<S: Sink + Send + 'static>(path: PathBuf, sink: S, capacity: usize) -> Result<Self, LogError> {
         let (producer, consumer) = RingBuffer::new(capacity);
-        let path = writer.path().to_path_buf();
         let thread = thread::Builder::new()
             .name("log".into())
-            .spawn(move || drain(consumer, Inline::new(writer)))
+            .spawn(move || drain(consumer, sink))
             .map_err(|error| LogError::Thread { path: path.clone(), cause: error.to_string() })?;
-        Ok(Self { path, producer: Some(producer), thread: Some(thread), dropped: 0 })
+        Ok(Self { path, producer: Some(producer), thread: Some(thread), failed: None, dropped: 0 })
     }
 
     /// Waits until everything is written and the file is closed.
@@ -75,6 +89,9 @@ impl Queue {
     fn close(&mut self) -> Result<LogSummary, LogError> {
         let lost = || LogError::Thread { path: self.path.clone(), cause: "it ended early".into() };
         drop(self.producer.take());
+        if let Some(failed) = self.failed.take() {
+            return Err(failed);
+        }
         let thread = self.thread.take().ok_or_else(lost)?;
         thread.join().map_err(|_| lost())?
     }
@@ -103,8 +120,10 @@ impl Recorder for Queue {
     }
 }
 
-/// Writes what comes until the loop's side is gone. Goes on after a failure, so that the ring does not fill up.
-fn drain<W: Write + Seek>(mut from: Consumer<Entry>, mut to: Inline<W>) -> Result<LogSummary, LogError> {
+/// Writes what comes until the loop's side is gone. Goes on after a failure, so that the ring does not fill up, and says
+/// it at once: a flight may last for weeks.
+fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, LogError> {
+    let mut said = false;
     loop {
         // Asked before the ring is emptied: what was pushed last is then surely seen.
         let last = from.is_abandoned();
@@ -113,6 +132,10 @@ fn drain<W: Write + Seek>(mut from: Consumer<Entry>, mut to: Inline<W>) -> Resul
                 Entry::Cycle(cycle) => to.cycle(&cycle),
                 Entry::Event(event) => to.event(&event),
             }
+        }
+        if let Some(error) = to.failure().filter(|_| !said) {
+            said = true;
+            let _ = writeln!(io::stderr(), "airball: {error}; the flight goes on");
         }
         if last {
             return to.finish();
@@ -123,7 +146,7 @@ fn drain<W: Write + Seek>(mut from: Consumer<Entry>, mut to: Inline<W>) -> Resul
 
 #[cfg(test)]
 mod tests {
-    use super::{Queue, Recorder};
+    use super::{Inline, Queue, Recorder};
     use crate::log::tests::{cycles, events, header};
     use crate::log::{LogError, flight, writer::LogWriter};
     use std::io::{self, Cursor, Seek, SeekFrom, Write};
@@ -172,6 +195,20 @@ mod tests {
         }
     }
 
+    fn small<W: Write + Seek + Send + 'static>(writer: LogWriter<W>, capacity: usize) -> Result<Queue, LogError> {
+        Queue::with_capacity(writer.path().to_path_buf(), Inline::new(writer), capacity)
+    }
+
+    #[test]
+    fn a_flight_without_a_log_counts_what_it_loses_and_says_why_at_the_end() {
+        let path = Path::new("config.toml/f.mcap");
+        let failed = LogWriter::create(&Path::new(file!()).join("f.mcap"), &header()).err().unwrap();
+        let mut queue = Queue::without_file(path, failed);
+        cycles(70).iter().for_each(|cycle| queue.cycle(cycle));
+        assert_eq!(queue.dropped(), 70);
+        assert!(matches!(queue.finish(), Err(LogError::Create { .. })));
+    }
+
     #[test]
     fn everything_pushed_before_the_end_is_in_the_file() {
         let path = tempfile::tempdir().unwrap().path().join("flight.mcap");
@@ -200,7 +237,7 @@ mod tests {
         let (go, stuck) = channel();
         let disk = StuckDisk(Cursor::default(), Some(stuck));
         let writer = LogWriter::to(disk, Path::new("stuck.mcap"), &header()).unwrap();
-        let mut queue = Queue::with_capacity(writer, 10).unwrap();
+        let mut queue = small(writer, 10).unwrap();
         // Pushing returns although the disk stands still; waiting here would never end.
         let pushed = 1_000_000;
         let cycle = cycles(1)[0];
@@ -215,7 +252,7 @@ mod tests {
     fn a_full_disk_is_reported_at_the_end_and_the_flight_goes_on() {
         let disk = FullDisk(Cursor::default(), 6000);
         let writer = LogWriter::to(disk, Path::new("full.mcap"), &header()).unwrap();
-        let mut queue = Queue::with_capacity(writer, 10_000).unwrap();
+        let mut queue = small(writer, 10_000).unwrap();
         cycles(5000).iter().for_each(|cycle| queue.cycle(cycle));
         events().iter().for_each(|event| queue.event(event));
         assert_eq!(queue.dropped(), 0);

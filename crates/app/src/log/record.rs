@@ -4,6 +4,7 @@
 //! JSON on the writer's side.
 
 use crate::command::{Command, Refusal};
+use crate::lateness::Quantiles;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -87,6 +88,8 @@ pub enum What {
         /// Why it was refused, if it was.
         refused: Option<Refusal>,
     },
+    /// How late the cycles of the flight began.
+    Lateness(Quantiles),
     /// The flight ended.
     End(End),
 }
@@ -117,6 +120,28 @@ pub enum Fault {
     FanBus {
         /// What the bus said.
         kind: embedded_hal::i2c::ErrorKind,
+    },
+    /// The ball does not move although it is pushed.
+    #[error(
+        "the ball at {position_mm:.0} mm has not moved for {still_s:.1} s although the controller asks for \
+         {control_percent:+.1} % about hover; free it, check the fan's supply, and [safety] stuck where it is not stuck"
+    )]
+    BallStuck {
+        /// Where the ball is.
+        position_mm: f64,
+        /// What the controller asks for, percent of duty about hover.
+        control_percent: f64,
+        /// For how long, seconds.
+        still_s: f64,
+    },
+    /// The cycles do not keep up with their deadlines.
+    #[error(
+        "the control cycles fell {behind_s:.2} s behind their deadlines; end what else runs on this computer, check the \
+         bus for transactions that hang, or raise [safety] stall_s"
+    )]
+    Late {
+        /// How late they were, one after another, seconds.
+        behind_s: f64,
     },
     /// The ball left the band that the experiment allows.
     #[error("the ball at {position_mm:.0} mm left the experiment's band, {}", band(*.min_mm, *.max_mm))]
@@ -149,6 +174,8 @@ pub enum End {
     Signal,
     /// A fault that control cannot mend.
     Fault,
+    /// It did not: the log goes on in another file.
+    Continued,
 }
 
 /// An [`Event`] in words. The message of the log's channel `event`.
@@ -156,7 +183,7 @@ pub enum End {
 pub struct EventMessage {
     /// When, seconds since the start of the flight.
     pub time_s: f64,
-    /// `mode`, `fault`, `command` or `end`.
+    /// `mode`, `fault`, `command`, `timing` or `end`.
     pub kind: String,
     /// What happened, in words.
     pub text: String,
@@ -169,6 +196,7 @@ impl From<Event> for EventMessage {
             What::Fault(fault) => ("fault", fault.to_string()),
             What::Command { command, refused: None } => ("command", format!("{command}: accepted")),
             What::Command { command, refused: Some(why) } => ("command", format!("{command}: refused, {why}")),
+            What::Lateness(lateness) => ("timing", lateness.to_string()),
             What::End(end) => ("end", word(end)),
         };
         Self { time_s: event.time_s, kind: kind.into(), text }

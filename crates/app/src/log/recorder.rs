@@ -25,6 +25,18 @@ pub trait Recorder {
     }
 }
 
+/// A recorder that ends in files.
+pub trait Sink: Recorder {
+    /// The first failure so far.
+    fn failure(&self) -> Option<&LogError>;
+
+    /// Closes the file.
+    ///
+    /// # Errors
+    /// The first failure of the flight, or that of closing.
+    fn finish(self) -> Result<LogSummary, LogError>;
+}
+
 /// Writes in the calling thread; for virtual time.
 pub struct Inline<W: Write + Seek = BufWriter<File>> {
     writer: LogWriter<W>,
@@ -43,6 +55,16 @@ impl<W: Write + Seek> Inline<W> {
     /// The first failure of the flight, or that of closing.
     pub fn finish(self) -> Result<LogSummary, LogError> {
         self.failed.map_or_else(|| self.writer.finish(), Err)
+    }
+}
+
+impl<W: Write + Seek> Sink for Inline<W> {
+    fn failure(&self) -> Option<&LogError> {
+        self.failed.as_ref()
+    }
+
+    fn finish(self) -> Result<LogSummary, LogError> {
+        Inline::finish(self)
     }
 }
 

@@ -7,6 +7,7 @@ use super::network::{self, Line, Network};
 use super::outage::Outage;
 use super::publisher::Publisher;
 use super::topics::Topics;
+use crate::last_fault::LastFault;
 use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -23,15 +24,20 @@ pub struct Link {
 }
 
 impl Link {
-    /// Starts the link and returns at once, broker or not. Start it before the loop raises its priority, which new
+    /// Starts the link and returns at once, broker or not; the last fault is published with every connection. Start it before the loop raises its priority, which new
     /// threads would inherit.
     ///
     /// # Errors
     /// [`MqttError`]: a name that fits no topic, a password that cannot be read, no thread. Never a missing broker.
-    pub fn start(config: &MqttConfig, rig_name: &str) -> Result<(Self, Mailbox), MqttError> {
+    pub fn start(
+        config: &MqttConfig,
+        rig_name: &str,
+        last_fault: Option<&LastFault>,
+    ) -> Result<(Self, Mailbox), MqttError> {
         let topics = Arc::new(Topics::new(rig_name)?);
         let options = network::options(config, rig_name, config.credentials()?, &topics);
         let (counters, line) = (Arc::<Counters>::default(), Arc::<Line>::default());
+        line.know(last_fault);
         let (mailbox, far) = Mailbox::new(Arc::clone(&counters));
         let (reject, rejected) = mpsc::sync_channel(ROOM);
         let network = Network {
@@ -65,9 +71,10 @@ impl Link {
         Ok(())
     }
 
-    /// Sends what the loop said last, says `offline` and leaves the broker. Waits for that a second at most; what
+    /// Sends what the loop said last and the fault that ended it, says `offline` and leaves the broker. Waits for that a second at most; what
     /// hangs longer ends with the process. Returns what passed the link.
-    pub fn stop(mut self) -> Counts {
+    pub fn stop(mut self, fault: Option<&LastFault>) -> Counts {
+        self.line.know(fault);
         self.leave();
         self.counts()
     }

@@ -7,6 +7,7 @@ use super::message::{Answer, Gains, InForce, State};
 use super::test_broker::{Broker, Cable, Outside, config, until};
 use super::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
 use crate::command::{Command, Refusal};
+use crate::lateness::Quantiles;
 use crate::log::record::{Cycle, Mode};
 use control::controller::Kind;
 use serde_json::json;
@@ -21,7 +22,7 @@ const STATE: &str = "airball/rig1/state";
 const STATUS: &str = "airball/rig1/status";
 
 fn start(config: &MqttConfig) -> (Link, Mailbox) {
-    Link::start(config, "rig1").unwrap()
+    Link::start(config, "rig1", None).unwrap()
 }
 
 /// A broker, somebody outside, and a link that is up.
@@ -56,7 +57,15 @@ fn state(time_s: f64) -> State {
         innovation_mm: None,
         innovation_test_ratio: None,
     };
-    State { cycle, controller, gains, late_cycles: 2, dropped_log_messages: 0 }
+    State {
+        cycle,
+        controller,
+        gains,
+        late_cycles: 2,
+        lateness: Quantiles::default(),
+        dropped_log_messages: 0,
+        fault: None,
+    }
 }
 
 /// What the loop does with a command: here it takes what comes next and refuses or not.
@@ -144,7 +153,7 @@ fn stopping_sends_the_last_answer_and_offline_before_it_leaves() {
     let (broker, outside, link, mut mailbox) = connected();
     mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0) });
     let began = Instant::now();
-    link.stop();
+    link.stop(None);
     assert!(began.elapsed() < Duration::from_millis(900), "{:?}", began.elapsed());
     assert_eq!(outside.json(REPLY)["topic"], "set/mode");
     assert_eq!(outside.hear(STATUS), "offline");
@@ -182,7 +191,7 @@ fn without_a_broker_the_link_starts_stops_and_takes_states_without_delay() {
     assert_eq!(link.counts().dropped_mqtt_messages, 0);
     thread::sleep(Duration::from_millis(700));
     let began = Instant::now();
-    link.stop();
+    link.stop(None);
     assert!(began.elapsed() < Duration::from_millis(200), "{:?}", began.elapsed());
 }
 
@@ -207,7 +216,7 @@ fn a_broker_that_says_nothing_holds_up_stopping_for_a_second_at_most() {
     let (link, _mailbox) = start(&config(listener.local_addr().unwrap().port()));
     let _silent = listener.accept().unwrap();
     let began = Instant::now();
-    link.stop();
+    link.stop(None);
     assert!(began.elapsed() < Duration::from_millis(1500), "{:?}", began.elapsed());
 }
 

@@ -3,10 +3,11 @@
 use super::count::Counts;
 use super::topics::Quantity;
 use crate::command::{Command, Refusal};
-use crate::log::record::{Cycle, Mode};
+use crate::lateness::Quantiles;
+use crate::log::record::{Cycle, Fault, Mode};
 use control::controller::Kind;
 use control::pid::Pid;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// The gains in force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -63,8 +64,17 @@ pub struct State {
     pub gains: Option<Gains>,
     /// Cycles that began too late, since the start.
     pub late_cycles: u64,
+    /// How late most of them began, since the start.
+    pub lateness: Quantiles,
     /// Messages that the log had no room for, since the start.
     pub dropped_log_messages: u64,
+    /// What is wrong now, in words; null where nothing is.
+    #[serde(serialize_with = "in_words")]
+    pub fault: Option<Fault>,
+}
+
+fn in_words<S: Serializer>(fault: &Option<Fault>, to: S) -> Result<S::Ok, S::Error> {
+    fault.map(|fault| fault.to_string()).serialize(to)
 }
 
 impl State {

@@ -9,6 +9,7 @@
 //! | `airball/<rig>/reply` | out | JSON: what is in force, or why a command was refused |
 //! | `airball/<rig>/state` | out, 10 Hz | JSON: the latest cycle, the gains, the counts |
 //! | `airball/<rig>/status` | out, retained | `online`, or `offline` by last will |
+//! | `airball/<rig>/fault` | out, retained | JSON: the last fault that ended a flight, `at`, `fault`, `log` |
 //! | `ball/parameters/reference` | in | the original rig's name of `set/setpoint_mm` |
 //! | `ball/measures/position` | out, 10 Hz | the original rig's position, a number in mm |
 //!

@@ -10,6 +10,7 @@ use super::outage::Outage;
 use super::parse::{ParseError, parse};
 use super::topics::{ORIGINAL_SETPOINT, Topics};
 use crate::command::Command;
+use crate::last_fault::LastFault;
 use rtrb::Producer;
 use rumqttc::{Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
 use std::io::Write;
@@ -35,11 +36,26 @@ const PAUSES: (Duration, Duration) = (Duration::from_millis(200), Duration::from
 pub(super) struct Line {
     client: Mutex<Option<Client>>,
     stopping: AtomicBool,
+    /// The last fault, as it is published; none is known where there is none.
+    fault: Mutex<Option<String>>,
 }
 
 impl Line {
     pub(super) fn client(&self) -> MutexGuard<'_, Option<Client>> {
         self.client.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes a fault as the last one, if there is one.
+    pub(super) fn know(&self, fault: Option<&LastFault>) {
+        if let Some(fault) = fault {
+            *self.fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(fault.json());
+        }
+    }
+
+    /// Publishes the last fault, if one is known.
+    pub(super) fn publish_fault(&self, client: &Client, topics: &Topics) -> bool {
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        fault.is_none_or(|fault| client.try_publish(&topics.fault, QoS::AtLeastOnce, true, fault).is_ok())
     }
 
     pub(super) fn stop(&self) {
@@ -120,14 +136,15 @@ impl Network {
     }
 
     /// Subscribes and says `online`. False where that is no longer wanted: leaving without a word then makes the
-    /// broker publish the last will, which is the truth. The queue of a new session has room for both requests.
+    /// broker publish the last will, which is the truth. The queue of a new session has room for these requests.
     fn greet(&mut self, client: &Client) -> bool {
         let mut held = self.line.client();
         let filters = [self.topics.commands.as_str(), ORIGINAL_SETPOINT];
         let filters = filters.map(|filter| SubscribeFilter::new(filter.to_owned(), QoS::AtLeastOnce));
         let greeted = !self.line.stopping()
             && client.try_subscribe_many(filters).is_ok()
-            && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "online").is_ok();
+            && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "online").is_ok()
+            && self.line.publish_fault(client, &self.topics);
         if greeted {
             *held = Some(client.clone());
             say(self.outage.over());

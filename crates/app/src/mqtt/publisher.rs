@@ -103,6 +103,7 @@ impl Publisher {
     /// Says `offline` and leaves properly. Where the queue is full, the last will says it when the connection ends.
     fn farewell(&self) {
         if let Some(client) = self.line.client().as_ref()
+            && self.line.publish_fault(client, &self.topics)
             && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "offline").is_ok()
         {
             let _ = client.try_disconnect();

@@ -53,6 +53,8 @@ pub struct Topics {
     pub state: String,
     /// `online` or `offline`, retained.
     pub status: String,
+    /// The last fault, retained.
+    pub fault: String,
     /// Filter of all commands, known and unknown, so that a misspelt one is answered too.
     pub commands: String,
 }
@@ -73,6 +75,7 @@ impl Topics {
             reply: below("reply"),
             state: below("state"),
             status: below("status"),
+            fault: below("fault"),
             commands: below("set/#"),
             root,
         })

@@ -1,6 +1,6 @@
 //! What the pilot may be told in flight.
 
-use super::Pilot;
+use super::{Pilot, Still};
 use crate::command::{Command, Refusal};
 use crate::log::record::Mode;
 use control::check::within;
@@ -42,6 +42,7 @@ impl Pilot {
                     self.last = None;
                     self.waiting_since_s = None;
                     self.been_in_band = false;
+                    self.still = Still::default();
                 }
             }
             Command::Programme => self.held_mm = None,

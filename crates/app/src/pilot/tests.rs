@@ -2,7 +2,7 @@
 
 use super::{Orders, Pilot, Seen};
 use crate::command::{Command, GainChange, Refusal};
-use crate::config::Safety;
+use crate::config::{Safety, Stuck};
 use crate::experiment::{Experiment, Limits, Segment};
 use crate::log::record::{Fault, Mode};
 use control::compensation::Compensation;
@@ -30,6 +30,8 @@ fn pilot(segments: Vec<Segment>) -> Pilot {
             duty_min_percent: 5.0,
             duty_max_percent: 40.0,
             coast_s: 0.3,
+            stall_s: 0.5,
+            stuck: None,
         },
         experiment: Experiment { title: "t".into(), limits, segments },
         reading_period_s: T,
@@ -189,6 +191,31 @@ fn the_observers_controller_acts_between_readings_and_the_filters_waits_for_them
         let after = fly(&mut pilot, 0.2, &[Seen::Nothing(None)]).1;
         assert_eq!(after != before, moves, "{kind:?}: {before} %, {after} %");
     }
+}
+
+#[test]
+fn a_ball_that_is_pushed_and_does_not_move_turns_the_fan_off_within_the_time_stated() {
+    let stuck = Some(Stuck { control_percent: 1.0, after_s: 1.0 });
+    let mut jammed = pilot(vec![segment(60.0)]);
+    jammed.orders.safety.stuck = stuck;
+    // 200 mm below its setpoint: 2 % of control, and noise that would move no ball.
+    let noise = |k: u32| Seen::Ball(100.0 + 2.5 * f64::from(k * 7 % 5));
+    let cycles = (1..=60).find(|k| fly(&mut jammed, T * f64::from(*k), &[noise(*k)]).0 == Mode::Stopped);
+    // after_s / period, and the cycle in which the push began.
+    assert!(matches!(cycles, Some(50..=52)), "{cycles:?}");
+    assert!(matches!(jammed.fault(), Some(Fault::BallStuck { control_percent: 1.0.., .. })), "{:?}", jammed.fault());
+    assert_eq!(jammed.decide(2.0, Seen::Ball(100.0)).duty.percent(), 0.0);
+
+    let mut rising = pilot(vec![segment(60.0)]);
+    rising.orders.safety.stuck = stuck;
+    let seen: Vec<Seen> = (0..100).map(|k| Seen::Ball(60.0 + 0.6 * f64::from(k))).collect();
+    assert_eq!(fly(&mut rising, 0.0, &seen).0, Mode::Flying);
+}
+
+#[test]
+fn without_the_table_no_ball_is_stuck() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    assert_eq!(fly(&mut pilot, 0.0, &[Seen::Ball(100.0); 1000]).0, Mode::Flying);
 }
 
 proptest::proptest! {

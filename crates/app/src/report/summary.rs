@@ -124,6 +124,9 @@ impl fmt::Display for Summary {
             write!(f, ", {} late (worst {:.1} ms), {} missed", p.late, 1e3 * p.worst_s, p.missed)?;
         }
         writeln!(f, "; {:.1} % with a fresh position", self.fresh_percent)?;
+        if let Some(late) = self.punctuality.filter(|punctuality| punctuality.worst_s > 0.0) {
+            writeln!(f, "lateness  {}", late.lateness)?;
+        }
         if let (Some(overshoot), steps) = (self.overshoot_percent, self.steps) {
             write!(f, "steps     {steps}: overshoot {overshoot:.0} %")?;
             if let Some(settling_s) = self.settling_s {

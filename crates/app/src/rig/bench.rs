@@ -1,14 +1,17 @@
-//! The bench: the real bus of a Raspberry Pi.
+//! The bench: the bus of a Raspberry Pi, or the one that `airball emulate` serves in its place.
 
 use super::chips::{Chips, StartError};
 use super::clock::Monotonic;
+use super::wire::{Wire, WireError};
 use crate::config;
-use linux_embedded_hal::I2CError;
-use linux_embedded_hal::I2cdev;
+use hal::{Clock, FanError, stop_fan};
 use nix::fcntl::{Flock, FlockArg};
 use std::fs::File;
 
-/// Why the bench does not start.
+/// Between two attempts to turn the fan off.
+const RETRY_S: f64 = 0.02;
+
+/// Why the bench does not start, or does not stop.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
     /// The bus cannot be opened.
@@ -24,7 +27,10 @@ pub enum BenchError {
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// Somebody else flies this rig.
-    #[error("the I2C bus {device} is taken by another program that flies this rig; end that flight first")]
+    #[error(
+        "the I2C bus {device} is taken by another program that flies this rig, or by the guard of a flight that was \
+         killed; end that flight first"
+    )]
     Taken {
         /// The device file.
         device: String,
@@ -35,31 +41,66 @@ pub enum BenchError {
         /// The device file.
         device: String,
         /// Which chip and why.
-        source: Box<StartError<I2CError, I2CError>>,
+        source: Box<StartError<WireError, WireError>>,
+    },
+    /// The fan does not stop.
+    #[error("the fan could not be turned off in {tries} attempts: bus {device}: {source}; switch off its supply now")]
+    StaysOn {
+        /// The device file.
+        device: String,
+        /// How often it was tried.
+        tries: u32,
+        /// What the last attempt met.
+        source: FanError<WireError>,
     },
 }
 
-/// Claims the bus for one flight: a second one would drive the same fan.
+/// Claims the bus for one flight: a second one would drive the same fan. A copy of the file holds the claim, too.
 ///
 /// # Errors
 /// [`BenchError`]: the device file is missing, or taken.
 pub fn claim(bus: &config::Bus) -> Result<Flock<File>, BenchError> {
     let device = bus.device.clone();
-    let file = File::options().read(true).write(true).open(&device);
+    let mut options = File::options();
+    options.read(true).write(true);
+    // A socket cannot be locked; a file beside it can.
+    let file = match bus.socket() {
+        Some(path) => options.create(true).truncate(false).open(format!("{path}.lock")),
+        None => options.open(&device),
+    };
     let file = file.map_err(|source| BenchError::Open { device: device.clone(), source: Box::new(source) })?;
     Flock::lock(file, FlockArg::LockExclusiveNonblock).map_err(|_| BenchError::Taken { device })
 }
 
-/// Opens the real bus, a handle for each chip: one handle for both would reopen the device file whenever the
-/// address changes, twice a cycle.
+/// Opens the bus, a handle for each chip, and starts both.
 ///
 /// # Errors
 /// [`BenchError`] names the device file and what to do.
-pub fn bench(bus: &config::Bus, rig: &config::Rig) -> Result<Chips<I2cdev, I2cdev, Monotonic>, BenchError> {
-    let open = || {
-        I2cdev::new(&bus.device)
-            .map_err(|source| BenchError::Open { device: bus.device.clone(), source: Box::new(source) })
-    };
-    Chips::start((open()?, open()?), Monotonic::start(), rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
+pub fn bench(bus: &config::Bus, rig: &config::Rig) -> Result<Chips<Wire, Wire, Monotonic>, BenchError> {
+    Chips::start((open(bus)?, open(bus)?), Monotonic::start(), rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
         .map_err(|source| BenchError::Start { device: bus.device.clone(), source: Box::new(source) })
+}
+
+/// Turns the fan off and reads back that it is, again and again for `allowed_s` seconds if need be: a bus that is stuck
+/// may come free, a supply return.
+///
+/// # Errors
+/// [`BenchError`] of the last attempt.
+pub fn turn_off(bus: &config::Bus, allowed_s: f64) -> Result<(), BenchError> {
+    let clock = Monotonic::start();
+    for tries in 1.. {
+        let stopped = open(bus).and_then(|wire| {
+            let stays_on = |source| BenchError::StaysOn { device: bus.device.clone(), tries, source };
+            stop_fan(wire).map_err(stays_on)
+        });
+        if stopped.is_ok() || clock.now_s() >= allowed_s {
+            return stopped;
+        }
+        clock.sleep_until_s(clock.now_s() + RETRY_S);
+    }
+    Ok(())
+}
+
+fn open(bus: &config::Bus) -> Result<Wire, BenchError> {
+    Wire::open(bus).map_err(|source| BenchError::Open { device: bus.device.clone(), source })
 }

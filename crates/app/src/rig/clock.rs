@@ -41,7 +41,7 @@ impl Clock for Monotonic {
 }
 
 /// The clock of an emulated world in virtual time: sleeping moves the world on.
-pub struct WorldClock<W: World>(pub(super) EmulatedBus<W>);
+pub struct WorldClock<W: World>(pub(crate) EmulatedBus<W>);
 
 /// A clone is a look at the same world.
 impl<W: World> Clone for WorldClock<W> {

@@ -8,21 +8,31 @@
 //! clock      monotonic                monotonic                   the emulated world's own
 //! ```
 //!
+//! `/dev/i2c-1` may also be the socket of `airball emulate`: the bench's binary on emulated chips that outlive it.
+//!
 //! [`Direct`] is a simulated rig of whose chips nothing is known: another people's.
 
 mod bench;
 mod chips;
 mod clock;
 mod direct;
+mod guard;
 mod simulated;
+mod socket;
 #[cfg(test)]
 mod tests;
+mod wire;
 
-pub use bench::{BenchError, bench, claim};
+pub use bench::{BenchError, bench, claim, turn_off};
 pub use chips::{Chips, StartError};
 pub use clock::{Monotonic, WorldClock};
 pub use direct::Direct;
-pub use simulated::{SimulatedRig, SimulatedStartError, simulated_in_real_time, simulated_in_virtual_time};
+pub use guard::{Guard, GuardError, Heard, Ward};
+pub use simulated::{
+    PlantWorld, SimulatedRig, SimulatedStartError, emulated_bus, simulated_in_real_time, simulated_in_virtual_time,
+};
+pub use socket::{SocketBus, serve};
+pub use wire::{Wire, WireError};
 
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;

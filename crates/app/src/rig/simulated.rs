@@ -11,6 +11,7 @@ use plant::{Model, Simulator};
 /// The plant, as the chips see it.
 pub struct PlantWorld {
     simulator: Simulator,
+    fan_percent: f64,
     sensor_to_bottom_mm: f64,
     time: Time,
 }
@@ -46,7 +47,22 @@ impl World for PlantWorld {
 
     fn pwm(&mut self, fraction: f64) {
         self.simulator.advance_to(self.now_s());
-        self.simulator.drive(100.0 * fraction);
+        self.fan_percent = 100.0 * fraction;
+        self.simulator.drive(self.fan_percent);
+    }
+}
+
+impl PlantWorld {
+    /// The plant at time 0, whose time moves when the bus is busy or somebody waits.
+    #[must_use]
+    pub fn in_virtual_time(model: &Model, rig: &config::Rig, seed: u64) -> Self {
+        world(model, rig, seed, Time::Virtual(0.0))
+    }
+
+    /// The duty that the fan gets, percent.
+    #[must_use]
+    pub const fn fan_percent(&self) -> f64 {
+        self.fan_percent
     }
 }
 
@@ -66,8 +82,14 @@ pub fn simulated_in_real_time(
     seed: u64,
 ) -> Result<SimulatedRig<Monotonic>, SimulatedStartError> {
     let clock = Monotonic::start();
-    let bus = EmulatedBus::new(world(model, rig, seed, Time::Real(clock)));
+    let bus = emulated_bus(model, rig, seed, clock);
     Chips::start((bus.handle(), bus.handle()), clock, rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
+}
+
+/// The bus of a simulated rig that lives in everybody's time, for whoever wants to drive its chips.
+#[must_use]
+pub fn emulated_bus(model: &Model, rig: &config::Rig, seed: u64, clock: Monotonic) -> EmulatedBus<PlantWorld> {
+    EmulatedBus::new(world(model, rig, seed, Time::Real(clock)))
 }
 
 /// A simulated rig whose time moves only when somebody waits: bit-exact for one seed.
@@ -79,11 +101,16 @@ pub fn simulated_in_virtual_time(
     rig: &config::Rig,
     seed: u64,
 ) -> Result<SimulatedRig<WorldClock<PlantWorld>>, SimulatedStartError> {
-    let bus = EmulatedBus::new(world(model, rig, seed, Time::Virtual(0.0)));
+    let bus = EmulatedBus::new(PlantWorld::in_virtual_time(model, rig, seed));
     let clock = WorldClock(bus.clone());
     Chips::start((bus.handle(), bus.handle()), clock, rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
 }
 
 fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld {
-    PlantWorld { simulator: Simulator::new(model.clone(), seed), sensor_to_bottom_mm: rig.sensor_to_bottom_mm, time }
+    PlantWorld {
+        simulator: Simulator::new(model.clone(), seed),
+        fan_percent: 0.0,
+        sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
+        time,
+    }
 }

@@ -1,0 +1,55 @@
+//! `airball emulate`: a simulated rig in a process of its own, its bus on a socket.
+
+use super::say;
+use crate::cli::EmulateArgs;
+use crate::config::Config;
+use crate::rig::{Monotonic, emulated_bus, serve};
+use anyhow::{Context, Result};
+use hal::Clock;
+use std::fs;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+/// Serves the bus until a signal ends the process, and says each change of the fan.
+///
+/// # Errors
+/// A config that is not sound, a socket that cannot be made.
+pub fn emulate(args: &EmulateArgs) -> Result<()> {
+    let config = Config::read(&args.config.config, &args.config.patch)?;
+    let model = config.need("emulate", "plant", |tables| tables.plant.as_ref())?;
+    let rig = config.need("emulate", "rig", |tables| tables.rig.as_ref())?;
+    let clock = Monotonic::start();
+    let bus = emulated_bus(model, rig, args.seed, clock);
+    let listener = listen(&args.socket)?;
+    say(format_args!("[bus] device = \"unix:{}\"", args.socket.display()))?;
+
+    let said = Arc::new(Mutex::new(0.0));
+    for handle in listener.incoming() {
+        let (bus, said) = (bus.clone(), Arc::clone(&said));
+        let after = move |bus: &hal::emulator::EmulatedBus<_>| {
+            let percent = bus.with_world(|world: &mut crate::rig::PlantWorld| world.fan_percent());
+            let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
+            if *said != percent {
+                *said = percent;
+                // Nobody reads along: the rig goes on.
+                let _ = say(format_args!("{:9.3} s  fan {percent:.2} %", clock.now_s()));
+            }
+        };
+        let handle = handle.context("the socket of the emulated bus failed")?;
+        // A handle that speaks nonsense is closed; the others go on.
+        thread::spawn(move || serve(handle, bus.handle(), || after(&bus)));
+    }
+    Ok(())
+}
+
+/// Takes the place of a socket that nobody serves any more.
+fn listen(path: &Path) -> Result<UnixListener> {
+    if UnixStream::connect(path).is_err_and(|error| error.kind() == std::io::ErrorKind::ConnectionRefused) {
+        let _ = fs::remove_file(path);
+    }
+    UnixListener::bind(path).with_context(|| {
+        format!("cannot serve at {}; is another rig emulated there? Name another --socket", path.display())
+    })
+}

@@ -1,0 +1,31 @@
+//! `airball fan-off`: turns the fan off, whatever else happens on the rig.
+
+use super::{note, say};
+use crate::cli::FanOffArgs;
+use crate::config::{Bus, Config};
+use crate::rig::{BenchError, claim, turn_off};
+use anyhow::Result;
+
+/// How long it is tried, seconds.
+const ALLOWED_S: f64 = 5.0;
+
+/// Turns the fan off and reads back that it is.
+///
+/// # Errors
+/// A config without a bus, a bus that cannot be opened, a chip that does not obey.
+pub fn fan_off(args: &FanOffArgs) -> Result<()> {
+    let bus = match &args.device {
+        Some(device) => Bus { device: device.clone() },
+        None => {
+            let config = Config::read(&args.config.config, &args.config.patch)?;
+            config.need("fan-off", "bus", |tables| tables.bus.as_ref())?.clone()
+        }
+    };
+    // First the fan, then questions.
+    turn_off(&bus, ALLOWED_S)?;
+    say(format_args!("the fan on {} is off", bus.device))?;
+    if matches!(claim(&bus), Err(BenchError::Taken { .. })) {
+        note("a flight holds this bus and turns the fan on again within a cycle; end it with Ctrl-C or SIGTERM");
+    }
+    Ok(())
+}

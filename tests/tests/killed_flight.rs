@@ -1,0 +1,197 @@
+//! What becomes of the fan when a flight is killed, hangs, or loses its guard. The rig is emulated in a process of its own,
+//! so that it outlives the flight; the binary and its way to the bus are those that fly a rig.
+
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::io::{BufRead, BufReader};
+use std::os::unix::net::UnixDatagram;
+use std::process::{Child, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use system_tests::{Bench, Broker, Ran, eventually};
+
+/// An emulated rig, ended with the test.
+struct Emulated {
+    process: Child,
+    fan: Arc<Mutex<f64>>,
+}
+
+impl Emulated {
+    /// Serves a bus in the bench's directory, and makes its config fly it.
+    fn on(bench: &Bench) -> Self {
+        bench.write("config.toml", bench.read("config.toml").replace("/dev/i2c-1", "unix:rig.sock"));
+        let mut command = bench.airball(&["emulate", "--socket", "rig.sock"]);
+        let mut process = command.stdout(Stdio::piped()).spawn().unwrap();
+        let (said, fan) = (BufReader::new(process.stdout.take().unwrap()), Arc::new(Mutex::new(0.0)));
+        let heard = Arc::clone(&fan);
+        thread::spawn(move || {
+            for line in said.lines().map_while(Result::ok) {
+                let percent = line.split_whitespace().nth_back(1).and_then(|word| word.parse().ok());
+                *heard.lock().unwrap() = percent.unwrap_or(0.0);
+            }
+        });
+        eventually("the bus is served", || bench.path("rig.sock").exists().then_some(()));
+        Self { process, fan }
+    }
+
+    fn until(&self, what: &str, is: impl Fn(f64) -> bool) {
+        eventually(what, || is(*self.fan.lock().unwrap()).then_some(()));
+    }
+
+    fn until_it_flies(&self) {
+        self.until("the fan blows", |percent| percent > 15.0);
+    }
+
+    fn until_it_is_off(&self) {
+        self.until("the fan is off", |percent| percent == 0.0);
+    }
+}
+
+impl Drop for Emulated {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn start(bench: &Bench, log: &str) -> Child {
+    bench.airball(&["run", "--log", log]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn send(process: u32, signal: Signal) {
+    kill(Pid::from_raw(process.try_into().unwrap()), signal).unwrap();
+}
+
+fn guard_of(flight: &Child) -> u32 {
+    let id = flight.id();
+    let children = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap();
+    children.split_whitespace().next().expect("a flight has a guard").parse().unwrap()
+}
+
+#[test]
+fn a_flight_that_is_killed_leaves_the_fan_off_and_the_next_one_knows_why() {
+    let bench = Bench::default();
+    let rig = Emulated::on(&bench);
+    let mut flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    flight.kill().unwrap();
+    rig.until_it_is_off();
+    let _ = flight.wait();
+    eventually("the cause is kept", || bench.path("flights/last-fault.json").exists().then_some(()));
+    assert!(bench.read("flights/last-fault.json").contains("died in flight"));
+
+    eventually("the guard gives the bus free", || {
+        let ran = bench.run(&["run", "--duration", "1", "--log", "g.mcap"]);
+        let taken = ran.errors.contains("is taken by another program");
+        assert!(taken || (ran.code == Some(0) && ran.errors.contains("died in flight")), "{}", ran.errors);
+        (!taken).then_some(())
+    });
+}
+
+#[test]
+fn a_loop_that_hangs_has_its_fan_turned_off_and_lands_when_it_wakes() {
+    let bench = Bench::default();
+    let rig = Emulated::on(&bench);
+    let flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    send(flight.id(), Signal::SIGSTOP);
+    rig.until_it_is_off();
+    send(flight.id(), Signal::SIGCONT);
+    let ran = Ran::from(flight.wait_with_output().unwrap());
+    assert_eq!(ran.code, Some(1), "{}", ran.errors);
+    assert!(ran.errors.contains("behind their deadlines"), "{}", ran.errors);
+    rig.until_it_is_off();
+    assert!(bench.output(&["log", "info", "f.mcap"]).contains("end      fault"));
+    assert!(bench.read("flights/last-fault.json").contains("behind their deadlines"));
+}
+
+#[test]
+fn a_flight_without_its_guard_lands() {
+    let bench = Bench::default();
+    let rig = Emulated::on(&bench);
+    let flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    send(guard_of(&flight), Signal::SIGKILL);
+    let ran = Ran::from(flight.wait_with_output().unwrap());
+    assert_eq!(ran.code, Some(1), "{}", ran.errors);
+    assert!(ran.errors.contains("ended in flight, so the ball was landed"), "{}", ran.errors);
+    rig.until_it_is_off();
+}
+
+#[test]
+fn fan_off_stops_a_fan_that_nobody_guards_any_more() {
+    let bench = Bench::default();
+    let rig = Emulated::on(&bench);
+    let mut flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    let guard = guard_of(&flight);
+    send(guard, Signal::SIGSTOP);
+    flight.kill().unwrap();
+    let _ = flight.wait();
+    send(guard, Signal::SIGKILL);
+    // Nobody turned it off: this is what the PCA9685 does when its program dies.
+    rig.until_it_flies();
+    assert!(bench.output(&["fan-off"]).contains("is off"));
+    rig.until_it_is_off();
+}
+
+#[test]
+fn signals_are_for_the_loop_and_its_guard_ends_with_it() {
+    let bench = Bench::default();
+    let rig = Emulated::on(&bench);
+    let flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    for process in [guard_of(&flight), flight.id()] {
+        send(process, Signal::SIGTERM);
+    }
+    let ran = Ran::from(flight.wait_with_output().unwrap());
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    rig.until_it_is_off();
+    assert!(!bench.path("flights/last-fault.json").exists());
+}
+
+#[test]
+fn a_second_flight_of_the_same_rig_is_refused() {
+    let bench = Bench::default();
+    let rig = Emulated::on(&bench);
+    let flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    let second = bench.run(&["run", "--log", "g.mcap"]);
+    assert!(second.code == Some(1) && second.errors.contains("is taken by another program"), "{}", second.errors);
+    send(flight.id(), Signal::SIGTERM);
+    assert_eq!(Ran::from(flight.wait_with_output().unwrap()).code, Some(0));
+}
+
+#[test]
+fn the_service_manager_hears_that_it_flies_and_is_fed_while_cycles_run() {
+    let bench = Bench::default();
+    let rig = Emulated::on(&bench);
+    let manager = UnixDatagram::bind(bench.path("notify.sock")).unwrap();
+    let mut command = bench.airball(&["run", "--duration", "2", "--log", "f.mcap"]);
+    let flight = command.env("NOTIFY_SOCKET", bench.path("notify.sock")).stderr(Stdio::piped()).spawn().unwrap();
+    rig.until_it_flies();
+    let mut word = [0; 256];
+    let length = manager.recv(&mut word).unwrap();
+    let word = String::from_utf8_lossy(&word[..length]).into_owned();
+    assert!(word.contains("READY=1") && word.contains("WATCHDOG=1"), "{word}");
+    assert_eq!(Ran::from(flight.wait_with_output().unwrap()).code, Some(0));
+}
+
+#[test]
+fn the_fault_that_ended_a_flight_is_published_and_stays() {
+    let (bench, broker) = (Bench::default(), Broker::default());
+    let rig = Emulated::on(&bench);
+    let config = bench.read("config.toml");
+    bench.write("config.toml", config.replace("port = 1883", &format!("port = {}", broker.port)));
+    let flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    let guard = guard_of(&flight);
+    assert!(!broker.next("airball/rig1/state").is_empty());
+    // A rig that vanishes is a bus that fails at both chips; its guard would try for a minute.
+    drop(rig);
+    eventually("the flight ends", || bench.path("flights/last-fault.json").exists().then_some(()));
+    assert_eq!(broker.next("airball/rig1/fault").trim(), bench.read("flights/last-fault.json").trim());
+    send(guard, Signal::SIGKILL);
+    let ran = Ran::from(flight.wait_with_output().unwrap());
+    assert!(ran.code == Some(1) && ran.errors.contains("switch off its supply now"), "{}", ran.errors);
+}

@@ -267,4 +267,6 @@ impl<'a, R: Rig> Flight<'a, R> {
 }
 
 #[cfg(test)]
+mod campaign;
+#[cfg(test)]
 mod tests;

@@ -1,0 +1,108 @@
+//! The world of the campaign: the plant behind emulated chips, a ball that can be lost or jam, and a memory of the fan.
+
+use super::faults::{Case, Mishap};
+use crate::rig::{Chips, PlantWorld, Rig, Sighting, WorldClock};
+use control::Duty;
+use embedded_hal::i2c::ErrorKind;
+use hal::emulator::{EmulatedBus, EmulatedI2c, World};
+
+/// The plant, as long as nothing happens to it.
+pub(super) struct Scene {
+    pub(super) plant: PlantWorld,
+    pub(super) mishap: Option<Mishap>,
+    last_mm: Option<f64>,
+    /// When the fan changed, and to which fraction.
+    pub(super) fan: Vec<(f64, f64)>,
+}
+
+impl Scene {
+    pub(super) fn new(plant: PlantWorld) -> Self {
+        Self { plant, mishap: None, last_mm: None, fan: Vec::new() }
+    }
+
+    /// What the fan gets now, 0 to 1.
+    pub(super) fn fan_now(&self) -> f64 {
+        self.fan.last().map_or(0.0, |(_, fraction)| *fraction)
+    }
+}
+
+impl World for Scene {
+    fn now_s(&self) -> f64 {
+        self.plant.now_s()
+    }
+
+    fn elapse_s(&mut self, seconds: f64) {
+        self.plant.elapse_s(seconds);
+    }
+
+    fn measure_mm(&mut self, at_s: f64) -> Option<f64> {
+        let now_mm = self.plant.measure_mm(at_s);
+        let shown_mm = match self.mishap {
+            Some(Mishap::BallLost) => None,
+            Some(Mishap::BallStuck | Mishap::SensorFrozen) => self.last_mm,
+            _ => now_mm,
+        };
+        self.last_mm = shown_mm;
+        shown_mm
+    }
+
+    fn pwm(&mut self, fraction: f64) {
+        self.fan.push((self.now_s(), fraction));
+        self.plant.pwm(fraction);
+    }
+}
+
+pub(super) type Bus = EmulatedBus<Scene>;
+type Wired = Chips<EmulatedI2c<Scene>, EmulatedI2c<Scene>, WorldClock<Scene>>;
+
+/// The rig, to which the mishap happens at its time.
+pub(super) struct Struck {
+    pub(super) rig: Wired,
+    pub(super) bus: Bus,
+    pub(super) case: Case,
+    pub(super) at_s: f64,
+    /// Transactions from there to the first that is spoilt, so that it may be any of a cycle.
+    pub(super) skip: u64,
+    pub(super) struck: std::cell::Cell<bool>,
+}
+
+impl Struck {
+    fn strike(&self) {
+        self.case.spoil(&self.bus, self.skip);
+        if self.case.mishap == Mishap::Power {
+            self.bus.power_cycle();
+        }
+        self.bus.with_world(|scene| scene.mishap = Some(self.case.mishap));
+        if let Mishap::Pause { seconds } = self.case.mishap {
+            self.bus.with_world(|scene| scene.elapse_s(seconds));
+        }
+    }
+}
+
+impl Rig for Struck {
+    fn now_s(&self) -> f64 {
+        self.rig.now_s()
+    }
+
+    fn sleep_until_s(&self, t_s: f64) {
+        self.rig.sleep_until_s(t_s);
+        if t_s >= self.at_s && !self.struck.replace(true) {
+            self.strike();
+        }
+        if self.struck.get() && self.case.mishap == Mishap::Slow {
+            self.bus.with_world(|scene| scene.elapse_s(0.03));
+        }
+    }
+
+    fn align(&mut self) -> Result<(), ErrorKind> {
+        self.rig.align()
+    }
+
+    fn position(&mut self) -> Result<Sighting, ErrorKind> {
+        self.rig.position()
+    }
+
+    fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
+        self.rig.drive(duty)
+    }
+}

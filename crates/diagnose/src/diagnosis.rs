@@ -21,8 +21,9 @@ use crate::prepare::{Noted, Prepared};
 use crate::recording::Recording;
 use crate::residue::Residue;
 use crate::spectrum::{Band, band, periodogram};
+use crate::tried::Tried;
 use crate::watch::Watch;
-use crate::which::{Search, Tried};
+use crate::which::Search;
 use plant::Model;
 use rayon::prelude::*;
 

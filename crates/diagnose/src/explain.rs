@@ -4,7 +4,8 @@ use crate::fit::Fit;
 use crate::free::COARSE;
 use crate::look::DISTORT;
 use crate::residue::{LONG, Residue};
-use crate::which::{CONTAINS, Candidate, Search, Tried};
+use crate::tried::Tried;
+use crate::which::{CONTAINS, Candidate, Search};
 use plant::Model;
 
 /// Held-out gain, nats, that an effect must bring to be named: e⁵ to 1.
@@ -24,7 +25,7 @@ const TOLD_APART: f64 = 3.0;
 const TWINS_TOLD_APART: f64 = 15.0;
 const TWINS: [&[&str]; 2] = [&["transport_delay", "sensor_delay"], &["fan_lag", "sensor_lag"]];
 /// Nats that count as one: likelihoods take the model for right, and no model is.
-const DOUBT: f64 = 2.5;
+pub(crate) const DOUBT: f64 = 2.5;
 /// The effect that can follow any missing force.
 const TURBULENCE: &str = "turbulence";
 /// Effects at most that a record can name; if there are more, the answer is not to be trusted.

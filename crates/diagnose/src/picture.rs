@@ -7,6 +7,7 @@ use crate::fit::Problem;
 use crate::folds::Folds;
 use crate::free::Prior;
 use crate::gap::{FreeRun, free_runs};
+use crate::leftover::Leftover;
 use crate::missing_force::{MissingForce, missing_force};
 use crate::prepare::Prepared;
 use crate::recording::Recording;
@@ -24,6 +25,8 @@ pub struct Picture {
     pub mended: Vec<FreeRun>,
     /// The force that the belief lacks once its base parameters are fitted; none where the ball never flew free.
     pub missing: Vec<MissingForce>,
+    /// What the belief with fitted numbers leaves over, and what the mended model does.
+    pub left: [Leftover; 2],
 }
 
 impl Picture {
@@ -48,7 +51,8 @@ impl Picture {
             *noise = noise.min(model.noise.acceleration_psd_mm2_per_s3);
         }
         let missing = missing_force(&lacking, &recording);
-        Self { recording, nominal, mended, missing }
+        let left = [&found.refitted, &found.mended].map(|fit| Leftover::of(&fit.model, &recording, &folds));
+        Self { recording, nominal, mended, missing, left }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::look::Look;
 use crate::recording::Recording;
+use crate::tried::Tried;
 use crate::watch::{Step, Watch};
 use plant::{Effects, Entry, Model};
 use rayon::prelude::*;
@@ -51,15 +52,6 @@ pub struct Candidate {
     pub gain: f64,
     /// The same, with no more than a little of it for leaving gain, drag and hover where they were believed: what naming it takes.
     pub evidence: f64,
-}
-
-/// An effect that was tried, and what it gained, nats.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Tried {
-    /// The effect.
-    pub name: &'static str,
-    /// Its gain; of one that was not fitted in full, at the first look.
-    pub gain: f64,
 }
 
 /// The simpler of two names that explain the record alike comes first, if it explains enough: an effect with more numbers can imitate it.
@@ -188,9 +180,11 @@ impl<'a> Search<'a> {
         all.retain(|candidate| self.is_plausible(candidate));
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
-        let fitted = all.iter().map(|candidate| Tried { name: candidate.entry.name, gain: candidate.gain });
+        let fitted =
+            all.iter().map(|candidate| Tried { name: candidate.entry.name, gain: candidate.gain, in_full: true });
         let rest = looks.iter().filter(|look| !all.iter().any(|c| c.entry.name == look.entry.name));
-        let tried = fitted.chain(rest.map(|look| Tried { name: look.entry.name, gain: look.gain.min(0.0) })).collect();
+        let at_first_look = rest.map(|look| Tried { name: look.entry.name, gain: look.gain.min(0.0), in_full: false });
+        let tried = fitted.chain(at_first_look).collect();
         (all, tried)
     }
 

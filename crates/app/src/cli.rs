@@ -127,6 +127,9 @@ pub struct ReplayArgs {
     /// Draw the recorded position beside the model's free runs (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Write a report to look at and to print: one page that needs no network (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Write the gap as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
@@ -150,6 +153,9 @@ pub struct DiagnoseArgs {
     /// Draw free runs as believed and mended, and the missing force over time, duty, height and speed (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Write a report to look at and to print: one page that needs no network (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Write the force that the believed effects leave unexplained, reading by reading with its standard deviation (CSV)
     #[arg(long, value_name = "FILE")]
     pub missing_force: Option<PathBuf>,

@@ -7,6 +7,7 @@ use crate::desk::Desk;
 use crate::next::Advice;
 use crate::report::diagnosis::{patch, regions, words};
 use crate::report::logs::findings;
+use crate::report::page::{self, diagnosis::Report};
 use crate::report::{closed_loop, missing_force, next, plot};
 use ::diagnose::{Options, Picture, Step, Watch};
 use anyhow::{Result, anyhow};
@@ -24,6 +25,9 @@ const TICK: Duration = Duration::from_millis(120);
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     if let Some(picture) = &args.plot {
         plot::may_write(picture)?;
+    }
+    if let Some(page) = &args.html {
+        page::may_write(page)?;
     }
     let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.patch)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
@@ -75,7 +79,7 @@ fn bar() -> Result<ProgressBar> {
 
 /// Draws what was found and writes the missing force, where that is asked for.
 fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
-    if args.plot.is_none() && args.missing_force.is_none() {
+    if args.plot.is_none() && args.missing_force.is_none() && args.html.is_none() {
         return Ok(());
     }
     let picture = Picture::of(&answer.found, &asked.belief, &asked.recordings);
@@ -86,7 +90,25 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
         let title = format!("{}: free runs, and the force that the belief lacks", asked.names.join(", "));
         plot::diagnosis(path, &title, &picture, &regions(&answer.found))?;
     }
+    if let Some(path) = &args.html {
+        page::write(path, &report(args, asked, answer, &picture))?;
+    }
     Ok(())
+}
+
+/// The diagnosis as a page.
+fn report(args: &DiagnoseArgs, asked: &Asked, answer: &Answer, picture: &Picture) -> String {
+    let desk = asked.desk();
+    page::diagnosis::page(&Report {
+        found: &answer.found,
+        belief: &asked.belief,
+        closed_loop: &answer.looped,
+        advice: &answer.advice,
+        logs: &asked.about(answer),
+        config: &args.config.config.display().to_string(),
+        compensation: desk.as_ref().map(Desk::compensation),
+        picture,
+    })
 }
 
 /// Writes the next experiment; where none is called for, a file that could not be flown is not written.

@@ -4,6 +4,7 @@ use super::{note, say};
 use crate::cli::ReplayArgs;
 use crate::config::Config;
 use crate::log::reader;
+use crate::report::page::{self, replay::Report};
 use crate::report::{gap, plot};
 use anyhow::Result;
 use diagnose::{Gap, check, free_runs};
@@ -16,13 +17,17 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     if let Some(picture) = &args.plot {
         plot::may_write(picture)?;
     }
+    if let Some(page) = &args.html {
+        page::may_write(page)?;
+    }
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
     let log = reader::read(&args.log, config.tables.import.as_ref())?;
     if let Some(lost) = &log.truncated {
         note(format_args!("{}: {lost}", args.log.display()));
     }
-    for finding in check(&log.recording, model) {
+    let findings = check(&log.recording, model);
+    for finding in &findings {
         note(format_args!("{}: {finding}", args.log.display()));
     }
     let gap = Gap::measure(model, &log.recording);
@@ -35,9 +40,16 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
         say(gap::table(&gap))?;
         say(gap::sentence(&gap, &log.recording))?;
     }
+    let runs = if args.plot.is_some() || args.html.is_some() { free_runs(model, &log.recording) } else { Vec::new() };
+    if let Some(path) = &args.html {
+        let (file, config) = (args.log.display().to_string(), args.config.config.display().to_string());
+        let (recording, findings, gap, runs) = (&log.recording, findings.as_slice(), &gap, runs.as_slice());
+        let report = Report { log: &file, config: &config, recording, findings, gap, runs };
+        page::write(path, &page::replay::page(&report))?;
+    }
     if let Some(path) = &args.plot {
         let title = format!("{} and the model's free runs", args.log.display());
-        plot::replay(path, &title, &log.recording, &free_runs(model, &log.recording))?;
+        plot::replay(path, &title, &log.recording, &runs)?;
         if !args.json {
             say(format_args!("picture   {}", path.display()))?;
         }

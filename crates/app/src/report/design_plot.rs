@@ -1,11 +1,12 @@
 //! The picture of a design: step, root locus and poles, Bode magnitude and phase, as SVG.
 
-use super::plot::{Line, NOMINAL, Panel, PlotError, RECORDED, SETPOINT, failed, panel, write};
+use super::palette::{NOMINAL, RECORDED, SETPOINT};
+use super::plot::{Line, Panel, PlotError, drawn, panel, write};
 use crate::assessment::Loop;
 use control::design::law::closed;
 use control::design::polynomial::magnitude;
 use control::design::{Transfer, step};
-use plotters::prelude::*;
+use plotters::style::RGBColor;
 use std::path::Path;
 
 /// Size of the picture, pixels.
@@ -29,10 +30,7 @@ const LOCUS_REACH: f64 = 1.5;
 pub fn draw(path: &Path, of: &Loop, period_s: Option<f64>) -> Result<(), PlotError> {
     let continuous = of.plant.continuous();
     let sampled = period_s.and_then(|period_s| of.plant.sampled(period_s).ok());
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        area.fill(&WHITE).map_err(failed)?;
+    let svg = drawn(SIZE, |area| {
         let panels = area.split_evenly((2, 2));
         let plants = || [("continuous", CONTINUOUS, Some(continuous)), ("sampled", SAMPLED, sampled)];
         let lines = |points: fn(&Loop, &Transfer) -> Vec<(f64, f64)>| -> Vec<Line> {
@@ -50,9 +48,8 @@ pub fn draw(path: &Path, of: &Loop, period_s: Option<f64>) -> Result<(), PlotErr
             of("root locus and poles (×)", "real part, 1/s", "imaginary part, 1/s", std::slice::from_ref(&locus));
         panel(&panels[1], Panel { marks: &poles, ..plane })?;
         panel(&panels[2], of("open loop: magnitude", frequency, "magnitude, dB", &gains))?;
-        panel(&panels[3], of("open loop: phase", frequency, "phase, degrees", &phases))?;
-        area.present().map_err(failed)?;
-    }
+        panel(&panels[3], of("open loop: phase", frequency, "phase, degrees", &phases))
+    })?;
     write(path, &svg)
 }
 

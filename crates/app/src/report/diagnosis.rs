@@ -42,17 +42,17 @@ struct EffectEntry {
 
 /// A value with its 90 % interval; `null` ends where the record does not determine it.
 #[derive(Debug, Serialize)]
-struct Interval {
-    value: f64,
-    low: Option<f64>,
-    high: Option<f64>,
+pub(super) struct Interval {
+    pub(super) value: f64,
+    pub(super) low: Option<f64>,
+    pub(super) high: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
-struct ParameterEntry {
-    nominal: f64,
+pub(super) struct ParameterEntry {
+    pub(super) nominal: f64,
     #[serde(flatten)]
-    interval: Interval,
+    pub(super) interval: Interval,
 }
 
 #[derive(Debug, Serialize)]
@@ -117,7 +117,12 @@ fn interval(value: f64, known: &[(Free, f64, f64)], wanted: impl Fn(&Free) -> bo
     Interval { value, low: ends.map(|ends| ends.1), high: ends.map(|ends| ends.2) }
 }
 
-fn effect(named: &Named, found: &Diagnosis, known: &[(Free, f64, f64)]) -> EffectEntry {
+/// The numbers of an effect that was found.
+pub(super) fn effect_intervals(
+    named: &Named,
+    found: &Diagnosis,
+    known: &[(Free, f64, f64)],
+) -> BTreeMap<&'static str, Interval> {
     let entry = named.candidate.entry;
     let values = found.mended.model.effects.values(entry.name).unwrap_or_default();
     let parameters = entry.params.iter().zip(&values).enumerate().map(|(at, (param, value))| {
@@ -125,17 +130,25 @@ fn effect(named: &Named, found: &Diagnosis, known: &[(Free, f64, f64)]) -> Effec
             |free: &Free| matches!(free, Free::Effect { name, index, .. } if *name == entry.name && *index == at);
         (param.name, interval(*value, known, mine))
     });
+    parameters.collect()
+}
+
+fn effect(named: &Named, found: &Diagnosis, known: &[(Free, f64, f64)]) -> EffectEntry {
     EffectEntry {
-        name: entry.name,
+        name: named.candidate.entry.name,
         change: named.change,
         probability: named.probability,
         indistinguishable_from: named.indistinguishable_from.clone(),
-        parameters: parameters.collect(),
+        parameters: effect_intervals(named, found, known),
     }
 }
 
 /// Gain, drag and hover: what was believed, and what the mended model has.
-fn parameters(found: &Diagnosis, belief: &Model, known: &[(Free, f64, f64)]) -> BTreeMap<&'static str, ParameterEntry> {
+pub(super) fn parameters(
+    found: &Diagnosis,
+    belief: &Model,
+    known: &[(Free, f64, f64)],
+) -> BTreeMap<&'static str, ParameterEntry> {
     let number = |free: Free| {
         let of = |model: &Model| free.value(model).unwrap_or(f64::NAN);
         ParameterEntry {

@@ -6,7 +6,7 @@ use diagnose::{Gap, Recording};
 use serde::Serialize;
 
 /// A model whose error exceeds the floor by less than this is as good as noise allows.
-const AS_GOOD_AS_NOISE: f64 = 1.1;
+pub(super) const AS_GOOD_AS_NOISE: f64 = 1.1;
 
 /// The document that `replay --json` writes.
 #[derive(Clone, Debug, Serialize)]

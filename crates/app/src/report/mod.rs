@@ -1,6 +1,6 @@
 //! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, the [`diagnosis`] with
-//! its [`closed_loop`] and what to fly [`next`], the score of many that were [`blind`], and a [`design`] with its picture, and what was
-//! [`identify`](mod@identify)ed.
+//! its [`closed_loop`] and what to fly [`next`], either of them as a [`page`], the score of many that were [`blind`], and a [`design`] with
+//! its picture, and what was [`identify`](mod@identify)ed.
 
 pub mod blind;
 pub mod closed_loop;
@@ -14,6 +14,8 @@ pub mod logs;
 pub mod mend;
 pub mod missing_force;
 pub mod next;
+pub mod page;
+mod palette;
 pub mod plot;
 mod stages;
 pub mod steps;

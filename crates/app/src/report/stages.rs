@@ -8,8 +8,8 @@ use serde::Serialize;
 /// A stage and its share; all shares add up to 1.
 #[derive(Debug, PartialEq, Serialize)]
 pub(super) struct StageEntry {
-    name: &'static str,
-    share: f64,
+    pub(super) name: &'static str,
+    pub(super) share: f64,
 }
 
 /// Each stage's share of the likelihood gained by the effects that were found and lost by what the loop did otherwise.

@@ -3,43 +3,39 @@
 //! Over duty, height and speed the force is shown as its mean and scatter in places with equally many readings each. The places
 //! where the belief is significantly wrong are shaded; that significance comes from the innovations, never from this force.
 
-use super::{
-    Area, FORCE, Line, MENDED, MOST_POINTS, NOMINAL, Panel, PlotError, SVGBackend, WHITE, failed, forecasts, panel,
-    recorded, write,
-};
+use super::{Diagram, Line, Panel, PlotError, drawn, forecasts, panel, recorded, write};
+use crate::report::palette::{FORCE, MENDED, NOMINAL};
 use diagnose::{MissingForce, Picture, Place};
-use plotters::prelude::IntoDrawingArea;
 use std::path::Path;
 
 /// Size of the picture, pixels, and where its rows of diagrams end.
 const SIZE: (u32, u32) = (1100, 940);
-const ROWS: [i32; 2] = [380, 640];
+const ROWS: [u32; 2] = [380, 640];
 /// Places over which the force is averaged, and fewest readings in one.
 const PLACES: usize = 24;
 const FEWEST: usize = 5;
 const UNIT: &str = "missing force, mm/s²";
+/// Points of the force over time at most.
+const MOST_POINTS: usize = 4000;
 
 /// Draws what a diagnosis found; `places` are those to be shaded.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn diagnosis(path: &Path, title: &str, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        area.fill(&WHITE).map_err(failed)?;
-        let (upper, rest) = area.split_vertically(ROWS[0]);
-        runs(&upper, title, picture)?;
-        if !picture.missing.is_empty() {
-            let (middle, lower) = rest.split_vertically(ROWS[1] - ROWS[0]);
-            over_time(&middle, &picture.missing, &shaded(places, "time_s"))?;
-            let thirds = lower.split_evenly((1, 3));
-            for (third, (signal, abscissa, of)) in thirds.iter().zip(SIGNALS) {
-                over(third, abscissa, &picture.missing, of, &shaded(places, signal))?;
-            }
+    let svg = drawn(SIZE, |area| {
+        let rows = ROWS.map(|end| area.dim_in_pixel().1 * end / SIZE.1);
+        let (upper, rest) = area.split_vertically(rows[0]);
+        panel(&upper, Panel { title, ..runs(picture).panel() })?;
+        if picture.missing.is_empty() {
+            return Ok(());
         }
-        area.present().map_err(failed)?;
-    }
+        let (middle, lower) = rest.split_vertically(rows[1] - rows[0]);
+        panel(&middle, over_time(&picture.missing, places).panel())?;
+        let thirds = lower.split_evenly((1, 3));
+        let mut over = thirds.iter().zip(over_signals(&picture.missing, places));
+        over.try_for_each(|(third, diagram)| panel(third, diagram.panel()))
+    })?;
     write(path, &svg)
 }
 
@@ -54,38 +50,39 @@ fn shaded(places: &[Place], signal: &str) -> Vec<(f64, f64)> {
     places.iter().filter(|place| place.signal == signal).map(|place| (place.from, place.to)).collect()
 }
 
-fn runs(area: &Area<'_>, title: &str, picture: &Picture) -> Result<(), PlotError> {
-    let lines = [
+/// Recorded positions, and free runs before and after the mend.
+pub(in crate::report) fn runs(picture: &Picture) -> Diagram {
+    let lines = vec![
         recorded(&picture.recording),
-        forecasts("as believed, free from every 10 s", NOMINAL, &picture.recording, &picture.nominal),
-        forecasts("mended, fitted without those stretches", MENDED, &picture.recording, &picture.mended),
+        forecasts("as believed", NOMINAL, &picture.recording, &picture.nominal),
+        forecasts("mended", MENDED, &picture.recording, &picture.mended),
     ];
-    panel(area, Panel { title, abscissa: "time, s", ordinate: "position, mm", lines: &lines, ..Panel::default() })
+    Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
 }
 
-fn over_time(area: &Area<'_>, missing: &[MissingForce], shaded: &[(f64, f64)]) -> Result<(), PlotError> {
+/// The missing force over time, and its standard deviation.
+pub(in crate::report) fn over_time(missing: &[MissingForce], places: &[Place]) -> Diagram {
     let every = missing.len().div_ceil(MOST_POINTS).max(1);
     let kept = || missing.iter().step_by(every);
     let side = |sign: f64| move |m: &MissingForce| (m.time_s, m.force_mm_per_s2 + sign * m.sigma_mm_per_s2);
-    let band: Vec<_> = kept().map(side(1.0)).chain(kept().rev().map(side(-1.0))).collect();
+    let band = kept().map(side(1.0)).chain(kept().rev().map(side(-1.0))).collect();
     let points = kept().map(|m| (m.time_s, m.force_mm_per_s2)).collect();
-    let line = Line { label: "missing force ± 1σ", colour: FORCE, points };
-    panel(area, Panel { abscissa: "time, s", ordinate: UNIT, lines: &[line], band: &band, shaded, ..Panel::default() })
+    let lines = vec![Line { label: "± 1σ", colour: FORCE, points }];
+    let shaded = shaded(places, "time_s");
+    Diagram { abscissa: "time, s", ordinate: UNIT, lines, band, shaded, base: Some(0.0), ..Diagram::default() }
 }
 
-fn over(
-    area: &Area<'_>,
-    abscissa: &str,
-    missing: &[MissingForce],
-    of: Of,
-    shaded: &[(f64, f64)],
-) -> Result<(), PlotError> {
-    let means = means(missing.iter().map(|moment| (of(moment), moment.force_mm_per_s2)).collect());
-    let low = means.iter().rev().map(|(at, mean, scatter)| (*at, mean - scatter));
-    let band: Vec<_> = means.iter().map(|(at, mean, scatter)| (*at, mean + scatter)).chain(low).collect();
-    let points = means.iter().map(|(at, mean, _)| (*at, *mean)).collect();
-    let line = Line { label: "mean ± scatter", colour: FORCE, points };
-    panel(area, Panel { abscissa, ordinate: UNIT, lines: &[line], band: &band, shaded, ..Panel::default() })
+/// Mean and scatter of the missing force over duty, height and speed.
+pub(in crate::report) fn over_signals(missing: &[MissingForce], places: &[Place]) -> [Diagram; 3] {
+    SIGNALS.map(|(signal, abscissa, of)| {
+        let means = means(missing.iter().map(|moment| (of(moment), moment.force_mm_per_s2)).collect());
+        let low = means.iter().rev().map(|(at, mean, scatter)| (*at, mean - scatter));
+        let band = means.iter().map(|(at, mean, scatter)| (*at, mean + scatter)).chain(low).collect();
+        let points = means.iter().map(|(at, mean, _)| (*at, *mean)).collect();
+        let lines = vec![Line { label: "mean ± scatter", colour: FORCE, points }];
+        let shaded = shaded(places, signal);
+        Diagram { abscissa, ordinate: UNIT, lines, band, shaded, base: Some(0.0), ..Diagram::default() }
+    })
 }
 
 /// Middle of each place, and mean and standard deviation of the force there.

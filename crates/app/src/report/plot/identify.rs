@@ -1,19 +1,19 @@
 //! The pictures of an identification: simulations beside the record, residual correlations with their band, the plants in frequency; or a sweep
 //! of gains, pulse by pulse.
 
-use super::{
-    Area, Line, MENDED, NOMINAL, Panel, PlotError, RECORDED, SETPOINT, failed, forecasts, panel, recorded, write,
-};
+use super::panel::Area;
+use super::{Line, Panel, PlotError, drawn, forecasts, panel, recorded, write};
+use crate::report::palette::{MENDED, NOMINAL, RECORDED, SETPOINT};
 use control::design::Linear;
 use control::design::polynomial::magnitude;
 use diagnose::transient::Transient;
 use diagnose::{GreyBox, OfGain, Poles, Recording, Sweep};
-use plotters::prelude::*;
+use plotters::style::RGBColor;
 use std::path::Path;
 
 /// Size of a picture, pixels, and the part of its height above.
 const SIZE: (u32, u32) = (1100, 800);
-const UPPER: i32 = 420;
+const UPPER: u32 = 420;
 /// Frequencies, powers of ten of rad/s.
 const DECADES: (f64, f64) = (-1.0, 2.0);
 const POINTS: u32 = 300;
@@ -76,14 +76,10 @@ pub fn sweep(path: &Path, title: &str, found: &Sweep) -> Result<(), PlotError> {
 
 /// A wide diagram above three.
 fn picture(path: &Path, draw: impl FnOnce(&Area<'_>, &[Area<'_>]) -> Result<(), PlotError>) -> Result<(), PlotError> {
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        area.fill(&WHITE).map_err(failed)?;
-        let (upper, lower) = area.split_vertically(UPPER);
-        draw(&upper, &lower.split_evenly((1, 3)))?;
-        area.present().map_err(failed)?;
-    }
+    let svg = drawn(SIZE, |area| {
+        let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 * UPPER / SIZE.1);
+        draw(&upper, &lower.split_evenly((1, 3)))
+    })?;
     write(path, &svg)
 }
 

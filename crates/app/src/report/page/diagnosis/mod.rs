@@ -1,0 +1,136 @@
+//! The page of a diagnosis, in the order of the questions: what is wrong, where, which effect, how far it is mended, what to do.
+
+mod answer;
+mod first;
+mod how_far;
+mod mending;
+mod which;
+mod wrong_where;
+
+use super::record::Record;
+use super::{Page, Section};
+use crate::closed_loop::ClosedLoop;
+use crate::next::Advice;
+use crate::report::diagnosis::regions;
+use crate::report::logs::{Logs, sentences};
+use crate::report::plot::{commanded, duty, over_time, runs};
+use control::compensation::Compensation;
+use diagnose::{Diagnosis, Picture, Verdict};
+use maud::{Markup, html};
+use plant::Model;
+
+/// Everything that the page tells.
+#[derive(Clone, Copy)]
+pub struct Report<'a> {
+    /// What was found.
+    pub found: &'a Diagnosis,
+    /// What was believed.
+    pub belief: &'a Model,
+    /// The closed loop before and after.
+    pub closed_loop: &'a ClosedLoop,
+    /// What to fly next.
+    pub advice: &'a Advice,
+    /// Of which logs.
+    pub logs: &'a Logs<'a>,
+    /// The config that holds the belief, by its name.
+    pub config: &'a str,
+    /// The compensation that was on in flight, if it is known.
+    pub compensation: Option<&'a Compensation>,
+    /// What is drawn.
+    pub picture: &'a Picture,
+}
+
+/// The page of a diagnosis.
+#[must_use]
+pub fn page(report: &Report<'_>) -> String {
+    let record = record(report);
+    let logs = report.logs;
+    let mut from = logs.names.to_vec();
+    from.extend([format!("{:.1} s", logs.duration_s), format!("belief: {}", report.config)]);
+    let section = |id, heading, body| Section { id, heading, body };
+    let sections = vec![
+        section("where", "Where they part", wrong_where::body(report)),
+        section("which", "Which effect it is", which::body(report)),
+        section("how-far", "How far the mend goes", how_far::body(report)),
+        section("simulator", "Mend the simulator", mending::simulator(report.found)),
+        section("rig", "Mend the rig", mending::rig(report)),
+        section("next", "What to fly next", mending::next(report.advice)),
+        section("check", "What the record can answer", check(report)),
+        section("record", "The whole record", whole(&record)),
+        section("words", "Words on this page", words()),
+    ];
+    let answer = answer::sentence(report.found);
+    Page { kind: "diagnosis", from, answer: &answer, first: first::body(report), sections, record: &record }.render()
+}
+
+fn record(report: &Report<'_>) -> Record {
+    let Report { picture, found, .. } = report;
+    let mut position = runs(picture);
+    position.lines.insert(0, commanded(&picture.recording));
+    let mut diagrams = vec![position, duty(&picture.recording)];
+    if !picture.missing.is_empty() {
+        let mut force = over_time(&picture.missing, &regions(found));
+        force.lines.iter_mut().for_each(|line| line.label = "");
+        diagrams.push(force);
+    }
+    Record { diagrams }
+}
+
+fn whole(record: &Record) -> Markup {
+    html! {
+        p {
+            "Position, duty and the missing force over the time of the record. Each model starts anew from the reading at every tenth "
+            "second and flies on by the recorded duty alone."
+        }
+        (super::record::how_to_zoom())
+        (record.still(&[
+            "Position over time: setpoint, recorded, free runs as believed and mended",
+            "Duty over time",
+            "Missing force over time, with its standard deviation",
+        ]))
+    }
+}
+
+fn check(report: &Report<'_>) -> Markup {
+    let Report { found, advice, logs, .. } = report;
+    let sentences = sentences(found, advice, logs);
+    html! {
+        p {
+            @if logs.names.len() == 1 { "One log of " } @else { (logs.names.len()) " logs, together " }
+            (format!("{:.1} s", logs.duration_s)) ", "
+            (report.picture.recording.samples().iter().filter(|row| row.position_mm.is_some()).count()) " readings used."
+        }
+        @if found.verdict == Verdict::InsufficientData {
+            p { strong { "The record cannot answer." } " What follows says why." }
+        }
+        @if sentences.is_empty() {
+            p { "Rate, gaps, repeats, wild readings and excitation were checked: nothing stands in the way of an answer." }
+        } @else {
+            ul { @for sentence in sentences { li { (sentence) } } }
+        }
+    }
+}
+
+fn words() -> Markup {
+    html! {
+        dl {
+            dt { "as believed" } dd { "The model of the config, every number as it was given." }
+            dt { "mended" } dd { "That model with the effects that were found, and its numbers fitted." }
+            dt { "noise alone" }
+            dd { "The error that a right model would make, because sensor and air are noisy. Nothing can be better for long." }
+            dt { "held out" }
+            dd {
+                "The record is cut into stretches of 5 s, dealt out to four parts. Each part is judged by a model that was fitted to the "
+                "other three."
+            }
+            dt { "missing force" }
+            dd { "What had to push the ball, beyond the model, for it to go where it went; by the ball's mass, upward." }
+            dt { "nats" }
+            dd {
+                "How much more probable the readings are with an effect than without it, as a natural logarithm: 6 are 400 to 1. Gains are "
+                "those on held-out stretches."
+            }
+            dt { "±, intervals" } dd { "Intervals hold the value nine times in ten." }
+        }
+    }
+}

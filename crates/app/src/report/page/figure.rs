@@ -1,0 +1,53 @@
+//! A diagram in a page: drawn for a wide and for a narrow screen, in the theme's colours, with its words for those who do not see it.
+
+use crate::report::plot::{Diagram, shapes};
+use maud::{Markup, PreEscaped, html};
+
+/// How large a figure is drawn, pixels: on a wide screen, and on a phone where that differs.
+#[derive(Clone, Copy)]
+pub(super) struct Size {
+    wide: (u32, u32),
+    narrow: Option<(u32, u32)>,
+}
+
+impl Size {
+    /// Across the page.
+    pub(super) const WIDE: Self = Self { wide: (960, 270), narrow: Some((360, 260)) };
+    /// Beside what is said first.
+    pub(super) const FIRST: Self = Self { wide: (720, 310), narrow: Some((360, 280)) };
+    /// One of several in a row.
+    pub(super) const SMALL: Self = Self { wide: (360, 240), narrow: None };
+    /// One of two in a row.
+    pub(super) const HALF: Self = Self { wide: (548, 260), narrow: Some((360, 250)) };
+}
+
+/// A figure with its caption. `alt` says what is to be seen in it.
+pub(super) fn figure(diagram: &Diagram, size: Size, alt: &str, caption: &Markup) -> Markup {
+    html! {
+        figure {
+            (picture(diagram, size, alt))
+            figcaption { (caption) }
+        }
+    }
+}
+
+/// The picture alone.
+pub(super) fn picture(diagram: &Diagram, size: Size, alt: &str) -> Markup {
+    html! {
+        @if let Some(narrow) = size.narrow {
+            (drawing(diagram, size.wide, "wide", alt))
+            (drawing(diagram, narrow, "narrow", alt))
+        } @else {
+            (drawing(diagram, size.wide, "any", alt))
+        }
+    }
+}
+
+fn drawing(diagram: &Diagram, size: (u32, u32), class: &str, alt: &str) -> Markup {
+    match shapes(size, diagram.panel()) {
+        Ok((view, shapes)) => html! {
+            svg class=(class) viewBox=(view) role="img" aria-label=(alt) { (PreEscaped(shapes)) }
+        },
+        Err(why) => html! { p.nothing class=(class) { "No picture: " (why) "." } },
+    }
+}

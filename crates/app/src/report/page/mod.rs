@@ -1,0 +1,159 @@
+//! A report as one page: no file beside it, no network, readable without its script.
+//!
+//! The library of templates escapes whatever is put into a page, and a policy in the page's head allows no script but its own, by its
+//! hash: names of files and configs from strangers stay words. `parts` and `figure` are what pages are made of, [`diagnosis`] and
+//! [`replay`] are pages.
+
+pub mod diagnosis;
+mod figure;
+mod parts;
+mod record;
+pub mod replay;
+
+use super::palette;
+use base64::prelude::{BASE64_STANDARD, Engine};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use record::Record;
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+const STYLE: &str = include_str!("../../../assets/page.css");
+const SCRIPT: &str = include_str!("../../../assets/page.js");
+const CHART_STYLE: &str = include_str!("../../../assets/uplot/uPlot.min.css");
+const CHART_SCRIPT: &str = include_str!("../../../assets/uplot/uPlot.iife.min.js");
+
+/// How a page begins; nothing else is replaced by one.
+const BEGINNING: &str = "<!DOCTYPE html>";
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    /// The file cannot be written.
+    #[error("cannot write the page {}: {source}; check the folder of --html", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Something that is no page has this name.
+    #[error("{} exists and is no HTML page; it is kept: give --html another name", path.display())]
+    Taken {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// Refuses a name for a page that something else has: a config, a log, a picture. An older page may be replaced.
+///
+/// # Errors
+/// [`PageError::Taken`] names the file.
+pub fn may_write(path: &Path) -> Result<(), PageError> {
+    match std::fs::read(path) {
+        Ok(bytes) if !bytes.starts_with(BEGINNING.as_bytes()) => Err(PageError::Taken { path: path.to_owned() }),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a page.
+///
+/// # Errors
+/// [`PageError`] names the file.
+pub fn write(path: &Path, page: &str) -> Result<(), PageError> {
+    may_write(path)?;
+    std::fs::write(path, page).map_err(|source| PageError::Write { path: path.to_owned(), source })
+}
+
+/// A part of a page with a heading, by which it is listed.
+struct Section {
+    id: &'static str,
+    heading: &'static str,
+    body: Markup,
+}
+
+/// What a page shows.
+struct Page<'a> {
+    /// What the page is of, in a word or two.
+    kind: &'static str,
+    /// What it was made from: logs, config.
+    from: Vec<String>,
+    /// The answer, in a sentence: the page's heading and title.
+    answer: &'a str,
+    /// What is seen first, below the answer.
+    first: Markup,
+    sections: Vec<Section>,
+    record: &'a Record,
+}
+
+impl Page<'_> {
+    fn render(&self) -> String {
+        let script = format!("{CHART_SCRIPT}\n{SCRIPT}");
+        let style = format!("{}{CHART_STYLE}\n{STYLE}", palette::stylesheet());
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta http-equiv="Content-Security-Policy" content=(policy(&script));
+                    meta name="generator" content=(concat!("airball ", env!("CARGO_PKG_VERSION")));
+                    title { (self.answer) " – airball " (self.kind) }
+                    style { (PreEscaped(style)) }
+                }
+                body {
+                    a.skip href="#main" { "Skip to the answer" }
+                    header.top { (self.top()) }
+                    main #main { (self.main()) }
+                    footer { (footer()) }
+                    // Inside a script nothing is markup but `<`, which the record writes in another way.
+                    script type="application/json" id="series" { (PreEscaped(self.record.json())) }
+                    script { (PreEscaped(script)) }
+                }
+            }
+        };
+        page.into_string()
+    }
+
+    fn top(&self) -> Markup {
+        html! {
+            p.brand { strong { "airball" } " " (self.kind) }
+            p.from { @for from in &self.from { span { (from) } } }
+        }
+    }
+
+    fn main(&self) -> Markup {
+        html! {
+            h1 { (self.answer) }
+            (self.first)
+            nav aria-label="Sections of this page" {
+                ul { @for section in &self.sections { li { a href=(format!("#{}", section.id)) { (section.heading) } } } }
+            }
+            @for section in &self.sections {
+                section id=(section.id) aria-labelledby=(format!("{}-heading", section.id)) {
+                    h2 id=(format!("{}-heading", section.id)) { (section.heading) }
+                    div.body { (section.body) }
+                }
+            }
+        }
+    }
+}
+
+fn footer() -> Markup {
+    html! {
+        p {
+            "Made by airball " (env!("CARGO_PKG_VERSION")) ". This page needs no network and holds all that it shows. Charts that zoom: "
+            "uPlot, © Leon Sorokin, MIT licence."
+        }
+    }
+}
+
+/// No script but this one, nothing from anywhere else.
+fn policy(script: &str) -> String {
+    let hash = BASE64_STANDARD.encode(Sha256::digest(script.as_bytes()));
+    format!(
+        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{hash}'; base-uri 'none'; form-action 'none'"
+    )
+}
+
+#[cfg(test)]
+mod tests;

@@ -50,6 +50,12 @@ fn every_command_explains_itself_and_its_flags() {
             assert!(help.contains(flag), "airball {command} --help: {flag}");
         }
     }
+    for command in ["replay", "diagnose"] {
+        let help = bench.output(&[command, "--help"]);
+        for flag in ["--config", "--patch", "--plot", "--html", "--json"] {
+            assert!(help.contains(flag), "airball {command} --help: {flag}");
+        }
+    }
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn fly(tables: &Tables, case: Case, seed: u64) -> Flown {
     let mut log = Vec::new();
     let writer = LogWriter::to(Cursor::new(&mut log), Path::new("campaign.mcap"), &header()).unwrap();
     let mut recorder = Inline::new(writer);
-    let table = Loop { period_s: 0.02, late_after_s: 0.002, ..tables.r#loop.unwrap() };
+    let table = Loop { period_s: 0.02, late_after_s: 0.002 };
     let flight = Flight::new(&mut struck, pilot(tables), &table, &mut recorder, None);
     let outcome = flight.fly(FLIGHT_S, &AtomicBool::new(false));
     recorder.finish().unwrap();

@@ -94,7 +94,7 @@ fn a_length_that_swallows_the_next_chunks_takes_none_of_them_with_it() {
     // The first record after the first chunk: its length now reaches over two chunks more.
     let sign = (0..whole.len()).find(|at| whole[*at..].starts_with(b"\x04\0\0\0zstd")).unwrap();
     let chunk = sign - 37;
-    let length = u64::from_le_bytes(whole[chunk + 1..chunk + 9].try_into().unwrap()) as usize;
+    let length = usize::try_from(u64::from_le_bytes(whole[chunk + 1..chunk + 9].try_into().unwrap())).unwrap();
     let mut bytes = whole.clone();
     bytes[chunk + 9 + length + 1..][..8].copy_from_slice(&(3 * length as u64).to_le_bytes());
     let flight = parse(&bytes).unwrap();

@@ -11,6 +11,7 @@
 
 mod commands;
 mod exchange;
+mod programme;
 mod still;
 
 pub use exchange::{Decision, Orders, Seen};
@@ -21,6 +22,7 @@ use control::Duty;
 use control::compensation::Compensator;
 use control::controller::Kind;
 use control::pid::Pid;
+use programme::Programme;
 use still::Still;
 
 /// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
@@ -40,8 +42,8 @@ pub struct Pilot {
     decided_s: Option<f64>,
     /// Time and place of the last position.
     last: Option<(f64, f64)>,
-    /// When the programme began.
-    began_s: Option<f64>,
+    /// How far the programme is.
+    programme: Programme,
     /// When waiting for the first position began.
     waiting_since_s: Option<f64>,
     /// A setpoint that was commanded, in force instead of the programme's.
@@ -61,13 +63,14 @@ impl Pilot {
         let compensator = orders.compensation.start();
         let acting = compensator.control(Duty::OFF);
         orders.regulator.pass(acting, OFF_S);
+        let programme = Programme::default();
         Self {
             compensator,
             orders,
             mode: Mode::Waiting,
             decided_s: None,
             last: None,
-            began_s: None,
+            programme,
             waiting_since_s: None,
             held_mm: None,
             control: 0.0,
@@ -120,7 +123,7 @@ impl Pilot {
     /// Whether the programme is over at `time_s`.
     #[must_use]
     pub fn is_over(&self, time_s: f64) -> bool {
-        self.began_s.is_some_and(|began_s| self.orders.experiment.demand(time_s - began_s).is_none())
+        self.programme.at_s(time_s).is_some_and(|at_s| self.orders.experiment.demand(at_s).is_none())
     }
 
     /// Decides what the fan does from `time_s` on.
@@ -128,6 +131,7 @@ impl Pilot {
         let cycle_s = self.decided_s.replace(time_s).map_or(self.orders.reading_period_s, |last_s| time_s - last_s);
         self.orders.regulator.pass(self.acting, cycle_s);
         let reading_s = self.observe(time_s, seen);
+        self.follow_programme(time_s, seen);
         self.change_mode(time_s, seen);
         let mut decision = Decision {
             mode: self.mode,
@@ -183,7 +187,7 @@ impl Pilot {
                 if silent_s > WAIT_S { self.stop(fault) } else { Mode::Waiting }
             }
             (Mode::Waiting, Seen::Ball(_)) => {
-                self.began_s.get_or_insert(time_s);
+                self.programme.begin(time_s);
                 self.orders.regulator.take_off();
                 self.closed_or_open(time_s)
             }
@@ -230,8 +234,11 @@ impl Pilot {
     }
 
     fn demand(&self, time_s: f64) -> Option<Demand> {
-        let demand = self.orders.experiment.demand(time_s - self.began_s?)?;
+        let demand = self.orders.experiment.demand(self.programme.at_s(time_s)?)?;
         Some(match (demand, self.held_mm) {
+            (Demand::DriveAboutHover { percent }, _) => {
+                Demand::Drive { duty_percent: self.orders.compensation.hover_duty_percent + percent }
+            }
             (Demand::Control { .. }, Some(setpoint_mm)) => Demand::Control { setpoint_mm, excitation_percent: 0.0 },
             (demand, _) => demand,
         })

@@ -68,12 +68,7 @@ struct Trial {
 
 impl Trial {
     fn about(centre_mm: f64, jump_mm: f64, bottom_mm: f64) -> Self {
-        let segment = |duration_s, wave| Segment {
-            duration_s,
-            setpoint_mm: Some(wave),
-            excitation_percent: None,
-            duty_percent: None,
-        };
+        let segment = |duration_s, wave| Segment { duration_s, setpoint_mm: Some(wave), ..Segment::default() };
         let low = centre_mm - jump_mm / 2.0;
         let segments = vec![
             segment(RAMP_S + HOLD_S, Waveform::Ramp { from: bottom_mm, to: low, over_s: RAMP_S }),

@@ -84,5 +84,5 @@ impl Stretch {
 }
 
 fn segment(duration_s: f64, setpoint: Waveform) -> Segment {
-    Segment { duration_s, setpoint_mm: Some(setpoint), excitation_percent: None, duty_percent: None }
+    Segment { duration_s, setpoint_mm: Some(setpoint), ..Segment::default() }
 }

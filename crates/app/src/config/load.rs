@@ -145,7 +145,22 @@ pub fn parse_file<T: DeserializeOwned>(
     path: &Path,
     flag: &'static str,
 ) -> Result<(T, impl Fn(&str) -> String + use<T>), ConfigError> {
-    let sources = vec![read_source(path, flag)?];
+    parse_source(read_source(path, flag)?)
+}
+
+/// The same of a text that the program holds; `name` stands for the file.
+///
+/// # Errors
+/// [`ConfigError`] names file, line and key.
+pub fn parse_text<T: DeserializeOwned>(
+    name: &str,
+    text: &str,
+) -> Result<(T, impl Fn(&str) -> String + use<T>), ConfigError> {
+    parse_source(Source { path: name.into(), text: text.into() })
+}
+
+fn parse_source<T: DeserializeOwned>(source: Source) -> Result<(T, impl Fn(&str) -> String + use<T>), ConfigError> {
+    let sources = vec![source];
     let value = parse(&sources)?;
     Ok((value, move |key: &str| place(&sources, key)))
 }

@@ -5,5 +5,5 @@
 mod load;
 mod tables;
 
-pub use load::{Config, ConfigError, parse_file};
+pub use load::{Config, ConfigError, parse_file, parse_text};
 pub use tables::{Bus, Log, Loop, Reference, Rig, Safety, Stuck, Tables};

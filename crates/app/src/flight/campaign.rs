@@ -41,8 +41,7 @@ fn tables() -> Tables {
 /// The project's controller, holding 300 mm.
 fn pilot(tables: &Tables) -> Pilot {
     let setpoint = Waveform::Constant { value: 300.0 };
-    let segment =
-        Segment { duration_s: 60.0, setpoint_mm: Some(setpoint), excitation_percent: None, duty_percent: None };
+    let segment = Segment { duration_s: 60.0, setpoint_mm: Some(setpoint), ..Segment::default() };
     let limits = Limits { position_min_mm: None, position_max_mm: None };
     Pilot::new(Orders {
         regulator: Regulator::new(tables.controller.clone().unwrap(), tables.observer.as_ref(), 0.02).unwrap(),

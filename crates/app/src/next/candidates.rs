@@ -189,5 +189,5 @@ fn tenth(mm: f64) -> f64 {
 }
 
 fn segment(duration_s: f64, setpoint: Waveform, excitation_percent: Option<Waveform>) -> Segment {
-    Segment { duration_s, setpoint_mm: Some(setpoint), excitation_percent, duty_percent: None }
+    Segment { duration_s, setpoint_mm: Some(setpoint), excitation_percent, ..Segment::default() }
 }

@@ -28,6 +28,7 @@ impl Pilot {
                 let gains = change.applied_to(self.gains().ok_or(Refusal::NoPid)?);
                 gains.check().map_err(Refusal::Gain)?;
                 self.orders.regulator.retune(gains);
+                self.programme.keep(gains);
             }
             Command::Controller(asked) => {
                 if !self.orders.regulator.switch(asked) {

@@ -15,7 +15,7 @@ const T: f64 = 0.02;
 
 fn segment(duration_s: f64) -> Segment {
     let setpoint = Waveform::Constant { value: 300.0 };
-    Segment { duration_s, setpoint_mm: Some(setpoint), excitation_percent: None, duty_percent: None }
+    Segment { duration_s, setpoint_mm: Some(setpoint), ..Segment::default() }
 }
 
 fn pilot(segments: Vec<Segment>) -> Pilot {
@@ -231,4 +231,45 @@ proptest::proptest! {
             proptest::prop_assert!(duty == 0.0 || (5.0..=40.0).contains(&duty), "{duty} %");
         }
     }
+}
+
+#[test]
+fn a_segment_is_over_when_the_ball_has_gone_far_enough() {
+    let drive = Segment {
+        duty_about_hover_percent: Some(Waveform::Constant { value: 0.8 }),
+        setpoint_mm: None,
+        until_above_mm: Some(400.0),
+        ..segment(10.0)
+    };
+    let mut pilot = pilot(vec![drive, segment(1.0)]);
+    let duty = pilot.decide(0.0, Seen::Ball(390.0)).duty;
+    assert!((duty.percent() - 22.2).abs() < 1e-12, "{duty:?}");
+    assert_eq!(pilot.decide(T, Seen::Ball(399.0)).mode, Mode::OpenLoop);
+    assert_eq!(pilot.decide(2.0 * T, Seen::Ball(401.0)).mode, Mode::Flying);
+    assert!(!pilot.is_over(0.9) && pilot.is_over(1.0 + 3.0 * T));
+}
+
+#[test]
+fn a_ball_that_swings_out_goes_on_to_the_last_segment_and_its_gains() {
+    let gains = GainChange { kp_per_mm: Some(0.05), ..GainChange::default() };
+    let wild = || Segment { gains: Some(gains), back_off_beyond_mm: Some(100.0), ..segment(5.0) };
+    let mut pilot = pilot(vec![wild(), wild(), segment(2.0)]);
+    let kp = |pilot: &Pilot| pilot.gains().unwrap().kp_per_mm;
+    let _ = pilot.decide(0.0, Seen::Ball(250.0));
+    let _ = pilot.decide(T, Seen::Ball(250.0));
+    assert_eq!(kp(&pilot), 0.05);
+    let _ = pilot.decide(2.0 * T, Seen::Ball(401.0));
+    assert_eq!(kp(&pilot), 0.01, "the gains of the config are back");
+    assert!(!pilot.is_over(2.0) && pilot.is_over(2.0 + 3.0 * T));
+}
+
+#[test]
+fn gains_commanded_in_a_segment_are_those_that_come_back() {
+    let gains = GainChange { kp_per_mm: Some(0.05), ..GainChange::default() };
+    let mut pilot = pilot(vec![Segment { gains: Some(gains), ..segment(0.1) }, segment(1.0)]);
+    let _ = pilot.decide(0.0, Seen::Ball(300.0));
+    let _ = pilot.decide(T, Seen::Ball(300.0));
+    pilot.command(Command::Gains(GainChange { kp_per_mm: Some(0.02), ..GainChange::default() })).unwrap();
+    let _ = pilot.decide(0.2, Seen::Ball(300.0));
+    assert_eq!(pilot.gains().unwrap().kp_per_mm, 0.02);
 }

@@ -62,8 +62,20 @@ pub struct Rig {
     pub name: String,
     /// From the sensor's window to the ball when it rests at the bottom, mm.
     pub sensor_to_bottom_mm: f64,
+    /// By what the sensor's distances are multiplied, from a two-end calibration. Absent: 1, the sensor is right.
+    #[serde(default = "right", skip_serializing_if = "is_right")]
+    pub sensor_scale: f64,
     /// PWM frequency asked of the fan driver, hertz.
     pub fan_pwm_hz: f64,
+}
+
+const fn right() -> f64 {
+    1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
+fn is_right(scale: &f64) -> bool {
+    *scale == right()
 }
 
 /// `[bus]`: where the chips are.
@@ -251,6 +263,7 @@ impl Tables {
 impl Rig {
     fn check(&self) -> Result<(), OutOfRange> {
         within("sensor_to_bottom_mm", self.sensor_to_bottom_mm, 50.0, 2000.0)?;
+        within("sensor_scale", self.sensor_scale, 0.5, 2.0)?;
         within("fan_pwm_hz", self.fan_pwm_hz, 24.0, 10_000.0)
     }
 }

@@ -78,6 +78,7 @@ pub fn claim(bus: &config::Bus) -> Result<Flock<File>, BenchError> {
 /// [`BenchError`] names the device file and what to do.
 pub fn bench(bus: &config::Bus, rig: &config::Rig) -> Result<Chips<Wire, Wire, Monotonic>, BenchError> {
     Chips::start((open(bus)?, open(bus)?), Monotonic::start(), rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
+        .map(|chips| chips.scaled(rig.sensor_scale))
         .map_err(|source| BenchError::Start { device: bus.device.clone(), source: Box::new(source) })
 }
 

@@ -18,6 +18,7 @@ pub struct Chips<S: I2c, P: I2c, C: Clock> {
     fan: Fan<P>,
     clock: C,
     sensor_to_bottom_mm: f64,
+    sensor_scale: f64,
 }
 
 /// Why a rig does not start.
@@ -44,7 +45,14 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
     ) -> Result<Self, StartError<S::Error, P::Error>> {
         let fan = Fan::start(fan_bus, fan_pwm_hz).map_err(StartError::Fan)?;
         let sensor = RangeSensor::start(sensor_bus, clock.clone(), START_ALLOWED_S).map_err(StartError::Sensor)?;
-        Ok(Self { sensor, fan, clock, sensor_to_bottom_mm })
+        Ok(Self { sensor, fan, clock, sensor_to_bottom_mm, sensor_scale: 1.0 })
+    }
+
+    /// The same with the sensor's distances multiplied by what a calibration found.
+    #[must_use]
+    pub fn scaled(mut self, sensor_scale: f64) -> Self {
+        self.sensor_scale = sensor_scale;
+        self
     }
 
     /// The PWM frequency in force, hertz; the chip has an upper limit of 1526 Hz.
@@ -72,10 +80,11 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Rig for Chips<S, P, C> {
         Ok(match range {
             None => Sighting::NotReady,
             Some(Range::NoTarget { reported_mm }) => Sighting::NoBall { reported_mm },
-            Some(Range::Distance(Millimetres(distance))) => {
+            Some(Range::Distance(Millimetres(reported))) => {
+                let distance = self.sensor_scale * reported;
                 if distance > self.sensor_to_bottom_mm + BEYOND_PIPE_MM {
                     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it came from a u16")]
-                    Sighting::NoBall { reported_mm: distance as u16 }
+                    Sighting::NoBall { reported_mm: reported as u16 }
                 } else {
                     Sighting::Ball(Millimetres(self.sensor_to_bottom_mm - distance))
                 }

@@ -13,6 +13,7 @@ pub struct PlantWorld {
     simulator: Simulator,
     fan_percent: f64,
     sensor_to_bottom_mm: f64,
+    sensor_scale: f64,
     time: Time,
 }
 
@@ -42,7 +43,7 @@ impl World for PlantWorld {
 
     fn measure_mm(&mut self, at_s: f64) -> Option<f64> {
         self.simulator.advance_to(at_s);
-        Some(self.sensor_to_bottom_mm - self.simulator.reading_mm())
+        Some((self.sensor_to_bottom_mm - self.simulator.reading_mm()) / self.sensor_scale)
     }
 
     fn pwm(&mut self, fraction: f64) {
@@ -84,6 +85,7 @@ pub fn simulated_in_real_time(
     let clock = Monotonic::start();
     let bus = emulated_bus(model, rig, seed, clock);
     Chips::start((bus.handle(), bus.handle()), clock, rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
+        .map(|chips| chips.scaled(rig.sensor_scale))
 }
 
 /// The bus of a simulated rig that lives in everybody's time, for whoever wants to drive its chips.
@@ -104,6 +106,7 @@ pub fn simulated_in_virtual_time(
     let bus = EmulatedBus::new(PlantWorld::in_virtual_time(model, rig, seed));
     let clock = WorldClock(bus.clone());
     Chips::start((bus.handle(), bus.handle()), clock, rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
+        .map(|chips| chips.scaled(rig.sensor_scale))
 }
 
 fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld {
@@ -111,6 +114,7 @@ fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld 
         simulator: Simulator::new(model.clone(), seed),
         fan_percent: 0.0,
         sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
+        sensor_scale: rig.sensor_scale,
         time,
     }
 }

@@ -29,6 +29,7 @@ mod hold;
 mod leftover;
 mod likelihood;
 mod look;
+pub mod measure;
 mod missing_force;
 mod omitted;
 mod open_loop;

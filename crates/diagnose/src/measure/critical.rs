@@ -1,0 +1,224 @@
+//! The critical gain, by steps under rising gains of a proportional-integral law.
+//!
+//! ```text
+//! law       Δu = K_p·Δe + (K_p/T_i)·e·dt                    read off the log: exact where nothing else acts
+//! step      e = c + d·t + e^(σt)·(A·cos ωt + B·sin ωt)      σ: growth, below zero for a loop that comes to rest
+//! K_u       where σ = α + β·x + γ·x² is zero, x = ln K_p    weighted parabola; the variance of the zero is that of σ there over its slope²
+//! ```
+//!
+//! The parabola takes the steps near the critical gain, |σ| small beside ω; their scatter about it is the error, whatever its cause:
+//! noise that feeds the swing, air, limits of the fan. A straight line would be 0.7 % low on a fan that is fast beside the ball. A dead zone
+//! lets small swings die and a limit lets large ones live: the gain holds for swings of the size of these.
+//! Source: root locus and log decrement, Åström & Murray, *Feedback Systems*; the interval: the delta method.
+
+use super::optimum::maximise;
+use super::{Estimate, MeasureError};
+use crate::recording::{Recording, Sample};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use serde::Serialize;
+
+/// A step of the setpoint, mm.
+const JUMP_MM: f64 = 20.0;
+/// Rows from which the law is read, and how exactly the others must keep to it, as a share of Δu.
+const LAW_ROWS: usize = 25;
+const EXACT: f64 = 1e-3;
+/// What the fast poles do is over after this time, seconds; then the swing must last so long.
+const SKIP_S: f64 = 0.8;
+const SHORTEST_S: f64 = 3.0;
+/// Steps count whose growth is within this share of ω, and so many are needed.
+const NEAR: f64 = 0.1;
+const FEWEST: usize = 6;
+/// Where frequencies are sought, rad/s, and in how many places.
+const SLOWEST: f64 = 0.6;
+const FASTEST: f64 = 20.0;
+const PLACES: u32 = 100;
+
+/// What steps under rising gains say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Critical {
+    /// K_u, percent of duty per mm.
+    pub kp_per_mm: Estimate,
+    /// T_i of the law, seconds.
+    pub ti_s: f64,
+    /// The frequency of the swing there, rad/s.
+    pub omega: f64,
+    /// Every step that swings.
+    pub swings: Vec<Swing>,
+}
+
+/// A step and the swing after it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Swing {
+    /// When the setpoint jumped, seconds.
+    pub time_s: f64,
+    /// K_p, percent of duty per mm.
+    pub kp_per_mm: f64,
+    /// T_i, seconds.
+    pub ti_s: f64,
+    /// σ, 1/s.
+    pub growth_per_s: f64,
+    /// ω, rad/s.
+    pub omega: f64,
+    /// Deviation of σ if its residuals were white, 1/s: a weight.
+    #[serde(skip)]
+    deviation: f64,
+}
+
+/// The critical gain in a recording.
+///
+/// # Errors
+/// [`MeasureError::NotCritical`] says what the steps that there are show.
+pub fn critical(recording: &Recording) -> Result<Critical, MeasureError> {
+    let swings: Vec<Swing> = recording
+        .flights()
+        .iter()
+        .flat_map(|flight| stretches(&recording.samples()[flight.clone()]))
+        .filter_map(|stretch| stretch.swing())
+        .collect();
+    let near: Vec<Swing> = swings.iter().filter(|s| s.growth_per_s.abs() < NEAR * s.omega).copied().collect();
+    let growths = || swings.iter().map(|swing| swing.growth_per_s);
+    let refused = MeasureError::NotCritical {
+        found: near.len(),
+        needed: FEWEST,
+        slowest: growths().fold(f64::INFINITY, f64::min),
+        fastest: growths().fold(f64::NEG_INFINITY, f64::max),
+    };
+    if near.len() < FEWEST || !near.iter().any(|s| s.growth_per_s > 0.0) {
+        return Err(refused);
+    }
+    let logarithm = crossing(&near).ok_or(refused)?;
+    let Estimate { value, low, high } = logarithm;
+    let closest = near.iter().min_by(|a, b| a.growth_per_s.abs().total_cmp(&b.growth_per_s.abs()));
+    Ok(Critical {
+        kp_per_mm: Estimate { value: value.exp(), low: low.exp(), high: high.exp() },
+        ti_s: closest.map_or(f64::INFINITY, |swing| swing.ti_s),
+        omega: closest.map_or(0.0, |swing| swing.omega),
+        swings,
+    })
+}
+
+/// Where the weighted parabola of σ over ln K_p crosses zero upwards. `None`: nowhere among the steps.
+fn crossing(near: &[Swing]) -> Option<Estimate> {
+    let middle = near.iter().map(|s| s.kp_per_mm.ln()).sum::<f64>() / near.len() as f64;
+    let powers = |x: f64| Vector3::new(1.0, x, x * x);
+    let mut normal = Matrix3::zeros();
+    let mut right = Vector3::zeros();
+    let points = || near.iter().map(|s| (powers(s.kp_per_mm.ln() - middle), s.growth_per_s, s.deviation.powi(-2)));
+    for (row, growth, weight) in points() {
+        normal += row * row.transpose() * weight;
+        right += row * (weight * growth);
+    }
+    let inverse = normal.try_inverse()?;
+    let law = inverse * right;
+    let misfit: f64 = points().map(|(row, growth, weight)| weight * (growth - law.dot(&row)).powi(2)).sum();
+    let freedom = near.len() as f64 - 3.0;
+    // The zero with a rising σ, without loss of digits where the parabola is nearly a line.
+    let root = (law[1] * law[1] - 4.0 * law[0] * law[2]).sqrt();
+    let zero = -2.0 * law[0] / (law[1] + root);
+    let variance = misfit / freedom * (powers(zero).transpose() * inverse * powers(zero))[0] / (root * root);
+    let gains = || near.iter().map(|s| s.kp_per_mm.ln() - middle);
+    let among = gains().any(|x| x <= zero) && gains().any(|x| x >= zero);
+    (among && root > 0.0).then(|| Estimate::student(middle + zero, variance.sqrt(), freedom))
+}
+
+/// A row with everything that the law needs.
+#[derive(Clone, Copy)]
+struct Row {
+    time_s: f64,
+    setpoint: f64,
+    error: f64,
+    control: f64,
+    duration_s: f64,
+}
+
+/// A step of the setpoint and the rows that keep to one proportional-integral law after it.
+struct Stretch {
+    rows: Vec<Row>,
+    kp_per_mm: f64,
+    ti_s: f64,
+}
+
+fn stretches(samples: &[Sample]) -> Vec<Stretch> {
+    let mut before_s = None;
+    let rows: Vec<Row> = samples
+        .iter()
+        .filter_map(|sample| {
+            let (setpoint, position) = (sample.setpoint_mm?, sample.position_mm?);
+            let duration_s = sample.time_s - before_s.replace(sample.time_s).unwrap_or(sample.time_s);
+            let control = sample.control_percent?;
+            Some(Row { time_s: sample.time_s, setpoint, error: setpoint - position, control, duration_s })
+        })
+        .collect();
+    let jumps = (1..rows.len()).filter(|&k| (rows[k].setpoint - rows[k - 1].setpoint).abs() >= JUMP_MM);
+    jumps.filter_map(|start| Stretch::from(&rows[start..])).collect()
+}
+
+impl Stretch {
+    fn from(rows: &[Row]) -> Option<Self> {
+        let setpoint = rows.first()?.setpoint;
+        let held = rows.iter().take_while(|row| row.setpoint == setpoint).count();
+        let steps: Vec<[f64; 3]> = rows[..held]
+            .windows(2)
+            .map(|pair| {
+                [pair[1].error - pair[0].error, pair[0].error * pair[0].duration_s, pair[1].control - pair[0].control]
+            })
+            .collect();
+        let first = steps.get(..LAW_ROWS)?;
+        let inputs = DMatrix::from_fn(LAW_ROWS, 2, |row, column| first[row][column]);
+        let outputs = DVector::from_fn(LAW_ROWS, |row, _| first[row][2]);
+        let law = inputs.svd(true, true).solve(&outputs, 0.0).ok()?;
+        let (kp_per_mm, ki) = (law[0], law[1]);
+        let size = (outputs.norm_squared() / LAW_ROWS as f64).sqrt();
+        let keeps = |step: &&[f64; 3]| (kp_per_mm * step[0] + ki * step[1] - step[2]).abs() <= EXACT * size;
+        let kept = steps.iter().take_while(keeps).count();
+        (kept >= LAW_ROWS && kp_per_mm > 0.0).then(|| Self {
+            rows: rows[..=kept].to_vec(),
+            kp_per_mm,
+            ti_s: if ki > 1e-9 * kp_per_mm { kp_per_mm / ki } else { f64::INFINITY },
+        })
+    }
+
+    /// The swing after the step. `None`: it is too short, or no swing explains it.
+    fn swing(&self) -> Option<Swing> {
+        let start_s = self.rows.first()?.time_s;
+        let late: Vec<(f64, f64)> =
+            self.rows.iter().map(|row| (row.time_s - start_s - SKIP_S, row.error)).filter(|(t, _)| *t >= 0.0).collect();
+        let lasts_s = late.last()?.0;
+        if lasts_s < SHORTEST_S {
+            return None;
+        }
+        // In radians over the whole stretch, so that both numbers have the same size.
+        let nats =
+            |at: &[f64]| -0.5 * late.len() as f64 * residue(&late, at[0] / lasts_s, at[1] / lasts_s).max(1e-12).ln();
+        let ratio = (FASTEST / SLOWEST).ln() / f64::from(PLACES);
+        let places = (0..=PLACES).flat_map(|k| {
+            let omega = SLOWEST * (ratio * f64::from(k)).exp();
+            [-0.4, 0.0].map(|growth| [growth * lasts_s, omega * lasts_s])
+        });
+        let start = places.max_by(|a, b| nats(a).total_cmp(&nats(b)))?;
+        let (at, covariance) = maximise(nats, &start)?;
+        Some(Swing {
+            time_s: start_s,
+            kp_per_mm: self.kp_per_mm,
+            ti_s: self.ti_s,
+            growth_per_s: at[0] / lasts_s,
+            omega: at[1] / lasts_s,
+            deviation: covariance[(0, 0)].sqrt() / lasts_s,
+        })
+    }
+}
+
+/// The sum of squares that the best swing of this growth and frequency leaves.
+fn residue(points: &[(f64, f64)], growth: f64, omega: f64) -> f64 {
+    let mut normal = nalgebra::Matrix4::<f64>::zeros();
+    let mut right = nalgebra::Vector4::<f64>::zeros();
+    let mut power = 0.0;
+    for &(t, value) in points {
+        let size = (growth * t).exp();
+        let row = nalgebra::Vector4::new(1.0, t, size * (omega * t).cos(), size * (omega * t).sin());
+        normal += row * row.transpose();
+        right += row * value;
+        power += value * value;
+    }
+    normal.cholesky().map_or(f64::INFINITY, |solved| (power - right.dot(&solved.solve(&right))).max(0.0))
+}

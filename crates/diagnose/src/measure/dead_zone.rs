@@ -1,0 +1,139 @@
+//! Dead zone: where the force begins, above and below, by jumps whose duties lie near hover.
+//!
+//! ```text
+//! F = K·max(0, u − upper)      over the jumps that are not beyond doubt on the other side; below the same with signs turned
+//! interval                     where χ² is within 2.71 of its least, that of K left free (profile likelihood)
+//! ```
+//!
+//! Both edges are absolute duties: what counts as hover within the zone is a choice, and the middle is taken. A misfit of the straight
+//! line, as from a curve that bends, widens the intervals. Each side is found by itself, so that a rig without a zone has two edges
+//! that differ by chance only. Source: the thesis, section 3.2.1 and figure 3.2.1; Venzon & Moolgavkar, "Profile-likelihood-based
+//! confidence intervals", Applied Statistics 37 (1988).
+
+use super::interval::X;
+use super::jumps::{Jump, Jumps};
+use super::{Estimate, MeasureError};
+use serde::Serialize;
+
+/// Duties further from hover than this are not near it, percent.
+const NEAR_PERCENT: f64 = 1.6;
+/// Jumps at least on each side, moved beyond doubt: this many deviations.
+const FEWEST: usize = 4;
+const BEYOND_DOUBT: f64 = 3.0;
+/// How finely an edge is sought, percent, and how far beyond the points.
+const STEP_PERCENT: f64 = 5e-4;
+const BEYOND_PERCENT: f64 = 0.5;
+/// χ² per degree of freedom above which the line does not fit.
+const MISFIT: f64 = 1.6;
+
+/// Where the force begins.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DeadZone {
+    /// Duty below which the ball falls, percent.
+    pub lower_duty_percent: Estimate,
+    /// Duty above which the ball rises, percent.
+    pub upper_duty_percent: Estimate,
+    /// Force per percent of duty below the lower edge, mm/s² per percent.
+    pub gain_below: Estimate,
+    /// The same above the upper edge.
+    pub gain_above: Estimate,
+}
+
+/// A duty and its force, turned so that the edge is to the left and the force positive.
+#[derive(Clone, Copy)]
+struct Point {
+    duty: f64,
+    force: f64,
+    weight: f64,
+}
+
+/// The edges by the forces of jumps.
+///
+/// # Errors
+/// [`MeasureError::OneSided`] when the jumps do not move the ball both ways.
+pub fn dead_zone(found: &Jumps) -> Result<DeadZone, MeasureError> {
+    let sure = |jump: &&Jump| jump.mm_per_s2.value.abs() > BEYOND_DOUBT * jump.own_deviation;
+    let (up, down): (Vec<&Jump>, Vec<&Jump>) =
+        found.jumps.iter().filter(sure).partition(|jump| jump.mm_per_s2.value > 0.0);
+    let highest_down = down.iter().map(|jump| jump.duty_percent).fold(f64::NEG_INFINITY, f64::max);
+    let lowest_up = up.iter().map(|jump| jump.duty_percent).fold(f64::INFINITY, f64::min);
+    let middle = (highest_down + lowest_up) / 2.0;
+    let side = |sign: f64| -> Vec<Point> {
+        let points = found.jumps.iter().map(|jump| Point {
+            duty: sign * (jump.duty_percent - middle),
+            force: sign * jump.mm_per_s2.value,
+            weight: jump.own_deviation.powi(-2),
+        });
+        points.filter(|point| (0.0..NEAR_PERCENT).contains(&point.duty)).collect()
+    };
+    let one_sided = || MeasureError::OneSided {
+        below: down.len(),
+        above: up.len(),
+        needed: FEWEST,
+        middle_percent: found.jumps.iter().map(|j| j.duty_percent).sum::<f64>() / found.jumps.len().max(1) as f64,
+    };
+    if !middle.is_finite() {
+        return Err(one_sided());
+    }
+    let (upper, above) = edge(&side(1.0)).ok_or_else(one_sided)?;
+    let (lower, below) = edge(&side(-1.0)).ok_or_else(one_sided)?;
+    let shared = shared_share(&found.jumps);
+    Ok(DeadZone {
+        lower_duty_percent: lower.mapped(-1.0, middle),
+        upper_duty_percent: upper.mapped(1.0, middle),
+        gain_below: Estimate::normal(below.0, below.1.hypot(shared * below.0)),
+        gain_above: Estimate::normal(above.0, above.1.hypot(shared * above.0)),
+    })
+}
+
+/// The deviation that all forces share, as a share of them.
+fn shared_share(jumps: &[Jump]) -> f64 {
+    let (up, down) = jumps.iter().fold((0.0, 0.0), |(up, down), jump| {
+        let force = jump.mm_per_s2.value.abs();
+        (up + force * jump.shared_deviation, down + force * force)
+    });
+    if down > 0.0 { up / down } else { 0.0 }
+}
+
+/// The edge of a side, and its gain with the deviation. `None`: too few points.
+fn edge(points: &[Point]) -> Option<(Estimate, (f64, f64))> {
+    let sure = points.iter().filter(|point| point.force > BEYOND_DOUBT * point.weight.powf(-0.5)).count();
+    let last = points.iter().map(|point| point.duty).fold(f64::NEG_INFINITY, f64::max);
+    if sure < FEWEST {
+        return None;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand steps at most")]
+    let steps = ((last + BEYOND_PERCENT) / STEP_PERCENT) as u32;
+    let tried: Vec<(f64, Line)> = (0..steps)
+        .map(|k| f64::from(k) * STEP_PERCENT - BEYOND_PERCENT)
+        .map(|at| (at, Line::from(points, at)))
+        .filter(|(_, line)| line.chi_square.is_finite())
+        .collect();
+    let (at, best) = *tried.iter().min_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square))?;
+    let per_freedom = best.chi_square / (points.len() as f64 - 2.0).max(1.0);
+    let wider = if per_freedom > MISFIT { per_freedom } else { 1.0 };
+    let within = || tried.iter().filter(|(_, line)| line.chi_square <= best.chi_square + X * X * wider);
+    let low = within().map(|(at, _)| *at).fold(at, f64::min);
+    let high = within().map(|(at, _)| *at).fold(at, f64::max);
+    // Edge and gain err together: the gain at the ends of the edge's interval tells how much.
+    let by_edge = within().map(|(_, line)| (line.gain - best.gain).abs()).fold(0.0, f64::max) / X;
+    Some((Estimate { value: at, low, high }, (best.gain, by_edge.hypot(best.gain_deviation * wider.sqrt()))))
+}
+
+/// The best line from a given edge.
+#[derive(Clone, Copy)]
+struct Line {
+    gain: f64,
+    gain_deviation: f64,
+    chi_square: f64,
+}
+
+impl Line {
+    fn from(points: &[Point], edge: f64) -> Self {
+        let beyond = |point: &Point| (point.duty - edge).max(0.0);
+        let power: f64 = points.iter().map(|p| p.weight * beyond(p).powi(2)).sum();
+        let gain = points.iter().map(|p| p.weight * beyond(p) * p.force).sum::<f64>() / power;
+        let chi_square = points.iter().map(|p| p.weight * (p.force - gain * beyond(p)).powi(2)).sum();
+        Self { gain, gain_deviation: power.powf(-0.5), chi_square }
+    }
+}

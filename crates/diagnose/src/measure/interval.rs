@@ -1,0 +1,100 @@
+//! A number and where it lies with a probability of 90 %.
+//!
+//! ```text
+//! t_ν ≈ x + (x³ + x)/4ν + (5x⁵ + 16x³ + 3x)/96ν² + …      χ²_ν ≈ ν·(1 − 2/9ν + x·√(2/9ν))³       x: normal quantile
+//! ```
+//!
+//! Source: Abramowitz & Stegun, *Handbook of Mathematical Functions*, 26.7.5 and 26.4.17.
+
+use serde::Serialize;
+
+/// The normal quantile that leaves 5 % beyond it.
+pub(super) const X: f64 = 1.644_853_626_951_472;
+
+/// A value with its 90 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Estimate {
+    /// A value that errs normally with this standard deviation.
+    #[must_use]
+    pub fn normal(value: f64, deviation: f64) -> Self {
+        Self { value, low: value - X * deviation, high: value + X * deviation }
+    }
+
+    /// The same where the deviation itself comes from so many degrees of freedom.
+    #[must_use]
+    pub fn student(value: f64, deviation: f64, freedom: f64) -> Self {
+        let t = student(freedom);
+        Self { value, low: value - t * deviation, high: value + t * deviation }
+    }
+
+    /// The mean of independent values. `None`: fewer than three.
+    #[must_use]
+    pub fn of_mean(values: &[f64]) -> Option<Self> {
+        if values.len() < 3 {
+            return None;
+        }
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        Some(Self::student(mean, (variance / n).sqrt(), n - 1.0))
+    }
+
+    /// A standard deviation that was estimated with so many degrees of freedom.
+    #[must_use]
+    pub fn of_deviation(deviation: f64, freedom: f64) -> Self {
+        let bound = |x: f64| deviation * (freedom / chi_square(freedom, x)).sqrt();
+        Self { value: deviation, low: bound(X), high: bound(-X) }
+    }
+
+    /// Value and ends moved and stretched: `scale·x + offset`.
+    #[must_use]
+    pub fn mapped(self, scale: f64, offset: f64) -> Self {
+        let [value, a, b] = [self.value, self.low, self.high].map(|x| scale * x + offset);
+        Self { value, low: a.min(b), high: a.max(b) }
+    }
+
+    /// Whether `truth` lies within.
+    #[must_use]
+    pub fn holds(&self, truth: f64) -> bool {
+        self.low <= truth && truth <= self.high
+    }
+}
+
+/// Student's t beyond which 5 % lie.
+fn student(freedom: f64) -> f64 {
+    let (nu, x2) = (freedom, X * X);
+    X + X * (x2 + 1.0) / (4.0 * nu)
+        + X * ((5.0 * x2 + 16.0) * x2 + 3.0) / (96.0 * nu * nu)
+        + X * (((3.0 * x2 + 19.0) * x2 + 17.0) * x2 - 15.0) / (384.0 * nu.powi(3))
+        + X * ((((79.0 * x2 + 776.0) * x2 + 1482.0) * x2 - 1920.0) * x2 - 945.0) / (92160.0 * nu.powi(4))
+}
+
+fn chi_square(freedom: f64, x: f64) -> f64 {
+    let ninth = 2.0 / (9.0 * freedom);
+    freedom * (1.0 - ninth + x * ninth.sqrt()).powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{X, chi_square, student};
+
+    #[test]
+    fn the_quantiles_are_those_of_the_tables() {
+        for (freedom, table) in [(3.0, 2.3534), (5.0, 2.0150), (10.0, 1.8125), (30.0, 1.6973)] {
+            assert!((student(freedom) / table - 1.0).abs() < 1e-3, "t of {freedom}: {}", student(freedom));
+        }
+        for (freedom, low, high) in [(10.0, 3.940, 18.307), (50.0, 34.764, 67.505)] {
+            let [found_low, found_high] = [-X, X].map(|x| chi_square(freedom, x));
+            assert!((found_low / low - 1.0).abs() < 5e-3 && (found_high / high - 1.0).abs() < 2e-3, "{found_low}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Timed jumps: duties that are held from rest, and the force behind each.
+//!
+//! ```text
+//! drag a, lag τ and the noise from all jumps together (see `glide`), then a force for each
+//! var F = var of the filter + J·Σ·Jᵀ          Σ: covariance of what the jumps share, J = ∂F/∂ of it
+//! ```
+//!
+//! The thesis has the time over a fixed way and the drag of its model; its formula, corrected, stands beside each force for
+//! comparison. It leaves out the fan's lag, which makes short jumps look weak.
+//! Source: the thesis, section 3.2.2; see [`crate::force_curve`].
+
+use super::glide::{Glide, Way};
+use super::hold::{Hold, holds};
+use super::optimum::maximise;
+use super::{Estimate, MeasureError};
+use crate::force_curve::acceleration;
+use crate::recording::Recording;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A jump lasts so long at least, seconds, and has so many readings.
+const SHORTEST_S: f64 = 0.3;
+const FEWEST_READINGS: usize = 8;
+/// Jumps at least: drag and lag are found with them.
+const FEWEST: usize = 6;
+/// Length of the differences behind J.
+const DIFFERENCE: f64 = 0.02;
+
+/// The jumps of a record.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Jumps {
+    /// a: linear drag of the ball, 1/s.
+    pub drag_per_s: Estimate,
+    /// τ: lag of the fan, seconds.
+    pub lag_s: Estimate,
+    /// One after another.
+    pub jumps: Vec<Jump>,
+}
+
+/// One jump.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Jump {
+    /// The duty that was held, percent.
+    pub duty_percent: f64,
+    /// From where to where, mm.
+    pub from_mm: f64,
+    /// See `from_mm`.
+    pub to_mm: f64,
+    /// How long, seconds.
+    pub time_s: f64,
+    /// The force over the mass, mm/s².
+    pub mm_per_s2: Estimate,
+    /// The same by way and time alone, without the fan's lag, mm/s².
+    pub timed_mm_per_s2: Option<f64>,
+    /// Deviation of the force that this jump alone is to blame for, mm/s².
+    #[serde(skip)]
+    pub(super) own_deviation: f64,
+    /// Deviation of the force that all jumps share, mm/s².
+    #[serde(skip)]
+    pub(super) shared_deviation: f64,
+}
+
+/// Finds the jumps and their forces.
+///
+/// # Errors
+/// [`MeasureError`] says how many jumps there were, or that nothing explains them.
+pub fn jumps(recording: &Recording) -> Result<Jumps, MeasureError> {
+    let counts = |hold: &Hold| hold.duration_s() >= SHORTEST_S && hold.readings.len() >= FEWEST_READINGS;
+    let holds: Vec<Hold> = holds(recording).into_iter().filter(counts).collect();
+    if holds.len() < FEWEST {
+        return Err(MeasureError::FewJumps { found: holds.len(), needed: FEWEST, shortest_s: SHORTEST_S });
+    }
+    let ways = |at: &[f64]| -> Vec<Way> {
+        let glide = Glide::of(at);
+        holds.par_iter().map(|hold| glide.along(hold)).collect()
+    };
+    let total = |at: &[f64]| ways(at).iter().map(|way| way.nats).sum::<f64>() + Glide::prior(at);
+    let (best, covariance) = maximise(total, &Glide::start()).ok_or(MeasureError::NoFit)?;
+    let off = |i: usize, by: f64| {
+        let mut at = best.clone();
+        at[i] += by;
+        ways(&at)
+    };
+    let sides: Vec<[Vec<Way>; 2]> = (0..Glide::NUMBERS).map(|i| [off(i, DIFFERENCE), off(i, -DIFFERENCE)]).collect();
+    let shared = |jump: usize| {
+        let slope = |i: usize| (sides[i][0][jump].force - sides[i][1][jump].force) / (2.0 * DIFFERENCE);
+        let slopes = nalgebra::DVector::from_fn(Glide::NUMBERS, |i, _| slope(i));
+        slopes.dot(&(&covariance * &slopes)).max(0.0).sqrt()
+    };
+    let of_logarithm = |i: usize| {
+        let Estimate { value, low, high } = Estimate::normal(best[i], covariance[(i, i)].sqrt());
+        Estimate { value: value.exp(), low: low.exp(), high: high.exp() }
+    };
+    let drag_per_s = of_logarithm(0);
+    let found = holds.iter().zip(ways(&best)).enumerate();
+    let jumps = found.map(|(number, (hold, way))| jump(hold, way, shared(number), drag_per_s.value)).collect();
+    Ok(Jumps { drag_per_s, lag_s: of_logarithm(1), jumps })
+}
+
+fn jump(hold: &Hold, way: Way, shared_deviation: f64, drag_per_s: f64) -> Jump {
+    let place = |reading: Option<&(f64, f64)>| reading.map_or(0.0, |(_, mm)| *mm);
+    let (from_mm, to_mm) = (place(hold.readings.first()), place(hold.readings.last()));
+    let time_s = hold.duration_s();
+    Jump {
+        duty_percent: hold.duty_percent,
+        from_mm,
+        to_mm,
+        time_s,
+        mm_per_s2: Estimate::normal(way.force, way.deviation.hypot(shared_deviation)),
+        timed_mm_per_s2: acceleration(to_mm - from_mm, time_s, drag_per_s),
+        own_deviation: way.deviation,
+        shared_deviation,
+    }
+}

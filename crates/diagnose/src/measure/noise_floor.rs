@@ -1,0 +1,112 @@
+//! The noise floor of the sensor: what its readings of a ball at rest do by themselves.
+//!
+//! ```text
+//! σ² = Σ (y − line)²/(n − 2) − step²/12      line: least squares over time, so that a drift is no noise
+//! n' = n/(1 + 2·Σ ρ_k²)                      ρ_k: autocorrelation, as far as it is beyond doubt
+//! interval of σ from χ² with n' degrees of freedom
+//! ```
+//!
+//! step²/12 is what rounding adds (Sheppard). Readings further off than five robust deviations are wild ones, counted and left
+//! out. Source: Priestley, *Spectral Analysis and Time Series*, "variance of the sample autocovariance".
+
+use super::hold::{Hold, holds};
+use super::{Estimate, MeasureError};
+use crate::recording::Recording;
+use serde::Serialize;
+
+/// Readings at least.
+const FEWEST: usize = 100;
+/// The fan and the ball come to rest in this time, seconds.
+const SETTLE_S: f64 = 2.0;
+/// Wild readings, in robust deviations; and the deviation of normal numbers over their median distance.
+const WILD: f64 = 5.0;
+const MEDIAN_TO_DEVIATION: f64 = 1.4826;
+/// An autocorrelation above this many standard errors counts.
+const BEYOND_DOUBT: f64 = 2.5;
+
+/// What a sensor's readings of a ball at rest do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NoiseFloor {
+    /// Standard deviation of one reading, without rounding, mm.
+    pub sensor_mm: Estimate,
+    /// How the readings wander, mm/s.
+    pub drift_mm_per_s: Estimate,
+    /// Correlation of one reading with the next.
+    pub correlation: f64,
+    /// Smallest step between readings, mm.
+    pub resolution_mm: f64,
+    /// Where the ball was, mm, by these readings.
+    pub position_mm: f64,
+    /// Readings used.
+    pub readings: usize,
+    /// Wild readings, left out.
+    pub wild: usize,
+}
+
+/// The noise floor by the longest stretch with a held duty.
+///
+/// # Errors
+/// [`MeasureError::NoRest`] says how many readings there were.
+pub fn noise_floor(recording: &Recording) -> Result<NoiseFloor, MeasureError> {
+    let longest = holds(recording).into_iter().max_by(|a, b| a.duration_s().total_cmp(&b.duration_s()));
+    of_rest(longest.as_ref().map_or(&[], |hold| hold.after(SETTLE_S)), recording.resolution_mm())
+}
+
+/// The noise floor of readings of a ball at rest.
+pub(super) fn of_hold(hold: &Hold, resolution_mm: f64) -> Result<NoiseFloor, MeasureError> {
+    of_rest(hold.after(SETTLE_S), resolution_mm)
+}
+
+fn of_rest(all: &[(f64, f64)], resolution_mm: f64) -> Result<NoiseFloor, MeasureError> {
+    let good = without_wild(all);
+    if good.len() < FEWEST {
+        return Err(MeasureError::NoRest { found: good.len(), needed: FEWEST });
+    }
+    let n = good.len() as f64;
+    let mean = |pick: fn(&(f64, f64)) -> f64| good.iter().map(pick).sum::<f64>() / n;
+    let (middle_s, position_mm) = (mean(|r| r.0), mean(|r| r.1));
+    let spread: f64 = good.iter().map(|(t, _)| (t - middle_s).powi(2)).sum();
+    let slope = good.iter().map(|(t, mm)| (t - middle_s) * (mm - position_mm)).sum::<f64>() / spread;
+    let rest: Vec<f64> = good.iter().map(|(t, mm)| mm - position_mm - slope * (t - middle_s)).collect();
+    let variance = rest.iter().map(|e| e * e).sum::<f64>() / (n - 2.0);
+    let correlations = correlations(&rest);
+    let inflation = |power: i32| 1.0 + 2.0 * correlations.iter().map(|rho| rho.powi(power)).sum::<f64>();
+    let sensor = (variance - resolution_mm * resolution_mm / 12.0).max(0.0).sqrt();
+    let deviation = Estimate::of_deviation(variance.sqrt(), (n - 2.0) / inflation(2));
+    // Rounding is known: the interval of the sum is that of the noise, in proportion.
+    let own = sensor / variance.sqrt().max(f64::MIN_POSITIVE);
+    Ok(NoiseFloor {
+        sensor_mm: deviation.mapped(own, 0.0),
+        drift_mm_per_s: Estimate::normal(slope, (variance * inflation(1).max(0.1) / spread).sqrt()),
+        correlation: correlation(&rest, 1),
+        resolution_mm,
+        position_mm,
+        readings: good.len(),
+        wild: all.len() - good.len(),
+    })
+}
+
+fn without_wild(all: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let centre = median(all.iter().map(|(_, mm)| *mm).collect());
+    let deviation = MEDIAN_TO_DEVIATION * median(all.iter().map(|(_, mm)| (mm - centre).abs()).collect());
+    // A sensor coarser than its noise has a median distance of 0.
+    all.iter().filter(|(_, mm)| deviation <= 0.0 || (mm - centre).abs() <= WILD * deviation).copied().collect()
+}
+
+/// The median; NaN of nothing.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Autocorrelations from the first on, until one is no longer beyond doubt.
+fn correlations(rest: &[f64]) -> Vec<f64> {
+    let doubt = BEYOND_DOUBT / (rest.len() as f64).sqrt();
+    (1..rest.len() / 4).map(|lag| correlation(rest, lag)).take_while(|rho| rho.abs() > doubt).collect()
+}
+
+fn correlation(rest: &[f64], lag: usize) -> f64 {
+    let power: f64 = rest.iter().map(|e| e * e).sum();
+    let together: f64 = rest.iter().zip(rest.iter().skip(lag)).map(|(a, b)| a * b).sum();
+    if power > 0.0 { together / power } else { 0.0 }
+}

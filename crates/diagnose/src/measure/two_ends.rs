@@ -1,0 +1,72 @@
+//! Two-end calibration of the sensor: a ball at rest at the bottom and at the top, a known way apart.
+//!
+//! ```text
+//! position = scale·(reading − bottom)      scale = travel/(top − bottom)
+//! ```
+//!
+//! Readings are positions under the belief in force; the result corrects that belief. The interval of an end's mean grows with
+//! the correlation of the readings. What is left out: a sensor that is not straight between the ends.
+
+use super::hold::{Hold, holds};
+use super::noise_floor::{NoiseFloor, of_hold};
+use super::{Estimate, MeasureError};
+use crate::recording::Recording;
+use serde::Serialize;
+
+/// The ends are so far apart at least, as a share of the travel.
+const APART: f64 = 0.5;
+/// Holds that are shorter are the way from one end to the other, seconds.
+const SHORTEST_S: f64 = 4.0;
+
+/// What the two ends say.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TwoEnds {
+    /// Mean reading at the bottom, mm; it should be 0.
+    pub bottom_mm: Estimate,
+    /// Mean reading at the top, mm; it should be the travel.
+    pub top_mm: Estimate,
+    /// By what distances from the bottom must be multiplied. `None`: the top is within the sensor's blind zone.
+    pub scale: Option<Estimate>,
+    /// Noise at the bottom and at the top, 1σ, mm.
+    pub noise_mm: [f64; 2],
+}
+
+/// Calibrates against `travel_mm`, the ball's way from its rest at the bottom to its rest at the top. A top above `blind_above_mm` is not
+/// used: there the ball is too near to the sensor.
+///
+/// # Errors
+/// [`MeasureError`] says which end is missing.
+pub fn two_ends(recording: &Recording, travel_mm: f64, blind_above_mm: f64) -> Result<TwoEnds, MeasureError> {
+    let holds: Vec<Hold> = holds(recording).into_iter().filter(|hold| hold.duration_s() > SHORTEST_S).collect();
+    let by_duty = |a: &&Hold, b: &&Hold| a.duty_percent.total_cmp(&b.duty_percent);
+    let (Some(low), Some(high)) = (holds.iter().min_by(by_duty), holds.iter().max_by(by_duty)) else {
+        return Err(MeasureError::NoRest { found: 0, needed: 1 });
+    };
+    let resolution_mm = recording.resolution_mm();
+    let (bottom, top) = (of_hold(low, resolution_mm)?, of_hold(high, resolution_mm)?);
+    if top.position_mm - bottom.position_mm < APART * travel_mm {
+        return Err(MeasureError::NotAtTheEnds { lowest_mm: bottom.position_mm, highest_mm: top.position_mm });
+    }
+    let (bottom_mm, top_mm) = (mean(&bottom), mean(&top));
+    let way = top_mm.value - bottom_mm.value;
+    let deviation = half_width(bottom_mm).hypot(half_width(top_mm)) / super::interval::X;
+    let scale = travel_mm / way;
+    Ok(TwoEnds {
+        bottom_mm,
+        top_mm,
+        scale: (top_mm.value < blind_above_mm).then(|| Estimate::normal(scale, scale * deviation / way)),
+        noise_mm: [bottom.sensor_mm.value, top.sensor_mm.value],
+    })
+}
+
+/// The mean of readings that are correlated as these are, as of a first-order process.
+fn mean(end: &NoiseFloor) -> Estimate {
+    let correlation = end.correlation.clamp(0.0, 0.99);
+    let effective = end.readings as f64 * (1.0 - correlation) / (1.0 + correlation);
+    let variance = end.sensor_mm.value.powi(2) + end.resolution_mm.powi(2) / 12.0;
+    Estimate::normal(end.position_mm, (variance / effective).sqrt())
+}
+
+fn half_width(estimate: Estimate) -> f64 {
+    (estimate.high - estimate.low) / 2.0
+}

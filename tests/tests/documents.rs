@@ -41,7 +41,7 @@ fn the_config_of_the_project_is_sound_and_prints_back_as_itself() {
 fn every_command_explains_itself_and_its_flags() {
     let bench = Bench::default();
     let help = bench.output(&["--help"]);
-    for command in ["run", "simulate", "replay", "diagnose", "identify", "config", "log"] {
+    for command in ["run", "simulate", "measure", "replay", "diagnose", "identify", "config", "log"] {
         assert!(help.contains(&format!("  {command} ")), "{help}");
     }
     for command in ["run", "simulate"] {
@@ -55,6 +55,10 @@ fn every_command_explains_itself_and_its_flags() {
         for flag in ["--config", "--patch", "--plot", "--html", "--json"] {
             assert!(help.contains(flag), "airball {command} --help: {flag}");
         }
+    }
+    let help = bench.output(&["measure", "--help"]);
+    for flag in ["--sim", "--virtual", "--from", "--patch-out", "--plot", "--json", "noise-floor", "force-curve"] {
+        assert!(help.contains(flag), "airball measure --help: {flag}");
     }
 }
 

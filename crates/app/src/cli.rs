@@ -2,11 +2,14 @@
 
 mod design;
 mod identify;
+mod measure;
 
 pub use design::{
     CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs, RelayRule,
 };
 pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};
+
+pub use measure::{MeasureArgs, Measurement};
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
@@ -29,6 +32,8 @@ pub enum Command {
     Run(RunArgs),
     /// Fly the simulated rig in virtual time: seeded, bit-exact, as fast as the machine
     Simulate(SimulateArgs),
+    /// Measure the rig by an experiment: dead zone, force curve, critical gain, steps, noise, calibration
+    Measure(MeasureArgs),
     /// Run a log through a model: how far its forecasts are off, beside what noise alone gives
     Replay(ReplayArgs),
     /// Say which effect separates logs of a rig from a model, where, and how far it closes the gap
@@ -73,7 +78,7 @@ pub struct FlightArgs {
     /// Which config.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Fly this experiment instead of the reference of the config
+    /// Fly this experiment instead of the reference of the config, or of the measurement's own
     #[arg(long, value_name = "FILE")]
     pub experiment: Option<PathBuf>,
     /// Log of the flight (MCAP) [default: a name with the time in the directory that the config's table log names]

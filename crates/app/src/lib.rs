@@ -13,6 +13,7 @@ pub mod flight;
 pub mod last_fault;
 pub mod lateness;
 pub mod log;
+pub mod measured;
 pub mod mqtt;
 pub mod next;
 pub mod pilot;

@@ -2,7 +2,7 @@
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    blind, config, design, diagnose, emulate, fan_off, guard, identify, log, note, reader_is_gone, replay, run,
+    blind, config, design, diagnose, emulate, fan_off, guard, identify, log, measure, note, reader_is_gone, replay, run,
     simulate,
 };
 use airball::config::ConfigError;
@@ -13,6 +13,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
+        Command::Measure(args) => measure::measure(&args),
         Command::Replay(args) => replay::replay(&args),
         Command::Diagnose(args) => diagnose::diagnose(&args),
         Command::Design(command) => design::design(&command),

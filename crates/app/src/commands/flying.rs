@@ -10,7 +10,8 @@ use crate::log::writer::LogSummary;
 use crate::log::{LogError, flight};
 use crate::pilot::{Orders, Pilot};
 use crate::report::{plot, summary::Summary};
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
+use control::controller::Kind;
 use control::regulator::Regulator;
 use hal::BUDGET_US;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
@@ -28,21 +29,28 @@ pub(super) struct Plan {
 }
 
 /// Reads the tables that every flight needs.
-pub(super) fn plan(command: &'static str, args: &FlightArgs) -> Result<Plan> {
+pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -> Result<Plan> {
     if let Some(picture) = &args.plot {
         plot::may_write(picture)?;
     }
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let table = *config.need(command, "loop", |tables| tables.r#loop.as_ref())?;
     let safety = *config.need(command, "safety", |tables| tables.safety.as_ref())?;
-    let experiment = match &args.experiment {
-        Some(path) => Experiment::read(path, &safety)?,
-        None => Experiment::of_reference(config.need(command, "reference", |tables| tables.reference.as_ref())?),
+    let experiment = match (&args.experiment, own) {
+        (Some(path), _) => Experiment::read(path, &safety)?,
+        (None, Some(own)) => Experiment::own(own.name, own.text, &safety)?,
+        (None, None) => {
+            Experiment::of_reference(config.need(command, "reference", |tables| tables.reference.as_ref())?)
+        }
     };
     let reading_period_s = table.period_s.max(1e-6 * f64::from(BUDGET_US));
     let controllers = config.need(command, "controller", |tables| tables.controller.as_ref())?;
     let regulator = Regulator::new(controllers.clone(), config.tables.observer.as_ref(), reading_period_s)
         .ok_or_else(|| anyhow!("no plan can be made with [controller.mpc] and [observer.believed]: their numbers are too far apart; raise mpc.control"))?;
+    if experiment.changes_gains() && regulator.kind() != Kind::Pid {
+        let flies = regulator.kind().name();
+        bail!("the experiment changes the gains of the PID, and {flies} flies; set [controller] active = \"pid\"");
+    }
     let orders = Orders {
         regulator,
         compensation: config.need(command, "compensation", |tables| tables.compensation.as_ref())?.clone(),
@@ -51,6 +59,35 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs) -> Result<Plan> {
         reading_period_s,
     };
     Ok(Plan { table, pilot: Pilot::new(orders), experiment, config })
+}
+
+/// An experiment that a command brings along.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Own {
+    /// Its file in the project.
+    pub(super) name: &'static str,
+    /// What the file says.
+    pub(super) text: &'static str,
+}
+
+/// A flight that is over.
+pub(super) struct Flown {
+    pub(super) outcome: Outcome,
+    pub(super) log: Result<LogSummary, LogError>,
+    pub(super) path: PathBuf,
+}
+
+impl Flown {
+    /// What was wrong with it, worst first: a fan that is still on, then a fault.
+    pub(super) fn landed(&self) -> Result<()> {
+        match (self.outcome.fan_still_on, self.outcome.fault) {
+            (Some(kind), _) => {
+                Err(anyhow!("the fan could not be turned off (I2C error {kind:?}); switch off its supply now"))
+            }
+            (None, Some(fault)) => Err(anyhow!("the flight was ended, with the fan off: {fault}")),
+            (None, None) => Ok(()),
+        }
+    }
 }
 
 /// The log's path and header.
@@ -83,22 +120,14 @@ pub(super) fn landing_signal() -> Result<Arc<AtomicBool>> {
 
 /// Says what the flight was like, from its log, and draws it. What is worst decides the error: a fan that is still on, a
 /// fault, the log, then the picture; what is not the error is said as a note.
-pub(super) fn report(
-    args: &FlightArgs,
-    title: &str,
-    outcome: &Outcome,
-    log: Result<LogSummary, LogError>,
-    path: &Path,
-) -> Result<()> {
-    let dropped = log.as_ref().map_or(0, |log| log.dropped);
-    let told = tell(args, title, outcome, path, dropped);
-    let worst = match (outcome.fan_still_on, outcome.fault) {
-        (Some(kind), _) => {
-            Err(anyhow!("the fan could not be turned off (I2C error {kind:?}); switch off its supply now"))
-        }
-        (None, Some(fault)) => Err(anyhow!("the flight was ended, with the fan off: {fault}")),
-        (None, None) => return log.map(drop).map_err(Into::into).and(told),
-    };
+pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()> {
+    let dropped = flown.log.as_ref().map_or(0, |log| log.dropped);
+    let told = tell(args, title, &flown.outcome, &flown.path, dropped);
+    let worst = flown.landed();
+    let Flown { log, .. } = flown;
+    if worst.is_ok() {
+        return log.map(drop).map_err(Into::into).and(told);
+    }
     for lesser in [log.err().map(anyhow::Error::from), told.err()].into_iter().flatten() {
         note(lesser);
     }

@@ -11,6 +11,7 @@ mod flying;
 pub mod guard;
 pub mod identify;
 pub mod log;
+pub mod measure;
 mod output;
 pub mod replay;
 pub mod run;

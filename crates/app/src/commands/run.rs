@@ -1,8 +1,8 @@
 //! `airball run`: the rig, or the simulated rig, in real time.
 
-use super::flying::{Plan, landing_signal, log_of, plan, report};
+use super::flying::{Flown, Plan, landing_signal, log_of, plan, report};
 use super::{note, say};
-use crate::cli::RunArgs;
+use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
 use crate::flight::Flight;
 use crate::last_fault::LastFault;
@@ -13,7 +13,7 @@ use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::{Counts, Link};
 use crate::real_time;
-use crate::rig::{Chips, Guard, bench, claim, simulated_in_real_time};
+use crate::rig::{Chips, Guard, GuardError, bench, claim, simulated_in_real_time};
 use crate::watch::Watch;
 use anyhow::{Context, Result};
 use embedded_hal::i2c::I2c;
@@ -32,42 +32,73 @@ const PWM_OFF: f64 = 0.02;
 /// A config that is not sound, a bus that cannot be opened, a log that cannot be written, a flight that a
 /// fault ended.
 pub fn run(args: &RunArgs) -> Result<()> {
-    let plan = plan("run", &args.flight)?;
-    let table = plan.config.need("run", "rig", |tables| tables.rig.as_ref())?;
+    let plan = plan("run", &args.flight, None)?;
+    let (flown, beside) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    report(&args.flight, &plan.experiment.title, flown)?;
+    beside.watched?;
+    beside.counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
+}
+
+/// What came of watch and link beside a flight.
+pub(super) struct Beside {
+    /// What the watch saw.
+    pub(super) watched: Result<(), GuardError>,
+    /// Commands, where there was a broker's table.
+    counts: Option<Counts>,
+}
+
+/// A flight in real time, as a command wants it.
+struct Order<'a> {
+    plan: &'a Plan,
+    args: &'a FlightArgs,
+    sim: bool,
+    duration_s: f64,
+}
+
+/// Flies a plan in real time: the rig, or the simulated one.
+pub(super) fn in_real_time(
+    command: &'static str,
+    plan: &Plan,
+    args: &FlightArgs,
+    sim: bool,
+    duration_s: Option<f64>,
+) -> Result<(Flown, Beside)> {
+    let table = plan.config.need(command, "rig", |tables| tables.rig.as_ref())?;
     let stop = landing_signal()?;
+    let order = Order { plan, args, sim, duration_s: duration_s.unwrap_or(f64::INFINITY) };
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref());
-    if args.sim {
-        let model = plan.config.need("run --sim", "plant", |tables| tables.plant.as_ref())?;
-        let rig = simulated_in_real_time(model, table, args.flight.seed)?;
-        return fly(args, &plan, table, rig, None, &stop);
+    if sim {
+        let model = plan.config.need(command, "plant", |tables| tables.plant.as_ref())?;
+        let rig = simulated_in_real_time(model, table, args.seed)?;
+        return fly(&order, table, rig, None, &stop);
     }
-    let bus = plan.config.need("run", "bus", |tables| tables.bus.as_ref())?;
+    let bus = plan.config.need(command, "bus", |tables| tables.bus.as_ref())?;
     let claim = claim(bus)?;
     let guard = Guard::start(bus, plan.pilot.stall_s(), kept, &claim)?;
     let rig = bench(bus, table).inspect_err(|error| keep(kept, &LastFault::now(error.to_string(), None)))?;
-    fly(args, &plan, table, rig, Some(guard), &stop)
+    fly(&order, table, rig, Some(guard), &stop)
 }
 
 /// Starts log, MQTT and watch around a rig whose fan is off, and flies it.
 fn fly<S: I2c, P: I2c, C: Clock + Clone>(
-    args: &RunArgs,
-    plan: &Plan,
+    order: &Order<'_>,
     table: &config::Rig,
     mut rig: Chips<S, P, C>,
     guard: Option<Guard>,
     stop: &Arc<AtomicBool>,
-) -> Result<()> {
+) -> Result<(Flown, Beside)> {
+    let Order { plan, args, sim, duration_s } = *order;
     say_pwm(table.fan_pwm_hz, rig.fan_pwm_hz());
-    let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !args.sim);
+    let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !sim);
     let last = kept.and_then(LastFault::read);
     if let Some(LastFault { at, fault, .. }) = &last {
         note(format_args!("the last fault, at {at}: {fault}"));
     }
-    let seed = args.sim.then_some(args.flight.seed);
-    let (path, header) = log_of(plan, &args.flight, seed, SystemTime::now());
+    let seed = sim.then_some(args.seed);
+    let (path, header) = log_of(plan, args, seed, SystemTime::now());
     let mqtt = plan.config.tables.mqtt.as_ref();
     let mut link = mqtt.map(|mqtt| Link::start(mqtt, &table.name, last.as_ref())).transpose()?;
-    let mut queue = open_log(plan, &path, &header, args.flight.log.is_none())?;
+    let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop)).context("no thread to watch the loop")?;
     real_time::of_the_loop().into_iter().for_each(note);
@@ -75,16 +106,14 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
 
     let mailbox = link.as_mut().map(|(_, mailbox)| mailbox);
     let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, mailbox).with_pulse(&pulse);
-    let outcome = flight.fly(args.duration.unwrap_or(f64::INFINITY), stop);
+    let outcome = flight.fly(duration_s, stop);
     let watched = watch.finish(outcome.fan_still_on.is_none());
     let fault = outcome.fault.map(|fault| LastFault::now(fault.to_string(), Some(&path)));
     if let Some(fault) = &fault {
         keep(kept, fault);
     }
     let counts = link.map(|(link, _)| link.stop(fault.as_ref()));
-    report(&args.flight, &plan.experiment.title, &outcome, queue.finish(), &path)?;
-    watched?;
-    counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
+    Ok((Flown { outcome, log: queue.finish(), path }, Beside { watched, counts }))
 }
 
 /// The log of the flight. A disk that takes none is no reason not to fly; a log that is there already is somebody's.

@@ -11,6 +11,8 @@ pub mod gap;
 pub mod identify;
 pub mod left_over;
 pub mod logs;
+pub mod measure;
+pub mod measure_plot;
 pub mod mend;
 pub mod missing_force;
 pub mod next;

@@ -1,0 +1,57 @@
+//! The command line of `airball measure`.
+
+use super::FlightArgs;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// `airball measure`
+#[derive(Debug, Args)]
+pub struct MeasureArgs {
+    /// What to measure
+    #[arg(value_enum, value_name = "WHAT")]
+    pub what: Measurement,
+    /// What every flight may be told.
+    #[command(flatten)]
+    pub flight: FlightArgs,
+    /// Fly the simulated rig in real time
+    #[arg(long)]
+    pub sim: bool,
+    /// Fly the simulated rig in virtual time: seeded, bit-exact, as fast as the machine
+    #[arg(long = "virtual", conflicts_with = "sim")]
+    pub in_virtual_time: bool,
+    /// Fly nothing: take this log of such an experiment, MCAP or CSV
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["sim", "in_virtual_time", "experiment", "log"])]
+    pub from: Option<PathBuf>,
+    /// Calibration: the ball's way from its rest at the bottom to its rest at the top, mm, by a ruler [default: pipe_length_mm of the config's table plant]
+    #[arg(long, value_name = "MM", value_parser = travel)]
+    pub travel_mm: Option<f64>,
+    /// Write what was found as a config patch for --patch
+    #[arg(long, value_name = "FILE")]
+    pub patch_out: Option<PathBuf>,
+}
+
+/// What can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Measurement {
+    /// Where the fan's force begins, up and down, by jumps near hover (3 min)
+    DeadZone,
+    /// The force at 86 duties by timed jumps, drag and the fan's lag (8 min)
+    ForceCurve,
+    /// The proportional gain at which the loop no longer comes to rest, by steps under rising gains (6 min at most)
+    CriticalGain,
+    /// Overshoot, peak time and settling over steps of several sizes (1 min)
+    Steps,
+    /// The same over a square wave (1 min)
+    Square,
+    /// Noise of the sensor, of a ball at rest (30 s)
+    NoiseFloor,
+    /// Offset and scale of the sensor, of a ball at rest at the bottom and at the top, with pass bands (40 s)
+    Calibration,
+}
+
+fn travel(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(mm) if (10.0..=2000.0).contains(&mm) => Ok(mm),
+        _ => Err("give 10 to 2000 mm".into()),
+    }
+}

@@ -1,0 +1,101 @@
+//! `airball measure`: an experiment flown, its log analysed, what was found said, drawn and written as a patch.
+
+mod patch;
+
+use super::flying::{Own, Plan, plan};
+use super::run::in_real_time;
+use super::simulate::in_virtual_time;
+use super::{note, say};
+use crate::cli::{MeasureArgs, Measurement};
+use crate::config::Config;
+use crate::log::reader;
+use crate::measured::Found;
+use crate::report::measure::{document, words};
+use crate::report::{measure_plot, plot};
+use anyhow::{Result, anyhow, bail};
+use std::path::PathBuf;
+
+/// The command that configs and errors are told.
+const NAME: &str = "measure";
+
+/// Measures, and says it.
+///
+/// # Errors
+/// A config that is not sound, a flight that a fault ended, a log that does not say enough, a file that cannot be written.
+pub fn measure(args: &MeasureArgs) -> Result<()> {
+    if args.patch_out.is_some() && matches!(args.what, Measurement::Steps | Measurement::Square) {
+        bail!("step metrics are no numbers of a config, so that there is no patch; leave --patch-out out");
+    }
+    if let Some(picture) = &args.flight.plot {
+        plot::may_write(picture)?;
+    }
+    let (config, path) = match &args.from {
+        Some(log) => (Config::read(&args.flight.config.config, &args.flight.config.patch)?, log.clone()),
+        None => fly(args)?,
+    };
+    let log = reader::read(&path, config.tables.import.as_ref())?;
+    if let Some(truncated) = &log.truncated {
+        note(truncated);
+    }
+    let found = Found::of(args.what, &log, &config.tables, args.travel_mm)
+        .map_err(|error| anyhow!("{}: {error}", path.display()))?;
+    let text = patch::patch(&found, &config.tables)?;
+    if let (Some(file), Some(text)) = (&args.patch_out, &text) {
+        let origin = format!("# Measured: {}\n", path.display());
+        std::fs::write(file, origin + text)
+            .map_err(|error| anyhow!("cannot write the patch {}: {error}; check the folder", file.display()))?;
+    }
+    if let Some(picture) = &args.flight.plot {
+        measure_plot::draw(picture, &log.recording, &found)?;
+    }
+    if args.flight.json {
+        return say(serde_json::to_string(&document(args.what, &found, &path, text.as_deref())?)?);
+    }
+    words(&found, &config.tables).into_iter().try_for_each(say)?;
+    say(format_args!("log       {}", path.display()))?;
+    match &args.flight.plot {
+        Some(picture) => say(format_args!("picture   {}", picture.display())),
+        None => Ok(()),
+    }
+}
+
+/// Flies the experiment, with the fan off at its end, and returns the config and the log.
+fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
+    let plan: Plan = plan(NAME, &args.flight, Some(own(args.what)))?;
+    let (flown, watched) = if args.in_virtual_time {
+        (in_virtual_time(NAME, &plan, &args.flight, None)?, Ok(()))
+    } else {
+        let (flown, beside) = in_real_time(NAME, &plan, &args.flight, args.sim, None)?;
+        (flown, beside.watched)
+    };
+    if let Err(error) = flown.landed() {
+        if let Err(lesser) = flown.log {
+            note(lesser);
+        }
+        bail!("{error}; what was recorded is in {}, for --from", flown.path.display());
+    }
+    flown.log?;
+    watched?;
+    Ok((plan.config, flown.path))
+}
+
+/// The experiment of a measurement.
+const fn own(what: Measurement) -> Own {
+    macro_rules! file {
+        ($name:literal) => {
+            Own { name: $name, text: include_str!(concat!("../../../../../", $name)) }
+        };
+    }
+    match what {
+        Measurement::DeadZone => file!("experiments/dead-zone.toml"),
+        Measurement::ForceCurve => file!("experiments/force-curve.toml"),
+        Measurement::CriticalGain => file!("experiments/critical-gain.toml"),
+        Measurement::Steps => file!("experiments/steps.toml"),
+        Measurement::Square => file!("experiments/square.toml"),
+        Measurement::NoiseFloor => file!("experiments/noise-floor.toml"),
+        Measurement::Calibration => file!("experiments/calibration.toml"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,172 @@
+//! What a measurement found, as a config patch.
+
+use crate::config::Tables;
+use crate::measured::Found;
+use anyhow::{Result, anyhow};
+use control::design::critical::critical_gain;
+use control::design::law::Gains;
+use control::predistortion::{MAX_POINTS, Predistortion};
+use diagnose::measure::critical::Critical;
+use diagnose::measure::dead_zone::DeadZone;
+use diagnose::measure::jumps::Jumps;
+use toml::{Table, Value};
+
+/// The slope of a curve about hover is taken over so much to either side, percent.
+const ABOUT_HOVER_PERCENT: f64 = 0.5;
+/// Where the fan's lag of a critical gain is sought, seconds, and how often the stretch is halved.
+const LAGS_S: (f64, f64) = (0.002, 1.0);
+const HALVINGS: u32 = 50;
+
+/// Sets a number of a patch by its path.
+type Set<'a> = dyn FnMut(&[&str], Value) + 'a;
+
+/// The patch of what was found; `None` where a config holds no such number.
+pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
+    let mut patch = Table::new();
+    let mut set = |path: &[&str], value: Value| put(&mut patch, path, value);
+    match found {
+        Found::DeadZone { zone, .. } => of_dead_zone(zone, tables, &mut set),
+        Found::ForceCurve { zone, jumps } => of_force_curve(zone, jumps, tables, &mut set)?,
+        Found::CriticalGain(critical) => {
+            if let Some(lag_s) = lag_of(critical, tables) {
+                set(&["plant", "effects", "fan_lag", "time_constant_s"], lag_s.into());
+            }
+        }
+        Found::Steps(_) => {}
+        Found::NoiseFloor(floor) => {
+            let sensor_mm = floor.sensor_mm.value;
+            if tables.plant.is_some() {
+                set(&["plant", "noise", "sensor_mm"], sensor_mm.into());
+            }
+            if tables.observer.is_some() {
+                set(&["observer", "sensor_mm"], sensor_mm.into());
+            }
+        }
+        Found::Calibration(calibration) => {
+            set(&["rig", "sensor_to_bottom_mm"], calibration.sensor_to_bottom_mm.value.into());
+            if let Some(scale) = calibration.sensor_scale {
+                set(&["rig", "sensor_scale"], scale.value.into());
+            }
+        }
+    }
+    Ok(if patch.is_empty() { None } else { Some(toml::to_string(&patch)?) })
+}
+
+/// Writes a value at a path, with the tables on the way.
+fn put(table: &mut Table, path: &[&str], value: Value) {
+    match path {
+        [] => {}
+        [key] => drop(table.insert((*key).to_owned(), value)),
+        [key, rest @ ..] => {
+            let below = table.entry(*key).or_insert_with(|| Value::Table(Table::new()));
+            if let Value::Table(below) = below {
+                put(below, rest, value);
+            }
+        }
+    }
+}
+
+/// Hover in the middle of the zone, the zone's edges about it: corrected in `[compensation]`, believed in `[plant]`. A zone whose width may be
+/// none is none.
+fn of_dead_zone(zone: &DeadZone, tables: &Tables, set: &mut Set<'_>) {
+    let (lower, upper) = (zone.lower_duty_percent, zone.upper_duty_percent);
+    let hover = (lower.value + upper.value) / 2.0;
+    let half = if upper.low > lower.high { upper.value - hover } else { 0.0 };
+    let corrected = tables.compensation.as_ref();
+    if corrected.is_some() {
+        set(&["compensation", "hover_duty_percent"], hover.into());
+    }
+    if half > 0.0 || corrected.is_some_and(|compensation| compensation.dead_zone.is_some()) {
+        set(&["compensation", "dead_zone", "lower_percent"], (-half).into());
+        set(&["compensation", "dead_zone", "upper_percent"], half.into());
+    }
+    let Some(model) = &tables.plant else { return };
+    set(&["plant", "hover_duty_percent"], hover.into());
+    if half > 0.0 || model.effects.dead_zone.is_some() {
+        set(&["plant", "effects", "dead_zone", "lower_percent"], (-half).into());
+        set(&["plant", "effects", "dead_zone", "upper_percent"], half.into());
+    }
+}
+
+/// The measured curve as predistortion. The control value becomes mm/s², so that all gains of the config are turned into that unit; the
+/// curve holds the dead zone, which is no longer corrected beside it.
+fn of_force_curve(zone: &DeadZone, jumps: &Jumps, tables: &Tables, set: &mut Set<'_>) -> Result<()> {
+    let mut points: Vec<[f64; 2]> = jumps.jumps.iter().map(|jump| [jump.duty_percent, jump.mm_per_s2.value]).collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    points.dedup_by(|a, b| a[0] - b[0] < 1e-6);
+    points.truncate(MAX_POINTS);
+    let curve = Predistortion { points: Some(points.iter().copied().collect()) };
+    curve.check().map_err(|error| anyhow!("the measured curve is no predistortion: {error}; fly it again"))?;
+    let pairs = points.iter().map(|point| Value::Array(point.iter().map(|number| (*number).into()).collect()));
+    set(&["compensation", "predistortion", "points"], Value::Array(pairs.collect()));
+    let Some(compensation) = &tables.compensation else { return Ok(()) };
+    set(&["compensation", "hover_duty_percent"], hover_of(zone).into());
+    if compensation.dead_zone.is_some() {
+        set(&["compensation", "dead_zone", "lower_percent"], 0.0.into());
+        set(&["compensation", "dead_zone", "upper_percent"], 0.0.into());
+    }
+    let slope = |curve: &Predistortion| {
+        let curve = curve.curve();
+        (curve.mm_per_s2(ABOUT_HOVER_PERCENT) - curve.mm_per_s2(-ABOUT_HOVER_PERCENT)) / (2.0 * ABOUT_HOVER_PERCENT)
+    };
+    let old = compensation.predistortion.as_ref().map_or(1.0, slope);
+    scale_gains(tables, (zone.gain_below.value + zone.gain_above.value) / 2.0 / old, set);
+    Ok(())
+}
+
+fn hover_of(zone: &DeadZone) -> f64 {
+    (zone.lower_duty_percent.value + zone.upper_duty_percent.value) / 2.0
+}
+
+/// Every number of the config whose unit has the control value in it.
+fn scale_gains(tables: &Tables, factor: f64, set: &mut Set<'_>) {
+    let mut times = |path: &[&str], value: Option<f64>, by: f64| {
+        if let Some(value) = value {
+            set(path, (value * by).into());
+        }
+    };
+    if let Some(all) = &tables.controller {
+        let pid = all.pid.as_ref();
+        times(&["controller", "pid", "kp_per_mm"], pid.map(|law| law.kp_per_mm), factor);
+        times(&["controller", "pid", "rate_limit_per_s"], pid.and_then(|law| law.rate_limit_per_s), factor);
+        let cascade = all.cascade.as_ref().map(|law| law.velocity_s_per_mm);
+        times(&["controller", "cascade", "velocity_s_per_mm"], cascade, factor);
+        let state = all.state_feedback.as_ref();
+        times(&["controller", "state_feedback", "position_per_mm"], state.map(|law| law.position_per_mm), factor);
+        times(&["controller", "state_feedback", "velocity_s_per_mm"], state.map(|law| law.velocity_s_per_mm), factor);
+        // The gain on the fan's state is of control value on control value.
+        let lqg = all.lqg.as_ref();
+        times(&["controller", "lqg", "position_per_mm"], lqg.map(|law| law.position_per_mm), factor);
+        times(&["controller", "lqg", "velocity_s_per_mm"], lqg.map(|law| law.velocity_s_per_mm), factor);
+        times(&["controller", "mpc", "control"], all.mpc.as_ref().map(|law| law.control), factor);
+        times(&["controller", "open_loop", "control"], all.open_loop.as_ref().map(|law| law.control), factor);
+    }
+    if let Some(observer) = &tables.observer {
+        let gain = observer.believed.gain_mm_per_s2_per_control;
+        times(&["observer", "believed", "gain_mm_per_s2_per_control"], Some(gain), factor.recip());
+        times(&["observer", "disturbance_psd_per_s"], observer.disturbance_psd_per_s, factor * factor);
+    }
+}
+
+/// The lag of the fan that gives the config's model the measured critical gain, sampled as the loop does it: what the thesis' conclusion
+/// proposes. `None`: no lag does, or there is no model.
+fn lag_of(found: &Critical, tables: &Tables) -> Option<f64> {
+    let (model, period_s) = (tables.plant.as_ref()?, tables.r#loop?.period_s);
+    let too_weak = |lag_s: f64| {
+        let plant = control::design::Linear { fan_lag_s: lag_s, ..model.linear() };
+        let limit = critical_gain(&Gains::pi(1.0, found.ti_s), &plant.sampled(period_s).ok()?).value();
+        Some(limit.is_some_and(|limit| limit < found.kp_per_mm.value))
+    };
+    let (mut short, mut long) = LAGS_S;
+    if too_weak(short)? || !too_weak(long)? {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = (short + long) / 2.0;
+        (short, long) = if too_weak(middle)? { (short, middle) } else { (middle, long) };
+    }
+    Some((short + long) / 2.0)
+}
+
+#[cfg(test)]
+mod tests;

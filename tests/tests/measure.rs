@@ -1,0 +1,48 @@
+//! `airball measure` from outside: one flight, three ways to it, and what it leaves.
+
+use serde_json::Value;
+use system_tests::Bench;
+
+/// A ball at rest, for so short a time that real time is bearable.
+const SHORT: &str = "title = \"rest\"\n[[segment]]\nduration_s = 5.0\nduty_percent.constant = { value = 0.0 }\n";
+
+fn found(bench: &Bench, arguments: &[&str]) -> Value {
+    serde_json::from_str(&bench.output(arguments)).unwrap()
+}
+
+#[test]
+fn a_flight_in_virtual_time_leaves_a_log_a_picture_and_a_patch_that_the_config_takes() {
+    let bench = Bench::default();
+    let files = ["--log", "still.mcap", "--plot", "still.svg", "--patch-out", "still.toml", "--json"];
+    let flown = found(&bench, &[&["measure", "noise-floor", "--virtual"], &files[..]].concat());
+    assert_eq!(flown["schema"], "airball.measure/1");
+    let noise = flown["found"]["sensor_mm"]["value"].as_f64().unwrap();
+    assert!((2.2..2.8).contains(&noise), "{flown}");
+    assert!(bench.read("still.svg").starts_with("<svg"));
+    let printed = bench.output(&["config", "print", "--patch", "still.toml"]);
+    assert!(printed.contains(&format!("sensor_mm = {noise}")), "{printed}");
+
+    let again = found(&bench, &["measure", "noise-floor", "--from", "still.mcap", "--json"]);
+    assert_eq!(again["found"], flown["found"]);
+}
+
+#[test]
+fn the_simulated_rig_in_real_time_is_measured_like_the_rig() {
+    let bench = Bench::default();
+    bench.write("short.toml", SHORT);
+    let flown =
+        found(&bench, &["measure", "noise-floor", "--sim", "--experiment", "short.toml", "--log", "s.mcap", "--json"]);
+    assert!(flown["found"]["readings"].as_f64().unwrap() > 100.0, "{flown}");
+}
+
+#[test]
+fn a_log_of_something_else_and_a_patch_of_nothing_are_refused_with_what_to_do() {
+    let bench = Bench::default();
+    let _ = bench.output(&["simulate", "--duration", "5", "--log", "flight.mcap"]);
+    let ran = bench.run(&["measure", "dead-zone", "--from", "flight.mcap"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.errors);
+    assert!(ran.errors.contains("flight.mcap: 0 jumps"), "{}", ran.errors);
+    let ran = bench.run(&["measure", "steps", "--virtual", "--patch-out", "p.toml"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.errors);
+    assert!(ran.errors.contains("leave --patch-out out"), "{}", ran.errors);
+}

@@ -112,11 +112,11 @@ impl Found {
         let recording = &log.recording;
         Ok(match what {
             Measurement::DeadZone => {
-                let jumps = jumps(recording)?;
+                let jumps = jumps(recording, drag_of(tables)?)?;
                 Self::DeadZone { zone: dead_zone(&jumps)?, jumps }
             }
             Measurement::ForceCurve => {
-                let jumps = jumps(recording)?;
+                let jumps = jumps(recording, drag_of(tables)?)?;
                 Self::ForceCurve { zone: dead_zone(&jumps)?, jumps }
             }
             Measurement::CriticalGain => Self::CriticalGain(critical(recording)?),
@@ -125,6 +125,14 @@ impl Found {
             Measurement::Calibration => Self::Calibration(Calibration::of(log, tables, travel_mm)?),
         })
     }
+}
+
+/// The drag that the forces of jumps stand on, 1/s.
+fn drag_of(tables: &Tables) -> Result<f64> {
+    let drag_per_s = tables.plant.as_ref().map(|plant| plant.drag_per_s).filter(|drag_per_s| *drag_per_s > 0.0);
+    drag_per_s.ok_or_else(|| {
+        anyhow!("the ball's drag is not known, and jumps cannot tell it from the fan's lag; give [plant] drag_per_s")
+    })
 }
 
 impl Steps {
@@ -172,18 +180,16 @@ impl Calibration {
 
     fn judged(ends: TwoEnds, rig: &Rig) -> Self {
         let bottom = ends.bottom_mm.mapped(-1.0, rig.sensor_to_bottom_mm);
-        let correction = ends.scale.map_or(1.0, |scale| scale.value);
         let half_width = |estimate: Estimate| (estimate.high - estimate.low) / 2.0;
         // S' = travel·(S − b)/(t − b): its slopes along b and t, where the scale is corrected.
-        let (by_bottom, by_top) = ends.scale.map_or((1.0, 0.0), |scale| {
-            let way = ends.top_mm.value - ends.bottom_mm.value;
-            let above = rig.sensor_to_bottom_mm - ends.top_mm.value;
-            (scale.value * above / way, scale.value * bottom.value / way)
+        let (value, half) = ends.top.map_or((bottom.value, half_width(bottom)), |top| {
+            let way = top.reading_mm.value - ends.bottom_mm.value;
+            let above = rig.sensor_to_bottom_mm - top.reading_mm.value;
+            let (by_bottom, by_top) = (top.scale.value * above / way, top.scale.value * bottom.value / way);
+            let half = (by_bottom * half_width(ends.bottom_mm)).hypot(by_top * half_width(top.reading_mm));
+            (top.scale.value * bottom.value, half)
         });
-        let half = (by_bottom * half_width(ends.bottom_mm)).hypot(by_top * half_width(ends.top_mm));
-        let value = correction * bottom.value;
-        let sensor_scale = ends.scale.map(|scale| scale.mapped(rig.sensor_scale, 0.0));
-        let noise = ends.noise_mm;
+        let sensor_scale = ends.top.map(|top| top.scale.mapped(rig.sensor_scale, 0.0));
         let band = |name, value: Option<f64>, low: f64, high: f64| Band {
             name,
             value,
@@ -196,9 +202,9 @@ impl Calibration {
             sensor_scale,
             bands: vec![
                 band("ball at the bottom, mm", Some(ends.bottom_mm.value), -OFFSET_MM, OFFSET_MM),
-                band("scale of distances", ends.scale.map(|scale| scale.value), 1.0 - SCALE, 1.0 + SCALE),
-                band("noise at the bottom, mm", Some(noise[0]), 0.0, NOISE_MM),
-                band("noise at the top, mm", ends.scale.map(|_| noise[1]), 0.0, NOISE_MM),
+                band("scale of distances", ends.top.map(|top| top.scale.value), 1.0 - SCALE, 1.0 + SCALE),
+                band("noise at the bottom, mm", Some(ends.noise_mm), 0.0, NOISE_MM),
+                band("noise at the top, mm", ends.top.map(|top| top.noise_mm), 0.0, NOISE_MM),
             ],
             ends,
         }

@@ -35,7 +35,7 @@ pub struct MeasureArgs {
 pub enum Measurement {
     /// Where the fan's force begins, up and down, by jumps near hover (3 min)
     DeadZone,
-    /// The force at 86 duties by timed jumps, drag and the fan's lag (8 min)
+    /// The force at 86 duties by timed jumps, and the fan's lag (8 min)
     ForceCurve,
     /// The proportional gain at which the loop no longer comes to rest, by steps under rising gains (6 min at most)
     CriticalGain,

@@ -57,9 +57,11 @@ fn row(name: &str, measured: Option<Estimate>, digits: usize, unit: &'static str
 pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
     match found {
         Found::DeadZone { zone, jumps } => {
-            vec![table(&rows_of_zone(zone, jumps, tables)), verdict_of_zone(zone, jumps)]
+            vec![table(&rows_of_zone(zone, jumps, tables)), verdict_of_zone(zone, jumps), given(jumps)]
         }
-        Found::ForceCurve { zone, jumps } => vec![forces(jumps), table(&rows_of_zone(zone, jumps, tables))],
+        Found::ForceCurve { zone, jumps } => {
+            vec![forces(jumps), table(&rows_of_zone(zone, jumps, tables)), given(jumps)]
+        }
         Found::CriticalGain(critical) => words_of_gain(critical),
         Found::Steps(steps) => words_of_steps(steps),
         Found::NoiseFloor(floor) => words_of_floor(floor, tables),
@@ -79,7 +81,6 @@ fn rows_of_zone(zone: &DeadZone, jumps: &Jumps, tables: &Tables) -> Vec<Row> {
         row("the ball rises above a duty of", Some(zone.upper_duty_percent), 3, " %", edge(|zone| zone.upper_percent)),
         row("force below, mm/s² per percent", Some(zone.gain_below), 0, "", gain),
         row("force above, mm/s² per percent", Some(zone.gain_above), 0, "", gain),
-        row("drag", Some(jumps.drag_per_s), 2, " 1/s", model.map(|model| model.drag_per_s)),
         row("lag of the fan", Some(jumps.lag_s), 3, " s", lag),
     ]
 }
@@ -91,9 +92,13 @@ fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
         format!("A dead zone of {width:.3} %, by {count} jumps; which duty within it is called hover is a choice.")
     } else {
         format!(
-            "No dead zone beyond doubt: the edges lie {width:.3} % apart, within their intervals, by {count} jumps."
+            "No dead zone beyond doubt: by {count} jumps the edges lie {width:.3} % apart, and their intervals meet."
         )
     }
+}
+
+fn given(jumps: &Jumps) -> String {
+    format!("The forces are those of a ball with the config's drag, {} 1/s.", jumps.drag_per_s)
 }
 
 /// The force curve, by rising duty.

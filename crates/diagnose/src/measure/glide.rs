@@ -5,8 +5,9 @@
 //! ```
 //!
 //! F is the force of the held duty, w what the fan gives of it yet. At the start the ball is at rest but for what the controller's
-//! own unrest leaves: v ~ N(0, s_v²), w ~ N(0, s_w²). A Kalman filter with F as a fourth state gives the likelihood of a, τ, q, r, s_v, s_w,
-//! and F itself. F is flat in what it moves the ball by, not in mm/s²: else a weaker ball would be likelier for no reason.
+//! own unrest leaves: v ~ N(0, s_v²), w ~ N(0, s_w²). A Kalman filter with F as a fourth state gives the likelihood of τ, q, r, s_v, s_w,
+//! and F itself. The drag a must be known: the way of the ball is the same when a and 1/τ change places, and only the noise of the air tells them
+//! apart, weakly. F is flat in what it moves the ball by, not in mm/s²: else a weaker ball would be likelier for no reason.
 //! Source: the thesis, equations 3.1.1.14 and 3.1.3.6; the filter: Anderson & Moore, *Optimal Filtering*.
 
 use super::hold::Hold;
@@ -24,9 +25,9 @@ const APART: f64 = 1e-5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Glide {
     /// a, 1/s.
-    pub(super) drag_per_s: f64,
+    drag_per_s: f64,
     /// τ, seconds.
-    pub(super) lag_s: f64,
+    lag_s: f64,
     /// q, mm²/s³.
     psd: f64,
     /// r, mm².
@@ -49,25 +50,25 @@ pub(super) struct Way {
 }
 
 /// Where the search begins, as logarithms, and how far from there a rig may well be: a sheet of numbers that no record contradicts.
-const USUAL: [f64; Glide::NUMBERS] = [3.0, 0.2, 300.0, 6.0, 10.0, 60.0];
-const SPREAD: [f64; Glide::NUMBERS] = [1.0, 1.0, 2.0, 2.0, 1.5, 1.5];
+const USUAL: [f64; Glide::NUMBERS] = [0.2, 300.0, 6.0, 10.0, 60.0];
+const SPREAD: [f64; Glide::NUMBERS] = [1.0, 2.0, 2.0, 1.5, 1.5];
 
 impl Glide {
-    /// How many numbers it has.
-    pub(super) const NUMBERS: usize = 6;
+    /// How many numbers are sought.
+    pub(super) const NUMBERS: usize = 5;
 
     /// Where a search begins.
     pub(super) fn start() -> Vec<f64> {
         USUAL.map(f64::ln).to_vec()
     }
 
-    /// From the logarithms of its numbers.
-    pub(super) fn of(logarithms: &[f64]) -> Self {
+    /// From the drag, 1/s, and the logarithms of the numbers that are sought.
+    pub(super) fn of(drag_per_s: f64, logarithms: &[f64]) -> Self {
         let at = |i: usize| logarithms.get(i).copied().unwrap_or_default().clamp(-20.0, 20.0).exp();
-        let (drag_per_s, lag_s) = (at(0), at(1));
+        let lag_s = at(0);
         let near = drag_per_s * lag_s - 1.0;
         let lag_s = if near.abs() < APART { lag_s * (1.0 + APART.copysign(near) - near) } else { lag_s };
-        Self { drag_per_s, lag_s, psd: at(2), sensor_variance: at(3), start_speed: at(4), start_push: at(5) }
+        Self { drag_per_s, lag_s, psd: at(1), sensor_variance: at(2), start_speed: at(3), start_push: at(4) }
     }
 
     /// ln of how likely such numbers are beforehand, up to a constant.
@@ -146,14 +147,14 @@ mod tests {
 
     #[test]
     fn without_a_lag_the_way_is_that_of_the_force_curve() {
-        let glide = Glide::of(&[3.9_f64.ln(), 1e-6_f64.ln(), 5.0, 1.0, 1.0, 1.0]);
+        let glide = Glide::of(3.9, &[1e-6_f64.ln(), 5.0, 1.0, 1.0, 1.0]);
         let force = acceleration(300.0, 0.8, 3.9).unwrap();
         assert!((force * glide.moves(0.8) - 300.0).abs() < 1e-2, "{}", force * glide.moves(0.8));
     }
 
     #[test]
     fn two_short_ways_are_one_long_one() {
-        let glide = Glide::of(&[3.9_f64.ln(), (1.0_f64 / 3.9).ln(), 5.0, 1.0, 1.0, 1.0]);
+        let glide = Glide::of(3.9, &[(1.0_f64 / 3.9).ln(), 5.0, 1.0, 1.0, 1.0]);
         let (short, long) = (glide.over(0.3).0, glide.over(0.6).0);
         assert!((short * short - long).abs().max() < 1e-9, "{}", short * short - long);
     }

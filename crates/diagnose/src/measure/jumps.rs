@@ -1,12 +1,14 @@
 //! Timed jumps: duties that are held from rest, and the force behind each.
 //!
 //! ```text
-//! drag a, lag τ and the noise from all jumps together (see `glide`), then a force for each
+//! lag τ and the noise from all jumps together (see `glide`), then a force for each
 //! var F = var of the filter + J·Σ·Jᵀ          Σ: covariance of what the jumps share, J = ∂F/∂ of it
 //! ```
 //!
-//! The thesis has the time over a fixed way and the drag of its model; its formula, corrected, stands beside each force for
-//! comparison. It leaves out the fan's lag, which makes short jumps look weak.
+//! The drag is given, as in the thesis, which takes that of its model: jumps cannot tell it from the fan's lag. Forces are in proportion to
+//! it where jumps are long, so that a drag that is off scales the curve; the edges of a dead zone do not depend on it.
+//! The thesis has the time over a fixed way; its formula, corrected, stands beside each force for comparison. It leaves out the fan's lag,
+//! which makes short jumps look weak.
 //! Source: the thesis, section 3.2.2; see [`crate::force_curve`].
 
 use super::glide::{Glide, Way};
@@ -21,7 +23,7 @@ use serde::Serialize;
 /// A jump lasts so long at least, seconds, and has so many readings.
 const SHORTEST_S: f64 = 0.3;
 const FEWEST_READINGS: usize = 8;
-/// Jumps at least: drag and lag are found with them.
+/// Jumps at least: the lag is found with them.
 const FEWEST: usize = 6;
 /// Length of the differences behind J.
 const DIFFERENCE: f64 = 0.02;
@@ -29,8 +31,8 @@ const DIFFERENCE: f64 = 0.02;
 /// The jumps of a record.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Jumps {
-    /// a: linear drag of the ball, 1/s.
-    pub drag_per_s: Estimate,
+    /// a: linear drag of the ball, as given, 1/s.
+    pub drag_per_s: f64,
     /// τ: lag of the fan, seconds.
     pub lag_s: Estimate,
     /// One after another.
@@ -60,18 +62,18 @@ pub struct Jump {
     pub(super) shared_deviation: f64,
 }
 
-/// Finds the jumps and their forces.
+/// Finds the jumps and their forces, for a ball of this drag, 1/s.
 ///
 /// # Errors
 /// [`MeasureError`] says how many jumps there were, or that nothing explains them.
-pub fn jumps(recording: &Recording) -> Result<Jumps, MeasureError> {
+pub fn jumps(recording: &Recording, drag_per_s: f64) -> Result<Jumps, MeasureError> {
     let counts = |hold: &Hold| hold.duration_s() >= SHORTEST_S && hold.readings.len() >= FEWEST_READINGS;
     let holds: Vec<Hold> = holds(recording).into_iter().filter(counts).collect();
     if holds.len() < FEWEST {
         return Err(MeasureError::FewJumps { found: holds.len(), needed: FEWEST, shortest_s: SHORTEST_S });
     }
     let ways = |at: &[f64]| -> Vec<Way> {
-        let glide = Glide::of(at);
+        let glide = Glide::of(drag_per_s, at);
         holds.par_iter().map(|hold| glide.along(hold)).collect()
     };
     let total = |at: &[f64]| ways(at).iter().map(|way| way.nats).sum::<f64>() + Glide::prior(at);
@@ -91,10 +93,9 @@ pub fn jumps(recording: &Recording) -> Result<Jumps, MeasureError> {
         let Estimate { value, low, high } = Estimate::normal(best[i], covariance[(i, i)].sqrt());
         Estimate { value: value.exp(), low: low.exp(), high: high.exp() }
     };
-    let drag_per_s = of_logarithm(0);
     let found = holds.iter().zip(ways(&best)).enumerate();
-    let jumps = found.map(|(number, (hold, way))| jump(hold, way, shared(number), drag_per_s.value)).collect();
-    Ok(Jumps { drag_per_s, lag_s: of_logarithm(1), jumps })
+    let jumps = found.map(|(number, (hold, way))| jump(hold, way, shared(number), drag_per_s)).collect();
+    Ok(Jumps { drag_per_s, lag_s: of_logarithm(0), jumps })
 }
 
 fn jump(hold: &Hold, way: Way, shared_deviation: f64, drag_per_s: f64) -> Jump {

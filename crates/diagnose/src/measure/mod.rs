@@ -3,12 +3,12 @@
 //! ```text
 //! noise_floor   a ball at rest                      → deviation of one reading
 //! two_ends      a ball at the bottom and at the top → offset and scale of the sensor
-//! jumps         duties held from rest               → force at each duty, drag, lag of the fan
+//! jumps         duties held from rest               → force at each duty, lag of the fan
 //! dead_zone     the forces of those jumps           → where the force begins, up and down
 //! critical      steps under rising gains            → the gain at which the loop no longer comes to rest
 //! ```
 //!
-//! None of them knows a model of the rig: what they need of it, they find in the record.
+//! None of them knows a model of the rig; the drag of the ball alone is given for the jumps, the travel for the ends.
 
 pub mod critical;
 pub mod dead_zone;
@@ -90,7 +90,7 @@ pub enum MeasureError {
         /// Largest growth, 1/s.
         fastest: f64,
     },
-    /// The search for drag and lag did not end.
-    #[error("no drag and no lag of the fan explain the jumps; are the ends of the pipe too near, or readings missing?")]
+    /// The search for the lag did not end.
+    #[error("no lag of the fan explains the jumps; are the ends of the pipe too near, or readings missing?")]
     NoFit,
 }

@@ -95,7 +95,8 @@ fn two_ends_give_back_a_sensor_that_is_off_in_offset_and_scale() {
     };
     assert_calibrated([offset, 1.0 / scale, scale * 583.0 + offset], |seed| {
         let found = wide(seed);
-        [found.bottom_mm, found.scale.unwrap(), found.top_mm]
+        let top = found.top.unwrap();
+        [found.bottom_mm, top.scale, top.reading_mm]
     });
 }
 
@@ -138,12 +139,12 @@ fn the_edges_of_a_dead_zone_and_what_the_jumps_share_are_the_rigs() {
     let mut rig = model();
     rig.effects.dead_zone = Some(DeadZone { lower_percent: -0.2, upper_percent: 0.3 });
     let legs = jump_legs(&[0.1, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3]);
-    let truth = [21.2, 21.7, 254.6, 254.6, 1.889, 0.2];
+    let truth = [21.2, 21.7, 254.6, 254.6, 0.2];
     assert_calibrated(truth, |seed| {
-        let shared = jumps(&fly(&rig, seed, &legs)).unwrap();
+        let shared = jumps(&fly(&rig, seed, &legs), 1.889).unwrap();
         let zone = dead_zone(&shared).unwrap();
         let edges = [zone.lower_duty_percent, zone.upper_duty_percent];
-        [edges[0], edges[1], zone.gain_below, zone.gain_above, shared.drag_per_s, shared.lag_s]
+        [edges[0], edges[1], zone.gain_below, zone.gain_above, shared.lag_s]
     });
 }
 
@@ -151,7 +152,7 @@ fn the_edges_of_a_dead_zone_and_what_the_jumps_share_are_the_rigs() {
 fn a_rig_without_a_dead_zone_has_two_edges_at_hover() {
     let legs = jump_legs(&[0.2, 0.3, 0.4, 0.6, 0.8, 1.0]);
     assert_calibrated([21.4, 21.4], |seed| {
-        let zone = dead_zone(&jumps(&fly(&model(), seed, &legs)).unwrap()).unwrap();
+        let zone = dead_zone(&jumps(&fly(&model(), seed, &legs), 1.889).unwrap()).unwrap();
         [zone.lower_duty_percent, zone.upper_duty_percent]
     });
 }
@@ -160,13 +161,13 @@ fn a_rig_without_a_dead_zone_has_two_edges_at_hover() {
 fn the_forces_of_jumps_lie_in_their_intervals_as_often_as_they_should() {
     let legs = jump_legs(&[0.4, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
     let share = |seed: u64| {
-        let found = jumps(&fly(&model(), seed, &legs)).unwrap().jumps;
+        let found = jumps(&fly(&model(), seed, &legs), 1.889).unwrap().jumps;
         let right = found.iter().filter(|jump| jump.mm_per_s2.holds(254.6 * (jump.duty_percent - 21.4))).count();
         (right, found.len())
     };
     let all: Vec<(usize, usize)> = (1..=50).into_par_iter().map(share).collect();
     let (right, of) = all.iter().fold((0, 0), |(right, of), one| (right + one.0, of + one.1));
-    // The jumps of a record share drag and lag, so that they err together: wider than 800 independent ones would be.
+    // The jumps of a record share the lag, so that they err together: wider than 800 independent ones would be.
     let share = right as f64 / of as f64;
     assert!((0.86..0.94).contains(&share), "{right} of {of}");
 }
@@ -188,7 +189,7 @@ fn the_critical_gain_is_that_of_the_sampled_loop() {
 fn a_record_of_something_else_is_refused_with_what_is_missing() {
     let hovering = fly(&model(), 1, &[Leg::Hold { setpoint_mm: 300.0, law: CALM, seconds: 20.0 }]);
     assert_eq!(noise_floor(&hovering), Err(MeasureError::NoRest { found: 0, needed: 100 }));
-    assert!(matches!(jumps(&hovering), Err(MeasureError::FewJumps { found: 0, .. })));
+    assert!(matches!(jumps(&hovering, 1.889), Err(MeasureError::FewJumps { found: 0, .. })));
     assert!(matches!(critical(&hovering), Err(MeasureError::NotCritical { found: 0, .. })));
     assert!(two_ends(&hovering, 583.0, 553.0).is_err());
 }

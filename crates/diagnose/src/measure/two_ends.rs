@@ -23,40 +23,50 @@ const SHORTEST_S: f64 = 4.0;
 pub struct TwoEnds {
     /// Mean reading at the bottom, mm; it should be 0.
     pub bottom_mm: Estimate,
-    /// Mean reading at the top, mm; it should be the travel.
-    pub top_mm: Estimate,
-    /// By what distances from the bottom must be multiplied. `None`: the top is within the sensor's blind zone.
-    pub scale: Option<Estimate>,
-    /// Noise at the bottom and at the top, 1σ, mm.
-    pub noise_mm: [f64; 2],
+    /// Noise at the bottom, 1σ, mm.
+    pub noise_mm: f64,
+    /// What the top says. `None`: there the ball is in the sensor's blind zone, so that readings are missing or wrong.
+    pub top: Option<Top>,
+}
+
+/// What the top says.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Top {
+    /// Mean reading, mm; it should be the travel.
+    pub reading_mm: Estimate,
+    /// By what distances from the bottom must be multiplied.
+    pub scale: Estimate,
+    /// Noise, 1σ, mm.
+    pub noise_mm: f64,
 }
 
 /// Calibrates against `travel_mm`, the ball's way from its rest at the bottom to its rest at the top. A top above `blind_above_mm` is not
-/// used: there the ball is too near to the sensor.
+/// used: there the ball is too near to the sensor. Where its readings are missing, the duty cannot be held either.
 ///
 /// # Errors
 /// [`MeasureError`] says which end is missing.
 pub fn two_ends(recording: &Recording, travel_mm: f64, blind_above_mm: f64) -> Result<TwoEnds, MeasureError> {
     let holds: Vec<Hold> = holds(recording).into_iter().filter(|hold| hold.duration_s() > SHORTEST_S).collect();
     let by_duty = |a: &&Hold, b: &&Hold| a.duty_percent.total_cmp(&b.duty_percent);
-    let (Some(low), Some(high)) = (holds.iter().min_by(by_duty), holds.iter().max_by(by_duty)) else {
+    let Some(low) = holds.iter().min_by(by_duty) else {
         return Err(MeasureError::NoRest { found: 0, needed: 1 });
     };
     let resolution_mm = recording.resolution_mm();
-    let (bottom, top) = (of_hold(low, resolution_mm)?, of_hold(high, resolution_mm)?);
-    if top.position_mm - bottom.position_mm < APART * travel_mm {
+    let bottom = of_hold(low, resolution_mm)?;
+    let higher = holds.iter().max_by(by_duty).filter(|hold| hold.duty_percent > low.duty_percent);
+    let seen = higher.map(|hold| of_hold(hold, resolution_mm)).transpose()?;
+    if let Some(top) = seen.filter(|top| top.position_mm - bottom.position_mm < APART * travel_mm) {
         return Err(MeasureError::NotAtTheEnds { lowest_mm: bottom.position_mm, highest_mm: top.position_mm });
     }
-    let (bottom_mm, top_mm) = (mean(&bottom), mean(&top));
-    let way = top_mm.value - bottom_mm.value;
-    let deviation = half_width(bottom_mm).hypot(half_width(top_mm)) / super::interval::X;
-    let scale = travel_mm / way;
-    Ok(TwoEnds {
-        bottom_mm,
-        top_mm,
-        scale: (top_mm.value < blind_above_mm).then(|| Estimate::normal(scale, scale * deviation / way)),
-        noise_mm: [bottom.sensor_mm.value, top.sensor_mm.value],
-    })
+    let bottom_mm = mean(&bottom);
+    let top = seen.filter(|top| top.position_mm < blind_above_mm).map(|top| {
+        let reading_mm = mean(&top);
+        let way = reading_mm.value - bottom_mm.value;
+        let deviation = half_width(bottom_mm).hypot(half_width(reading_mm)) / super::interval::X;
+        let scale = travel_mm / way;
+        Top { reading_mm, scale: Estimate::normal(scale, scale * deviation / way), noise_mm: top.sensor_mm.value }
+    });
+    Ok(TwoEnds { bottom_mm, noise_mm: bottom.sensor_mm.value, top })
 }
 
 /// The mean of readings that are correlated as these are, as of a first-order process.

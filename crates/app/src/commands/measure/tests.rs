@@ -71,14 +71,14 @@ fn the_noise_of_the_sensor_is_the_configs() {
 }
 
 #[test]
-fn the_edges_of_the_dead_zone_the_drag_and_the_fans_lag_are_the_configs() {
+fn the_edges_of_the_dead_zone_the_gains_and_the_fans_lag_are_the_configs() {
     let mut tables = tables();
     tables.plant.as_mut().unwrap().effects.dead_zone = Some(DeadZone { lower_percent: -0.25, upper_percent: 0.35 });
-    let truth = [21.15, 21.75, 827.2, 827.2, 3.896, 0.257];
+    let truth = [21.15, 21.75, 827.2, 827.2, 0.257];
     assert_found(truth, |seed| match measure(Measurement::DeadZone, &tables, seed) {
         Found::DeadZone { zone, jumps } => {
             let edges = [zone.lower_duty_percent, zone.upper_duty_percent];
-            [edges[0], edges[1], zone.gain_below, zone.gain_above, jumps.drag_per_s, jumps.lag_s]
+            [edges[0], edges[1], zone.gain_below, zone.gain_above, jumps.lag_s]
         }
         other => panic!("{other:?}"),
     });

@@ -23,7 +23,7 @@ fn of_edges(lower: f64, upper: f64) -> String {
     let gain = within(800.0, 10.0);
     let [lower_duty_percent, upper_duty_percent] = [lower, upper].map(|edge| within(edge, 0.02));
     let zone = DeadZone { lower_duty_percent, upper_duty_percent, gain_below: gain, gain_above: gain };
-    let jumps = Jumps { drag_per_s: within(3.0, 0.1), lag_s: within(0.2, 0.01), jumps: vec![] };
+    let jumps = Jumps { drag_per_s: 3.0, lag_s: within(0.2, 0.01), jumps: vec![] };
     patch(&Found::DeadZone { zone, jumps }, &tables()).unwrap().unwrap()
 }
 

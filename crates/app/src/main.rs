@@ -2,8 +2,8 @@
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    blind, config, design, diagnose, emulate, fan_off, guard, identify, log, measure, note, reader_is_gone, replay, run,
-    simulate,
+    blind, config, design, diagnose, emulate, fan_off, guard, identify, log, measure, note, reader_is_gone, replay,
+    run, simulate,
 };
 use airball::config::ConfigError;
 use clap::Parser;

@@ -25,6 +25,8 @@ const FEWEST: usize = 4;
 const SEEN: f64 = 2.0;
 /// ω_n·t_half of a critically damped loop.
 const HALF_WAY: f64 = 1.678_346_99;
+/// Deviations on either side that hold 90 % of a normal distribution.
+const OF_90_PERCENT: f64 = 1.645;
 /// Student's 95 % quantiles for 1, 2, … degrees of freedom; beyond the table 1.645 + 1.6/ν.
 const STUDENT: [f64; 10] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833, 1.812];
 
@@ -206,12 +208,10 @@ fn mean(all: &[Estimate]) -> Option<Estimate> {
     let weight: f64 = logs.iter().map(|(_, w)| w).sum();
     let mean = logs.iter().map(|(x, w)| w * x).sum::<f64>() / weight;
     // The weights are of intervals: twice the quantile of a deviation wide.
-    let width = 2.0 * 1.645;
+    let width = 2.0 * OF_90_PERCENT;
     let scatter = logs.iter().map(|(x, w)| width * width * w * (x - mean).powi(2)).sum::<f64>();
-    let degrees = logs.len() - 1;
-    let wider = if degrees > 0 { (scatter / degrees as f64).max(1.0) } else { 1.0 };
-    let quantile = if degrees > 0 { student(degrees).min(2.5) } else { 1.645 };
-    let half = quantile * wider.sqrt() / (width * weight.sqrt());
+    let wider = (scatter / (logs.len() - 1).max(1) as f64).max(1.0);
+    let half = OF_90_PERCENT * wider.sqrt() / (width * weight.sqrt());
     let value = mean.exp();
     Some(Estimate { name: first.name, value, low: Some(value * (-half).exp()), high: Some(value * half.exp()) })
 }

@@ -49,9 +49,12 @@ impl Transient {
         (root > 0.0 && self.omega > 0.0).then(|| (libm::exp(-pi * self.damping / root), pi / (self.omega * root)))
     }
 
-    /// The step response at `t_s` after the step, as a share of it. Meant for δ below 1.
+    /// The step response at `t_s` after the step, as a share of it, for δ up to 1.
     #[must_use]
     pub fn response(&self, t_s: f64) -> f64 {
+        if self.damping >= 1.0 {
+            return 1.0 - (1.0 + self.omega * t_s) * libm::exp(-self.omega * t_s);
+        }
         let (sigma, omega) = (self.damping * self.omega, self.omega * (1.0 - self.damping * self.damping).sqrt());
         let turn = omega * t_s;
         1.0 - libm::exp(-sigma * t_s) * (libm::cos(turn) + sigma / omega * libm::sin(turn))

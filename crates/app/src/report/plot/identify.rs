@@ -63,7 +63,14 @@ pub fn sweep(path: &Path, title: &str, found: &Sweep) -> Result<(), PlotError> {
         let last = found.gains.len().saturating_sub(1);
         let mut shown = vec![0, last / 2, last];
         shown.dedup();
-        let lines: Vec<Line> = shown.iter().flat_map(|at| pulse(&found.gains[*at])).collect();
+        let broken = |points: fn(&OfGain) -> Vec<(f64, f64)>| {
+            let end = [(f64::NAN, f64::NAN)];
+            shown.iter().flat_map(|at| points(&found.gains[*at]).into_iter().chain(end)).collect()
+        };
+        let lines = [
+            Line { label: "mean pulse", colour: RECORDED, points: broken(|gain| gain.mean_pulse.clone()) },
+            Line { label: "second order", colour: NOMINAL, points: broken(response) },
+        ];
         let title = format!("{title}: mean pulses of the lowest, the middle and the highest gain");
         let axes = Panel { abscissa: "time since the jump, s", ordinate: "share of the jump", ..Panel::default() };
         panel(upper, Panel { title: &title, lines: &lines, ..axes })?;
@@ -108,14 +115,10 @@ fn frequencies(area: &Area<'_>, lines: &[Line]) -> Result<(), PlotError> {
     panel(area, Panel { title: "plant", lines, ..axes })
 }
 
-/// The mean pulse, and the response that was read off it.
-fn pulse(gain: &OfGain) -> [Line; 2] {
+/// The response of second order that was read off the mean pulse.
+fn response(gain: &OfGain) -> Vec<(f64, f64)> {
     let loops = Transient { damping: gain.damping, omega: gain.omega };
-    let response = gain.mean_pulse.iter().map(|(t, _)| (*t, loops.response(*t))).collect();
-    [
-        Line { label: "mean pulse", colour: RECORDED, points: gain.mean_pulse.clone() },
-        Line { label: "second order", colour: NOMINAL, points: response },
-    ]
+    gain.mean_pulse.iter().map(|(t, _)| (*t, loops.response(*t))).collect()
 }
 
 fn over_gains(

@@ -176,7 +176,7 @@ impl Desk {
     }
 
     fn regulator(&self) -> Option<Regulator> {
-        Regulator::new(self.controllers.clone(), self.observer.as_ref(), self.reading_period_s())
+        Regulator::new(self.controllers.clone(), self.observer.as_ref(), self.reading_period_s()).ok()
     }
 
     /// The period of the loop or of the sensor, whichever is longer.

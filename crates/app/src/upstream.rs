@@ -96,7 +96,7 @@ fn duties_by_the_law(cycles: &[Cycle], tables: &Tables) -> Option<Vec<f64>> {
     let hold = Reference { setpoint_mm: Waveform::Constant { value: first_mm } };
     let reading_period_s = tables.r#loop?.period_s.max(1e-6 * f64::from(BUDGET_US));
     let mut pilot = Pilot::new(Orders {
-        regulator: Regulator::new(tables.controller.clone()?, tables.observer.as_ref(), reading_period_s)?,
+        regulator: Regulator::new(tables.controller.clone()?, tables.observer.as_ref(), reading_period_s).ok()?,
         compensation: tables.compensation.clone()?,
         safety: tables.safety?,
         experiment: Experiment::of_reference(&hold),

@@ -165,7 +165,7 @@ fn within(duties: (f64, f64), kind: Kind, gain: Option<Gain>, predistorted: bool
         dither: Some(Dither { step_percent: 0.8, seed: 1 }),
         ..Compensation::bare(21.4)
     };
-    let mut regulator = Regulator::new(controllers, observer.as_ref(), T).ok_or("no regulator")?;
+    let mut regulator = Regulator::new(controllers, observer.as_ref(), T)?;
     let mut compensator = compensation.start();
     let mut control = 0.0;
     Ok(Box::new(move |reading| {

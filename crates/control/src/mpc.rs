@@ -13,16 +13,14 @@
 use crate::believed::{Believed, Transition};
 use crate::box_qp::BoxQp;
 use crate::check::{OutOfRange, within};
+use crate::design::riccati::cost_to_go;
 use crate::inputs::Inputs;
-use nalgebra::{Matrix1x3, Matrix3, SMatrix, SVector, Vector3, vector};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3, vector};
 
 /// N: moves in a plan.
 pub const HORIZON: usize = 16;
 /// Steps of the optimisation: fixed, so that the time of a control step is.
 pub const STEPS: u32 = 60;
-/// Steps of the Riccati recursion at most, and the change at which it is over.
-const LONGEST: u32 = 20_000;
-const STEADY: f64 = 1e-12;
 
 /// What the plan weighs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +69,7 @@ impl Planner {
         let square = |value: f64| (value * value).recip();
         let weight = Matrix3::from_diagonal(&vector![square(set.position_mm), square(set.velocity_mm_per_s), 0.0]);
         let effort = square(set.control);
-        let end = cost_to_go(&step, &push, &weight, effort);
+        let end = cost_to_go(&step, &push, &weight, effort).ok()?;
 
         let mut hessian = SMatrix::<f64, HORIZON, HORIZON>::identity() * effort;
         let mut linear = SMatrix::<f64, HORIZON, 3>::zeros();
@@ -116,22 +114,6 @@ impl Planner {
         }
         self.programme.solve(&free, &(self.linear * state), limits, STEPS)
     }
-}
-
-/// P: what is still to be paid from a state on, by the unlimited optimum, as a fixed point of the Riccati recursion.
-fn cost_to_go(step: &Matrix3<f64>, push: &Vector3<f64>, weight: &Matrix3<f64>, effort: f64) -> Matrix3<f64> {
-    let mut cost = *weight;
-    for _ in 0..LONGEST {
-        let row: Matrix1x3<f64> = push.transpose() * cost;
-        let gain = row * step / (effort + (row * push)[0]);
-        let next = weight + step.transpose() * cost * (step - push * gain);
-        let change = (next - cost).abs().max();
-        cost = (next + next.transpose()) / 2.0;
-        if change <= STEADY * cost.abs().max() {
-            break;
-        }
-    }
-    cost
 }
 
 #[cfg(test)]

@@ -13,6 +13,8 @@
 
 use crate::believed::{Believed, State, Transition};
 use crate::check::{OutOfRange, within};
+use crate::design::DesignError;
+use crate::design::riccati::covariance;
 use crate::kalman::Kalman;
 use libm::{exp, fabs};
 use nalgebra::{RowSVector, SMatrix, matrix, vector};
@@ -27,8 +29,6 @@ const FIRST_WANDERING_S: f64 = 100.0;
 const REFUSALS: u32 = 10;
 /// A steady-state filter takes steps that differ by less than this share of its period for one period.
 const ON_TIME: f64 = 0.1;
-/// Steps at most until the gain is steady.
-const LONGEST: u32 = 50_000;
 
 /// How the gain of the observer is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -143,32 +143,30 @@ impl Observer {
     }
 
     /// The gain to which the filter converges when readings come every `period_s`.
-    fn steady(&self, period_s: f64, transition: &Transition) -> Steady {
-        let mut filter = self.first(State::zeros());
-        let noise = self.noise(period_s, transition);
-        let mut steady = Steady { gain: State::zeros(), variance: 0.0 };
-        for _ in 0..LONGEST {
-            filter.predict(State::zeros(), &transition.matrix, &noise);
-            let (_, variance) = filter.expect(&POSITION, self.reading_variance());
-            let gain = filter.covariance * POSITION.transpose() / variance;
-            let moved = (gain - steady.gain).abs().max();
-            steady = Steady { gain, variance };
-            filter.update(0.0, &POSITION, self.reading_variance());
-            if moved <= 1e-13 * gain.abs().max() {
-                break;
-            }
-        }
-        steady
+    fn steady(&self, period_s: f64, transition: &Transition) -> Result<Steady, DesignError> {
+        let (noise, reading) = (self.noise(period_s, transition), self.reading_variance());
+        let covariance = if self.disturbance_psd_per_s.is_some() {
+            covariance(&transition.matrix, &POSITION, &noise, reading)?
+        } else {
+            // A hover that is known never wanders and never decays: it is no state of this filter.
+            let first = |whole: &SMatrix<f64, 4, 4>| whole.fixed_view::<3, 3>(0, 0).into_owned();
+            let row = POSITION.fixed_columns::<3>(0).into_owned();
+            covariance(&first(&transition.matrix), &row, &first(&noise), reading)?.fixed_resize(0.0)
+        };
+        let variance = covariance[(0, 0)] + reading;
+        Ok(Steady { gain: covariance * POSITION.transpose() / variance, variance })
     }
 }
 
 impl Estimator {
     /// An observer for readings every `period_s` that has seen nothing yet.
-    #[must_use]
-    pub fn new(set: Observer, period_s: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady gain can be computed.
+    pub fn new(set: Observer, period_s: f64) -> Result<Self, DesignError> {
         let transition = set.believed.over(period_s);
-        let steady = set.steady(period_s, &transition);
-        Self { set, period_s, transition, steady, filter: set.first(State::zeros()), seen: false, refusals: 0 }
+        let steady = set.steady(period_s, &transition)?;
+        Ok(Self { set, period_s, transition, steady, filter: set.first(State::zeros()), seen: false, refusals: 0 })
     }
 
     /// What is believed of the plant.

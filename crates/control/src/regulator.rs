@@ -11,6 +11,10 @@
 //! Whatever comes in, what goes out is a number within the limits: readings and setpoints that are no place in any pipe
 //! are not looked at. Source: Åström & Hägglund, *Advanced PID Control*, "Mode switches".
 
+mod error;
+
+pub use error::Unready;
+
 use crate::Limits;
 use crate::controller::{Controllers, Kind};
 use crate::feed_forward::Way;
@@ -63,22 +67,24 @@ enum Handover {
 }
 
 impl Regulator {
-    /// A regulator before take-off, for readings every `period_s`. `None`: no controller is there to fly first, or one of
-    /// them needs an observer that is not.
-    #[must_use]
-    pub fn new(set: Controllers, observer: Option<&Observer>, period_s: f64) -> Option<Self> {
-        let kind = set.first()?;
-        if observer.is_none() && set.needs_observer().is_some() {
-            return None;
+    /// A regulator before take-off, for readings every `period_s`.
+    ///
+    /// # Errors
+    /// [`Unready`]: no controller is there to fly first, one of them needs an observer that is not, or numbers lie too far apart.
+    pub fn new(set: Controllers, observer: Option<&Observer>, period_s: f64) -> Result<Self, Unready> {
+        let kind = set.first().ok_or(Unready::NoController)?;
+        if let (None, Some(needed_by)) = (observer, set.needs_observer()) {
+            return Err(Unready::NoObserver { needed_by });
         }
         let planner = match (&set.mpc, observer) {
-            (Some(mpc), Some(observer)) => Some(Planner::new(mpc, &observer.believed)?),
+            (Some(mpc), Some(observer)) => Some(Planner::new(mpc, &observer.believed).ok_or(Unready::Plan)?),
             _ => None,
         };
-        Some(Self {
+        let estimator = observer.map(|observer| Estimator::new(*observer, period_s)).transpose();
+        Ok(Self {
             set,
             kind,
-            estimator: observer.map(|observer| Estimator::new(*observer, period_s)),
+            estimator: estimator.map_err(Unready::Observer)?,
             planner,
             velocity: DerivativeFilter::default(),
             filtered: None,

@@ -45,8 +45,7 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
     };
     let reading_period_s = table.period_s.max(1e-6 * f64::from(BUDGET_US));
     let controllers = config.need(command, "controller", |tables| tables.controller.as_ref())?;
-    let regulator = Regulator::new(controllers.clone(), config.tables.observer.as_ref(), reading_period_s)
-        .ok_or_else(|| anyhow!("no plan can be made with [controller.mpc] and [observer.believed]: their numbers are too far apart; raise mpc.control"))?;
+    let regulator = Regulator::new(controllers.clone(), config.tables.observer.as_ref(), reading_period_s)?;
     if experiment.changes_gains() && regulator.kind() != Kind::Pid {
         let flies = regulator.kind().name();
         bail!("the experiment changes the gains of the PID, and {flies} flies; set [controller] active = \"pid\"");

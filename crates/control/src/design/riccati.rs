@@ -9,6 +9,7 @@
 //!
 //! The doubling starts at A, G, Q of the sampled equation; the continuous one is brought to that form by Cayley's transform with γ.
 //! It converges quadratically. The filter is the regulator of Aᵀ and Cᵀ, with the noises W and V in place of the weights.
+//! A state that decays on its own needs neither weight nor noise; one that does not needs it, or there is no solution.
 //! Source: Chu, Fan & Lin, "A structure-preserving doubling algorithm for continuous-time algebraic Riccati equations",
 //! *Linear Algebra and its Applications* 396, 2005.
 //!
@@ -18,8 +19,8 @@
 use super::error::DesignError;
 use nalgebra::{RowSVector, SMatrix, SVector};
 
-/// Doublings at most; each squares what is left.
-const MOST_DOUBLINGS: u32 = 60;
+/// Doublings at most: what has not died away after 2⁴⁰ samples does not; later, rounding would make it die.
+const MOST_DOUBLINGS: u32 = 40;
 
 /// K of u = −K·x that minimises ∫ xᵀQx + R·u² dt along ẋ = A·x + B·u.
 ///
@@ -45,9 +46,22 @@ pub fn sampled_lqr<const N: usize>(
     q: &SMatrix<f64, N, N>,
     r: f64,
 ) -> Result<RowSVector<f64, N>, DesignError> {
-    let x = doubled(*phi, gamma * gamma.transpose() / r, *q)?;
+    let x = cost_to_go(phi, gamma, q, r)?;
     let weight = r + (gamma.transpose() * x * gamma)[0];
     Ok(gamma.transpose() * x * phi / weight)
+}
+
+/// X of the regulator of [`sampled_lqr`]: xᵀXx is what is still to be paid from the state x on.
+///
+/// # Errors
+/// [`DesignError::NoRiccatiSolution`].
+pub fn cost_to_go<const N: usize>(
+    phi: &SMatrix<f64, N, N>,
+    gamma: &SVector<f64, N>,
+    q: &SMatrix<f64, N, N>,
+    r: f64,
+) -> Result<SMatrix<f64, N, N>, DesignError> {
+    doubled(*phi, gamma * gamma.transpose() / r, *q)
 }
 
 /// L of dx̂/dt = A·x̂ + B·u + L·(y − C·x̂) under white noise of intensities W on the states and V on the reading.
@@ -75,8 +89,21 @@ pub fn sampled_kalman<const N: usize>(
     q: &SMatrix<f64, N, N>,
     r: f64,
 ) -> Result<SVector<f64, N>, DesignError> {
-    let p = doubled(phi.transpose(), c.transpose() * c / r, *q)?;
+    let p = covariance(phi, c, q, r)?;
     Ok(p * c.transpose() / ((c * p * c.transpose())[0] + r))
+}
+
+/// P of the filter of [`sampled_kalman`]: the covariance of its state just before a reading.
+///
+/// # Errors
+/// [`DesignError::NoRiccatiSolution`].
+pub fn covariance<const N: usize>(
+    phi: &SMatrix<f64, N, N>,
+    c: &RowSVector<f64, N>,
+    q: &SMatrix<f64, N, N>,
+    r: f64,
+) -> Result<SMatrix<f64, N, N>, DesignError> {
+    doubled(phi.transpose(), c.transpose() * c / r, *q)
 }
 
 /// X of the continuous equation.
@@ -106,12 +133,12 @@ fn doubled<const N: usize>(
         g += a * inverse * g * a.transpose();
         a = a * inverse * a;
         h += step;
-        if !h.iter().all(|x| x.is_finite()) {
+        if !h.iter().chain(&a).all(|x| x.is_finite()) {
             break;
         }
-        if step.norm() <= 1e-15 * h.norm() {
-            // What is left of A is the closed loop after 2ⁿ samples: it has died away if that loop is stable.
-            return if a.norm() < 1e-3 { Ok((h + h.transpose()) * 0.5) } else { Err(DesignError::NoRiccatiSolution) };
+        // What is left of A is the closed loop after 2ⁿ samples: it dies away if that loop is stable, often later than H stands.
+        if step.norm() <= 1e-15 * h.norm() && a.norm() < 1e-3 {
+            return Ok((h + h.transpose()) * 0.5);
         }
     }
     Err(DesignError::NoRiccatiSolution)
@@ -119,12 +146,13 @@ fn doubled<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::{kalman, lqr, sampled_kalman, sampled_lqr};
+    use super::{cost_to_go, covariance, kalman, lqr, sampled_kalman, sampled_lqr};
     use crate::design::Linear;
     use crate::design::ackermann::characteristic;
     use crate::design::discretise::discretise;
+    use crate::kalman::Kalman;
     use libm::sqrt;
-    use nalgebra::{SMatrix, matrix, vector};
+    use nalgebra::{SMatrix, SVector, matrix, vector};
 
     fn linearised() -> Linear {
         Linear::two_poles(0.5894041732678656, 0.7800118875890534)
@@ -175,26 +203,50 @@ mod tests {
     }
 
     #[test]
-    fn the_sampled_filter_is_where_the_running_filter_settles() {
-        let (a, b) = linearised().two_states();
-        let over = discretise(&a, &b, &matrix![0.0, 0.0; 0.0, 30.0], 0.02);
-        let c = matrix![1.0, 0.0];
-        let l = sampled_kalman(&over.transition, &c, &over.noise, 6.25).unwrap();
-        let mut filter = crate::kalman::Kalman { state: vector![0.0, 0.0], covariance: SMatrix::identity() };
-        for _ in 0..2000 {
-            let next = over.transition * filter.state;
-            filter.predict(next, &over.transition, &over.noise);
-            filter.update(0.0, &c, 6.25);
-        }
-        // After an update L = P·Cᵀ/R.
-        assert!((filter.covariance * c.transpose() / 6.25 - l).norm() < 1e-9 * l.norm(), "{l}");
-    }
-
-    #[test]
     fn what_no_weight_sees_and_nothing_holds_has_no_solution() {
         // The position integrates and costs nothing: no feedback is best, and it does not decay.
         let (a, b) = linearised().two_states();
         assert!(lqr(&a, &b, &SMatrix::zeros(), 1.0).is_err());
+        let over = discretise(&a, &b, &SMatrix::zeros(), 0.02);
+        assert!(sampled_lqr(&over.transition, &over.input, &SMatrix::zeros(), 1.0).is_err());
+    }
+
+    #[test]
+    fn a_filter_needs_noise_on_what_does_not_decay_and_none_on_what_does() {
+        let c = matrix![1.0, 0.0];
+        // A walk that is read, and a state beside it that shrinks by `kept` a sample.
+        let gain = |kept: f64, noise: f64| {
+            sampled_kalman(&matrix![1.0, 1.0; 0.0, kept], &c, &matrix![1.0, 0.0; 0.0, noise], 1.0)
+        };
+        for kept in [0.0, 0.5, -0.99] {
+            let l = gain(kept, 0.0).unwrap();
+            // p² = p + 1 for the walk alone: L = p/(p + 1) with the golden section p; what decays to 0 is known.
+            let golden = (1.0 + sqrt(5.0)) / 2.0;
+            assert!((l[0] - golden / (golden + 1.0)).abs() < 1e-12 && l[1].abs() < 1e-12, "{kept}: {l}");
+        }
+        assert!(gain(1.0, 0.0).is_err(), "a constant that was never known is not found by a steady gain");
+        assert!(gain(1.0, 1e-12).is_ok() && gain(1.2, 1e-12).is_ok());
+        assert!(gain(1.2, 0.0).is_err() && gain(f64::NAN, 1.0).is_err());
+    }
+
+    #[test]
+    fn the_cost_to_go_is_a_fixed_point_and_the_covariance_is_what_the_running_filter_reaches() {
+        let (a, b) = Linear::three_poles(827.2, 3.896, 3.896).three_states();
+        let over = discretise(&a, &b, &matrix![0.0, 0.0, 0.0; 0.0, 360.0, 0.0; 0.0, 0.0, 0.0], 0.02);
+        let (phi, gamma, q) = (over.transition, over.input, SMatrix::from_diagonal(&vector![2.5e-3, 2.5e-5, 0.0]));
+        let x = cost_to_go(&phi, &gamma, &q, 6.25).unwrap();
+        let k = sampled_lqr(&phi, &gamma, &q, 6.25).unwrap();
+        assert!((q + phi.transpose() * x * (phi - gamma * k) - x).norm() < 1e-12 * x.norm(), "{x}");
+
+        let c = matrix![1.0, 0.0, 0.0];
+        let p = covariance(&phi, &c, &over.noise, 6.25).unwrap();
+        let mut filter = Kalman { state: SVector::zeros(), covariance: SMatrix::identity() };
+        for _ in 0..3000 {
+            filter.update(0.0, &c, 6.25);
+            let next = phi * filter.state;
+            filter.predict(next, &phi, &over.noise);
+        }
+        assert!((filter.covariance - p).norm() < 1e-9 * p.norm(), "{p} {}", filter.covariance);
     }
 
     #[test]

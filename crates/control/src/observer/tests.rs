@@ -47,7 +47,7 @@ fn control(k: u32) -> f64 {
 /// The rms of position and velocity errors and the mean test ratio, over 4,000 readings of which `missing` are lost.
 fn errors(set: Observer, missing: impl Fn(u32) -> bool, jitter: f64) -> (f64, f64, f64) {
     let mut truth = Truth::new(0.0);
-    let mut estimator = Estimator::new(set, T);
+    let mut estimator = Estimator::new(set, T).unwrap();
     let (mut x, mut v, mut ratio, mut count) = (0.0, 0.0, 0.0, 0.0);
     for k in 0..4000 {
         let dt = T * (1.0 + jitter * (f64::from(truth.random.next_u32()) / f64::from(u32::MAX) - 0.5));
@@ -72,7 +72,7 @@ fn the_errors_are_those_that_the_riccati_equation_promises() {
     for gain in [Gain::SteadyState, Gain::TimeVarying] {
         let (x, v, ratio) = errors(Observer { gain, ..OBSERVER }, |_| false, 0.0);
         // P after an update is S − R times R/S in position.
-        let mut filter = Estimator::new(Observer { gain: Gain::TimeVarying, ..OBSERVER }, T);
+        let mut filter = Estimator::new(Observer { gain: Gain::TimeVarying, ..OBSERVER }, T).unwrap();
         filter.update(250.0);
         for _ in 0..2000 {
             filter.predict(0.0, T);
@@ -88,19 +88,48 @@ fn the_errors_are_those_that_the_riccati_equation_promises() {
 
 #[test]
 fn the_steady_gain_is_that_to_which_the_time_varying_filter_converges() {
-    let set = Observer { gain: Gain::TimeVarying, disturbance_psd_per_s: Some(1e-3), ..OBSERVER };
-    let mut filter = Estimator::new(set, T);
-    filter.update(250.0);
-    for _ in 0..20_000 {
-        filter.predict(0.0, T);
+    let at_once = Believed { fan_lag_s: None, ..G_C };
+    for (disturbance_psd_per_s, believed) in [(Some(1e-3), G_C), (None, G_C), (Some(1e-3), at_once), (None, at_once)] {
+        let set = Observer { gain: Gain::TimeVarying, disturbance_psd_per_s, believed, ..OBSERVER };
+        let mut filter = Estimator::new(set, T).unwrap();
         filter.update(250.0);
+        for _ in 0..20_000 {
+            filter.predict(0.0, T);
+            filter.update(250.0);
+        }
+        filter.predict(0.0, T);
+        let before = filter.filter.state;
+        filter.update(before[0] + 1.0);
+        let moved = filter.filter.state - before;
+        assert!((moved - filter.steady_gain()).norm() < 1e-9, "{moved} {}", filter.steady_gain());
+        assert_eq!(filter.steady_gain()[3] == 0.0, disturbance_psd_per_s.is_none(), "a known hover is not corrected");
     }
-    filter.predict(0.0, T);
-    let before = filter.filter.state;
-    let expected = before[0];
-    filter.update(expected + 1.0);
-    let moved = filter.filter.state - before;
-    assert!((moved - filter.steady_gain()).norm() < 1e-9, "{moved} {}", filter.steady_gain());
+}
+
+#[test]
+fn whatever_the_config_allows_has_a_steady_gain() {
+    let ends = |low: f64, high: f64| [low, (low * high).sqrt(), high];
+    for drag_per_s in [0.0, 3.9, 1e3] {
+        for fan_lag_s in [None, Some(1e-3), Some(0.257), Some(10.0)] {
+            for sensor_mm in ends(1e-3, 1e3) {
+                for acceleration_psd_mm2_per_s3 in ends(1e-6, 1e9) {
+                    for disturbance_psd_per_s in [None, Some(1e-12), Some(1e-3), Some(1e9)] {
+                        let believed = Believed { drag_per_s, fan_lag_s, ..G_C };
+                        let set = Observer {
+                            believed,
+                            sensor_mm,
+                            acceleration_psd_mm2_per_s3,
+                            disturbance_psd_per_s,
+                            ..OBSERVER
+                        };
+                        let found = Estimator::new(set, T).map(|filter| *filter.steady_gain());
+                        let sound = found.is_ok_and(|gain| (0.0..=1.0).contains(&gain[0]) && gain.iter().all(|l| l.is_finite()));
+                        assert!(sound, "{set:?}: {found:?}");
+                    }
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -108,7 +137,7 @@ fn in_fast_sampling_the_gain_is_that_of_the_continuous_filter() {
     // A ball without drag under white acceleration: K = [√(2·ω₀), ω₀], ω₀ = √(q/R_c), R_c = R·T the density of the readings' noise.
     let free = Believed { drag_per_s: 0.0, fan_lag_s: None, ..G_C };
     let period_s = 1e-4;
-    let filter = Estimator::new(Observer { believed: free, ..OBSERVER }, period_s);
+    let filter = Estimator::new(Observer { believed: free, ..OBSERVER }, period_s).unwrap();
     let omega = (360.0 / (2.5 * 2.5 * period_s)).sqrt();
     let got = filter.steady_gain() / period_s;
     assert!((got[1] / omega - 1.0).abs() < 0.05, "{got}, exact {omega}");
@@ -128,7 +157,7 @@ fn it_works_through_missing_readings_and_irregular_cycles() {
 fn a_disturbance_is_found_and_the_fan_is_not_taken_for_one() {
     let set = Observer { disturbance_psd_per_s: Some(1e-3), ..OBSERVER };
     let mut truth = Truth::new(0.3);
-    let mut estimator = Estimator::new(set, T);
+    let mut estimator = Estimator::new(set, T).unwrap();
     let mut sum = 0.0;
     for k in 0..3000 {
         // Held near its place, as a controller would.
@@ -148,7 +177,7 @@ fn a_disturbance_is_found_and_the_fan_is_not_taken_for_one() {
 #[test]
 fn an_outlier_is_refused_and_leaves_no_trace_but_a_moved_ball_is_believed_in_the_end() {
     for gain in [Gain::SteadyState, Gain::TimeVarying] {
-        let mut estimator = Estimator::new(Observer { gain, ..OBSERVER }, T);
+        let mut estimator = Estimator::new(Observer { gain, ..OBSERVER }, T).unwrap();
         for _ in 0..200 {
             estimator.predict(0.0, T);
             estimator.update(250.0);
@@ -169,7 +198,7 @@ fn an_outlier_is_refused_and_leaves_no_trace_but_a_moved_ball_is_believed_in_the
 
 #[test]
 fn a_ball_that_lies_at_the_bottom_is_not_believed_to_fall_through_it() {
-    let mut estimator = Estimator::new(OBSERVER, T);
+    let mut estimator = Estimator::new(OBSERVER, T).unwrap();
     estimator.update(0.0);
     for _ in 0..50 {
         estimator.predict(-21.4, T);
@@ -181,7 +210,7 @@ fn a_ball_that_lies_at_the_bottom_is_not_believed_to_fall_through_it() {
 
 #[test]
 fn the_first_reading_is_where_the_ball_is() {
-    let mut estimator = Estimator::new(OBSERVER, T);
+    let mut estimator = Estimator::new(OBSERVER, T).unwrap();
     assert_eq!(estimator.estimate(), None);
     assert_eq!(estimator.update(123.0), None);
     assert_eq!(estimator.estimate().unwrap().position_mm, 123.0);

@@ -1,6 +1,6 @@
 //! What `regulator.rs` promises: every controller flies the believed plant, none says nonsense, and none bumps another.
 
-use super::{Kind, Limits, Regulator};
+use super::{Kind, Limits, Regulator, Unready};
 use crate::believed::{State, tests::G_C};
 use crate::cascade::Cascade;
 use crate::controller::{Controllers, OpenLoop};
@@ -197,8 +197,9 @@ fn a_controller_that_is_not_there_is_not_switched_to_and_one_without_an_observer
     let mut pid_only = regulator(Controllers::only_pid(all().pid.unwrap()));
     assert!(!pid_only.switch(Kind::Mpc));
     assert_eq!(pid_only.kind(), Kind::Pid);
-    assert!(Regulator::new(all(), None, T).is_none());
-    assert!(Regulator::new(Controllers::default(), Some(&observer()), T).is_none());
+    let refused = |set, observer: Option<&Observer>| Regulator::new(set, observer, T).unwrap_err();
+    assert_eq!(refused(all(), None), Unready::NoObserver { needed_by: "lqg" });
+    assert_eq!(refused(Controllers::default(), Some(&observer())), Unready::NoController);
 }
 
 /// What can come in: any number, or none.

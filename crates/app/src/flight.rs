@@ -155,6 +155,9 @@ impl<'a, R: Rig> Flight<'a, R> {
             position_mm: decision.position_mm,
             fresh: matches!(seen, Seen::Ball(_)),
             velocity_mm_per_s: decision.velocity_mm_per_s,
+            estimated_position_mm: decision.estimate.map(|estimate| estimate.position_mm),
+            estimated_fan_percent: decision.estimate.map(|estimate| estimate.fan),
+            estimated_disturbance_percent: decision.estimate.map(|estimate| estimate.disturbance),
             innovation_mm: decision.surprise.map(|surprise| surprise.innovation_mm),
             innovation_test_ratio: decision.surprise.map(|surprise| surprise.test_ratio),
         };

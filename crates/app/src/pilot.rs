@@ -21,6 +21,7 @@ use crate::log::record::{Fault, Mode};
 use control::Duty;
 use control::compensation::Compensator;
 use control::controller::Kind;
+use control::observer::Estimate;
 use control::pid::Pid;
 use programme::Programme;
 use still::Still;
@@ -141,6 +142,7 @@ impl Pilot {
             duty: Duty::OFF,
             velocity_mm_per_s: self.orders.regulator.velocity_mm_per_s(),
             position_mm: self.last.map(|(_, mm)| mm),
+            estimate: self.estimate(),
             surprise: self.orders.regulator.surprise(),
         };
         match (self.mode, self.demand(time_s)) {
@@ -175,6 +177,13 @@ impl Pilot {
         let dt_s = gap_s.unwrap_or(self.orders.reading_period_s).min(self.missing_s());
         self.orders.regulator.read(position_mm, dt_s);
         Some(dt_s)
+    }
+
+    /// What the observer knows, in percent of duty where it counts in control values.
+    fn estimate(&self) -> Option<Estimate> {
+        let percent = |control| self.compensator.about_hover(control);
+        let estimate = self.orders.regulator.observed()?;
+        Some(Estimate { fan: percent(estimate.fan), disturbance: percent(estimate.disturbance), ..estimate })
     }
 
     fn change_mode(&mut self, time_s: f64, seen: Seen) {

@@ -52,6 +52,15 @@ pub struct Cycle {
     pub fresh: bool,
     /// The estimated velocity, millimetres per second, upward. Absent before the first reading.
     pub velocity_mm_per_s: Option<f64>,
+    /// The observer's estimate of the position, mm. Absent without an observer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_position_mm: Option<f64>,
+    /// What the observer believes that the fan gives, percent of duty about hover: the control value behind the fan's lag.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_fan_percent: Option<f64>,
+    /// What the observer believes that hover lacks, percent of duty.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_disturbance_percent: Option<f64>,
     /// The reading minus what the observer expected, millimetres. Absent without a reading or an observer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub innovation_mm: Option<f64>,

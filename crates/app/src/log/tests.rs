@@ -26,6 +26,9 @@ pub(super) fn cycles(count: u32) -> Vec<Cycle> {
             fresh: k >= 2 && !k.is_multiple_of(7),
             velocity_mm_per_s: (k >= 3).then(|| -84.0 * (2.1 * time_s).sin()),
             control_mm_per_s2: None,
+            estimated_position_mm: None,
+            estimated_fan_percent: None,
+            estimated_disturbance_percent: None,
             innovation_mm: None,
             innovation_test_ratio: None,
         }

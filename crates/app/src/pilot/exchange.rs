@@ -5,7 +5,7 @@ use crate::experiment::Experiment;
 use crate::log::record::{Fault, Mode};
 use control::Duty;
 use control::compensation::Compensation;
-use control::observer::Surprise;
+use control::observer::{Estimate, Surprise};
 use control::regulator::Regulator;
 
 /// What the pilot knows before a flight.
@@ -49,6 +49,8 @@ pub struct Decision {
     pub velocity_mm_per_s: Option<f64>,
     /// The last position seen, mm.
     pub position_mm: Option<f64>,
+    /// What the observer knows, fan and hover in percent of duty.
+    pub estimate: Option<Estimate>,
     /// What the reading said to the observer.
     pub surprise: Option<Surprise>,
 }

@@ -175,6 +175,15 @@ fn another_controller_takes_over_on_command_without_moving_the_duty() {
 }
 
 #[test]
+fn the_observers_estimate_is_told_where_there_is_an_observer() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    assert_eq!(pilot.decide(0.0, Seen::Ball(300.0)).estimate, None);
+    pilot.orders.regulator = all();
+    let told = (1..200).filter_map(|k| pilot.decide(T * f64::from(k), Seen::Ball(300.0)).estimate).last().unwrap();
+    assert!((told.position_mm - 300.0).abs() < 5.0 && told.fan.is_finite() && told.disturbance.is_finite(), "{told:?}");
+}
+
+#[test]
 fn a_controller_that_the_config_does_not_hold_is_refused_with_those_that_it_does() {
     let mut pilot = pilot(vec![segment(60.0)]);
     let refusal = pilot.command(Command::Controller(Kind::Lqg)).unwrap_err().to_string();

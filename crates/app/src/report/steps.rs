@@ -165,6 +165,9 @@ mod tests {
             fresh: true,
             velocity_mm_per_s: Some(0.0),
             control_mm_per_s2: None,
+            estimated_position_mm: None,
+            estimated_fan_percent: None,
+            estimated_disturbance_percent: None,
             innovation_mm: None,
             innovation_test_ratio: None,
         }

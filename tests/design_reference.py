@@ -35,11 +35,11 @@ def plant_of(found):
     p = found["plant"]
     lags = numpy.polymul([p["fan_lag_s"], 1.0], [p["sensor_lag_s"], 1.0])
     ball = [1.0, p["drag_per_s"], p["gradient_per_s2"]]
-    return control.tf([p["gain_mm_per_s2_per_percent"]], numpy.trim_zeros(numpy.polymul(ball, lags), "f"))
+    return control.tf([p["gain_mm_per_s2_per_control"]], numpy.trim_zeros(numpy.polymul(ball, lags), "f"))
 
 
 def laws(pid, period=None):
-    """Feedback and setpoint law: continuous, or as the firmware computes them."""
+    """Feedback and setpoint law of a PID: continuous, or as the firmware computes them."""
     kp, ti, td, n = pid["kp_per_mm"], pid["ti_s"], pid["td_s"], pid["derivative_n"]
     if period is None:
         integral = control.tf([1.0], [ti, 0.0]) if ti else control.tf([0.0], [1.0])
@@ -48,7 +48,8 @@ def laws(pid, period=None):
         integral = control.tf([period / ti], [1.0, -1.0], period) if ti else control.tf([0.0], [1.0], period)
         pole = numpy.exp(-n * period / td) if td else 0.0
         derivative = control.tf([n, -n], [1.0, -pole], period) if td else control.tf([0.0], [1.0], period)
-    return kp * (1 + integral + derivative), kp * (1 + integral)
+    setpoint, rate = pid["setpoint_weight"], pid["derivative_weight"]
+    return kp * (1 + integral + derivative), kp * (setpoint + integral + rate * derivative)
 
 
 def stable(loop, gain):
@@ -95,7 +96,7 @@ def gains_of_states():
     pair = ["--pole=-2+2i", "--pole=-2-2i"]
     found = design("poles", *pair)
     p = found["plant"]
-    k, a, tau = p["gain_mm_per_s2_per_percent"], p["drag_per_s"], p["fan_lag_s"]
+    k, a, tau = p["gain_mm_per_s2_per_control"], p["drag_per_s"], p["fan_lag_s"]
     two = numpy.array([[0, 1], [0, -a]]), numpy.array([[0], [k]])
     three = numpy.array([[0, 1, 0], [0, -a, 1], [0, 0, -1 / tau]]), numpy.array([[0], [0], [k / tau]])
     same("two poles", found["state_feedback"]["gain"], control.place(*two, [-2 + 2j, -2 - 2j]).ravel())
@@ -110,6 +111,43 @@ def gains_of_states():
         found = design("lqr", "--sampled", *flags)
         same(f"sampled lqr {flags}", found["state_feedback"]["gain"], control.dlqr(sampled.A, sampled.B, q, 1e4)[0].ravel())
     observer(three[0], period)
+
+
+def lqg():
+    """The loop of an LQG as a state space of plant and observer, from the gains alone."""
+    found = design("lqr", "--with-fan")
+    p, period, of = found["plant"], found["period_s"], found["sampled"]
+    k, a, tau = p["gain_mm_per_s2_per_control"], p["drag_per_s"], p["fan_lag_s"]
+    believed = numpy.array([[0, 1, 0, 0], [0, -a, k, k], [0, 0, -1 / tau, 0], [0, 0, 0, 0]])
+    plant = control.c2d(control.ss(believed, [[0], [0], [1 / tau], [0]], [[1, 0, 0, 0]], 0), period)
+    phi, gamma, c = plant.A, plant.B, plant.C
+    first, second, fan = (found["lqg"]["feedback"][key] for key in ("position_per_mm", "velocity_s_per_mm", "fan"))
+    gain = numpy.array([[first, second, fan, fan + 1]])
+    l = numpy.array(found["lqg"]["observer_gain"])[:, None]
+    keep = numpy.eye(4) - l @ c
+    inner = keep @ (phi - gamma @ gain)
+    # The flight itself: reading, estimate, control value, and the ball moves on.
+    ball, seen, moved = numpy.zeros((4, 1)), numpy.zeros((4, 1)), numpy.zeros((4, 1))
+    values = []
+    for _ in range(1000):
+        values.append(ball[0, 0])
+        seen = moved + l * (ball[0, 0] - moved[0, 0])
+        value = first - (gain @ seen)[0, 0]
+        ball, moved = phi @ ball + gamma * value, phi @ seen + gamma * value
+    values = numpy.array(values)
+    same("lqg: overshoot", of["step"]["overshoot_percent"], max(100 * (values.max() - 1), 0), 1e-3, 0.1)
+    same("lqg: settling", of["step"]["settling_s"], period * numpy.nonzero(numpy.abs(values - 1) > 0.05)[0][-1], 0, 2 * period)
+    # Margins from the frequency response on the circle.
+    omega = numpy.geomspace(1e-2, 0.999 * numpy.pi / period, 200_000)
+    z = numpy.exp(1j * omega * period)
+    compensator, ball = control.ss(inner, l, gain @ inner, gain @ l, period), control.ss(phi[:3, :3], gamma[:3], c[:, :3], 0, period)
+    loop = compensator(z) * ball(z)
+    ones = numpy.nonzero(numpy.diff(numpy.sign(numpy.abs(loop) - 1)))[0]
+    phase = [(omega[i], numpy.degrees(numpy.angle(-loop[i]))) for i in ones]
+    same("lqg: phase margins", [(m["omega"], m["phase_deg"]) for m in of["phase_margins"]], phase, 1e-3)
+    turns = numpy.nonzero((numpy.diff(numpy.sign(loop.imag)) != 0) & (loop.real[1:] < 0))[0]
+    gains = [(omega[i], -1 / loop[i].real) for i in turns]
+    same("lqg: gain margins", [(m["omega"], m["factor"]) for m in of["gain_margins"]], gains, 1e-3)
 
 
 def observer(a, period):
@@ -155,5 +193,6 @@ for arguments in (["loop"], ["pid"], ["pid", "--omega", "2", "--damping", "0.5"]
     assess(" ".join(arguments), found, plant)
     assess(" ".join(arguments) + ", sampled", found, control.c2d(plant, period), period)
 gains_of_states()
+lqg()
 critical_gains()
 print(f"{compared} designs and figures agree with python-control {control.__version__} and SciPy {scipy.__version__}")

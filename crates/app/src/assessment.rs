@@ -1,12 +1,16 @@
-//! What a loop bears: the linear plant of a model under a PID, in continuous time and sampled as the firmware does it.
+//! What a loop bears: the linear plant of a model under a controller, in continuous time and sampled as the firmware does it.
 //!
 //! The document of `airball design` (`airball.design/1`). Frequencies in rad/s, poles in 1/s (continuous) or as z (sampled).
 
 use control::design::critical::{critical_gain, critical_integral_time};
-use control::design::law::{Gains, closed};
+use control::design::law::{Gains, Law, Weights};
+use control::design::lqg::Observed;
 use control::design::margins::{gain_margins, phase_margins};
 use control::design::{DesignError, Linear, Plane, Transfer, step};
 use serde::Serialize;
+
+/// The period of the sensor's readings, seconds: what an observer counts on where no loop's period is known.
+const SENSOR_PERIOD_S: f64 = 0.02;
 
 /// One crossing of −180°.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -50,7 +54,7 @@ pub struct Assessment {
     pub gain_margins: Vec<GainMargin>,
     /// In the order of frequency.
     pub phase_margins: Vec<PhaseMargin>,
-    /// The K_p at which the loop loses stability, its other gains kept; `None`: at none, or it has no stability at any.
+    /// The K_p at which the loop of a PID loses stability, its other gains kept; `None`: at none, or it has no stability at any.
     pub critical_kp_per_mm: Option<f64>,
     /// The T_i at which it does, seconds.
     pub critical_ti_s: Option<f64>,
@@ -71,13 +75,17 @@ pub struct Pid {
     pub td_s: f64,
     /// N of the derivative filter.
     pub derivative_n: f64,
+    /// b: how much of a setpoint's change the proportional part sees.
+    pub setpoint_weight: f64,
+    /// c: how much of it the derivative sees.
+    pub derivative_weight: f64,
 }
 
 /// The plant in words of JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Plant {
-    /// K, mm/s² per percent.
-    pub gain_mm_per_s2_per_percent: f64,
+    /// K, mm/s² per unit of the control value: percent of duty, or nominal mm/s² behind a predistortion.
+    pub gain_mm_per_s2_per_control: f64,
     /// a, 1/s.
     pub drag_per_s: f64,
     /// Fall of the lift with height, 1/s².
@@ -90,10 +98,20 @@ pub struct Plant {
     pub delay_s: f64,
 }
 
+impl Pid {
+    /// The words for gains and weights.
+    #[must_use]
+    pub const fn of(gains: &Gains, weights: &Weights) -> Self {
+        let Gains { kp_per_mm, ti_s, td_s, derivative_n } = *gains;
+        let Weights { setpoint: setpoint_weight, derivative: derivative_weight } = *weights;
+        Self { kp_per_mm, ti_s, td_s, derivative_n, setpoint_weight, derivative_weight }
+    }
+}
+
 impl From<Linear> for Plant {
     fn from(plant: Linear) -> Self {
         Self {
-            gain_mm_per_s2_per_percent: plant.gain,
+            gain_mm_per_s2_per_control: plant.gain,
             drag_per_s: plant.drag_per_s,
             gradient_per_s2: plant.gradient_per_s2,
             fan_lag_s: plant.fan_lag_s,
@@ -103,62 +121,80 @@ impl From<Linear> for Plant {
     }
 }
 
-impl From<Gains> for Pid {
-    fn from(gains: Gains) -> Self {
-        let Gains { kp_per_mm, ti_s, td_s, derivative_n } = gains;
-        Self { kp_per_mm, ti_s, td_s, derivative_n }
-    }
+/// What closes a loop.
+#[derive(Clone, Copy, Debug)]
+pub enum Closing {
+    /// A PID, or a state feedback of position and velocity, which is one.
+    Pid(Gains, Weights),
+    /// A feedback of the observer's estimate.
+    Lqg(Observed),
 }
 
-/// A loop: gains around a plant.
+/// A loop: a controller around a plant.
 #[derive(Clone, Copy, Debug)]
 pub struct Loop {
     /// The plant.
     pub plant: Linear,
     /// The controller.
-    pub gains: Gains,
-    /// Whether the derivative acts on the error, and not on the measurement alone.
-    pub derivative_on_error: bool,
+    pub closing: Closing,
+    /// Time between samples, seconds, where it is known.
+    pub period_s: Option<f64>,
 }
 
 impl Loop {
     /// In continuous time.
-    #[must_use]
-    pub fn continuous(&self) -> Assessment {
+    ///
+    /// # Errors
+    /// [`DesignError::NoRiccatiSolution`]: the observer has no steady gain.
+    pub fn continuous(&self) -> Result<Assessment, DesignError> {
         self.assess(&self.plant.continuous())
     }
 
-    /// Sampled every `period_s` seconds.
+    /// Sampled as the firmware does it; `None` where the period is not known.
     ///
     /// # Errors
-    /// [`DesignError::DelayTooLong`].
-    pub fn sampled(&self, period_s: f64) -> Result<Assessment, DesignError> {
-        Ok(self.assess(&self.plant.sampled(period_s)?))
+    /// [`DesignError::DelayTooLong`], [`DesignError::NoRiccatiSolution`].
+    pub fn sampled(&self) -> Result<Option<Assessment>, DesignError> {
+        self.period_s.map(|period_s| self.assess(&self.plant.sampled(period_s)?)).transpose()
     }
 
-    fn assess(&self, plant: &Transfer) -> Assessment {
-        let of = self.gains.feedback(plant.plane).then(plant);
-        let closed = closed(&self.gains, plant, self.derivative_on_error);
-        let gain = gain_margins(&of);
-        let phase = phase_margins(&of);
+    /// The controller's law.
+    ///
+    /// # Errors
+    /// [`DesignError::NoRiccatiSolution`]: the observer has no steady gain.
+    pub fn law(&self, plane: Plane) -> Result<Law, DesignError> {
+        match &self.closing {
+            Closing::Pid(gains, weights) => Ok(gains.law(plane, *weights)),
+            Closing::Lqg(observed) => observed.law(plane, self.period_s.unwrap_or(SENSOR_PERIOD_S)),
+        }
+    }
+
+    fn assess(&self, plant: &Transfer) -> Result<Assessment, DesignError> {
+        let law = self.law(plant.plane)?;
+        let of = law.feedback.then(plant);
+        let (gain, phase) = (gain_margins(&of), phase_margins(&of));
         // Sampled poles are shown as z, not as δ.
         let unit = if plant.plane == Plane::Continuous { 0.0 } else { 1.0 };
-        Assessment {
+        let gains = match &self.closing {
+            Closing::Pid(gains, _) => Some(gains),
+            Closing::Lqg(_) => None,
+        };
+        Ok(Assessment {
             stable: of.is_stable_closed(1.0),
             gain_margins: gain.iter().map(|m| GainMargin { omega: m.omega, factor: m.factor }).collect(),
             phase_margins: phase
                 .iter()
                 .map(|m| PhaseMargin { omega: m.omega, phase_deg: m.phase_deg, delay_s: m.delay_s })
                 .collect(),
-            critical_kp_per_mm: critical_gain(&self.gains, plant).value(),
-            critical_ti_s: critical_integral_time(&self.gains, plant).value(),
-            step: step::figures(&closed).map(|figures| Step {
+            critical_kp_per_mm: gains.and_then(|gains| critical_gain(gains, plant).value()),
+            critical_ti_s: gains.and_then(|gains| critical_integral_time(gains, plant).value()),
+            step: step::figures(&law.closed(plant)).map(|figures| Step {
                 overshoot_percent: figures.overshoot_percent,
                 peak_s: figures.peak_s,
                 rise_s: figures.rise_s,
                 settling_s: figures.settling_s,
             }),
             poles: of.closed_poles(1.0).iter().map(|pole| [pole.re + unit, pole.im]).collect(),
-        }
+        })
     }
 }

@@ -142,6 +142,15 @@ impl Observer {
         Kalman { state, covariance: SMatrix::from_diagonal(&variances) }
     }
 
+    /// L: what the steady-state filter makes of a millimetre of surprise, as position, velocity, fan and disturbance, when
+    /// readings come every `period_s`.
+    ///
+    /// # Errors
+    /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady gain can be computed.
+    pub fn steady_gain(&self, period_s: f64) -> Result<State, DesignError> {
+        Ok(self.steady(period_s, &self.believed.over(period_s))?.gain)
+    }
+
     /// The gain to which the filter converges when readings come every `period_s`.
     fn steady(&self, period_s: f64, transition: &Transition) -> Result<Steady, DesignError> {
         let (noise, reading) = (self.noise(period_s, transition), self.reading_variance());
@@ -173,12 +182,6 @@ impl Estimator {
     #[must_use]
     pub const fn believed(&self) -> &Believed {
         &self.set.believed
-    }
-
-    /// L: what the steady-state filter makes of a millimetre of surprise, as position, velocity, fan and disturbance.
-    #[must_use]
-    pub const fn steady_gain(&self) -> &State {
-        &self.steady.gain
     }
 
     /// The estimate. `None` before the first reading.

@@ -125,6 +125,14 @@ impl Curve {
         (force(self.knots.first()), force(self.knots.last()))
     }
 
+    /// Percent of duty for each mm/s² of a small control value: what turns a plant's gain for a duty into one for the control value.
+    #[must_use]
+    pub fn percent_per_mm_per_s2(&self) -> f64 {
+        let (weakest, strongest) = self.reach();
+        let small = SMALL * (-weakest).min(strongest);
+        (self.duty_about_hover(small) - self.duty_about_hover(-small)) / (2.0 * small)
+    }
+
     /// How much of a small control value the measured fan gives behind this curve, below and above hover: the slope, through
     /// the origin and by least squares, of the measured force over the control value that asks for its duty. 1 is linear.
     #[must_use]

@@ -25,7 +25,9 @@ use crate::observer::{Estimate, Estimator, Observer, Surprise};
 use crate::pid::{Pid, PidState};
 use libm::{exp, fabs};
 
-/// Time constant of the velocity's derivative filter, seconds, and its N: 30 ms of smoothing.
+/// The velocity's derivative filter smooths over so many seconds.
+pub const VELOCITY_FILTER_S: f64 = VELOCITY_TD_S / VELOCITY_N;
+/// Its T_d, seconds, and N.
 const VELOCITY_TD_S: f64 = 0.3;
 const VELOCITY_N: f64 = 10.0;
 /// How fast the shift of a handover fades, seconds, and below which it is over, control value.

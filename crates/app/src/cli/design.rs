@@ -56,6 +56,10 @@ pub struct PidArgs {
     /// The integral's real pole, 1/s
     #[arg(long, value_name = "1/S", default_value_t = 0.3)]
     pub real_pole: f64,
+    /// How much of a setpoint's change the proportional part sees, 0 to 1 [default: so much that a step does not see the
+    /// integral's pole]
+    #[arg(long, value_name = "B")]
+    pub setpoint_weight: Option<f64>,
     /// N: how many times faster than T_d the derivative filter is
     #[arg(long, value_name = "N", default_value_t = 10.0)]
     pub derivative_n: f64,
@@ -87,7 +91,7 @@ pub struct LqrArgs {
     /// Weight of the control value's square
     #[arg(long, value_name = "R", default_value_t = 10_000.0)]
     pub control: f64,
-    /// Feed the fan's state back as well; needs an observer to fly
+    /// Feed the fan's state back as well: LQG, whose patch brings its observer along
     #[arg(long)]
     pub with_fan: bool,
     /// Minimise the sum over the samples of the loop in place of the integral
@@ -101,6 +105,9 @@ pub struct ObserverArgs {
     /// Which model.
     #[command(flatten)]
     pub config: ConfigArgs,
+    /// Write the observer as a config patch for --patch
+    #[arg(long, value_name = "FILE")]
+    pub patch_out: Option<PathBuf>,
     /// Write the design as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,

@@ -1,10 +1,11 @@
-//! A design in words, as JSON and as a config patch.
+//! A design in words and as JSON.
 
-use crate::assessment::{Assessment, Loop, Pid, Plant};
-use crate::commands::design::Table as CriticalTable;
-use anyhow::{Result, bail};
+use crate::assessment::{Assessment, Closing, Loop, Pid, Plant};
+use crate::commands::design::{RIG, Table as CriticalTable};
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table, TableComponent};
+use control::design::DesignError;
+use control::state_feedback::{Integral, Lqg};
 use serde::Serialize;
 
 /// A state feedback u = K_r·r − K·x.
@@ -14,6 +15,17 @@ pub struct Feedback {
     pub gain: Vec<f64>,
     /// K_r.
     pub setpoint_gain: f64,
+    /// The integral of the config's state feedback, which is kept; `None`: there is none, or the observer finds hover.
+    pub integral: Option<Integral>,
+}
+
+/// A feedback of the observer's estimate, in units of the control value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Estimated {
+    /// As in `[controller.lqg]`.
+    pub feedback: Lqg,
+    /// L: what a millimetre of surprise says of position, velocity, fan and hover.
+    pub observer_gain: Vec<f64>,
 }
 
 /// The document of `airball design --json`.
@@ -23,10 +35,12 @@ pub struct Document {
     pub schema: &'static str,
     /// The linear plant that was designed for.
     pub plant: Plant,
-    /// The gains.
-    pub pid: Pid,
-    /// The state feedback behind the gains.
+    /// The gains; `None`: the controller is no PID.
+    pub pid: Option<Pid>,
+    /// The state feedback that was designed.
     pub state_feedback: Option<Feedback>,
+    /// The controller where it needs an observer.
+    pub lqg: Option<Estimated>,
     /// In continuous time.
     pub continuous: Assessment,
     /// Period of the sampled loop, seconds.
@@ -37,35 +51,29 @@ pub struct Document {
 
 impl Document {
     /// The document of a loop.
-    #[must_use]
-    pub fn of(of: &Loop, feedback: Option<Feedback>, period_s: Option<f64>, sampled: Option<Assessment>) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// [`DesignError`]: a delay that is too long, an observer that has no steady gain.
+    pub fn of(of: &Loop, feedback: Option<Feedback>) -> Result<Self, DesignError> {
+        let (pid, lqg) = match &of.closing {
+            Closing::Pid(gains, weights) => (Some(Pid::of(gains, weights)), None),
+            Closing::Lqg(observed) => {
+                let gain =
+                    of.period_s.map_or(Ok(vec![]), |t| observed.observer.steady_gain(t).map(|l| l.as_slice().to_vec()));
+                (None, Some(Estimated { feedback: observed.feedback, observer_gain: gain? }))
+            }
+        };
+        Ok(Self {
             schema: "airball.design/1",
             plant: of.plant.into(),
-            pid: of.gains.into(),
+            pid,
             state_feedback: feedback,
-            continuous: of.continuous(),
-            period_s,
-            sampled,
-        }
+            lqg,
+            continuous: of.continuous()?,
+            period_s: of.period_s,
+            sampled: of.sampled()?,
+        })
     }
-}
-
-/// The gains as a config patch. A feedback of position and velocity is a PID without integral.
-///
-/// # Errors
-/// A feedback of the fan's state needs an observer and is no PID.
-pub fn patch(document: &Document) -> Result<String> {
-    if document.state_feedback.as_ref().is_some_and(|feedback| feedback.gain.len() > 2) {
-        bail!(
-            "a gain on the fan's state needs an observer and is no PID; take it from --json, or design without the fan"
-        );
-    }
-    let Pid { kp_per_mm, ti_s, td_s, derivative_n } = document.pid;
-    Ok(format!(
-        "[controller.pid]\nkp_per_mm = {kp_per_mm:?}\nti_s = {ti_s:?}\ntd_s = {td_s:?}\n\
-         derivative_n = {derivative_n:?}\nderivative_on = \"measurement\"\n"
-    ))
 }
 
 /// How a line of the table says its figure.
@@ -74,19 +82,40 @@ type Figure = fn(&Assessment) -> String;
 /// The design in a few lines and a table.
 #[must_use]
 pub fn words(document: &Document) -> Vec<String> {
-    let Pid { kp_per_mm, ti_s, td_s, derivative_n } = document.pid;
     let mut lines = Vec::new();
     if let Some(feedback) = &document.state_feedback {
         let gain: Vec<String> = feedback.gain.iter().map(|k| format!("{k:.6}")).collect();
         lines.push(format!("feedback  K = [{}], K_r = {:.6}", gain.join(", "), feedback.setpoint_gain));
-        if feedback.gain.len() > 2 {
-            lines.push("          the table is without the fan's gain, which needs an observer".into());
-        }
+        lines.push(format!("          {}", hover_is_found(document.lqg.is_some(), feedback.integral)));
     }
-    let integral = if ti_s.is_finite() { format!("T_i = {ti_s:.4} s") } else { "no integral".into() };
-    lines.push(format!("gains     K_p = {kp_per_mm:.6} per mm, {integral}, T_d = {td_s:.4} s, N = {derivative_n}"));
+    if let Some(Pid { kp_per_mm, ti_s, td_s, derivative_n, setpoint_weight, derivative_weight }) = document.pid {
+        let integral = if ti_s.is_finite() { format!("T_i = {ti_s:.4} s") } else { "no integral".into() };
+        lines.push(format!(
+            "gains     K_p = {kp_per_mm:.6} per mm, {integral}, T_d = {td_s:.4} s, N = {derivative_n:.4}"
+        ));
+        let derivative = if derivative_weight > 0.0 { "error" } else { "measurement" };
+        lines.push(format!("weights   setpoint {setpoint_weight:.3}, derivative on the {derivative}"));
+    }
+    if let Some(Estimated { feedback, observer_gain }) = &document.lqg {
+        let Lqg { position_per_mm, velocity_s_per_mm, fan } = feedback;
+        lines.push(format!("lqg       {position_per_mm:.6} per mm, {velocity_s_per_mm:.6} s per mm, fan {fan:.4}"));
+        let gain: Vec<String> = observer_gain.iter().map(|l| format!("{l:.6}")).collect();
+        lines.push(format!("observer  L = [{}] a reading: position, velocity, fan, hover", gain.join(", ")));
+    }
     lines.push(table(document));
     lines
+}
+
+/// What a state feedback does about a hover that is not what was believed.
+fn hover_is_found(observed: bool, integral: Option<Integral>) -> String {
+    match integral {
+        _ if observed => "the observer finds hover".into(),
+        Some(Integral::Added { ti_s }) => format!("the config's integral is kept: added, T_i = {ti_s} s"),
+        Some(Integral::InPlace { ti_s }) => format!("the config's integral is kept: in place of K_r·r, T_i = {ti_s} s"),
+        None => {
+            "no integral: an error of hover stays as one of position; [controller.state_feedback] may have one".into()
+        }
+    }
 }
 
 fn table(document: &Document) -> String {
@@ -107,6 +136,10 @@ fn table(document: &Document) -> String {
         ("settled to ±5 %", |a| said(a.step.map(|s| s.settling_s), 2, " s", "–")),
     ];
     for (name, say) in rows {
+        // The critical gains are those of a PID.
+        if name.starts_with("critical") && document.pid.is_none() {
+            continue;
+        }
         let [continuous, sampled] = both(say);
         table.add_row([name.to_owned(), continuous, sampled]);
     }
@@ -124,7 +157,7 @@ pub fn critical_table(found: &CriticalTable) -> String {
         table.add_row([
             row.model.clone(),
             said(row.fan_pole_per_s, 3, " 1/s", ""),
-            if row.model == "the rig" { String::new() } else { said(row.critical_kp_per_mm, 4, "", "none") },
+            if row.model == RIG { String::new() } else { said(row.critical_kp_per_mm, 4, "", "none") },
             said(row.sampled_critical_kp_per_mm, 4, "", "none"),
             said(row.critical_ti_s, 3, " s", "none"),
         ]);

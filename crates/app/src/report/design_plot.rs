@@ -1,104 +1,245 @@
-//! The picture of a design: step, root locus and poles, Bode magnitude and phase, as SVG.
+//! The picture of a design, as SVG: step and Bode diagram with the margins, root locus and poles in s and in z.
 
 use super::palette::{NOMINAL, RECORDED, SETPOINT};
-use super::plot::{Line, Panel, PlotError, drawn, panel, write};
+use super::plot::{Area, Line, Panel, PlotError, drawn, failed, panel, write};
 use crate::assessment::Loop;
-use control::design::law::closed;
+use control::design::law::Law;
+use control::design::margins::{gain_margins, phase_margins};
 use control::design::polynomial::magnitude;
-use control::design::{Transfer, step};
+use control::design::{Complex, DesignError, Plane, Transfer, step};
 use plotters::style::RGBColor;
+use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 /// Size of the picture, pixels.
-const SIZE: (u32, u32) = (1100, 800);
-/// The closed loop, the sampled loop, the poles.
-const CONTINUOUS: RGBColor = RECORDED;
-const SAMPLED: RGBColor = NOMINAL;
+const SIZE: (u32, u32) = (1200, 1080);
 /// Gains of the root locus: from a hundredth of the loop's to a hundred times.
 const LOCUS_DECADES: f64 = 2.0;
-const LOCUS_POINTS: u32 = 400;
-/// Frequencies of the Bode plot, powers of ten of rad/s.
+const LOCUS_POINTS: u32 = 600;
+/// Frequencies of the Bode diagram, powers of ten of rad/s.
 const BODE: (f64, f64) = (-2.0, 2.0);
 const BODE_POINTS: u32 = 600;
-/// The root locus shows this far to the left and up, times the fastest pole of the closed loop.
-const LOCUS_REACH: f64 = 1.5;
+/// The plane of s shows so many crossover frequencies to the left: the poles that a step shows.
+const REACH: f64 = 5.0;
+/// The plane of z: a unit circle that is round in its panel.
+const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
 
-/// Draws a loop; the sampled one beside it where `period_s` is known.
+/// One of the two forms of a loop.
+struct Form {
+    label: &'static str,
+    colour: RGBColor,
+    plant: Transfer,
+    law: Law,
+}
+
+impl Form {
+    fn open(&self) -> Transfer {
+        self.law.feedback.then(&self.plant)
+    }
+
+    fn line(&self, points: Vec<(f64, f64)>) -> Line {
+        Line { label: self.label, colour: self.colour, points }
+    }
+}
+
+/// Draws a loop, in continuous time and, where its period is known, sampled.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
-pub fn draw(path: &Path, of: &Loop, period_s: Option<f64>) -> Result<(), PlotError> {
-    let continuous = of.plant.continuous();
-    let sampled = period_s.and_then(|period_s| of.plant.sampled(period_s).ok());
+pub fn draw(path: &Path, of: &Loop) -> Result<(), PlotError> {
+    let forms = forms(of).map_err(failed)?;
     let svg = drawn(SIZE, |area| {
-        let panels = area.split_evenly((2, 2));
-        let plants = || [("continuous", CONTINUOUS, Some(continuous)), ("sampled", SAMPLED, sampled)];
-        let lines = |points: fn(&Loop, &Transfer) -> Vec<(f64, f64)>| -> Vec<Line> {
-            let line = |(label, colour, plant): (&'static str, RGBColor, Option<Transfer>)| {
-                Some(Line { label, colour, points: points(of, &plant?) })
-            };
-            plants().into_iter().filter_map(line).collect()
-        };
-        let (locus, poles) = root_locus(of, &continuous);
-        let [steps, gains, phases] = [lines(step_points), lines(decibels), lines(degrees)];
-        let of = |title, abscissa, ordinate, lines| Panel { title, abscissa, ordinate, lines, ..Panel::default() };
-        let frequency = "frequency, log₁₀ of rad/s";
-        panel(&panels[0], of("step of the setpoint", "time, s", "position, share of the step", &steps))?;
-        let plane =
-            of("root locus and poles (×)", "real part, 1/s", "imaginary part, 1/s", std::slice::from_ref(&locus));
-        panel(&panels[1], Panel { marks: &poles, ..plane })?;
-        panel(&panels[2], of("open loop: magnitude", frequency, "magnitude, dB", &gains))?;
-        panel(&panels[3], of("open loop: phase", frequency, "phase, degrees", &phases))
+        let (width, _) = area.dim_in_pixel();
+        let (left, right) = area.split_horizontally(width / 2);
+        let [left, right] = [left.split_evenly((3, 1)), right.split_evenly((2, 1))];
+        draw_step(&left[0], &forms)?;
+        draw_bode(&left[1], &forms, true)?;
+        draw_bode(&left[2], &forms, false)?;
+        forms.iter().zip(&right).try_for_each(|(form, area)| draw_plane(area, form))
     })?;
     write(path, &svg)
 }
 
-fn step_points(of: &Loop, plant: &Transfer) -> Vec<(f64, f64)> {
-    let response = step::response(&closed(&of.gains, plant, of.derivative_on_error));
-    let figures = step::figures(&closed(&of.gains, plant, of.derivative_on_error));
-    // Beyond twice the settling there is nothing to see.
-    let end_s = figures.map_or(0.0, |figures| (2.0 * figures.settling_s).max(1.0));
-    // A line of one point, where the loop is not stable: the axes still stand.
-    response.map_or_else(|| vec![(0.0, 0.0)], |response| response.take_while(|(time_s, _)| *time_s <= end_s).collect())
-}
-
-/// The poles of the closed loop over the gain, and where they are at the loop's own.
-fn root_locus(of: &Loop, plant: &Transfer) -> (Line, Vec<(f64, f64)>) {
-    let open = of.gains.feedback(plant.plane).then(plant);
-    let poles: Vec<(f64, f64)> = open.closed_poles(1.0).iter().map(|pole| (pole.re, pole.im)).collect();
-    let reach = LOCUS_REACH * poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max);
-    let mut points = Vec::new();
-    for k in 0..=LOCUS_POINTS {
-        let gain = 10.0_f64.powf(LOCUS_DECADES * (2.0 * f64::from(k) / f64::from(LOCUS_POINTS) - 1.0));
-        for pole in open.closed_poles(gain).iter().filter(|pole| pole.re.hypot(pole.im) <= reach) {
-            // Dots: a piece of its own for each, as the order of the roots says nothing.
-            points.extend([(pole.re, pole.im), (pole.re + 2e-3 * reach, pole.im), (f64::NAN, f64::NAN)]);
-        }
+/// Continuous and, where the period is known, sampled.
+fn forms(of: &Loop) -> Result<Vec<Form>, DesignError> {
+    let form = |label, colour, plant: Transfer| Ok(Form { label, colour, plant, law: of.law(plant.plane)? });
+    let mut forms = vec![form("continuous", RECORDED, of.plant.continuous())?];
+    if let Some(period_s) = of.period_s {
+        forms.push(form("sampled", NOMINAL, of.plant.sampled(period_s)?)?);
     }
-    (Line { label: "gain from 1/100 to 100 times", colour: SETPOINT, points }, poles)
+    Ok(forms)
 }
 
-fn bode(of: &Loop, plant: &Transfer, value: impl Fn(control::design::Complex<f64>) -> f64) -> Vec<(f64, f64)> {
-    let open = of.gains.feedback(plant.plane).then(plant);
-    let highest = match plant.plane {
-        control::design::Plane::Continuous => BODE.1,
-        control::design::Plane::Sampled(period_s) => (std::f64::consts::PI / period_s).log10().min(BODE.1),
+fn draw_step(area: &Area<'_>, forms: &[Form]) -> Result<(), PlotError> {
+    let lines = step_lines(forms);
+    let title = if lines.iter().any(|line| line.points.is_empty()) {
+        "step of the setpoint (none where the loop is not stable)"
+    } else {
+        "step of the setpoint"
+    };
+    panel(area, Panel { title, abscissa: "time, s", ordinate: "share of the step", lines: &lines, ..Panel::default() })
+}
+
+/// The steps of all forms over the same time, and the setpoint.
+fn step_lines(forms: &[Form]) -> Vec<Line> {
+    let closed: Vec<Transfer> = forms.iter().map(|form| form.law.closed(&form.plant)).collect();
+    // Beyond twice the slowest settling there is nothing to see.
+    let settled_s = closed.iter().filter_map(step::figures).map(|figures| figures.settling_s).fold(0.5, f64::max);
+    let end_s = 2.0 * settled_s;
+    let points = |closed: &Transfer| -> Vec<(f64, f64)> {
+        let Some(response) = step::response(closed) else { return vec![] };
+        let mut points: Vec<_> = response.take_while(|(time_s, _)| *time_s < end_s).collect();
+        // A response ends where its slowest pole has died away: from there it stands.
+        points.extend(points.last().map(|(_, value)| (end_s, *value)));
+        points
+    };
+    let mut lines: Vec<Line> = forms.iter().zip(&closed).map(|(form, closed)| form.line(points(closed))).collect();
+    lines.push(Line { label: "", colour: SETPOINT, points: vec![(0.0, 1.0), (end_s, 1.0)] });
+    lines
+}
+
+/// Magnitude or phase of the open loop, with rings at the margins.
+fn draw_bode(area: &Area<'_>, forms: &[Form], of_magnitude: bool) -> Result<(), PlotError> {
+    let (level, ordinate) = if of_magnitude { (0.0, "magnitude, dB") } else { (-180.0, "phase, degrees") };
+    let mut lines = vec![Line { label: "", colour: SETPOINT, points: vec![(BODE.0, level), (BODE.1, level)] }];
+    let (mut rings, mut words) = (vec![], vec![]);
+    for form in forms {
+        let curve = if of_magnitude { decibels(form) } else { degrees(form) };
+        let at = |omega: f64| interpolated(&curve, omega.log10());
+        let open = form.open();
+        if of_magnitude {
+            let margins = gain_margins(&open);
+            rings.extend(margins.iter().filter_map(|margin| at(margin.omega)));
+            words.extend(margins.first().map(|margin| format!("{} ×{:.2}", form.label, margin.factor)));
+        } else {
+            let margins = phase_margins(&open);
+            rings.extend(margins.iter().filter_map(|margin| at(margin.omega)));
+            words.extend(margins.first().map(|margin| format!("{} {:.0}°", form.label, margin.phase_deg)));
+        }
+        lines.push(form.line(curve));
+    }
+    let what = if of_magnitude { "gain" } else { "phase" };
+    let title =
+        format!("open loop, ○ {what} margin: {}", if words.is_empty() { "none".into() } else { words.join(", ") });
+    let marked = Panel { title: &title, abscissa: "frequency, rad/s", ordinate, lines: &lines, ..Panel::default() };
+    panel(area, Panel { rings: &rings, decades: true, ..marked })
+}
+
+/// The point of a curve of rising abscissae at `x`; `None` outside.
+fn interpolated(curve: &[(f64, f64)], x: f64) -> Option<(f64, f64)> {
+    let above = curve.partition_point(|point| point.0 <= x);
+    let (a, b) = (curve.get(above.checked_sub(1)?)?, curve.get(above)?);
+    Some((x, a.1 + (b.1 - a.1) * (x - a.0) / (b.0 - a.0)))
+}
+
+fn bode(form: &Form, value: impl Fn(Complex<f64>) -> f64) -> Vec<(f64, f64)> {
+    let open = form.open();
+    let highest = match form.plant.plane {
+        Plane::Continuous => BODE.1,
+        Plane::Sampled(period_s) => (PI / period_s).log10().min(BODE.1),
     };
     let at = |k: u32| BODE.0 + (highest - BODE.0) * f64::from(k) / f64::from(BODE_POINTS);
     (0..=BODE_POINTS).map(|k| (at(k), value(open.response(10.0_f64.powf(at(k)))))).collect()
 }
 
-fn decibels(of: &Loop, plant: &Transfer) -> Vec<(f64, f64)> {
-    bode(of, plant, |value| 20.0 * magnitude(value).log10())
+fn decibels(form: &Form) -> Vec<(f64, f64)> {
+    bode(form, |value| 20.0 * magnitude(value).log10())
 }
 
 /// Without the jumps of a whole turn.
-fn degrees(of: &Loop, plant: &Transfer) -> Vec<(f64, f64)> {
-    let mut points = bode(of, plant, |value| value.im.atan2(value.re).to_degrees());
+fn degrees(form: &Form) -> Vec<(f64, f64)> {
+    let mut points = bode(form, |value| value.im.atan2(value.re).to_degrees());
     let mut last = -180.0;
     for (_, phase) in &mut points {
         *phase -= 360.0 * ((*phase - last) / 360.0).round();
         last = *phase;
     }
     points
+}
+
+/// Root locus in the plane of s or z: crosses at the open loop's poles, rings at its zeros, dots at the closed loop's poles.
+fn draw_plane(area: &Area<'_>, form: &Form) -> Result<(), PlotError> {
+    let open = form.open();
+    let (window, boundary, title, axes) = match form.plant.plane {
+        Plane::Continuous => {
+            let crossover = phase_margins(&open).first().map_or(1.0, |margin| margin.omega);
+            let reach = REACH * crossover;
+            let edge = vec![(0.0, -0.7 * reach), (0.0, 0.7 * reach)];
+            let title = "root locus in s, gain × 1/100 to 100: × open loop, ○ zeros, ● closed loop";
+            (
+                [(-1.2 * reach, 0.4 * reach), (-0.7 * reach, 0.7 * reach)],
+                edge,
+                title,
+                ["real part, 1/s", "imaginary part, 1/s"],
+            )
+        }
+        Plane::Sampled(_) => {
+            let circle = (0..=360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos()).map(|(y, x)| (x, y)).collect();
+            let title = "root locus in z, gain × 1/100 to 100: × open loop, ○ zeros, ● closed loop";
+            (CIRCLE, circle, title, ["real part of z", "imaginary part of z"])
+        }
+    };
+    let unit = if form.plant.plane == Plane::Continuous { 0.0 } else { 1.0 };
+    let [(left, right), (low, high)] = window;
+    let seen = |roots: &[Complex<f64>]| -> Vec<(f64, f64)> {
+        let places = roots.iter().map(|root| (root.re + unit, root.im));
+        places.filter(|(x, y)| (left..=right).contains(x) && (low..=high).contains(y)).collect()
+    };
+    let locus = root_locus(&open, seen, right - left);
+    let [crosses, rings, dots] =
+        [seen(&open.denominator.roots()), seen(&open.numerator.roots()), seen(&open.closed_poles(1.0))];
+    let lines = [
+        Line { label: "", colour: SETPOINT, points: boundary },
+        Line { label: "", colour: form.colour, points: locus },
+    ];
+    let plane = Panel { title, abscissa: axes[0], ordinate: axes[1], lines: &lines, ..Panel::default() };
+    panel(area, Panel { window: Some(window), marks: &crosses, rings: &rings, dots: &dots, ..plane })
+}
+
+/// The poles of the closed loop over the gain, as dots: the order of the roots says nothing of which belongs to which.
+fn root_locus(open: &Transfer, seen: impl Fn(&[Complex<f64>]) -> Vec<(f64, f64)>, width: f64) -> Vec<(f64, f64)> {
+    let gain = |k: u32| 10.0_f64.powf(LOCUS_DECADES * (2.0 * f64::from(k) / f64::from(LOCUS_POINTS) - 1.0));
+    let poles = (0..=LOCUS_POINTS).flat_map(|k| seen(&open.closed_poles(gain(k))));
+    poles.flat_map(|(x, y)| [(x, y), (x + 2e-3 * width, y), (f64::NAN, f64::NAN)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Loop, degrees, forms, interpolated, step_lines};
+    use crate::assessment::Closing;
+    use control::design::Linear;
+    use control::design::law::{Gains, Weights};
+
+    /// The thesis' three-pole model under a PID, every 20 ms.
+    fn thesis(kp_per_mm: f64) -> Loop {
+        let gains = Gains { kp_per_mm, ti_s: 15.0, td_s: 0.35, derivative_n: 10.0 };
+        let closing = Closing::Pid(gains, Weights::MEASUREMENT);
+        Loop { plant: Linear::three_poles(827.2, 3.896, 3.896), closing, period_s: Some(0.02) }
+    }
+
+    #[test]
+    fn both_steps_are_drawn_over_the_same_time_and_end_at_the_setpoint() {
+        let lines = step_lines(&forms(&thesis(0.018)).unwrap());
+        let ends: Vec<(f64, f64)> = lines.iter().map(|line| *line.points.last().unwrap()).collect();
+        assert_eq!(ends.len(), 3);
+        for (time_s, value) in &ends {
+            assert!(*time_s == ends[0].0 && (value - 1.0).abs() < 0.05, "{ends:?}");
+        }
+    }
+
+    #[test]
+    fn a_loop_that_is_not_stable_has_no_step_to_draw() {
+        let lines = step_lines(&forms(&thesis(0.5)).unwrap());
+        assert!(lines[0].points.is_empty() && lines[1].points.is_empty());
+    }
+
+    #[test]
+    fn the_ring_of_a_margin_lies_on_its_curve() {
+        // K/(s(s + a)²) is at −180° where ω = a.
+        let gains = Gains { kp_per_mm: 0.01, ti_s: f64::INFINITY, td_s: 0.0, derivative_n: 10.0 };
+        let of = Loop { closing: Closing::Pid(gains, Weights::MEASUREMENT), ..thesis(0.01) };
+        let curve = degrees(&forms(&of).unwrap()[0]);
+        let (_, phase) = interpolated(&curve, 3.896_f64.log10()).unwrap();
+        assert!((phase + 180.0).abs() < 0.01, "{phase}");
+    }
 }

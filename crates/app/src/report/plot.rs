@@ -8,7 +8,7 @@ mod thinned;
 
 pub use diagnosis::diagnosis;
 pub(super) use diagnosis::{over_signals, over_time, runs};
-pub(super) use panel::{Diagram, Line, Panel, drawn, panel, shapes};
+pub(super) use panel::{Area, Diagram, Line, Panel, drawn, failed, panel, shapes};
 
 use super::palette::{DUTY, NOMINAL, RECORDED, SETPOINT};
 use crate::log::record::Cycle;

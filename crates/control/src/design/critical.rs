@@ -11,6 +11,7 @@
 //! ```
 //!
 //! Source: the thesis, section 3.1.4, whose table these numbers are; and its conclusion, which proposes the third pole.
+//! Erratum: its table 3.1.4.1 prints a critical T_i of 0.629 s for G_b, which by Routh is 1/a = 1/1.595 s = 0.627 s.
 
 use super::error::DesignError;
 use super::law::{Gains, integrator};
@@ -135,7 +136,6 @@ mod tests {
         ]
     }
 
-    /// Erratum: the thesis prints 0.629 for G_b; Routh gives 1/a = 1/1.595 = 0.627.
     #[test]
     fn the_table_of_critical_gains_is_that_of_the_thesis() {
         let [a, b, c] = thesis().map(|plant| plant.continuous());

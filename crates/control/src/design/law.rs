@@ -1,16 +1,60 @@
-//! The PID as the design sees it, in s and as the firmware computes it, in δ = z − 1.
+//! A control law as the design sees it, and the PID among them: in s and as the firmware computes it, in δ = z − 1.
 //!
 //! ```text
-//! C(s) = K_p·(1 + 1/(T_i·s) + T_d·s/(1 + T_d·s/N))
+//! u = S·setpoint − C·position                                   two degrees of freedom over one denominator
+//! C(s) = K_p·(1 + 1/(T_i·s) + T_d·s/(1 + T_d·s/N))              S: the same with b in place of the 1 and c times the derivative
 //! C(δ) = K_p·(1 + T/(T_i·δ) + N·δ/(δ + 1 − e^(−N·T/T_d)))       forward-Euler integral, exact derivative filter
 //! ```
 //!
-//! With the derivative on the measurement the setpoint sees only K_p·(1 + 1/(T_i·s)).
+//! Feedback of position and filtered velocity is the PID with T_d = k₂/k₁, c = 0 and b = K_r/k₁ (0 with the integral in place of K_r·r).
 //! Source: the thesis, section 4.1; the recursions of [`crate::pid`] and [`crate::filter`].
 
 use super::polynomial::Polynomial;
 use super::transfer::{Plane, Transfer};
+use crate::pid::{DerivativeOn, Pid};
 use libm::expm1;
+
+/// What a controller makes of position and setpoint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// C: from −position to control value.
+    pub feedback: Transfer,
+    /// S: from setpoint to control value, with the denominator of `feedback`.
+    pub setpoint: Transfer,
+}
+
+impl Law {
+    /// From setpoint to position, around `plant`.
+    #[must_use]
+    pub fn closed(&self, plant: &Transfer) -> Transfer {
+        Transfer {
+            numerator: self.setpoint.numerator.times(&plant.numerator),
+            denominator: self.feedback.then(plant).closed_denominator(1.0),
+            plane: plant.plane,
+        }
+    }
+}
+
+/// How much of the setpoint's changes a PID's parts see: its second degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// b: of the proportional part.
+    pub setpoint: f64,
+    /// c: of the derivative; 1 on the error, 0 on the measurement.
+    pub derivative: f64,
+}
+
+impl Weights {
+    /// Proportional part on the error, derivative on the measurement.
+    pub const MEASUREMENT: Self = Self { setpoint: 1.0, derivative: 0.0 };
+}
+
+impl From<&Pid> for Weights {
+    fn from(pid: &Pid) -> Self {
+        let derivative = if pid.derivative_on == DerivativeOn::Error { 1.0 } else { 0.0 };
+        Self { setpoint: pid.setpoint_weight, derivative }
+    }
+}
 
 /// Gains of a PID.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +67,13 @@ pub struct Gains {
     pub td_s: f64,
     /// N: how many times faster than T_d the derivative filter is.
     pub derivative_n: f64,
+}
+
+impl From<&Pid> for Gains {
+    fn from(pid: &Pid) -> Self {
+        let Pid { kp_per_mm, ti_s, td_s, derivative_n, .. } = *pid;
+        Self { kp_per_mm, ti_s, td_s, derivative_n }
+    }
 }
 
 impl Gains {
@@ -38,29 +89,26 @@ impl Gains {
         Self { ti_s: f64::INFINITY, ..self }
     }
 
-    /// From error to control value.
+    /// C: from −position to control value.
     #[must_use]
     pub fn feedback(&self, plane: Plane) -> Transfer {
-        let (rest, integral, derivative) = self.parts(plane);
-        let direct = rest.times(&integral.denominator).times(&derivative.denominator);
-        let numerator = direct
-            .plus(&integral.numerator.times(&derivative.denominator))
-            .plus(&derivative.numerator.times(&integral.denominator));
-        let denominator = integral.denominator.times(&derivative.denominator);
-        Transfer { numerator: numerator.scaled(self.kp_per_mm), denominator, plane }
+        self.weighted(plane, Weights { setpoint: 1.0, derivative: 1.0 })
     }
 
-    /// From setpoint to control value, where the derivative acts on the measurement. Its denominator is that of
-    /// [`Gains::feedback`].
+    /// The law with both degrees of freedom.
     #[must_use]
-    pub fn setpoint(&self, plane: Plane) -> Transfer {
-        let (rest, integral, derivative) = self.parts(plane);
-        let proportional = rest.times(&integral.denominator).plus(&integral.numerator);
-        Transfer {
-            numerator: proportional.times(&derivative.denominator).scaled(self.kp_per_mm),
-            denominator: integral.denominator.times(&derivative.denominator),
-            plane,
-        }
+    pub fn law(&self, plane: Plane, weights: Weights) -> Law {
+        Law { feedback: self.feedback(plane), setpoint: self.weighted(plane, weights) }
+    }
+
+    fn weighted(&self, plane: Plane, weights: Weights) -> Transfer {
+        let (one, integral, derivative) = self.parts(plane);
+        let direct = one.scaled(weights.setpoint).times(&integral.denominator).times(&derivative.denominator);
+        let numerator = direct
+            .plus(&integral.numerator.times(&derivative.denominator))
+            .plus(&derivative.numerator.scaled(weights.derivative).times(&integral.denominator));
+        let denominator = integral.denominator.times(&derivative.denominator);
+        Transfer { numerator: numerator.scaled(self.kp_per_mm), denominator, plane }
     }
 
     /// 1, the integral and the derivative, for K_p = 1.
@@ -96,21 +144,9 @@ pub fn integrator(plane: Plane) -> Transfer {
     }
 }
 
-/// From setpoint to position.
-#[must_use]
-pub fn closed(gains: &Gains, plant: &Transfer, derivative_on_error: bool) -> Transfer {
-    let feedback = gains.feedback(plant.plane);
-    let setpoint = if derivative_on_error { feedback } else { gains.setpoint(plant.plane) };
-    Transfer {
-        numerator: setpoint.numerator.times(&plant.numerator),
-        denominator: feedback.then(plant).closed_denominator(1.0),
-        plane: plant.plane,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Gains, Plane};
+    use super::{Gains, Plane, Weights};
     use crate::design::polynomial::magnitude;
     use nalgebra::Complex;
 
@@ -126,8 +162,9 @@ mod tests {
         let pole = libm::exp(-10.0 * t / 0.35);
         let exact = 0.018 * (1.0 + t / (15.0 * (z - 1.0)) + 10.0 * (z - 1.0) / (z - pole));
         assert!(magnitude(GAINS.feedback(Plane::Sampled(t)).at(delta) - exact) < 1e-12);
-        let exact = 0.018 * (1.0 + t / (15.0 * (z - 1.0)));
-        assert!(magnitude(GAINS.setpoint(Plane::Sampled(t)).at(delta) - exact) < 1e-12);
+        let law = GAINS.law(Plane::Sampled(t), Weights { setpoint: 0.6, derivative: 0.0 });
+        let exact = 0.018 * (0.6 + t / (15.0 * (z - 1.0)));
+        assert!(magnitude(law.setpoint.at(delta) - exact) < 1e-12);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Design: from a linear plant to the gains of a controller, and from a loop to what it can bear.
 //!
-//! [`plant`] → [`law`] → loop: [`margins`], [`critical`], [`step`]
+//! [`plant`] → [`law`] (PID, or [`lqg`]) → loop: [`margins`], [`critical`], [`step`]
 //! [`plant`] → gains: [`placement`] (PID), [`ackermann`] and [`riccati`] (state feedback, observer), [`relay`] (PID from an oscillation)
 //!
 //! Everything is done with small polynomials and small matrices on the stack, in continuous time (s) and for the sampled loop (δ = z − 1).
@@ -11,6 +11,7 @@ pub mod critical;
 pub mod discretise;
 mod error;
 pub mod law;
+pub mod lqg;
 pub mod margins;
 pub mod placement;
 pub mod plant;

@@ -9,7 +9,8 @@
 //! s³ + (a + K_g·K_d)·s² + K_g·K_p·s + K_g·K_i = (s² + 2δω·s + ω²)·(s + p)
 //! ```
 //!
-//! T_i = K_p/K_i, T_d = K_d/K_p. The derivative's filter, lags of the sensor, delays and the sampling are not in the equations;
+//! T_i = K_p/K_i, T_d = K_d/K_p. With the setpoint's weight b = 1/(p·T_i) the zero b + 1/(T_i·s) cancels the slow pole p, so that a step
+//! does not creep to its end behind an overshoot; at most 1. The derivative's filter, lags of the sensor, delays and the sampling are not in the equations;
 //! look at the margins of the loop with them.
 //! Source: Åström & Hägglund, *Advanced PID Control*, "Pole placement".
 
@@ -33,6 +34,8 @@ pub struct Wanted {
 pub struct Placed {
     /// The gains.
     pub gains: Gains,
+    /// b: the setpoint's weight.
+    pub setpoint_weight: f64,
     /// q, 1/s. `None`: the plant has no fan's pole.
     pub left_over_per_s: Option<f64>,
 }
@@ -67,7 +70,11 @@ pub fn place(plant: &Linear, wanted: Wanted, derivative_n: f64) -> Result<Placed
         }
     }
     let ti_s = if ki > 0.0 { kp / ki } else { f64::INFINITY };
-    Ok(Placed { gains: Gains { kp_per_mm: kp, ti_s, td_s: kd / kp, derivative_n }, left_over_per_s: left_over })
+    Ok(Placed {
+        gains: Gains { kp_per_mm: kp, ti_s, td_s: kd / kp, derivative_n },
+        setpoint_weight: (1.0 / (p * ti_s)).min(1.0),
+        left_over_per_s: left_over,
+    })
 }
 
 #[cfg(test)]
@@ -75,9 +82,12 @@ mod tests {
     extern crate std;
 
     use super::{Wanted, place};
+    use crate::design::law::Weights;
     use crate::design::polynomial::magnitude;
+    use crate::design::step::figures;
     use crate::design::{Complex, Linear, Plane};
-    use libm::sqrt;
+    use core::f64::consts::PI;
+    use libm::{exp, sqrt};
 
     const WANTED: Wanted = Wanted { damping: 0.7, omega: 2.0, real_pole_per_s: 0.8 };
 
@@ -102,6 +112,21 @@ mod tests {
             Linear { gradient_per_s2: 1.5, ..Linear::three_poles(827.2, 3.896, 6.0) },
             Wanted { omega: 3.0, ..WANTED },
         );
+    }
+
+    #[test]
+    fn with_its_weight_a_step_does_not_see_the_integrals_pole() {
+        let plant = Linear::two_poles(254.598, 1.889);
+        let placed = place(&plant, WANTED, 1e7).unwrap();
+        let step = |setpoint| {
+            let law = placed.gains.law(Plane::Continuous, Weights { setpoint, derivative: 0.0 });
+            figures(&law.closed(&plant.continuous())).unwrap()
+        };
+        // What is left is the pair: overshoot e^(−πδ/√(1 − δ²)).
+        let exact = 100.0 * exp(-PI * 0.7 / sqrt(1.0 - 0.49));
+        let (weighted, whole) = (step(placed.setpoint_weight), step(1.0));
+        assert!((weighted.overshoot_percent - exact).abs() < 0.01, "{weighted:?}, exact {exact} %");
+        assert!(whole.overshoot_percent > 2.0 * exact && whole.settling_s > weighted.settling_s, "{whole:?}");
     }
 
     #[test]

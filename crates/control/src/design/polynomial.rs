@@ -109,6 +109,15 @@ impl Polynomial {
         Self { coefficients: self.coefficients.map(|c| c * factor), ..*self }.trimmed()
     }
 
+    /// The same with a root at 0 exactly, where there is one (`is`) that rounding has moved.
+    #[must_use]
+    pub const fn with_root_at_0(mut self, is: bool) -> Self {
+        if is {
+            self.coefficients[0] = 0.0;
+        }
+        self
+    }
+
     /// p(x + by), by Horner's scheme.
     #[must_use]
     pub fn shifted(&self, by: f64) -> Self {

@@ -18,8 +18,8 @@ use nalgebra::{SMatrix, SVector};
 
 /// The band that counts as settled.
 pub const BAND: f64 = 0.05;
-/// The highest order of a continuous closed loop: four lags, the delay's four, the controller's two.
-const ORDER: usize = 10;
+/// The highest order of a continuous closed loop: four lags, the delay's four, the controller's four.
+const ORDER: usize = 12;
 /// Points of a response, and how far it goes: time constants of its slowest pole.
 const POINTS: f64 = 20_000.0;
 const SLOWEST_TIMES: f64 = 7.0;
@@ -58,7 +58,7 @@ enum Motion {
     Recurred { numerator: Polynomial, denominator: Polynomial, states: [f64; CAPACITY] },
 }
 
-/// The step response of `closed`. `None`: it is not stable, or is no loop of ours (of order above 10, or not proper).
+/// The step response of `closed`. `None`: it is not stable, or is no loop of ours (of order above 12, or not proper).
 #[must_use]
 pub fn response(closed: &Transfer) -> Option<Response> {
     let poles = closed.denominator.roots();
@@ -171,7 +171,7 @@ pub fn figures(closed: &Transfer) -> Option<Figures> {
 #[cfg(test)]
 mod tests {
     use super::{figures, response};
-    use crate::design::law::{Gains, closed};
+    use crate::design::law::{Gains, Weights};
     use crate::design::{Linear, Plane, Polynomial, Transfer};
     use libm::{exp, sqrt};
 
@@ -203,8 +203,8 @@ mod tests {
         let plant = Linear { delay_s: 0.05, sensor_lag_s: 0.02, ..Linear::three_poles(827.2, 3.896, 3.896) };
         // No derivative: the sampled filter's is N·T/(1 − e^(−N·T/T_d)), which is more than T_d.
         let gains = Gains::pi(0.006, 5.0);
-        let slow = figures(&closed(&gains, &plant.continuous(), false)).unwrap();
-        let fast = figures(&closed(&gains, &plant.sampled(0.004).unwrap(), false)).unwrap();
+        let of = |plant: &Transfer| figures(&gains.law(plant.plane, Weights::MEASUREMENT).closed(plant)).unwrap();
+        let (slow, fast) = (of(&plant.continuous()), of(&plant.sampled(0.004).unwrap()));
         assert!((slow.overshoot_percent - fast.overshoot_percent).abs() < 0.3, "{slow:?} {fast:?}");
         assert!((slow.settling_s - fast.settling_s).abs() < 0.05, "{slow:?} {fast:?}");
         assert!((fast.end - 1.0).abs() < 1e-12, "an integral ends at the setpoint: {fast:?}");
@@ -214,14 +214,19 @@ mod tests {
     #[test]
     fn an_unstable_loop_has_no_figures() {
         let plant = Linear::three_poles(827.2, 3.896, 3.896).continuous();
-        assert!(figures(&closed(&Gains::pi(0.05, 15.0), &plant, false)).is_none());
+        let law = Gains::pi(0.05, 15.0).law(plant.plane, Weights::MEASUREMENT);
+        assert!(figures(&law.closed(&plant)).is_none());
     }
 
     #[test]
     fn a_derivative_on_the_measurement_overshoots_less_than_one_on_the_error() {
         let plant = Linear::three_poles(827.2, 3.896, 3.896).continuous();
         let gains = Gains { kp_per_mm: 0.018, ti_s: 15.0, td_s: 0.35, derivative_n: 10.0 };
-        let [measured, error] = [false, true].map(|on| figures(&closed(&gains, &plant, on)).unwrap().overshoot_percent);
-        assert!(measured < error, "{measured} % and {error} %");
+        let overshoot = |setpoint, derivative| {
+            let law = gains.law(plant.plane, Weights { setpoint, derivative });
+            figures(&law.closed(&plant)).unwrap().overshoot_percent
+        };
+        let (weighted, measured, error) = (overshoot(0.6, 0.0), overshoot(1.0, 0.0), overshoot(1.0, 1.0));
+        assert!(weighted < measured && measured < error, "{weighted} %, {measured} % and {error} %");
     }
 }

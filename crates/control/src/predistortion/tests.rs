@@ -40,6 +40,12 @@ fn near_hover_the_original_curve_is_its_table() {
 }
 
 #[test]
+fn a_straight_curve_has_its_slope_at_small_control_values() {
+    let straight = curve(&[[20.0, -200.0], [21.0, -100.0], [22.0, 0.0], [23.0, 100.0], [24.0, 200.0]]);
+    assert!((straight.percent_per_mm_per_s2() - 0.01).abs() < 1e-12);
+}
+
+#[test]
 fn points_that_fall_are_pooled_to_their_mean() {
     let curve = curve(&[[10.0, -20.0], [11.0, 6.0], [12.0, 0.0], [13.0, 3.0], [14.0, 30.0]]);
     // 6, 0 and 3 pool to 3 at 12 %; from there the lines lead to −20 at 10 % and to 30 at 14 %.

@@ -17,6 +17,8 @@ use serde::Serialize;
 
 /// What the thesis measured on the rig: the critical T_i at K_p = 0.01, seconds.
 const RIG_TI_S: f64 = 0.69;
+/// Its line in the table.
+pub const RIG: &str = "the rig";
 
 /// A line of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -62,7 +64,31 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
         write("patch", path, &format!("{origin}[plant.effects.fan_lag]\ntime_constant_s = {lag_s}\n"))?;
     }
     let table = table(args)?;
-    if args.json { say(serde_json::to_string(&table)?) } else { say(critical_table(&table)) }
+    if args.json {
+        return say(serde_json::to_string(&table)?);
+    }
+    say(critical_table(&table))?;
+    gap(&table).into_iter().try_for_each(say)
+}
+
+/// How far each model of the thesis is from the rig, in words.
+fn gap(table: &Table) -> Vec<String> {
+    let rig = table.rows.iter().find(|row| row.model == RIG);
+    let (Some(gain), Some(ti_s)) =
+        (rig.and_then(|rig| rig.sampled_critical_kp_per_mm), rig.and_then(|rig| rig.critical_ti_s))
+    else {
+        return vec![];
+    };
+    let off = |value: f64, measured: f64| format!("{:+.0} %", 100.0 * (value / measured - 1.0));
+    let models = table.rows.iter().take_while(|row| row.model != RIG);
+    let words = |row: &Row| {
+        let gain = row
+            .critical_kp_per_mm
+            .map_or_else(|| "stable at any gain".into(), |found| format!("K_u {}", off(found, gain)));
+        let ti = row.critical_ti_s.map_or_else(|| "none".into(), |found| off(found, ti_s));
+        format!("{} beside the rig: {gain}, critical T_i {ti}", row.model)
+    };
+    models.map(words).collect()
 }
 
 /// G_a by the transient method, G_b and G_c by the grey box with two and three poles; the thesis, section 3.1.
@@ -80,7 +106,7 @@ fn table(args: &CriticalGainArgs) -> Result<Table, DesignError> {
         rows.push(row(name.into(), &plant, args)?);
     }
     rows.push(Row {
-        model: "the rig".into(),
+        model: RIG.into(),
         fan_pole_per_s: None,
         critical_kp_per_mm: None,
         sampled_critical_kp_per_mm: Some(args.measured),

@@ -1,30 +1,30 @@
 //! The methods that end in gains.
 
 use super::{Ground, NAME};
+use crate::assessment::Closing;
 use crate::cli::{DesignArgs, LqrArgs, PidArgs, PolesArgs, RelayArgs, RelayRule};
 use crate::commands::note;
 use crate::log::reader;
 use crate::report::design::Feedback;
 use anyhow::{Result, anyhow, bail};
+use control::design::DesignError;
 use control::design::ackermann::{ackermann, setpoint_gain};
 use control::design::discretise::discretise;
-use control::design::law::Gains;
+use control::design::law::{Gains, Weights};
+use control::design::lqg::Observed;
 use control::design::placement::{Wanted, place};
 use control::design::relay::{Point, Relay, Rule};
 use control::design::riccati::{lqr as least_cost, sampled_lqr};
-use control::pid::DerivativeOn;
+use control::regulator::VELOCITY_FILTER_S;
+use control::state_feedback::{Integral, Lqg};
 use diagnose::oscillation::{Oscillation, oscillation};
 use nalgebra::{RowSVector, SMatrix, SVector};
 use std::path::Path;
 
-/// N of the velocity's filter under a state feedback, as in `config.toml`.
-const VELOCITY_N: f64 = 10.0;
-
 pub(super) fn of_config(args: &DesignArgs) -> Result<()> {
     let ground = Ground::read(args)?;
     let pid = ground.config.need(NAME, "controller.pid", |tables| tables.controller.as_ref()?.pid.as_ref())?;
-    let gains = Gains { kp_per_mm: pid.kp_per_mm, ti_s: pid.ti_s, td_s: pid.td_s, derivative_n: pid.derivative_n };
-    ground.conclude(args, gains, pid.derivative_on == DerivativeOn::Error, None)
+    ground.conclude(args, Closing::Pid(pid.into(), pid.into()), None)
 }
 
 pub(super) fn pid(args: &PidArgs) -> Result<()> {
@@ -34,20 +34,25 @@ pub(super) fn pid(args: &PidArgs) -> Result<()> {
         omega: above_zero("--omega", args.omega)?,
         real_pole_per_s: above_zero("--real-pole", args.real_pole)?,
     };
-    let placed = place(&ground.model.linear(), wanted, above_zero("--derivative-n", args.derivative_n)?)?;
-    ground.conclude(&args.design, placed.gains, false, None)
+    let placed = place(&ground.plant, wanted, above_zero("--derivative-n", args.derivative_n)?)?;
+    let setpoint = not_below_zero("--setpoint-weight", args.setpoint_weight.unwrap_or(placed.setpoint_weight))?;
+    if setpoint > 1.0 {
+        bail!("--setpoint-weight {setpoint}: give 0 to 1");
+    }
+    let weights = Weights { setpoint, ..Weights::MEASUREMENT };
+    ground.conclude(&args.design, Closing::Pid(placed.gains, weights), None)
 }
 
 pub(super) fn poles(args: &PolesArgs) -> Result<()> {
     let ground = Ground::read(&args.design)?;
-    let plant = ground.model.linear();
+    let plant = ground.plant;
     let feedback = if let Ok(poles) = <[_; 2]>::try_from(args.poles.as_slice()) {
         let (a, b) = plant.two_states();
-        feedback(&a, &b, &ackermann(&a, &b, &poles)?)?
+        ground.feedback(&a, &b, &ackermann(&a, &b, &poles)?)?
     } else if let Ok(poles) = <[_; 3]>::try_from(args.poles.as_slice()) {
         let (a, b) = plant.three_states();
         needs_fan(plant.fan_lag_s)?;
-        feedback(&a, &b, &ackermann(&a, &b, &poles)?)?
+        ground.feedback(&a, &b, &ackermann(&a, &b, &poles)?)?
     } else {
         bail!("{} poles; give two for position and velocity, or three for the fan as well", args.poles.len());
     };
@@ -56,7 +61,7 @@ pub(super) fn poles(args: &PolesArgs) -> Result<()> {
 
 pub(super) fn lqr(args: &LqrArgs) -> Result<()> {
     let ground = Ground::read(&args.design)?;
-    let plant = ground.model.linear();
+    let plant = ground.plant;
     let control = above_zero("--control", args.control)?;
     let (position, velocity) =
         (not_below_zero("--position", args.position)?, not_below_zero("--velocity", args.velocity)?);
@@ -68,10 +73,12 @@ pub(super) fn lqr(args: &LqrArgs) -> Result<()> {
     let feedback = if args.with_fan {
         needs_fan(plant.fan_lag_s)?;
         let (a, b) = plant.three_states();
-        regulator(&a, &b, &SVector::from([position, velocity, 0.0]), control, period_s)?
+        let gain = regulator(&a, &b, &SVector::from([position, velocity, 0.0]), control, period_s)?;
+        ground.feedback(&a, &b, &gain)?
     } else {
         let (a, b) = plant.two_states();
-        regulator(&a, &b, &SVector::from([position, velocity]), control, period_s)?
+        let gain = regulator(&a, &b, &SVector::from([position, velocity]), control, period_s)?;
+        ground.feedback(&a, &b, &gain)?
     };
     conclude(&ground, &args.design, feedback)
 }
@@ -83,32 +90,60 @@ fn regulator<const N: usize>(
     weights: &SVector<f64, N>,
     control: f64,
     period_s: Option<f64>,
-) -> Result<Feedback> {
+) -> Result<RowSVector<f64, N>, DesignError> {
     let q = SMatrix::from_diagonal(weights);
-    let gain = match period_s {
-        None => least_cost(a, b, &q, control)?,
+    match period_s {
+        None => least_cost(a, b, &q, control),
         Some(period_s) => {
             let over = discretise(a, b, &SMatrix::zeros(), period_s);
-            sampled_lqr(&over.transition, &over.input, &q, control)?
+            sampled_lqr(&over.transition, &over.input, &q, control)
         }
-    };
-    feedback(a, b, &gain)
+    }
 }
 
-fn feedback<const N: usize>(
-    a: &SMatrix<f64, N, N>,
-    b: &SVector<f64, N>,
-    gain: &RowSVector<f64, N>,
-) -> Result<Feedback> {
-    Ok(Feedback { gain: gain.iter().copied().collect(), setpoint_gain: setpoint_gain(a, b, gain)? })
+impl Ground {
+    /// The feedback with `gain`, and what the config adds to it.
+    fn feedback<const N: usize>(
+        &self,
+        a: &SMatrix<f64, N, N>,
+        b: &SVector<f64, N>,
+        gain: &RowSVector<f64, N>,
+    ) -> Result<Feedback> {
+        for (name, value) in ["k₁", "k₂", "k₃"].into_iter().zip(gain.iter().copied()) {
+            if value < 0.0 {
+                return Err(DesignError::NegativeGain { gain: name, value }.into());
+            }
+        }
+        let kept = || self.config.tables.controller.as_ref()?.state_feedback?.integral;
+        let integral = if N > 2 { None } else { kept() };
+        Ok(Feedback { gain: gain.iter().copied().collect(), setpoint_gain: setpoint_gain(a, b, gain)?, integral })
+    }
 }
 
-/// A feedback of position and velocity is a PID without integral whose derivative acts on the measurement. One of the fan's
-/// state as well is assessed without that part.
+/// A feedback of position and velocity is a PID whose derivative acts on the measurement; one of the fan's state needs an observer.
 fn conclude(ground: &Ground, args: &DesignArgs, feedback: Feedback) -> Result<()> {
-    let (kp_per_mm, velocity) = (feedback.gain[0], feedback.gain[1]);
-    let gains = Gains { kp_per_mm, ti_s: f64::INFINITY, td_s: velocity / kp_per_mm, derivative_n: VELOCITY_N };
-    ground.conclude(args, gains, false, Some(feedback))
+    let closing = match feedback.gain[..] {
+        [position_per_mm, velocity_s_per_mm, fan] => {
+            // From the acceleration by the fan to its control value.
+            let law = Lqg { position_per_mm, velocity_s_per_mm, fan: fan * ground.plant.gain };
+            Closing::Lqg(Observed { feedback: law, observer: ground.observer()? })
+        }
+        _ => as_pid(&feedback),
+    };
+    ground.conclude(args, closing, Some(feedback))
+}
+
+/// The PID that does the same as a feedback of position and filtered velocity.
+fn as_pid(feedback: &Feedback) -> Closing {
+    let (kp_per_mm, td_s) = (feedback.gain[0], feedback.gain[1] / feedback.gain[0]);
+    let weight = feedback.setpoint_gain / kp_per_mm;
+    let (ti_s, setpoint) = match feedback.integral {
+        None => (f64::INFINITY, weight),
+        Some(Integral::Added { ti_s }) => (ti_s / weight, weight),
+        Some(Integral::InPlace { ti_s }) => (ti_s / weight, 0.0),
+    };
+    let gains = Gains { kp_per_mm, ti_s, td_s, derivative_n: td_s / VELOCITY_FILTER_S };
+    Closing::Pid(gains, Weights { setpoint, ..Weights::MEASUREMENT })
 }
 
 pub(super) fn relay(args: &RelayArgs) -> Result<()> {
@@ -123,7 +158,9 @@ pub(super) fn relay(args: &RelayArgs) -> Result<()> {
         RelayRule::PhaseMargin => Rule::PhaseMargin(args.margin_deg),
     };
     let gains = point.gains(rule, above_zero("--derivative-n", args.derivative_n)?)?;
-    ground.conclude(&args.design, gains, false, None)
+    let kept = ground.config.tables.controller.as_ref().and_then(|table| table.pid.as_ref());
+    let weights = Weights { setpoint: kept.map_or(1.0, |pid| pid.setpoint_weight), ..Weights::MEASUREMENT };
+    ground.conclude(&args.design, Closing::Pid(gains, weights), None)
 }
 
 /// The point that a recorded oscillation shows, its duty's fundamental in place of the relay's height.

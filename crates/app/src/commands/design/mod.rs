@@ -3,17 +3,19 @@
 mod critical_gain;
 mod gains;
 mod observer;
+mod patch;
 
-pub use critical_gain::{Row, Table};
+pub use critical_gain::{RIG, Row, Table};
 
 use super::{note, say};
-use crate::assessment::{Assessment, Loop};
+use crate::assessment::{Closing, Loop};
 use crate::cli::{DesignArgs, DesignCommand};
 use crate::config::Config;
-use crate::report::design::{Document, Feedback, patch, words};
+use crate::report::design::{Document, Feedback, words};
 use crate::report::{design_plot, plot};
 use anyhow::{Result, anyhow};
-use control::design::law::Gains;
+use control::design::Linear;
+use control::predistortion::Predistortion;
 use plant::Model;
 use std::path::Path;
 
@@ -40,6 +42,8 @@ pub fn design(command: &DesignCommand) -> Result<()> {
 struct Ground {
     config: Config,
     model: Model,
+    /// The linear part of the model, its gain per unit of the control value.
+    plant: Linear,
 }
 
 impl Ground {
@@ -47,9 +51,16 @@ impl Ground {
         if let Some(picture) = &args.plot {
             plot::may_write(picture)?;
         }
-        let config = Config::read(&args.config.config, &args.config.patch)?;
+        Self::of(Config::read(&args.config.config, &args.config.patch)?)
+    }
+
+    fn of(config: Config) -> Result<Self> {
         let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?.clone();
-        Ok(Self { config, model })
+        let curve = config.tables.compensation.as_ref().and_then(|table| table.predistortion.as_ref());
+        let percent_per_control = curve.map(Predistortion::curve).map_or(1.0, |curve| curve.percent_per_mm_per_s2());
+        let linear = model.linear();
+        let plant = Linear { gain: linear.gain * percent_per_control, ..linear };
+        Ok(Self { config, model, plant })
     }
 
     /// Time between samples, seconds, where the config says it.
@@ -57,16 +68,15 @@ impl Ground {
         self.config.tables.r#loop.map(|table| table.period_s)
     }
 
-    /// Assesses the gains, writes what was asked for and says the result.
-    fn conclude(&self, args: &DesignArgs, gains: Gains, on_error: bool, feedback: Option<Feedback>) -> Result<()> {
-        let of = Loop { plant: self.model.linear(), gains, derivative_on_error: on_error };
-        let sampled: Option<Assessment> = self.period_s().map(|period_s| of.sampled(period_s)).transpose()?;
-        let document = Document::of(&of, feedback, self.period_s(), sampled);
+    /// Assesses the controller, writes what was asked for and says the result.
+    fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
+        let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
+        let document = Document::of(&of, feedback)?;
         if let Some(path) = &args.patch_out {
-            write("patch", path, &patch(&document)?)?;
+            write("patch", path, &patch::of(&closing, document.state_feedback.as_ref())?)?;
         }
         if let Some(path) = &args.plot {
-            design_plot::draw(path, &of, self.period_s())?;
+            design_plot::draw(path, &of)?;
         }
         if args.json {
             return say(serde_json::to_string(&document)?);

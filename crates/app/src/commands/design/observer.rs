@@ -1,14 +1,20 @@
 //! `airball design observer`: the steady-state Kalman filter of a config's model and noise.
 
-use super::NAME;
+use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
 use crate::commands::say;
 use crate::config::Config;
-use anyhow::Result;
+use anyhow::{Result, anyhow, bail};
+use control::believed::Believed;
 use control::design::discretise::discretise;
 use control::design::riccati::{kalman, sampled_kalman};
+use control::observer::{Gain, Observer};
 use nalgebra::{RowSVector, SMatrix, SVector};
 use serde::Serialize;
+
+/// Where a config has no observer yet: hover wanders by 0.03 % in a second, and readings beyond 5 sigma are outliers.
+const DISTURBANCE_PSD_PER_S: f64 = 1e-3;
+const GATE_SIGMA: f64 = 5.0;
 
 /// The document of `airball design observer --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,39 +28,76 @@ struct Document {
     continuous: Vec<f64>,
     /// L of x̂ ← x̂ + L·(y − ŷ) at every reading.
     sampled: Vec<f64>,
+    /// The observer of the patch.
+    observer: Observer,
+    /// Its L: position in mm, velocity in mm/s, fan and hover in control values, for every millimetre of surprise.
+    flown: Vec<f64>,
+}
+
+impl Ground {
+    /// The observer of this ground's model. What the model does not know is as in the config's `[observer]`.
+    pub(super) fn observer(&self) -> Result<Observer> {
+        let (plant, noise) = (self.plant, self.model.noise);
+        let held = self.config.tables.observer;
+        let fan_lag_s = (plant.fan_lag_s > 0.0).then_some(plant.fan_lag_s);
+        if fan_lag_s.is_none() && held.is_some_and(|held| held.believed.fan_lag_s.is_some()) {
+            bail!(
+                "the model has no lag of the fan and [observer.believed] has one, which no patch can take away; \
+                 delete fan_lag_s there, or add [plant.effects.fan_lag]"
+            );
+        }
+        let observer = Observer {
+            sensor_mm: noise.sensor_mm.hypot(self.model.effects.sensor_noise.map_or(0.0, |noise| noise.sigma_mm)),
+            acceleration_psd_mm2_per_s3: noise.acceleration_psd_mm2_per_s3,
+            disturbance_psd_per_s: held.map_or(Some(DISTURBANCE_PSD_PER_S), |held| held.disturbance_psd_per_s),
+            gate_sigma: held.map_or(GATE_SIGMA, |held| held.gate_sigma),
+            gain: held.map_or(Gain::SteadyState, |held| held.gain),
+            believed: Believed { gain_mm_per_s2_per_control: plant.gain, drag_per_s: plant.drag_per_s, fan_lag_s },
+        };
+        let sound = observer.check().and_then(|()| observer.believed.check());
+        sound.map_err(|error| anyhow!("no observer for this model: {error}; check gain and noise of [plant]"))?;
+        Ok(observer)
+    }
 }
 
 pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
-    let config = Config::read(&args.config.config, &args.config.patch)?;
-    let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?;
-    let period_s = config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s;
-    let (plant, noise) = (model.linear(), model.noise);
-    let both = if plant.fan_lag_s > 0.0 {
+    let ground = Ground::of(Config::read(&args.config.config, &args.config.patch)?)?;
+    let period_s = ground.config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s;
+    let (plant, observer) = (ground.plant, ground.observer()?);
+    let (psd, sensor_mm) = (observer.acceleration_psd_mm2_per_s3, observer.sensor_mm);
+    let (continuous, sampled) = if plant.fan_lag_s > 0.0 {
         let (a, b) = plant.three_states();
-        design(&a, &b, noise.acceleration_psd_mm2_per_s3, noise.sensor_mm, period_s)?
+        design(&a, &b, psd, sensor_mm, period_s)?
     } else {
         let (a, b) = plant.two_states();
-        design(&a, &b, noise.acceleration_psd_mm2_per_s3, noise.sensor_mm, period_s)?
+        design(&a, &b, psd, sensor_mm, period_s)?
     };
     let states = ["position, mm", "velocity, mm/s", "acceleration by the fan, mm/s²"];
     let document = Document {
         schema: "airball.observer/1",
-        states: states[..both.0.len()].to_vec(),
+        states: states[..continuous.len()].to_vec(),
         period_s,
-        reading_intensity_mm2_s: noise.sensor_mm * noise.sensor_mm * period_s,
-        continuous: both.0,
-        sampled: both.1,
+        reading_intensity_mm2_s: sensor_mm * sensor_mm * period_s,
+        continuous,
+        sampled,
+        observer,
+        flown: observer.steady_gain(period_s)?.as_slice().to_vec(),
     };
-    if args.json {
-        return say(serde_json::to_string(&document)?);
+    if let Some(path) = &args.patch_out {
+        write("patch", path, &patch::of_observer(observer)?)?;
     }
+    if args.json { say(serde_json::to_string(&document)?) } else { tell(&document) }
+}
+
+fn tell(document: &Document) -> Result<()> {
     for (k, state) in document.states.iter().enumerate() {
         say(format_args!(
             "{state:<32} L = {:.5} a second, {:.6} a reading",
             document.continuous[k], document.sampled[k]
         ))?;
     }
-    Ok(())
+    let flown: Vec<String> = document.flown.iter().map(|l| format!("{l:.6}")).collect();
+    say(format_args!("as it flies, hover among the states L = [{}] a reading", flown.join(", ")))
 }
 
 /// Continuous and sampled gain under white acceleration; the position is read.

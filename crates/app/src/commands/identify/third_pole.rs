@@ -1,7 +1,7 @@
 //! `airball identify third-pole`: the fan's lag by the critical gain of the rig.
 
 use super::{NAME, conclude, has_one_lag, write};
-use crate::assessment::Loop;
+use crate::assessment::{Closing, Loop};
 use crate::cli::ThirdPoleArgs;
 use crate::config::Config;
 use crate::report::identify::third_pole::{Document, lines, patch};
@@ -10,7 +10,7 @@ use ::diagnose::fan_pole::fan_lag_s;
 use anyhow::Result;
 use control::design::Linear;
 use control::design::critical::critical_integral_time;
-use control::design::law::Gains;
+use control::design::law::{Gains, Weights};
 
 pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
     if let Some(picture) = &args.identify.plot {
@@ -43,8 +43,8 @@ pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
         write("patch", path, &patch(&document))?;
     }
     if let Some(path) = &args.identify.plot {
-        let of = Loop { plant, gains: half, derivative_on_error: false };
-        design_plot::draw(path, &of, period_s)?;
+        let closing = Closing::Pid(half, Weights::MEASUREMENT);
+        design_plot::draw(path, &Loop { plant, closing, period_s })?;
     }
     conclude(&args.identify, &document, lines(&document))
 }

@@ -44,16 +44,22 @@ pub(in crate::report) struct Panel<'a> {
     pub(in crate::report) abscissa: &'a str,
     pub(in crate::report) ordinate: &'a str,
     pub(in crate::report) lines: &'a [Line],
-    /// Crosses.
+    /// Crosses, rings and dots.
     pub(in crate::report) marks: &'a [(f64, f64)],
+    pub(in crate::report) rings: &'a [(f64, f64)],
+    pub(in crate::report) dots: &'a [(f64, f64)],
     /// Outline of a band about the first line.
     pub(in crate::report) band: &'a [(f64, f64)],
     /// Stretches of the abscissa to be pointed out.
     pub(in crate::report) shaded: &'a [(f64, f64)],
     /// A value to compare the lines with.
     pub(in crate::report) base: Option<f64>,
+    /// What of the plane is shown, from and to; `None`: all that is drawn.
+    pub(in crate::report) window: Option<[(f64, f64); 2]>,
     /// Whether the abscissa is log₂ of what its labels should say.
     pub(in crate::report) octaves: bool,
+    /// The same with log₁₀, labelled at whole powers.
+    pub(in crate::report) decades: bool,
     /// Whether each line is named at its end instead of in a key.
     pub(in crate::report) direct: bool,
 }
@@ -75,7 +81,7 @@ impl Diagram {
     pub(in crate::report) fn panel(&self) -> Panel<'_> {
         let Self { abscissa, ordinate, lines, band, shaded, base, octaves, direct } = self;
         let (base, octaves, direct) = (*base, *octaves, *direct);
-        Panel { title: "", abscissa, ordinate, lines, marks: &[], band, shaded, base, octaves, direct }
+        Panel { abscissa, ordinate, lines, band, shaded, base, octaves, direct, ..Panel::default() }
     }
 }
 
@@ -161,7 +167,12 @@ fn axes(chart: &mut Chart<'_, '_>, panel: &Panel<'_>, (width, height): (u32, u32
     let (times, values) = (chart.x_range(), chart.y_range());
     let count = |length: u32, between: u32| (length / FINE / between).clamp(3, 12) as usize;
     let (x_step, y_step) = (times.end - times.start, values.end - values.start);
-    let of_x = |x: &f64| if panel.octaves { number(x.exp2(), x.exp2()) } else { number(*x, x_step) };
+    let of_x = |x: &f64| match x.round() {
+        whole if panel.decades && (x - whole).abs() < 1e-9 => number(10_f64.powf(whole), 10_f64.powf(whole)),
+        _ if panel.decades => String::new(),
+        _ if panel.octaves => number(x.exp2(), x.exp2()),
+        _ => number(*x, x_step),
+    };
     chart
         .configure_mesh()
         .disable_x_mesh()
@@ -194,8 +205,10 @@ fn lines(chart: &mut Chart<'_, '_>, panel: &Panel<'_>) -> Result<(), PlotError> 
             chart.draw_series(LineSeries::new(thinned(piece, most), style)).map_err(failed)?;
         }
     }
-    let cross = |at: &(f64, f64)| Cross::new(*at, fine(6), NOMINAL.stroke_width(2 * FINE));
-    chart.draw_series(panel.marks.iter().map(cross)).map_err(failed)?;
+    let outline = NOMINAL.stroke_width(2 * FINE);
+    chart.draw_series(panel.marks.iter().map(|at| Cross::new(*at, fine(6), outline))).map_err(failed)?;
+    chart.draw_series(panel.rings.iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
+    chart.draw_series(panel.dots.iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
     Ok(())
 }
 
@@ -222,8 +235,19 @@ pub(super) fn is_there(t: f64, y: f64) -> bool {
 
 /// What the axes span.
 fn ranges(panel: &Panel<'_>) -> Result<(Range<f64>, Range<f64>), PlotError> {
+    if let Some([times, values]) = panel.window {
+        return Ok((times.0..times.1, values.0..values.1));
+    }
     let of_lines = panel.lines.iter().flat_map(|line| &line.points);
-    let points = || of_lines.clone().chain(panel.band).chain(panel.marks).filter(|(t, y)| is_there(*t, *y));
+    let points = || {
+        of_lines
+            .clone()
+            .chain(panel.band)
+            .chain(panel.marks)
+            .chain(panel.rings)
+            .chain(panel.dots)
+            .filter(|(t, y)| is_there(*t, *y))
+    };
     let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1).chain(panel.base))?);
     let pad = 0.05 * (values.end - values.start).max(1e-6);
     Ok((times, values.start - pad..values.end + pad))

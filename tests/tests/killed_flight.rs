@@ -163,7 +163,7 @@ fn a_second_flight_of_the_same_rig_is_refused() {
 }
 
 #[test]
-fn the_service_manager_hears_that_it_flies_and_is_fed_while_cycles_run() {
+fn the_service_manager_hears_that_it_flies_and_holds_up_nobody_when_it_then_listens_no_more() {
     let bench = Bench::default();
     let rig = Emulated::on(&bench);
     let manager = UnixDatagram::bind(bench.path("notify.sock")).unwrap();

@@ -2,14 +2,15 @@
 //!
 //! The loop only counts: one atomic addition a cycle, and no system call. This thread looks at the count every 50 ms. It
 //! passes a word on only when the count has moved, so that a loop that hangs falls silent although its process lives:
-//! the guard then turns the fan off, and systemd, whose watchdog is not fed either, ends and restarts the service.
+//! the guard then turns the fan off, and systemd, whose watchdog is not fed either, ends and restarts the service. Words for
+//! systemd leave from a thread of their own, for a manager that does not listen would hold up whoever speaks to it.
 
 use crate::rig::{Guard, GuardError};
 use sd_notify::NotifyState;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -29,8 +30,8 @@ impl Watch {
     /// The system had no thread to give.
     pub fn start(guard: Option<Guard>, pulse: Arc<AtomicU32>, land: Arc<AtomicBool>) -> io::Result<Self> {
         let (end, ended) = channel();
-        let thread =
-            thread::Builder::new().name("watch".into()).spawn(move || Watched { guard, pulse, land }.watch(&ended))?;
+        let watched = Watched { guard, pulse, land, manager: service_manager()? };
+        let thread = thread::Builder::new().name("watch".into()).spawn(move || watched.watch(&ended))?;
         Ok(Self { end, thread })
     }
 
@@ -49,6 +50,13 @@ struct Watched {
     guard: Option<Guard>,
     pulse: Arc<AtomicU32>,
     land: Arc<AtomicBool>,
+    manager: SyncSender<Word>,
+}
+
+/// What the service manager is told.
+enum Word {
+    Flying,
+    Stopping,
 }
 
 impl Watched {
@@ -58,7 +66,7 @@ impl Watched {
             match ended.recv_timeout(LOOK_EVERY) {
                 Err(RecvTimeoutError::Timeout) => {}
                 Ok(true) => {
-                    tell(&[NotifyState::Stopping]);
+                    self.tell(Word::Stopping);
                     return self.guard.map_or(Ok(()), Guard::landed);
                 }
                 Ok(false) => return self.guard.map_or(Ok(()), Guard::failed),
@@ -68,8 +76,7 @@ impl Watched {
             if now == seen {
                 continue;
             }
-            // Ready is who flies. Said again it changes nothing.
-            tell(&[NotifyState::Ready, NotifyState::Watchdog]);
+            self.tell(Word::Flying);
             seen = now;
             if let Some(lost) = self.guard.as_mut().and_then(|guard| guard.beat().err()) {
                 self.land.store(true, Ordering::Relaxed);
@@ -77,9 +84,24 @@ impl Watched {
             }
         }
     }
+
+    /// A manager that is still busy with the last word hears the next one.
+    fn tell(&self, word: Word) {
+        let _ = self.manager.try_send(word);
+    }
 }
 
-/// Tells the service manager, where there is one. One that does not listen does not matter to the flight.
-fn tell(state: &[NotifyState<'_>]) {
-    let _ = sd_notify::notify(state);
+/// The thread that speaks to the service manager, where there is one.
+fn service_manager() -> io::Result<SyncSender<Word>> {
+    let (manager, words) = sync_channel(1);
+    thread::Builder::new().name("notify".into()).spawn(move || {
+        for word in words {
+            // Ready is who flies. Said again it changes nothing. A manager that is gone does not matter to the flight.
+            let _ = match word {
+                Word::Flying => sd_notify::notify(&[NotifyState::Ready, NotifyState::Watchdog]),
+                Word::Stopping => sd_notify::notify(&[NotifyState::Stopping]),
+            };
+        }
+    })?;
+    Ok(manager)
 }

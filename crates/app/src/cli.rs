@@ -218,7 +218,7 @@ pub struct EmulateArgs {
     /// Which config; its tables plant and rig are emulated.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Socket to serve the bus at; fly it with [bus] device = "unix:FILE"
+    /// Socket to serve the bus at; a config flies it whose table bus says device = "unix:FILE"
     #[arg(long, value_name = "FILE")]
     pub socket: PathBuf,
     /// Seed of the simulated rig's noise

@@ -201,9 +201,10 @@ mod tests {
 
     #[test]
     fn a_flight_without_a_log_counts_what_it_loses_and_says_why_at_the_end() {
-        let path = Path::new("config.toml/f.mcap");
-        let failed = LogWriter::create(&Path::new(file!()).join("f.mcap"), &header()).err().unwrap();
-        let mut queue = Queue::without_file(path, failed);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let below_a_file = file.path().join("f.mcap");
+        let failed = LogWriter::create(&below_a_file, &header()).err().unwrap();
+        let mut queue = Queue::without_file(&below_a_file, failed);
         cycles(70).iter().for_each(|cycle| queue.cycle(cycle));
         assert_eq!(queue.dropped(), 70);
         assert!(matches!(queue.finish(), Err(LogError::Create { .. })));

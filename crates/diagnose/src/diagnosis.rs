@@ -21,7 +21,7 @@ use crate::prepare::{Noted, Prepared};
 use crate::recording::Recording;
 use crate::residue::Residue;
 use crate::spectrum::{Band, band, periodogram};
-use crate::tried::Tried;
+use crate::tried::{Tried, chances};
 use crate::watch::Watch;
 use crate::which::Search;
 use plant::Model;
@@ -132,10 +132,14 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows), band(&periodogram(&rows)));
     let Explanation { mut effects, rounds, fit: mended, residue } = found;
-    let trust = if verdict == Verdict::Unexplained { TRUST_BESIDE_A_REST } else { TRUST };
-    effects.iter_mut().for_each(|named| named.probability *= trust);
+    effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
     let read_off = read_off(&mended.model, recording);
     Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, read_off }
+}
+
+/// How far a name beside this verdict is to be trusted.
+fn trust(verdict: Verdict) -> f64 {
+    if verdict == Verdict::Unexplained { TRUST_BESIDE_A_REST } else { TRUST }
 }
 
 /// The step of a coarse sensor and the hold of a slow one as numbers of the model, and their standard deviations in their own scale.
@@ -172,6 +176,13 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 }
 
 impl Diagnosis {
+    /// The chance that each effect of a search acts, trusted as far as the names of the verdict are; `None` of those that were not
+    /// fitted in full.
+    #[must_use]
+    pub fn chances(&self, tried: &[Tried]) -> Vec<Option<f64>> {
+        chances(tried).into_iter().map(|chance| Some(trust(self.verdict) * chance?)).collect()
+    }
+
     /// The 90 % intervals of the numbers that the mended model moved, in the units of the config. None of a number that the record
     /// does not determine, nor of a step of duty, where each valley is a grid of its own.
     /// They are wider than the likelihood's own, which takes the form of an effect for exact.

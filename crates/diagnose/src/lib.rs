@@ -85,6 +85,6 @@ pub use residue::Residue;
 pub use spectrum::Band;
 pub use sweep::{NoSweep, OfGain, Sweep};
 pub use track::{Forecast, Track};
-pub use tried::{Tried, chances};
+pub use tried::Tried;
 pub use watch::{Step, Watch};
 pub use which::Candidate;

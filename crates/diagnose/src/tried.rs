@@ -16,7 +16,7 @@ pub struct Tried {
 /// The chance that each of those that were tried together is the one that acts, if one of them does or none: from the gains of those
 /// that were fitted in full, as those of the verdict are. `None` of the others.
 #[must_use]
-pub fn chances(tried: &[Tried]) -> Vec<Option<f64>> {
+pub(crate) fn chances(tried: &[Tried]) -> Vec<Option<f64>> {
     let in_full = || tried.iter().filter(|one| one.in_full);
     let best = in_full().map(|one| one.gain).fold(0.0, f64::max);
     let weight = |gain: f64| ((gain - best) / DOUBT).exp();

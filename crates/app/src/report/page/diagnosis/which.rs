@@ -4,7 +4,7 @@ use super::super::parts::{chance, number, spoken, stage, table, three_digits};
 use super::Report;
 use crate::report::diagnosis::{Interval, effect_intervals};
 use crate::report::mend;
-use diagnose::{Change, Named, Tried, chances};
+use diagnose::{Change, Named, Tried};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
@@ -94,7 +94,7 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
 fn tried(report: &Report<'_>, caption: &str, round: &[Tried]) -> Markup {
     let named = |name: &str| report.found.effects.iter().find(|named| named.candidate.entry.name == name);
     let like = |name: &str| report.found.effects.iter().find(|named| named.indistinguishable_from.contains(&name));
-    let mut all: Vec<(&Tried, Option<f64>)> = round.iter().zip(chances(round)).collect();
+    let mut all: Vec<(&Tried, Option<f64>)> = round.iter().zip(report.found.chances(round)).collect();
     all.sort_by(|a, b| b.0.in_full.cmp(&a.0.in_full).then(b.0.gain.total_cmp(&a.0.gain)));
     let rows: Vec<(Markup, Vec<Markup>)> = all
         .into_iter()

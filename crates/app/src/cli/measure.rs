@@ -37,7 +37,7 @@ pub enum Measurement {
     DeadZone,
     /// The force at 86 duties by timed jumps, and the fan's lag (8 min)
     ForceCurve,
-    /// The proportional gain at which the loop no longer comes to rest, by steps under rising gains (6 min at most)
+    /// The proportional gain at which the loop no longer comes to rest, by steps under rising gains (8 min at most)
     CriticalGain,
     /// Overshoot, peak time and settling over steps of several sizes (1 min)
     Steps,

@@ -49,13 +49,19 @@ impl Pilot {
             (Some(asked), given, Some(now)) => {
                 let own = given.map_or(now, |(_, own)| own);
                 self.programme.gains = Some((asked, own));
-                self.orders.regulator.retune(asked.applied_to(own));
+                self.change_gains(asked.applied_to(own));
             }
             (None, Some((_, own)), _) => {
                 self.programme.gains = None;
-                self.orders.regulator.retune(own);
+                self.change_gains(own);
             }
             _ => {}
         }
+    }
+
+    /// The integral stands: one that took up what the derivative makes of noise would push the ball for T_i.
+    fn change_gains(&mut self, gains: Pid) {
+        self.orders.regulator.forget_derivatives();
+        self.orders.regulator.retune(gains);
     }
 }

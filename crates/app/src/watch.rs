@@ -17,6 +17,10 @@ use std::time::Duration;
 /// Between two looks: a tenth of the shortest usual `stall_s`.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
+/// How much longer than the loop itself its guard waits, seconds: two looks. So a loop whose fan the guard has turned off
+/// finds that it is too late when it wakes, and does not fly on.
+pub const SLACK_S: f64 = 0.1;
+
 /// The thread. Dropped without [`Watch::finish`], it leaves the guard to turn the fan off.
 pub struct Watch {
     end: Sender<bool>,
@@ -27,8 +31,10 @@ impl Watch {
     /// Watches `pulse`, the number of cycles so far. Without its guard a flight does not go on: `land` is then set.
     ///
     /// # Errors
-    /// The system had no thread to give.
-    pub fn start(guard: Option<Guard>, pulse: Arc<AtomicU32>, land: Arc<AtomicBool>) -> io::Result<Self> {
+    /// The guard is gone, or the system had no thread to give.
+    pub fn start(mut guard: Option<Guard>, pulse: Arc<AtomicU32>, land: Arc<AtomicBool>) -> Result<Self, GuardError> {
+        // The guard is to be awake before the first duty, not a look after it.
+        guard.as_mut().map_or(Ok(()), Guard::beat)?;
         let (end, ended) = channel();
         let watched = Watched { guard, pulse, land, manager: service_manager()? };
         let thread = thread::Builder::new().name("watch".into()).spawn(move || watched.watch(&ended))?;

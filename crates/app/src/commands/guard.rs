@@ -35,7 +35,11 @@ pub fn guard(args: &GuardArgs) -> Result<()> {
                 stopped = act(args, &format!("no control cycle for {} s", args.stall)).is_ok();
             }
             Heard::Silence => {}
-            Heard::Failed => return Ok(turn_off(&bus(args), ALLOWED_S)?),
+            Heard::Failed => {
+                turn_off(&bus(args), ALLOWED_S)?;
+                note("the guard turned the fan off after all");
+                return Ok(());
+            }
             Heard::Gone if flown => return act(args, "the program died in flight, killed or crashed"),
             Heard::Gone => return Ok(turn_off(&bus(args), ALLOWED_ON_THE_GROUND_S)?),
         }

@@ -14,8 +14,8 @@ use crate::log::writer::LogWriter;
 use crate::mqtt::{Counts, Link};
 use crate::real_time;
 use crate::rig::{Chips, Guard, GuardError, bench, claim, simulated_in_real_time};
-use crate::watch::Watch;
-use anyhow::{Context, Result};
+use crate::watch::{SLACK_S, Watch};
+use anyhow::Result;
 use embedded_hal::i2c::I2c;
 use hal::Clock;
 use std::path::Path;
@@ -74,7 +74,7 @@ pub(super) fn in_real_time(
     }
     let bus = plan.config.need(command, "bus", |tables| tables.bus.as_ref())?;
     let claim = claim(bus)?;
-    let guard = Guard::start(bus, plan.pilot.stall_s(), kept, &claim)?;
+    let guard = Guard::start(bus, plan.pilot.stall_s() + SLACK_S, kept, &claim)?;
     let rig = bench(bus, table).inspect_err(|error| keep(kept, &LastFault::now(error.to_string(), None)))?;
     fly(&order, table, rig, Some(guard), &stop)
 }
@@ -100,7 +100,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let mut link = mqtt.map(|mqtt| Link::start(mqtt, &table.name, last.as_ref())).transpose()?;
     let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
     let pulse = Arc::new(AtomicU32::new(0));
-    let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop)).context("no thread to watch the loop")?;
+    let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
     real_time::of_the_loop().into_iter().for_each(note);
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 

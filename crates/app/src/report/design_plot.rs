@@ -157,7 +157,7 @@ fn degrees(form: &Form) -> Vec<(f64, f64)> {
     points
 }
 
-/// Root locus in the plane of s or z: crosses at the open loop's poles, rings at its zeros, dots at the closed loop's poles.
+/// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open loop's poles, rings at its zeros, dots at the closed loop's poles.
 fn draw_plane(area: &Area<'_>, form: &Form) -> Result<(), PlotError> {
     let open = form.open();
     let (window, boundary, title, axes) = match form.plant.plane {
@@ -165,7 +165,7 @@ fn draw_plane(area: &Area<'_>, form: &Form) -> Result<(), PlotError> {
             let crossover = phase_margins(&open).first().map_or(1.0, |margin| margin.omega);
             let reach = REACH * crossover;
             let edge = vec![(0.0, -0.7 * reach), (0.0, 0.7 * reach)];
-            let title = "root locus in s, gain × 1/100 to 100: × open loop, ○ zeros, ● closed loop";
+            let title = "root locus in s: × open loop, ○ zeros, ● closed loop";
             (
                 [(-1.2 * reach, 0.4 * reach), (-0.7 * reach, 0.7 * reach)],
                 edge,
@@ -175,7 +175,7 @@ fn draw_plane(area: &Area<'_>, form: &Form) -> Result<(), PlotError> {
         }
         Plane::Sampled(_) => {
             let circle = (0..=360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos()).map(|(y, x)| (x, y)).collect();
-            let title = "root locus in z, gain × 1/100 to 100: × open loop, ○ zeros, ● closed loop";
+            let title = "root locus in z: × open loop, ○ zeros, ● closed loop";
             (CIRCLE, circle, title, ["real part of z", "imaginary part of z"])
         }
     };

@@ -111,7 +111,7 @@ fn bode(((label, colour), plant): ((&'static str, RGBColor), Linear)) -> Line {
 }
 
 fn frequencies(area: &Area<'_>, lines: &[Line]) -> Result<(), PlotError> {
-    let axes = Panel { abscissa: "frequency, log₁₀ of rad/s", ordinate: "mm per %, dB", ..Panel::default() };
+    let axes = Panel { abscissa: "frequency, rad/s", ordinate: "mm per %, dB", decades: true, ..Panel::default() };
     panel(area, Panel { title: "plant", lines, ..axes })
 }
 

@@ -18,7 +18,9 @@ use std::path::PathBuf;
 /// Firmware and simulator of a rig that keeps a ball at a height in a pipe, and a look at the gap between the two.
 #[derive(Debug, Parser)]
 #[command(name = "airball", version, max_term_width = 100, args_override_self = true)]
-#[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage or config.")]
+#[command(
+    after_help = "Exit status: 0 done, 1 failed, 2 wrong usage or config; `log recover`: 0 all, 3 some is lost, 1 nothing."
+)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

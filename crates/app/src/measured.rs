@@ -165,7 +165,9 @@ impl Steps {
 
 impl Calibration {
     fn of(log: &LoadedLog, tables: &Tables, travel_mm: Option<f64>) -> Result<Self> {
-        let flown = log.config_toml.as_deref().and_then(|text| toml::from_str::<Tables>(text).ok());
+        let flown = log.config_toml.as_deref().map(toml::from_str::<Tables>).transpose();
+        let flown =
+            flown.map_err(|error| anyhow!("the config in the log cannot be read, and with it its sensor: {error}"))?;
         let rig = flown.and_then(|held| held.rig).or_else(|| tables.rig.clone()).ok_or_else(|| {
             anyhow!("neither log nor config has a table [rig], so that the sensor's own distances are not known")
         })?;

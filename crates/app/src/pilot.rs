@@ -145,6 +145,10 @@ impl Pilot {
             estimate: self.estimate(),
             surprise: self.orders.regulator.surprise(),
         };
+        if self.mode != Mode::Flying {
+            // What was pushed before says nothing of what comes after.
+            self.still = Still::default();
+        }
         match (self.mode, self.demand(time_s)) {
             (Mode::Flying, Some(Demand::Control { setpoint_mm, excitation_percent })) => {
                 let blind = self.controller().trusts_the_observer();

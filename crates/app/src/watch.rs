@@ -17,7 +17,7 @@ use std::time::Duration;
 /// Between two looks: a tenth of the shortest usual `stall_s`.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// How much longer than the loop itself its guard waits, seconds: two looks. So a loop whose fan the guard has turned off
+/// How much longer than a period and `stall_s` a guard waits, seconds: two looks. So a loop whose fan the guard has turned off
 /// finds that it is too late when it wakes, and does not fly on.
 pub const SLACK_S: f64 = 0.1;
 

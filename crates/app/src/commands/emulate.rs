@@ -7,6 +7,7 @@ use crate::rig::{Monotonic, emulated_bus, serve};
 use anyhow::{Context, Result};
 use hal::Clock;
 use std::fs;
+use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -46,10 +47,31 @@ pub fn emulate(args: &EmulateArgs) -> Result<()> {
 
 /// Takes the place of a socket that nobody serves any more.
 fn listen(path: &Path) -> Result<UnixListener> {
-    if UnixStream::connect(path).is_err_and(|error| error.kind() == std::io::ErrorKind::ConnectionRefused) {
+    let is_socket = fs::symlink_metadata(path).is_ok_and(|about| about.file_type().is_socket());
+    let refused = |error: std::io::Error| error.kind() == std::io::ErrorKind::ConnectionRefused;
+    // A plain file refuses a connection as well, and is somebody's.
+    if is_socket && UnixStream::connect(path).is_err_and(refused) {
         let _ = fs::remove_file(path);
     }
     UnixListener::bind(path).with_context(|| {
         format!("cannot serve at {}; is another rig emulated there? Name another --socket", path.display())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::listen;
+    use std::fs;
+
+    #[test]
+    fn a_socket_that_nobody_serves_is_replaced_and_any_other_file_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let socket = folder.path().join("rig.sock");
+        drop(listen(&socket).unwrap());
+        drop(listen(&socket).unwrap());
+        let file = folder.path().join("config.toml");
+        fs::write(&file, "theirs").unwrap();
+        assert!(listen(&file).is_err());
+        assert_eq!(fs::read_to_string(&file).unwrap(), "theirs");
+    }
 }

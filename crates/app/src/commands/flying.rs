@@ -50,6 +50,12 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
         let flies = regulator.kind().name();
         bail!("the experiment changes the gains of the PID, and {flies} flies; set [controller] active = \"pid\"");
     }
+    let curve = config.tables.compensation.as_ref().and_then(|compensation| compensation.predistortion.as_ref());
+    if experiment.changes_gains() && curve.is_some() {
+        bail!(
+            "the experiment's gains are in percent per mm, and behind [compensation] predistortion they would be in mm/s² per mm; fly it without"
+        );
+    }
     let orders = Orders {
         regulator,
         compensation: config.need(command, "compensation", |tables| tables.compensation.as_ref())?.clone(),

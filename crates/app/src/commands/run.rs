@@ -74,7 +74,7 @@ pub(super) fn in_real_time(
     }
     let bus = plan.config.need(command, "bus", |tables| tables.bus.as_ref())?;
     let claim = claim(bus)?;
-    let guard = Guard::start(bus, plan.pilot.stall_s() + SLACK_S, kept, &claim)?;
+    let guard = Guard::start(bus, plan.table.period_s + plan.pilot.stall_s() + SLACK_S, kept, &claim)?;
     let rig = bench(bus, table).inspect_err(|error| keep(kept, &LastFault::now(error.to_string(), None)))?;
     fly(&order, table, rig, Some(guard), &stop)
 }

@@ -126,7 +126,9 @@ fn is_named_by_time(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let time = "dddd-dd-ddTdd-dd-dd.dddZ";
     let fits = |(pattern, c): (char, char)| if pattern == 'd' { c.is_ascii_digit() } else { c == pattern };
-    name.ends_with(".mcap") && name.len() >= time.len() && time.chars().zip(name.chars()).all(fits)
+    let Some(part) = name.get(time.len()..).and_then(|rest| rest.strip_suffix(".mcap")) else { return false };
+    let numbered = |part: &str| !part.is_empty() && part.chars().all(|c| c.is_ascii_digit());
+    time.chars().zip(name.chars()).all(fits) && (part.is_empty() || part.strip_prefix('-').is_some_and(numbered))
 }
 
 /// The order of the flights, and of the parts of one.
@@ -169,7 +171,13 @@ mod tests {
     fn the_oldest_logs_make_room_and_nobody_elses_file_is_touched() {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str| folder.path().join(name);
-        let theirs = ["2026-11-21T16-00-00.000Z.csv", "mine.mcap", "2026-holiday.mcap"];
+        let theirs = [
+            "2026-11-21T16-00-00.000Z.csv",
+            "mine.mcap",
+            "2026-holiday.mcap",
+            "2026-11-20T09-00-00.000Z-keep.mcap",
+            "2026-11-20T09-00-00.000Z.recovered.mcap",
+        ];
         for name in theirs.into_iter().chain(["2026-11-20T09-00-00.000Z.mcap", "2026-11-20T09-00-00.000Z-2.mcap"]) {
             std::fs::write(file(name), [0; 4000]).unwrap();
         }

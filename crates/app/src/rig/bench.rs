@@ -5,8 +5,7 @@ use super::clock::Monotonic;
 use super::wire::{Wire, WireError};
 use crate::config;
 use hal::{Clock, FanError, stop_fan};
-use nix::fcntl::{Flock, FlockArg};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 
 /// Between two attempts to turn the fan off.
 const RETRY_S: f64 = 0.02;
@@ -59,7 +58,7 @@ pub enum BenchError {
 ///
 /// # Errors
 /// [`BenchError`]: the device file is missing, or taken.
-pub fn claim(bus: &config::Bus) -> Result<Flock<File>, BenchError> {
+pub fn claim(bus: &config::Bus) -> Result<File, BenchError> {
     let device = bus.device.clone();
     let mut options = File::options();
     options.read(true).write(true);
@@ -69,7 +68,12 @@ pub fn claim(bus: &config::Bus) -> Result<Flock<File>, BenchError> {
         None => options.open(&device),
     };
     let file = file.map_err(|source| BenchError::Open { device: device.clone(), source: Box::new(source) })?;
-    Flock::lock(file, FlockArg::LockExclusiveNonblock).map_err(|_| BenchError::Taken { device })
+    // Held until the last copy is closed.
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(BenchError::Taken { device }),
+        Err(TryLockError::Error(source)) => Err(BenchError::Open { device, source: Box::new(source) }),
+    }
 }
 
 /// Opens the bus, a handle for each chip, and starts both.

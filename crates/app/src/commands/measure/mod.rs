@@ -39,7 +39,13 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     }
     let found = Found::of(args.what, &log, &config.tables, args.travel_mm)
         .map_err(|error| anyhow!("{}: {error}", path.display()))?;
-    let text = patch::patch(&found, &config.tables)?;
+    let text = match patch::patch(&found, &config.tables) {
+        Err(error) if args.patch_out.is_none() => {
+            note(format_args!("no patch can be made of this: {error}"));
+            None
+        }
+        text => text?,
+    };
     if let (Some(file), Some(text)) = (&args.patch_out, &text) {
         let origin = format!("# Measured: {}\n", path.display());
         std::fs::write(file, origin + text)

@@ -35,8 +35,10 @@ pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
         Found::Steps(_) => {}
         Found::NoiseFloor(floor) => {
             let sensor_mm = floor.sensor_mm.value;
-            if tables.plant.is_some() {
-                set(&["plant", "noise", "sensor_mm"], sensor_mm.into());
+            if let Some(plant) = &tables.plant {
+                // What an effect of the plant adds is measured as well, and stays where it is.
+                let added_mm = plant.effects.sensor_noise.map_or(0.0, |noise| noise.sigma_mm);
+                set(&["plant", "noise", "sensor_mm"], (sensor_mm.powi(2) - added_mm.powi(2)).max(0.0).sqrt().into());
             }
             if tables.observer.is_some() {
                 set(&["observer", "sensor_mm"], sensor_mm.into());
@@ -133,6 +135,8 @@ fn scale_gains(tables: &Tables, factor: f64, set: &mut Set<'_>) {
         times(&["controller", "cascade", "velocity_s_per_mm"], cascade, factor);
         let state = all.state_feedback.as_ref();
         times(&["controller", "state_feedback", "position_per_mm"], state.map(|law| law.position_per_mm), factor);
+        let setpoint = state.and_then(|law| law.setpoint_per_mm);
+        times(&["controller", "state_feedback", "setpoint_per_mm"], setpoint, factor);
         times(&["controller", "state_feedback", "velocity_s_per_mm"], state.map(|law| law.velocity_s_per_mm), factor);
         // The gain on the fan's state is of control value on control value.
         let lqg = all.lqg.as_ref();

@@ -1,6 +1,6 @@
 //! What patches say.
 
-use super::{lag_of, patch};
+use super::{lag_of, patch, scale_gains};
 use crate::config::Tables;
 use crate::measured::Found;
 use control::design::critical::critical_gain;
@@ -55,4 +55,18 @@ fn the_lag_of_a_critical_gain_is_the_models_own() {
     let found = Critical { kp_per_mm: within(exact, 0.0), ti_s: 15.0, omega: 3.9, swings: vec![] };
     let lag_s = lag_of(&found, &tables).unwrap();
     assert!((lag_s - 0.257).abs() < 1e-4, "{lag_s} s");
+}
+
+#[test]
+fn a_gain_on_the_setpoint_is_scaled_with_the_gain_on_the_position() {
+    let mut tables = tables();
+    let law = tables.controller.as_mut().unwrap().state_feedback.as_mut().unwrap();
+    (law.position_per_mm, law.setpoint_per_mm) = (0.02, Some(0.03));
+    let mut scaled = Vec::new();
+    scale_gains(&tables, 300.0, &mut |path, value| scaled.push((path.join("."), value.as_float().unwrap())));
+    for (key, wanted) in [("position_per_mm", 6.0), ("setpoint_per_mm", 9.0)] {
+        let path = format!("controller.state_feedback.{key}");
+        let found = scaled.iter().find(|(scaled, _)| *scaled == path).unwrap().1;
+        assert!((found - wanted).abs() < 1e-9, "{key}: {found}");
+    }
 }

@@ -128,10 +128,11 @@ fn fan_off_stops_a_fan_that_nobody_guards_any_more() {
     let mut flight = start(&bench, "f.mcap");
     rig.until_it_flies();
     let guard = guard_of(&flight);
-    send(guard, Signal::SIGSTOP);
+    // Both stand still before either dies: a loop would land without its guard, and a guard that was stopped alone is woken when its loop dies.
+    send(flight.id(), Signal::SIGSTOP);
+    send(guard, Signal::SIGKILL);
     flight.kill().unwrap();
     let _ = flight.wait();
-    send(guard, Signal::SIGKILL);
     // Nobody turned it off: this is what the PCA9685 does when its program dies, whichever duty was the last.
     rig.until("the fan keeps its duty", |percent| percent >= 10.0);
     assert!(bench.output(&["fan-off"]).contains("is off"));

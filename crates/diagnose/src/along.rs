@@ -19,7 +19,7 @@ pub(crate) fn along<'a>(
     mut show: impl FnMut(usize, Surprise, Option<&Cursor<'a>>),
 ) {
     let mut steps = Steps::of(model);
-    let mut beside = second.and_then(|seen| Some(Beside { sensor: Second::of(recording)?, next: 0, seen }));
+    let mut beside = second.and_then(|seen| Some(Beside { sensor: recording.second()?, next: 0, seen }));
     let grid = model.effects.sensor_quantisation.map(|coarse| Grid::of(recording, coarse.step_mm));
     let outliers = model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
     for flight in recording.flights() {

@@ -18,6 +18,7 @@ use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::places::{Place, places_of, rows};
 use crate::prepare::{Noted, Prepared};
+use crate::profile::OF_90_PERCENT;
 use crate::recording::Recording;
 use crate::residue::Residue;
 use crate::spectrum::{Band, band, periodogram};
@@ -39,8 +40,6 @@ const TRUST_BESIDE_A_REST: f64 = 0.15;
 const WIDER_AT_STOPS: f64 = 3.5;
 const WIDER: f64 = 1.35;
 const WIDER_OF_BASE: f64 = 1.25;
-/// Deviations on either side that hold 90 % of a normal distribution.
-const OF_90_PERCENT: f64 = 1.645;
 
 /// What is wrong, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -17,7 +17,7 @@ const DROP: f64 = 2.706 / 2.0;
 /// Near enough to it, nats.
 const NEAR: f64 = 0.05;
 /// Deviations on either side that hold 90 % of a normal distribution.
-const OF_90_PERCENT: f64 = 1.645;
+pub(crate) const OF_90_PERCENT: f64 = 1.645;
 /// Tries at most to find an end, and steps of the others each time.
 const TRIES: usize = 8;
 const STEPS: usize = 4;

@@ -3,6 +3,7 @@
 //! It may hold several flights of one rig. Their rows follow each other in one count of rows and of time; what has a memory, a
 //! filter or a drift, starts anew at each.
 
+use crate::second::Second;
 use std::ops::Range;
 
 /// One row. The position was read at `time_s`; the duty was written in response and held until the next row.
@@ -33,6 +34,7 @@ pub struct Recording {
     /// Of how many readings each of a flight is the mean.
     means_of: Vec<usize>,
     resolution_mm: f64,
+    second: Option<Second>,
 }
 
 /// Why rows are no recording. Row numbers count from 1 at the first row of data.
@@ -137,6 +139,7 @@ impl Recording {
         let all = 0..samples.len();
         Self {
             resolution_mm: resolution(&samples),
+            second: Second::of(&samples),
             flights: std::iter::once(all).collect(),
             means_of: vec![1],
             samples,
@@ -171,6 +174,7 @@ impl Recording {
         self.means_of.extend(next.means_of);
         self.samples.extend(next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row }));
         self.resolution_mm = self.resolution_mm.min(next.resolution_mm);
+        self.second = Second::of(&self.samples);
         self
     }
 
@@ -215,6 +219,11 @@ impl Recording {
     #[must_use]
     pub const fn resolution_mm(&self) -> f64 {
         self.resolution_mm
+    }
+
+    /// The second sensor, where there is one.
+    pub(crate) const fn second(&self) -> Option<Second> {
+        self.second
     }
 
     /// From the first row to the last, seconds; of several flights, the sum.

@@ -7,7 +7,7 @@
 //! Lag, delay, hold and steps belong to the first sensor, and what the ball really did is seen past them: so a lag of the sensor is told from one of
 //! the fan, and the delay of a reading from that of the duty. The two sensors need not agree about where 0 is.
 
-use crate::recording::Recording;
+use crate::recording::Sample;
 use std::f64::consts::PI;
 
 /// Fewer readings than this are no second sensor.
@@ -23,9 +23,8 @@ pub(crate) struct Second {
 }
 
 impl Second {
-    /// The second sensor of a recording. `None`: it has none, or hardly.
-    pub(crate) fn of(recording: &Recording) -> Option<Self> {
-        let rows = recording.samples();
+    /// The second sensor of a recording's rows. `None`: they have none, or hardly.
+    pub(crate) fn of(rows: &[Sample]) -> Option<Self> {
         let (mut count, mut apart) = (0, 0.0);
         for (second, first) in rows.iter().filter_map(|row| Some((row.position2_mm?, row.position_mm?))) {
             count += 1;
@@ -80,10 +79,10 @@ mod tests {
 
     #[test]
     fn its_offset_and_noise_are_read_off_the_record() {
-        let second = Second::of(&seen(&model(), 3)).unwrap();
+        let second = Second::of(seen(&model(), 3).samples()).unwrap();
         assert!((second.offset_mm - 7.0).abs() < 0.3, "{second:?}");
         assert!((second.variance_mm2.sqrt() - 2.0).abs() < 0.15, "{second:?}");
-        assert_eq!(Second::of(&without_second(&seen(&model(), 3))), None);
+        assert_eq!(Second::of(without_second(&seen(&model(), 3)).samples()), None);
     }
 
     /// With the second sensor `truth` is named alone; without it, as a set with its twin.

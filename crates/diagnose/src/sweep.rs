@@ -12,6 +12,7 @@
 
 use crate::grey_box::Estimate;
 use crate::peak::{half_way_s, highest};
+use crate::profile::OF_90_PERCENT;
 use crate::pulses::{Pulse, Rejected, pulses};
 use crate::recording::Recording;
 use crate::transient::{Transient, TwoPoles};
@@ -25,8 +26,6 @@ const FEWEST: usize = 4;
 const SEEN: f64 = 2.0;
 /// ω_n·t_half of a critically damped loop.
 const HALF_WAY: f64 = 1.678_346_99;
-/// Deviations on either side that hold 90 % of a normal distribution.
-const OF_90_PERCENT: f64 = 1.645;
 /// Student's 95 % quantiles for 1, 2, … degrees of freedom; beyond the table 1.645 + 1.6/ν.
 const STUDENT: [f64; 10] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833, 1.812];
 
@@ -197,7 +196,11 @@ fn jackknife(without: &[f64]) -> f64 {
 }
 
 fn student(degrees: usize) -> f64 {
-    degrees.checked_sub(1).and_then(|at| STUDENT.get(at)).copied().unwrap_or(1.645 + 1.6 / degrees.max(1) as f64)
+    degrees
+        .checked_sub(1)
+        .and_then(|at| STUDENT.get(at))
+        .copied()
+        .unwrap_or(OF_90_PERCENT + 1.6 / degrees.max(1) as f64)
 }
 
 /// The mean of the logarithms, each weighed by its own interval; the mean's interval grows where they scatter by more than that.

@@ -1,9 +1,8 @@
 //! A design in words and as JSON.
 
+use super::table::empty;
 use crate::assessment::{Assessment, Closing, Loop, Pid, Plant};
 use crate::commands::design::{RIG, Table as CriticalTable};
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table, TableComponent};
 use control::design::DesignError;
 use control::state_feedback::{Integral, Lqg};
 use serde::Serialize;
@@ -163,17 +162,6 @@ pub fn critical_table(found: &CriticalTable) -> String {
         ]);
     }
     table.to_string()
-}
-
-fn empty<const N: usize>(header: [&str; N]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(UTF8_HORIZONTAL_ONLY);
-    table.remove_style(TableComponent::HorizontalLines).remove_style(TableComponent::MiddleIntersections);
-    table.set_header(header);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
 }
 
 fn list(items: impl Iterator<Item = String>) -> String {

@@ -1,7 +1,6 @@
 //! The gap as a table that a person reads, with a sentence on what it says.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table, TableComponent};
+use super::table::empty;
 use diagnose::{Gap, Recording};
 use serde::Serialize;
 
@@ -29,19 +28,13 @@ impl<'a> ReplayDocument<'a> {
 /// The gap as a table: a row a horizon.
 #[must_use]
 pub fn table(gap: &Gap) -> String {
-    let mut table = Table::new();
-    table.load_preset(UTF8_HORIZONTAL_ONLY);
-    table.remove_style(TableComponent::HorizontalLines).remove_style(TableComponent::MiddleIntersections);
-    table.set_header(["forecast ahead", "model", "the ball stays put", "noise alone", "model / noise"]);
+    let mut table = empty(["forecast ahead", "model", "the ball stays put", "noise alone", "model / noise"]);
     for (h, horizon) in gap.horizons_s.iter().enumerate() {
         let (error, floor) = (gap.error_mm[h], gap.floor_mm[h]);
         table.add_row([format!("{horizon} s"), mm(error), mm(gap.stay_put_mm[h]), mm(floor), ratio(error, floor)]);
     }
     let (error, floor) = (gap.free_run_10s_mm, gap.floor_free_run_10s_mm);
     table.add_row(["free run, 10 s".into(), mm(error), String::new(), mm(floor), ratio(error, floor)]);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
     table.to_string()
 }
 

@@ -1,12 +1,11 @@
 //! A measurement in words and as JSON.
 
+use super::table::empty;
 use crate::cli::Measurement;
 use crate::config::Tables;
 use crate::measured::{Calibration, Found, Steps};
 use anyhow::Result;
 use clap::ValueEnum;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table, TableComponent};
 use diagnose::measure::Estimate;
 use diagnose::measure::critical::Critical;
 use diagnose::measure::dead_zone::DeadZone;
@@ -217,15 +216,4 @@ fn table(rows: &[Row]) -> String {
 fn said(estimate: Estimate, digits: usize, unit: &str) -> [String; 2] {
     let Estimate { value, low, high } = estimate;
     [format!("{value:.digits$}{unit}"), format!("{low:.digits$} to {high:.digits$}{unit}")]
-}
-
-fn empty<const N: usize>(header: [&str; N]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(UTF8_HORIZONTAL_ONLY);
-    table.remove_style(TableComponent::HorizontalLines).remove_style(TableComponent::MiddleIntersections);
-    table.set_header(header);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
 }

@@ -22,3 +22,4 @@ pub mod plot;
 mod stages;
 pub mod steps;
 pub mod summary;
+mod table;

@@ -11,6 +11,7 @@
 
 use super::hold::{Hold, holds};
 use super::{Estimate, MeasureError};
+use crate::check::median;
 use crate::recording::Recording;
 use serde::Serialize;
 
@@ -87,16 +88,11 @@ fn of_rest(all: &[(f64, f64)], resolution_mm: f64) -> Result<NoiseFloor, Measure
 }
 
 fn without_wild(all: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let centre = median(all.iter().map(|(_, mm)| *mm).collect());
-    let deviation = MEDIAN_TO_DEVIATION * median(all.iter().map(|(_, mm)| (mm - centre).abs()).collect());
+    let Some(centre) = median(all.iter().map(|(_, mm)| *mm).collect()) else { return Vec::new() };
+    let distance = median(all.iter().map(|(_, mm)| (mm - centre).abs()).collect());
+    let deviation = distance.map_or(0.0, |distance| MEDIAN_TO_DEVIATION * distance);
     // A sensor coarser than its noise has a median distance of 0.
     all.iter().filter(|(_, mm)| deviation <= 0.0 || (mm - centre).abs() <= WILD * deviation).copied().collect()
-}
-
-/// The median; NaN of nothing.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Autocorrelations from the first on, until one is no longer beyond doubt.

@@ -8,6 +8,7 @@
 //!
 //! Source: Goodnight, "A tutorial on the SWEEP operator", The American Statistician 33 (1979).
 
+use crate::chi_square::ln_chance;
 use nalgebra::{DMatrix, DVector};
 
 /// What a term must keep of its square once others are swept out, to count as one of its own.
@@ -81,57 +82,11 @@ impl Scores {
     }
 }
 
-/// ln P(χ²_m > x), by its finite sums (Abramowitz and Stegun 26.4.4 and 26.4.5), without the underflow of the tail.
-fn ln_chance(x: f64, m: usize) -> f64 {
-    let half = 0.5 * x;
-    let (mut sum, mut term, first) = if m.is_multiple_of(2) {
-        (0.0, 1.0, 1.0)
-    } else {
-        (scaled_erfc(half.sqrt()), 2.0 * (half / std::f64::consts::PI).sqrt(), 1.5)
-    };
-    for k in 0..m / 2 {
-        sum += term;
-        term *= half / (k as f64 + first);
-    }
-    sum.ln() - half
-}
-
-/// exp(x²)·erfc(x), beyond 5 by its asymptotic series.
-fn scaled_erfc(x: f64) -> f64 {
-    if x < 5.0 {
-        return (x * x).exp() * libm::erfc(x);
-    }
-    let by = 0.5 / (x * x);
-    (1.0 - by * (1.0 - 3.0 * by * (1.0 - 5.0 * by))) / (x * std::f64::consts::PI.sqrt())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Scores, ln_chance};
+    use super::Scores;
     use nalgebra::DVector;
     use plant::Normal;
-
-    #[test]
-    fn the_chance_is_that_of_the_tables() {
-        // Quantiles of χ² at 5 %, 1 % and 0.1 %: Abramowitz and Stegun, table 26.8.
-        for (m, x, p) in [
-            (1, 3.84146, 0.05),
-            (2, 5.99147, 0.05),
-            (3, 7.81473, 0.05),
-            (4, 9.48773, 0.05),
-            (5, 11.0705, 0.05),
-            (6, 12.5916, 0.05),
-            (1, 6.63490, 0.01),
-            (3, 11.3449, 0.01),
-            (6, 16.8119, 0.01),
-            (5, 20.515, 0.001),
-        ] {
-            assert!((ln_chance(x, m).exp() / p - 1.0).abs() < 2e-4, "{m} {x}: {}", ln_chance(x, m).exp());
-        }
-        // Far out the tail goes on without underflow: ln of it falls by half of what x grows by, and a little.
-        let fall = ln_chance(4000.0, 3) - ln_chance(4002.0, 3);
-        assert!((0.999..1.0).contains(&fall), "{fall}");
-    }
 
     /// Rows of independent normal terms; the innovation has `shares` of the first terms and unit noise. The model can do number 0 itself.
     fn asked(shares: &[f64], seed: u64) -> Vec<super::Asked> {

@@ -3,9 +3,8 @@
 use crate::config::Tables;
 use crate::measured::Found;
 use anyhow::{Result, anyhow};
-use control::design::critical::critical_gain;
-use control::design::law::Gains;
 use control::predistortion::{MAX_POINTS, Predistortion};
+use diagnose::fan_pole::fan_lag_s;
 use diagnose::measure::critical::Critical;
 use diagnose::measure::dead_zone::DeadZone;
 use diagnose::measure::jumps::Jumps;
@@ -13,9 +12,8 @@ use toml::{Table, Value};
 
 /// The slope of a curve about hover is taken over so much to either side, percent.
 const ABOUT_HOVER_PERCENT: f64 = 0.5;
-/// Where the fan's lag of a critical gain is sought, seconds, and how often the stretch is halved.
-const LAGS_S: (f64, f64) = (0.002, 1.0);
-const HALVINGS: u32 = 50;
+/// Lags that a fan may have, seconds.
+const LAGS_S: std::ops::Range<f64> = 0.002..1.0;
 
 /// Sets a number of a patch by its path.
 type Set<'a> = dyn FnMut(&[&str], Value) + 'a;
@@ -156,20 +154,8 @@ fn scale_gains(tables: &Tables, factor: f64, set: &mut Set<'_>) {
 /// proposes. `None`: no lag does, or there is no model.
 fn lag_of(found: &Critical, tables: &Tables) -> Option<f64> {
     let (model, period_s) = (tables.plant.as_ref()?, tables.r#loop?.period_s);
-    let too_weak = |lag_s: f64| {
-        let plant = control::design::Linear { fan_lag_s: lag_s, ..model.linear() };
-        let limit = critical_gain(&Gains::pi(1.0, found.ti_s), &plant.sampled(period_s).ok()?).value();
-        Some(limit.is_some_and(|limit| limit < found.kp_per_mm.value))
-    };
-    let (mut short, mut long) = LAGS_S;
-    if too_weak(short)? || !too_weak(long)? {
-        return None;
-    }
-    for _ in 0..HALVINGS {
-        let middle = (short + long) / 2.0;
-        (short, long) = if too_weak(middle)? { (short, middle) } else { (middle, long) };
-    }
-    Some((short + long) / 2.0)
+    let lag_s = fan_lag_s(&model.linear(), found.ti_s, found.kp_per_mm.value, Some(period_s)).ok();
+    lag_s.filter(|lag_s| LAGS_S.contains(lag_s))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A grey-box identification in words and as a document.
 
-use super::{SCHEMA, empty, name, said};
+use super::{SCHEMA, name, said};
+use crate::report::table::empty;
 use diagnose::{Estimate, GreyBox, Percent, Poles, Recording, ResidualTests, Test};
 use serde::Serialize;
 
@@ -126,7 +127,7 @@ pub mod words {
 
     fn table(found: &[GreyBox]) -> String {
         let header = std::iter::once(String::new()).chain(found.iter().map(|one| poles(one.poles).to_owned()));
-        let mut table = empty(header.collect());
+        let mut table = empty(header.collect::<Vec<String>>());
         let mut row = |title: String, cell: &dyn Fn(&GreyBox) -> String| {
             table.add_row(std::iter::once(title).chain(found.iter().map(cell)).collect::<Vec<_>>());
         };

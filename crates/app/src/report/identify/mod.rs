@@ -4,8 +4,6 @@ pub mod grey_box;
 pub mod third_pole;
 pub mod transient;
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table, TableComponent};
 use diagnose::Estimate;
 use plant::Model;
 use std::fmt::Write;
@@ -64,17 +62,6 @@ fn name(key: &str) -> &str {
         LAG => "fan's lag, s",
         other => other,
     }
-}
-
-fn empty(header: Vec<String>) -> Table {
-    let mut table = Table::new();
-    table.load_preset(UTF8_HORIZONTAL_ONLY);
-    table.remove_style(TableComponent::HorizontalLines).remove_style(TableComponent::MiddleIntersections);
-    table.set_header(header);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A sweep of proportional gains in words and as a document.
 
-use super::{SCHEMA, digits, empty, said};
+use super::{SCHEMA, digits, said};
+use crate::report::table::empty;
 use diagnose::{OfGain, Sweep};
 use serde::Serialize;
 
@@ -28,7 +29,7 @@ impl<'a> Document<'a> {
 pub fn lines(found: &Sweep) -> Vec<String> {
     let header =
         ["K_p, % per mm", "pulses", "overshoot", "peak", "damping", "ω_n, rad/s", "K_g, mm/s² per %", "a, 1/s"];
-    let mut table = empty(header.map(String::from).to_vec());
+    let mut table = empty(header);
     for gain in &found.gains {
         table.add_row(row(gain));
     }

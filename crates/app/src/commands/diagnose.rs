@@ -1,7 +1,7 @@
 //! `airball diagnose`: what separates the logs of a rig from a model.
 
 use super::diagnosing::{Answer, Asked};
-use super::{note, say};
+use super::{note, say, write};
 use crate::cli::DiagnoseArgs;
 use crate::desk::Desk;
 use crate::next::Advice;
@@ -10,7 +10,7 @@ use crate::report::logs::findings;
 use crate::report::page::{self, diagnosis::Report};
 use crate::report::{closed_loop, missing_force, next, plot};
 use ::diagnose::{Options, Picture, Step, Watch};
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::time::Duration;
@@ -120,9 +120,4 @@ fn write_next(path: &Path, advice: &Advice) -> Result<()> {
             Ok(())
         }
     }
-}
-
-fn write(what: &str, path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, text)
-        .map_err(|error| anyhow!("cannot write the {what} {}: {error}; check the folder", path.display()))
 }

@@ -17,5 +17,5 @@ pub mod replay;
 pub mod run;
 pub mod simulate;
 
-use output::say;
 pub use output::{note, reader_is_gone};
+use output::{say, write};

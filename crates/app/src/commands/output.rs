@@ -1,8 +1,9 @@
 //! Standard output and standard error, either of which may be closed at any time: `println!` would panic.
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
+use std::path::Path;
 
 /// A line of the result on standard output.
 pub(super) fn say(line: impl Display) -> Result<()> {
@@ -12,6 +13,15 @@ pub(super) fn say(line: impl Display) -> Result<()> {
 /// A word to the person at the terminal, on standard error. Nobody there is no failure.
 pub fn note(line: impl Display) {
     let _ = writeln!(stderr().lock(), "airball: {line}");
+}
+
+/// Writes a file that was asked for; `what` it is, for the message.
+///
+/// # Errors
+/// The file cannot be written; the message names it.
+pub(super) fn write(what: &str, path: &Path, text: &str) -> Result<()> {
+    std::fs::write(path, text)
+        .map_err(|error| anyhow!("cannot write the {what} {}: {error}; check the folder", path.display()))
 }
 
 /// Whether a command failed only because whoever read its output has left, as `head` does.

@@ -7,17 +7,16 @@ mod patch;
 
 pub use critical_gain::{RIG, Row, Table};
 
-use super::{note, say};
+use super::{note, say, write};
 use crate::assessment::{Closing, Loop};
 use crate::cli::{DesignArgs, DesignCommand};
 use crate::config::Config;
 use crate::report::design::{Document, Feedback, words};
 use crate::report::{design_plot, plot};
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use control::design::Linear;
 use control::predistortion::Predistortion;
 use plant::Model;
-use std::path::Path;
 
 /// The command that configs and errors are told.
 const NAME: &str = "design";
@@ -88,9 +87,4 @@ impl Ground {
         }
         words(&document).into_iter().try_for_each(say)
     }
-}
-
-fn write(what: &str, path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, text)
-        .map_err(|error| anyhow!("cannot write the {what} {}: {error}; check the folder", path.display()))
 }

@@ -5,15 +5,15 @@ mod third_pole;
 mod transient;
 
 use super::diagnosing::Asked;
-use super::{note, say};
+use super::{note, say, write};
 use crate::cli::{IdentifyArgs, IdentifyCommand};
 use crate::report::identify::patch;
 use crate::report::plot;
 use ::diagnose::{Estimate, Noted};
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use plant::Model;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The command that configs and errors are told.
 const NAME: &str = "identify";
@@ -73,9 +73,4 @@ fn conclude(args: &IdentifyArgs, document: &impl Serialize, words: Vec<String>) 
         return say(serde_json::to_string(document)?);
     }
     words.into_iter().try_for_each(say)
-}
-
-fn write(what: &str, path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, text)
-        .map_err(|error| anyhow!("cannot write the {what} {}: {error}; check the folder", path.display()))
 }

@@ -5,7 +5,7 @@ mod patch;
 use super::flying::{Own, Plan, plan};
 use super::run::in_real_time;
 use super::simulate::in_virtual_time;
-use super::{note, say};
+use super::{note, say, write};
 use crate::cli::{MeasureArgs, Measurement};
 use crate::config::Config;
 use crate::log::reader;
@@ -48,8 +48,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     };
     if let (Some(file), Some(text)) = (&args.patch_out, &text) {
         let origin = format!("# Measured: {}\n", path.display());
-        std::fs::write(file, origin + text)
-            .map_err(|error| anyhow!("cannot write the patch {}: {error}; check the folder", file.display()))?;
+        write("patch", file, &(origin + text))?;
     }
     if let Some(picture) = &args.flight.plot {
         measure_plot::draw(picture, &log.recording, &found)?;

@@ -5,7 +5,7 @@
 //! colour    Q = n(n+2)·Σ r_l²/(n−l), l ≤ L            Ljung and Box: (Q − L)/√(2L)
 //! line      g = max_f |Σ e_k·exp(−2πi·f·t_k)|²/n      exponential with mean 1 at each frequency
 //! energy    the largest |z| of mean e² in sixths of duty, height, speed and time
-//! omitted   the terms that e_k ask for: see `omitted`
+//! omitted   the terms that e_k ask for, and the moments at which something happened: see `omitted`
 //! air       (d + g·σ²)/σ: how far the noise of the air had to grow, in deviations, its prior taken away
 //! ```
 //!
@@ -35,6 +35,10 @@ pub struct Residue {
     pub omitted: f64,
     /// Those terms.
     pub asked_for: Vec<Omitted>,
+    /// Moments at which something happened: −ln of the chance that they say so much.
+    pub moments: f64,
+    /// What happened.
+    pub happened: Vec<Omitted>,
     /// Nats of it that the form of what was found may leave, which is never quite that of the catalogue.
     pub of_form: f64,
     /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
@@ -50,7 +54,8 @@ const COLOUR: f64 = 5.5;
 const CHANCE: f64 = 7.0;
 /// Tails of the noise that are not normal make these two less certain.
 const CHANCE_OF_POWER: f64 = 9.0;
-const OMITTED: f64 = 6.5;
+const OMITTED: f64 = 7.5;
+const MOMENTS: f64 = 6.5;
 const OMITTED_OF_CELLS: f64 = 30.0;
 /// The same beside a turbulence, which follows most of what is missing.
 const OMITTED_BESIDE_TURBULENCE: f64 = 4.5;
@@ -81,6 +86,7 @@ impl Residue {
         let shape = self.colour > COLOUR || self.mean > CHANCE || self.energy > CHANCE_OF_POWER;
         (shape && !self.coarse)
             || self.omitted_is_significant()
+            || self.moments_are_significant()
             || self.line > CHANCE_OF_POWER
             || (self.air > AIR && self.air_ratio > AIR_RATIO)
     }
@@ -90,6 +96,12 @@ impl Residue {
     pub fn omitted_is_significant(&self) -> bool {
         // Within a cell nothing is normal, and what follows from that is no residue.
         self.omitted > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { OMITTED }
+    }
+
+    /// Whether something happened at moments of its own.
+    #[must_use]
+    pub fn moments_are_significant(&self) -> bool {
+        self.moments > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { MOMENTS }
     }
 
     /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
@@ -109,15 +121,17 @@ impl Residue {
         let (air, air_ratio) = air(problem, fit);
         let judged: Vec<usize> = rows.iter().map(|row| row.row).collect();
         let long = (LONG / rows.len().max(1) as f64).min(1.0);
-        let (omitted, asked_for) = omitted(problem, fit, &|row| judged.binary_search(&row).is_ok(), long);
+        let [terms, moments] = omitted(problem, fit, &|row| judged.binary_search(&row).is_ok(), long);
         Self {
             colour: long * colour(&e, lags(&rows)),
             line: long * line(&periodogram(&rows)),
             energy: long * largest(&rows, &spots, |row| row.pull * row.pull),
             mean: long * largest(&rows, &spots, |row| row.pull),
-            omitted,
+            omitted: terms.nats,
             of_form: SHARE_OF_FORM * explained,
-            asked_for,
+            asked_for: terms.terms,
+            moments: moments.nats,
+            happened: moments.terms,
             coarse: fit.model.effects.sensor_quantisation.is_some(),
             air: long.sqrt() * air,
             air_ratio,

@@ -20,8 +20,12 @@ pub fn left_over(found: &Diagnosis) -> Option<String> {
     let terms = residue.asked_for.iter().filter(|_| residue.omitted_is_significant());
     let terms: Vec<String> = terms.take(MOST_TERMS).map(|term| format!("{} (z = {:.1})", term.words, term.z)).collect();
     let known = (!terms.is_empty()).then(|| format!("{} [{LETTERS}]", terms.join(", ")));
+    let moments = residue.happened.iter().filter(|_| residue.moments_are_significant());
+    let moments: Vec<String> =
+        moments.take(MOST_TERMS).map(|moment| format!("{} (z = {:.1})", moment.words, moment.z)).collect();
+    let moments = (!moments.is_empty()).then(|| moments.join(", "));
     let restless = (residue.air_ratio > RESTLESS)
         .then(|| format!("noise of the air {:.1} times as strong as believed", residue.air_ratio));
-    let shape: Vec<String> = known.into_iter().chain(restless).collect();
+    let shape: Vec<String> = known.into_iter().chain(moments).chain(restless).collect();
     (!shape.is_empty()).then(|| format!("what is left looks like {}", shape.join(", and ")))
 }

@@ -21,6 +21,8 @@ pub(super) struct Scores {
     gram: DMatrix<f64>,
     by: DVector<f64>,
     own: usize,
+    /// The squares of all before anything was swept out.
+    before: DVector<f64>,
 }
 
 /// A term that is asked for.
@@ -38,7 +40,8 @@ impl Scores {
     /// No rows yet, of `own` that the model can do itself and of `terms`.
     pub(super) fn new(own: usize, terms: usize) -> Self {
         let width = own + terms;
-        Self { gram: DMatrix::zeros(width, width), by: DVector::zeros(width), own }
+        let zeros = DVector::zeros(width);
+        Self { gram: DMatrix::zeros(width, width), by: zeros.clone(), own, before: zeros }
     }
 
     /// Adds a row and its innovation.
@@ -47,28 +50,40 @@ impl Scores {
         self.by.axpy(innovation, row, 1.0);
     }
 
-    /// The terms that are asked for most. `variance` of the innovations; `weight`: what each row counts.
-    pub(super) fn asked(mut self, variance: f64, weight: f64) -> Vec<Asked> {
+    /// Sweeps out what the model can do itself: the nats that this explains.
+    pub(super) fn settle(&mut self) -> f64 {
         self.gram.fill_upper_triangle_with_lower_triangle();
-        let before = self.gram.diagonal();
-        let kept = |scores: &Self, j: usize| scores.gram[(j, j)] > OF_ITS_OWN * before[j] && before[j] > 0.0;
+        self.before = self.gram.diagonal();
+        let mut explained = 0.0;
         for j in 0..self.own {
-            if kept(&self, j) {
+            if self.is_its_own(j) {
+                explained += 0.5 * self.by[j].powi(2) / self.gram[(j, j)];
                 self.sweep(j);
             }
         }
-        let mut left: Vec<usize> = (self.own..self.by.len()).filter(|j| kept(&self, *j)).collect();
+        explained
+    }
+
+    /// Whether a number is none that those swept out can do.
+    fn is_its_own(&self, j: usize) -> bool {
+        self.gram[(j, j)] > OF_ITS_OWN * self.before[j]
+    }
+
+    /// The terms that are asked for most, of settled scores. `variance` of the innovations; `weight`: what each row counts; `behind`: the nats
+    /// that the first of the terms must make up for.
+    pub(super) fn asked(mut self, variance: f64, weight: f64, behind: f64) -> Vec<Asked> {
+        let mut left: Vec<usize> = (self.own..self.by.len()).filter(|j| self.is_its_own(*j)).collect();
         let terms = left.len() as f64;
-        let (mut asked, mut total, mut ways) = (Vec::new(), 0.0, 0.0);
+        let (mut asked, mut total, mut ways) = (Vec::new(), -2.0 * weight * behind, 0.0);
         while asked.len() < MOST {
             let z = |j: usize| self.by[j] / (variance * self.gram[(j, j)]).sqrt();
             let Some(j) = left.iter().copied().max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs())) else { break };
             let (z, m) = (z(j) * weight.sqrt(), asked.len());
             total += z * z;
             ways += ((terms - m as f64) / (m as f64 + 1.0)).ln();
-            asked.push(Asked { term: j - self.own, z, nats: -ln_chance(total, m + 1) - ways });
+            asked.push(Asked { term: j - self.own, z, nats: -ln_chance(total.max(f64::MIN_POSITIVE), m + 1) - ways });
             self.sweep(j);
-            left.retain(|other| *other != j && kept(&self, *other));
+            left.retain(|other| *other != j && self.is_its_own(*other));
         }
         asked
     }
@@ -97,7 +112,8 @@ mod tests {
             let e = normal.draw() + shares.iter().zip(row.iter()).map(|(share, f)| share * f).sum::<f64>();
             scores.add(&row, e);
         }
-        scores.asked(1.0, 1.0)
+        scores.settle();
+        scores.asked(1.0, 1.0, 0.0)
     }
 
     #[test]

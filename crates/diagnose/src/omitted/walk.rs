@@ -1,0 +1,158 @@
+//! A filter's way along a record, and the scores that it gives: of forces and shifts, and of spreads.
+
+use super::scores::Scores;
+use super::terms::{Known, Term};
+use crate::cursor::{Leg, Nudged};
+use crate::fit::{Fit, Problem};
+use crate::free::Free;
+use crate::likelihood::Surprise;
+use crate::track::legs;
+use nalgebra::DVector;
+
+/// Length of the differences in the scales of the fitted numbers.
+pub(super) const DIFFERENCE: f64 = 0.01;
+/// A reading that says less than this of what was expected is left out.
+const SAYS_NOTHING: f64 = 1e-3;
+/// Readings further apart than this are no part of one walk, seconds.
+const GAP_S: f64 = 1.0;
+
+/// A filter's way along a record: what was known before each reading, and what came.
+pub(super) struct Walk {
+    fit: Fit,
+    pub(super) steps: Vec<Step>,
+    /// By each fitted number: how far the expected readings move, in deviations.
+    own: Vec<Vec<f64>>,
+}
+
+/// A reading, the way to it, and what was known before it.
+pub(super) struct Step {
+    /// Time of the reading, seconds.
+    pub(super) time_s: f64,
+    pub(super) leg: Leg,
+    pub(super) surprise: Surprise,
+    /// Since the reading before, seconds; `None`: there is none.
+    pub(super) dt: Option<f64>,
+    known: Known,
+    pub(super) judged: bool,
+}
+
+impl Step {
+    /// The root of what a reading counts: as far as it says something.
+    pub(super) fn says(&self) -> f64 {
+        self.surprise.weight.max(SAYS_NOTHING).sqrt()
+    }
+
+    fn says_something(&self) -> bool {
+        self.surprise.weight > SAYS_NOTHING
+    }
+}
+
+impl Walk {
+    /// Leads the filter of `fit` along the record. Only rows that are `judged` are scored.
+    pub(super) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
+        let way = legs(&fit.model, problem.recording);
+        let own = fit.free.iter().filter(|free| !matches!(free, Free::SensorNoise | Free::AirNoise));
+        let own = own.map(|free| moved(problem, &fit, *free, &way)).collect();
+        let known = known(problem, &fit, &way);
+        let steps = way.into_iter().zip(known).map(|((surprise, leg), (dt, known))| {
+            let judged = dt.is_some() && judged(surprise.row);
+            Step { time_s: problem.recording.samples()[surprise.row].time_s, leg, surprise, dt, known, judged }
+        });
+        Self { fit, steps: steps.collect(), own }
+    }
+
+    /// Scores of forces and shifts, in this order, beside what the fitted numbers do.
+    pub(super) fn motions(&self, forces: &[Term], shifts: &[Term]) -> Scores {
+        let (own, terms) = (self.own.len(), forces.len() + shifts.len());
+        let mut scores = Scores::new(own, terms);
+        let mut nudged = vec![Nudged::nowhere(); terms];
+        let mut row = DVector::zeros(own + terms);
+        for (k, step) in self.steps.iter().enumerate() {
+            let Some(dt) = step.dt else {
+                nudged.fill(Nudged::nowhere());
+                continue;
+            };
+            let (surprise, says) = (&step.surprise, step.says());
+            let deviation = surprise.variance_mm2.sqrt();
+            for (at, (nudged, term)) in nudged.iter_mut().zip(forces.iter().chain(shifts)).enumerate() {
+                let value = (term.of)(&step.known);
+                let (push, shift_mm) = if at < forces.len() { (value, 0.0) } else { (0.0, value) };
+                let moved_mm = nudged.go(&self.fit.model, &step.leg, (dt, push, shift_mm), surprise);
+                row[own + at] = says * moved_mm / deviation;
+            }
+            for (at, own) in self.own.iter().enumerate() {
+                row[at] = says * own[k];
+            }
+            if step.judged && step.says_something() && row.iter().all(|value| value.is_finite()) {
+                scores.add(&row, surprise.pull / says);
+            }
+        }
+        scores
+    }
+
+    /// Scores of spreads beside a noise that is larger everywhere, and the variance of what they are scores of.
+    pub(super) fn spreads(&self, terms: &[Term]) -> (Scores, f64) {
+        let mut scores = Scores::new(1, terms.len());
+        let judged = || self.steps.iter().filter(|step| step.judged && step.says_something());
+        // A square is far from normal, and its third root is near: a few large ones are no spread.
+        let size = |step: &Step| step.surprise.pull.abs().powf(2.0 / 3.0);
+        let count = judged().count().max(1) as f64;
+        let mean = judged().map(size).sum::<f64>() / count;
+        let variance = judged().map(|step| (size(step) - mean).powi(2)).sum::<f64>() / count;
+        for step in judged() {
+            let row = DVector::from_iterator(
+                1 + terms.len(),
+                std::iter::once(1.0).chain(terms.iter().map(|term| (term.of)(&step.known))),
+            );
+            scores.add(&row, size(step));
+        }
+        scores.settle();
+        (scores, variance.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// How far each expected reading moves with a fitted number, in deviations by the number's scale.
+fn moved(problem: &Problem<'_>, fit: &Fit, free: Free, way: &[(Surprise, Leg)]) -> Vec<f64> {
+    let mut there = vec![None; problem.recording.samples().len()];
+    for (surprise, _) in legs(&free.moved(&fit.model, DIFFERENCE), problem.recording) {
+        there[surprise.row] = Some(surprise.expected_mm);
+    }
+    let shift = |(surprise, _): &(Surprise, Leg)| {
+        let moved_mm = there[surprise.row].map_or(0.0, |there: f64| there - surprise.expected_mm);
+        moved_mm / DIFFERENCE / surprise.variance_mm2.sqrt()
+    };
+    way.iter().map(shift).collect()
+}
+
+/// Mean, and deviation never 0.
+fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let count = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let variance = values.map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+    (mean, variance.sqrt().max(f64::MIN_POSITIVE))
+}
+
+/// What was known before each reading, and the time since the one before.
+fn known(problem: &Problem<'_>, fit: &Fit, way: &[(Surprise, Leg)]) -> Vec<(Option<f64>, Known)> {
+    let samples = problem.recording.samples();
+    let u = |at: usize| samples[way[at].0.row].duty_percent - fit.model.hover_duty_percent;
+    let scale_u = spread((0..way.len()).map(u)).1;
+    let (middle, scale_x) = spread(way.iter().map(|(_, leg)| leg.known().0));
+    let scale_v = spread(way.iter().map(|(_, leg)| leg.known().1)).1;
+    let mut known = Known::default();
+    let step = |k: usize| {
+        let flight = problem.recording.flight_of(way[k].0.row);
+        let before = k.checked_sub(1).filter(|before| flight.contains(&way[*before].0.row));
+        let Some(before) = before else {
+            known = Known::default();
+            return (None, known);
+        };
+        let length_s = samples[flight.end - 1].time_s - samples[flight.start].time_s;
+        let dt = (way[k].1.time_s - way[before].1.time_s).clamp(0.0, GAP_S);
+        let (x, v) = way[before].1.known();
+        let t = 2.0 * way[k].1.time_s / length_s.max(f64::MIN_POSITIVE) - 1.0;
+        known.go_on(dt, [u(before) / scale_u, (x - middle) / scale_x, v / scale_v, t]);
+        (Some(dt), known)
+    };
+    (0..way.len()).map(step).collect()
+}

@@ -15,7 +15,7 @@ use serde::Serialize;
 /// Times that the stretches are drawn.
 const DRAWS: usize = 500;
 /// An error this much above the floor is a gap whose share can be told: of less, chance in the record closes or opens too much.
-const OPEN: f64 = 1.25;
+const OPEN: f64 = 1.5;
 
 /// A share of the gap, with its 90 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -101,6 +101,12 @@ fn detectable(case: &Case) -> Option<bool> {
     case.nats().map(|nats| nats >= DETECTABLE)
 }
 
+/// Whether each of the true effects can be seen beside the others.
+fn each_detectable(case: &Case) -> bool {
+    let each = case.bounds.as_ref().map(|bounds| &bounds.each);
+    each.is_some_and(|each| each.len() == case.truth.effects.len() && each.values().all(|nats| *nats >= DETECTABLE))
+}
+
 fn is(wanted: Outcome) -> impl Fn(&Case) -> bool {
     move |case| outcome(case) == wanted
 }
@@ -145,9 +151,16 @@ fn about_singles(cases: &[Case]) -> Vec<Share> {
 
 fn about_pairs(cases: &[Case]) -> Vec<Share> {
     let pairs = || of_kind(cases, Kind::Pair);
+    let shown = pairs().filter(|case| each_detectable(case));
     let one_named = |case: &Case| case.answer.as_ref().is_some_and(|answer| named(answer, &case.truth.effects) > 0);
     vec![
         share("pair_both", "pair: both named", pairs(), is(Outcome::Right)),
+        share(
+            "pair_both_detectable",
+            "pair, each 5 nats or more beside the other: both named",
+            shown,
+            is(Outcome::Right),
+        ),
         share("pair_one", "pair: at least one named", pairs(), one_named),
         share("exact_pair", "pair: both, no other, nothing left", pairs(), exact),
         share("wrong_pair", "pair: only wrong names", pairs(), is(Outcome::Wrong)),
@@ -157,6 +170,7 @@ fn about_pairs(cases: &[Case]) -> Vec<Share> {
 fn about_rest(cases: &[Case]) -> Vec<Share> {
     let of = |kind| of_kind(cases, kind);
     let alarm = |case: &Case| case.answer.as_ref().is_some_and(|answer| !no_alarm(answer));
+    let shown = of(Kind::Outside).filter(|case| detectable(case) == Some(true));
     let no_effect = cases.iter().filter(|case| matches!(case.truth.kind, Kind::None | Kind::Parameters));
     vec![
         share("false_alarm", "none and parameters: false alarm", no_effect, alarm),
@@ -169,6 +183,7 @@ fn about_rest(cases: &[Case]) -> Vec<Share> {
             says(case, Verdict::NoGap)
         }),
         share("outside_unexplained", "outside: unexplained", of(Kind::Outside), is(Outcome::Right)),
+        share("outside_detectable", "outside, 5 nats or more: unexplained", shown, is(Outcome::Right)),
         share("outside_wrong", "outside: a confident wrong name", of(Kind::Outside), is(Outcome::Wrong)),
         share("outside_silent", "outside: silent", of(Kind::Outside), is(Outcome::Silent)),
     ]

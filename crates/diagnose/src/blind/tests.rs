@@ -147,12 +147,26 @@ fn an_effect_left_out_is_unexplained_or_its_twin() {
 #[test]
 fn what_a_record_cannot_show_is_scored_apart() {
     let bounded = |nats| {
-        let bounds = Bounds { case: "case-000".into(), nats, sigma: [].into() };
+        let bounds = Bounds { case: "case-000".into(), nats, each: [].into(), sigma: [].into() };
         Case { bounds: Some(bounds), ..single("dead_zone", vec![entry("dead_zone", 0.9, &[])]) }
     };
     let score = score(&[bounded(Some(5.0)), bounded(Some(4.9)), bounded(None)]);
     let found = ["top_1", "top_1_detectable", "top_1_no_bound"].map(|name| of(&score, name));
     assert_eq!(found, [(3, 3), (1, 1), (1, 1)]);
+}
+
+#[test]
+fn a_pair_is_scored_apart_where_each_can_be_seen_beside_the_other() {
+    let pair = |each: &[(&str, f64)]| {
+        let each = each.iter().map(|(name, nats)| ((*name).to_owned(), *nats)).collect();
+        let bounds = Bounds { case: "case-000".into(), nats: None, each, sigma: [].into() };
+        let entries = ["dead_zone", "wall_friction"].map(|name| entry(name, 0.9, &[])).to_vec();
+        let case = case(Kind::Pair, &["dead_zone", "wall_friction"], answer(Verdict::Effect, entries));
+        Case { bounds: Some(bounds), ..case }
+    };
+    let seen = pair(&[("dead_zone", 5.0), ("wall_friction", 9.0)]);
+    let score = score(&[seen, pair(&[("dead_zone", 4.9), ("wall_friction", 9.0)]), pair(&[("dead_zone", 9.0)])]);
+    assert_eq!((of(&score, "pair_both"), of(&score, "pair_both_detectable")), ((3, 3), (1, 1)));
 }
 
 #[test]
@@ -195,7 +209,7 @@ fn estimated(half: f64) -> Case {
     ];
     answered.parameters = [("drag_per_s".to_owned(), about(2.1))].into();
     let sigma = [("drag_per_s".to_owned(), 0.05), ("dead_zone.upper_percent".to_owned(), 0.01)].into();
-    case.bounds = Some(Bounds { case: "case-000".into(), nats: None, sigma });
+    case.bounds = Some(Bounds { case: "case-000".into(), nats: None, each: [].into(), sigma });
     case
 }
 

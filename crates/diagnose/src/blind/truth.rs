@@ -96,6 +96,9 @@ pub struct Bounds {
     pub case: String,
     /// Nats that a perfect diagnosis gains over a refitted belief. `None`: the effect shows in the spread only, no bound is known.
     pub nats: Option<f64>,
+    /// The same of each true effect alone, over a belief that knows of the others.
+    #[serde(default)]
+    pub each: Values,
     /// Cramér–Rao deviation of every true parameter: `gain_mm_per_s2_per_percent`, `fan_lag.time_constant_s`.
     #[serde(default)]
     pub sigma: Values,

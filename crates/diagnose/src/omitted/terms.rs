@@ -1,6 +1,6 @@
 //! The dictionary: forces, shifts of readings and spreads that a model may omit, each a function of what was known before a reading.
 //!
-//! u: duty about hover, x: height, v: speed, each over its own deviation; ~τ: as it was over the last τ seconds (first order); t: -1 at
+//! u: duty about hover, x: height, v: speed, each over its own deviation; ~τ: as it was over the last τ seconds (first order); ⁺: the part above 0; t: -1 at
 //! the start of the flight, 1 at its end.
 
 use std::f64::consts::PI;
@@ -28,7 +28,7 @@ pub(super) struct Known {
 #[derive(Clone, Copy, Debug, Default)]
 struct Memory {
     u: f64,
-    size_of_u: f64,
+    above: f64,
     square_of_u: f64,
     v: f64,
 }
@@ -40,7 +40,7 @@ impl Known {
         for (memory, memory_s) in self.memory.iter_mut().zip(MEMORIES_S) {
             let share = 1.0 - (-dt / memory_s).exp();
             memory.u += share * (u - memory.u);
-            memory.size_of_u += share * (u.abs() - memory.size_of_u);
+            memory.above += share * (u.max(0.0) - memory.above);
             memory.square_of_u += share * (u * u - memory.square_of_u);
             memory.v += share * (v - memory.v);
         }
@@ -127,12 +127,12 @@ fn of_memory(at: usize) -> Vec<Term> {
     };
     vec![
         of("u~", |_, m| m.u),
-        of("|u|~", |_, m| m.size_of_u),
+        of("u⁺~", |_, m| m.above),
         of("u²~", |_, m| m.square_of_u),
         of("v~", |_, m| m.v),
         of("u·u~", |k, m| k.u * m.u),
         of("|u|·u~", |k, m| k.u.abs() * m.u),
-        of("u·|u|~", |k, m| k.u * m.size_of_u),
+        of("u·u⁺~", |k, m| k.u * m.above),
         of("u·u²~", |k, m| k.u * m.square_of_u),
         of("u~·(u − u~)", |k, m| m.u * (k.u - m.u)),
         of("|u~|·(u − u~)", |k, m| m.u.abs() * (k.u - m.u)),

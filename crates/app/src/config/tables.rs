@@ -231,8 +231,18 @@ impl Tables {
         if self.bus.as_ref().is_some_and(|bus| bus.device.is_empty()) {
             return Err(("bus.device", "it is empty; give the I2C bus, for instance /dev/i2c-1".into()));
         }
-        if self.mqtt.as_ref().is_some_and(|mqtt| mqtt.port == 0) {
-            return Err(("mqtt.port", "no broker listens on port 0; the usual one is 1883".into()));
+        if self.mqtt.as_ref().is_some_and(|mqtt| mqtt.port == Some(0)) {
+            return Err(("mqtt.port", "no broker listens on port 0; the usual ones are 1883, and 8883 with TLS".into()));
+        }
+        if let (Some(safety), Some(table)) = (self.safety, self.r#loop)
+            && safety.stall_s <= table.period_s
+        {
+            let (stall_s, period_s) = (safety.stall_s, table.period_s);
+            let why = format!(
+                "{stall_s} s is not longer than [loop] period_s = {period_s} s, so that one late cycle would end the flight; give at least {} s",
+                3.0 * period_s
+            );
+            return Err(("safety.stall_s", why));
         }
         self.check_controller().map_err(|message| ("controller", message))?;
         self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))

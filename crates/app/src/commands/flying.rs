@@ -182,7 +182,9 @@ fn last_cycles(files: &[PathBuf]) -> Result<(Vec<Cycle>, usize), LogError> {
                 known += part.cycles.len();
                 parts.push(part.cycles);
             }
-            Err(error) => drop(unread.get_or_insert(error)),
+            Err(error) => {
+                unread.get_or_insert(error);
+            }
         }
     }
     let read = parts.len();

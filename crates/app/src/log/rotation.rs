@@ -192,7 +192,9 @@ mod tests {
     use crate::log::flight;
     use crate::log::record::Cycle;
     use crate::log::tests::{cycles, events, header};
+    use std::fs::File;
     use std::io::BufWriter;
+    use std::os::fd::OwnedFd;
     use std::path::Path;
 
     const PARTS: Limits = Limits { part_s: 4.0, keep_bytes: None };
@@ -255,11 +257,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("f.mcap");
         let mut log = Rotation::create(&path, &header(), PARTS).unwrap();
-        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-        log.current = Inline::new(LogWriter::to(BufWriter::new(full), &path, &header()).unwrap());
+        // A disk that takes the header and nothing more.
+        let (disk, to) = std::io::pipe().unwrap();
+        let to = BufWriter::new(File::from(OwnedFd::from(to)));
+        log.current = Inline::new(LogWriter::to(to, &path, &header()).unwrap());
+        drop(disk);
         cycles(300).iter().for_each(|cycle| log.cycle(cycle));
         let (said, files) = (log.failure().unwrap().to_string(), log.files().all());
-        assert!(said.contains("f.mcap") && said.contains("No space left"), "{said}");
+        assert!(said.contains("f.mcap") && said.contains("Broken pipe"), "{said}");
         assert_eq!(flight::read(&files[1]).unwrap().cycles, cycles(300)[200..]);
         assert_eq!(log.finish().unwrap_err().to_string(), said);
     }

@@ -13,7 +13,9 @@ use super::topics::Topics;
 use crate::command::Command;
 use crate::last_fault::LastFault;
 use rtrb::Producer;
-use rumqttc::{Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, TlsConfiguration, Transport};
+use rumqttc::{
+    Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, TlsConfiguration, Transport,
+};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::sync::mpsc::SyncSender;
@@ -139,8 +141,10 @@ impl Network {
                     }
                 }
                 Ok(Ok(Event::Incoming(Packet::Publish(message)))) => self.take(&message),
-                // Pings pass every few seconds.
-                Ok(Ok(_)) if self.hearing.recovers(Instant::now()) => drop(self.hearing.subscribe(&client, &self.topics)),
+                // Something passes every few seconds, if only a ping.
+                Ok(Ok(_)) if self.hearing.recovers(Instant::now()) => {
+                    self.hearing.subscribe(&client, &self.topics);
+                }
                 Ok(Ok(_)) => {}
                 Ok(Err(cause)) => return cause,
                 Err(_) => return ConnectionError::RequestsDone,

@@ -46,9 +46,8 @@ fn hint(cause: &ConnectionError) -> &'static str {
         _ if too_large(cause).is_some() => {
             "Somebody sent a huge message; if it is retained, remove it: mosquitto_pub -r -n -t TOPIC."
         }
-        _ => tls::hint(cause).unwrap_or(
-            "Start one with `mosquitto`, or mend host and port of [mqtt]; it is tried again.",
-        ),
+        _ => tls::hint(cause)
+            .unwrap_or("Start one with `mosquitto`, or mend host and port of [mqtt]; it is tried again."),
     }
 }
 

@@ -5,6 +5,7 @@
 //! provider for the whole process to forget.
 
 use super::config::MqttError;
+use rumqttc::ConnectionError;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{CertificateError, ClientConfig, RootCertStore, crypto::ring};
@@ -64,28 +65,33 @@ fn pem(key: &'static str, path: &Path, cause: &dyn std::fmt::Display) -> MqttErr
 }
 
 /// The next thing to try when a connection failed because of TLS; `None` where TLS was not the cause.
-pub(super) fn hint(cause: &(dyn Error + 'static)) -> Option<&'static str> {
-    Some(match failure(cause)? {
-        rustls::Error::InvalidCertificate(why) => match why {
-            CertificateError::NotValidForName | CertificateError::NotValidForNameContext { .. } => {
-                "The broker's certificate is for another name: give `host` of [mqtt] as the certificate has it."
-            }
-            CertificateError::Expired
-            | CertificateError::ExpiredContext { .. }
-            | CertificateError::NotValidYet
-            | CertificateError::NotValidYetContext { .. } => {
-                "Check the clock with `date`, for a Pi Zero keeps none over a power cut; then the certificate's dates."
-            }
-            _ => "No authority in `ca_file` of [mqtt.tls] signed the broker's certificate: copy the broker's `cafile`.",
-        },
-        rustls::Error::InvalidMessage(_) => {
-            "The broker does not speak TLS at this port: mend `port` of [mqtt], usually 8883, or remove [mqtt.tls]."
-        }
-        rustls::Error::AlertReceived(_) => {
+pub(super) fn hint(cause: &ConnectionError) -> Option<&'static str> {
+    const NO_TLS: &str =
+        "The broker may not speak TLS at this port: mend `port` of [mqtt], usually 8883, or remove [mqtt.tls].";
+    Some(match failure(cause) {
+        None => return matches!(cause, ConnectionError::Tls(_)).then_some(NO_TLS),
+        Some(rustls::Error::InvalidMessage(_)) => NO_TLS,
+        Some(rustls::Error::InvalidCertificate(why)) => certificate_hint(why),
+        Some(rustls::Error::AlertReceived(_)) => {
             "The broker refused us: where it asks for certificates, give `certificate_file` and `key_file` of [mqtt.tls]."
         }
-        _ => "Check [mqtt.tls] against the broker's listener.",
+        Some(_) => "Check [mqtt.tls] against the broker's listener.",
     })
+}
+
+const fn certificate_hint(why: &CertificateError) -> &'static str {
+    match why {
+        CertificateError::NotValidForName | CertificateError::NotValidForNameContext { .. } => {
+            "The broker's certificate is for another name: give `host` of [mqtt] as the certificate has it."
+        }
+        CertificateError::Expired
+        | CertificateError::ExpiredContext { .. }
+        | CertificateError::NotValidYet
+        | CertificateError::NotValidYetContext { .. } => {
+            "Check the clock with `date`, for a Pi Zero keeps none over a power cut; then the certificate's dates."
+        }
+        _ => "No authority in `ca_file` of [mqtt.tls] signed the broker's certificate: copy the broker's `cafile`.",
+    }
 }
 
 /// What TLS said, however deep in the error it is.

@@ -6,7 +6,7 @@ use super::outage::Outage;
 use super::test_broker::{Broker, config};
 use super::tls::TlsConfig;
 use super::{network, topics::Topics};
-use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, IsCa, KeyPair};
+use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, DnType, IsCa, KeyPair};
 use rumqttc::{Client, ConnectionError, Event, Packet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,8 +19,9 @@ struct Authority {
 }
 
 impl Authority {
-    fn new() -> Self {
+    fn new(name: &str) -> Self {
         let mut params = CertificateParams::new(Vec::new()).unwrap();
+        params.distinguished_name.push(DnType::CommonName, name);
         params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
         let issuer = CertifiedIssuer::self_signed(params, KeyPair::generate().unwrap()).unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -35,7 +36,9 @@ impl Authority {
     /// A certificate for `name` and its key, in files of that name.
     fn sign(&self, name: &str) -> (PathBuf, PathBuf) {
         let key = KeyPair::generate().unwrap();
-        let certificate = CertificateParams::new([name.to_owned()]).unwrap().signed_by(&key, &self.issuer).unwrap();
+        let mut params = CertificateParams::new([name.to_owned()]).unwrap();
+        params.distinguished_name.push(DnType::CommonName, name);
+        let certificate = params.signed_by(&key, &self.issuer).unwrap();
         let (signed, secret) = (self.file(&format!("{name}.pem")), self.file(&format!("{name}.key")));
         fs::write(&signed, certificate.pem()).unwrap();
         fs::write(&secret, key.serialize_pem()).unwrap();
@@ -78,7 +81,7 @@ fn refused(config: &MqttConfig, words: [&str; 2]) {
 
 #[test]
 fn a_broker_whose_authority_is_ours_is_connected_to_by_address_and_the_link_works() {
-    let authority = Authority::new();
+    let authority = Authority::new("ours");
     let broker = authority.broker("127.0.0.1", "");
     let config = over_tls(&broker, authority.trusted());
     assert_eq!(connect(&config), Ok(()));
@@ -88,21 +91,21 @@ fn a_broker_whose_authority_is_ours_is_connected_to_by_address_and_the_link_work
 
 #[test]
 fn a_broker_of_another_authority_is_refused_with_the_file_to_mend() {
-    let (theirs, ours) = (Authority::new(), Authority::new());
+    let (theirs, ours) = (Authority::new("theirs"), Authority::new("ours"));
     let broker = theirs.broker("127.0.0.1", "");
     refused(&over_tls(&broker, ours.trusted()), ["UnknownIssuer", "`ca_file`"]);
 }
 
 #[test]
 fn a_certificate_for_another_host_is_refused_with_the_key_to_mend() {
-    let authority = Authority::new();
+    let authority = Authority::new("ours");
     let broker = authority.broker("broker.example", "");
     refused(&over_tls(&broker, authority.trusted()), ["not valid for name", "`host`"]);
 }
 
 #[test]
 fn a_broker_that_asks_for_a_certificate_gets_ours_and_says_so_where_there_is_none() {
-    let authority = Authority::new();
+    let authority = Authority::new("ours");
     let broker = authority.broker("127.0.0.1", "require_certificate true");
     refused(&over_tls(&broker, authority.trusted()), ["ertificate", "`certificate_file`"]);
     let (certificate, key) = authority.sign("rig1");
@@ -112,7 +115,7 @@ fn a_broker_that_asks_for_a_certificate_gets_ours_and_says_so_where_there_is_non
 
 #[test]
 fn tls_to_a_port_without_it_is_told_which_port_to_try() {
-    let (authority, plain) = (Authority::new(), Broker::start());
+    let (authority, plain) = (Authority::new("ours"), Broker::start());
     refused(&over_tls(&plain, authority.trusted()), ["TLS", "8883"]);
 }
 
@@ -124,7 +127,7 @@ fn why(tls: TlsConfig) -> String {
 
 #[test]
 fn files_that_hold_no_certificate_or_not_its_key_are_named() {
-    let authority = Authority::new();
+    let authority = Authority::new("ours");
     let (certificate, key) = authority.sign("rig1");
     let (_, another) = authority.sign("rig2");
     let with = |ca: &Path, certificate: &Path, key: &Path| TlsConfig {
@@ -143,7 +146,7 @@ fn files_that_hold_no_certificate_or_not_its_key_are_named() {
 
 #[test]
 fn a_certificate_without_its_key_is_an_error() {
-    let authority = Authority::new();
+    let authority = Authority::new("ours");
     let (certificate, key) = authority.sign("rig1");
     let alone = TlsConfig { certificate_file: Some(certificate), ..authority.trusted() };
     assert!(matches!(alone.client(), Err(MqttError::NoPair { lacks: "key_file", .. })));

@@ -102,7 +102,10 @@ fn a_stall_that_every_cycle_would_be_is_named_with_both_numbers() {
         assert_eq!(read.is_err(), refused, "{period} {stall}: {read:?}");
         if let Err(error) = read {
             let said = error.to_string();
-            assert!(said.contains("safety.stall_s: 0.5 s") && said.contains(&format!("period_s = {period} s")), "{said}");
+            assert!(
+                said.contains("safety.stall_s: 0.5 s") && said.contains(&format!("period_s = {period} s")),
+                "{said}"
+            );
         }
     }
 }

@@ -153,7 +153,7 @@ fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dr
     if outcome.punctuality.cycles == 0 {
         return say(format_args!("flight    none: it was ended before its first cycle"));
     }
-    let (cycles, read) = last_cycles(files)?;
+    let (cycles, read) = last_cycles(files, RETOLD)?;
     let summary = Summary::of(&cycles, Some(outcome.punctuality));
     if args.json {
         say(serde_json::to_string(&summary)?)?;
@@ -171,13 +171,13 @@ fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dr
     Ok(())
 }
 
-/// The end of the flight, from as many of its last files as there is memory for, and how many those are. Files that are
-/// gone, or hold nothing, are passed over.
-fn last_cycles(files: &[PathBuf]) -> Result<(Vec<Cycle>, usize), LogError> {
+/// The end of the flight, from as many of its last files as hold `most` cycles, but from one at least, and how many those
+/// are. Files that are gone, or hold nothing, are passed over.
+fn last_cycles(files: &[PathBuf], most: usize) -> Result<(Vec<Cycle>, usize), LogError> {
     let (mut parts, mut known, mut unread) = (Vec::new(), 0, None);
     for file in files.iter().rev() {
         match flight::read(file) {
-            Ok(part) if known > 0 && known + part.cycles.len() > RETOLD => break,
+            Ok(part) if known > 0 && known + part.cycles.len() > most => break,
             Ok(part) => {
                 known += part.cycles.len();
                 parts.push(part.cycles);
@@ -204,7 +204,7 @@ fn named(files: &[PathBuf], read: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{RETOLD, last_cycles, named};
+    use super::{last_cycles, named};
     use crate::log::record::Cycle;
     use crate::log::recorder::{Recorder, Sink};
     use crate::log::rotation::{Limits, Rotation};
@@ -224,27 +224,23 @@ mod tests {
     fn a_flight_in_several_files_is_told_as_one_also_without_those_that_are_gone() {
         let (folder, flown) = (tempfile::tempdir().unwrap(), cycles(600));
         let files = fly(folder.path(), &flown, 4.0);
-        assert_eq!(last_cycles(&files).unwrap(), (flown.clone(), 3));
+        assert_eq!(last_cycles(&files, 1000).unwrap(), (flown.clone(), 3));
         std::fs::remove_file(&files[0]).unwrap();
-        assert_eq!(last_cycles(&files).unwrap(), (flown[200..].to_vec(), 2));
+        assert_eq!(last_cycles(&files, 1000).unwrap(), (flown[200..].to_vec(), 2));
         let said = named(&files, 2);
         assert!(said.contains("f.mcap to ") && said.ends_with("f-3.mcap, 3 files; above are the last 2"), "{said}");
         assert_eq!(named(&files[..1], 1), files[0].display().to_string());
         for file in &files[1..] {
             std::fs::remove_file(file).unwrap();
         }
-        assert!(last_cycles(&files).unwrap_err().to_string().contains("f-3.mcap"));
+        assert!(last_cycles(&files, 1000).unwrap_err().to_string().contains("f-3.mcap"));
     }
 
     #[test]
     fn of_a_long_flight_the_end_is_told() {
-        let folder = tempfile::tempdir().unwrap();
-        let flown: Vec<Cycle> = (0..u32::try_from(RETOLD).unwrap() + 100)
-            .map(|k| Cycle { time_s: 0.02 * f64::from(k), ..cycles(1)[0] })
-            .collect();
-        let part_s = 0.5 * 0.02 * RETOLD as f64;
-        let (told, read) = last_cycles(&fly(folder.path(), &flown, part_s)).unwrap();
-        assert_eq!((told.last(), read), (flown.last(), 2));
-        assert!(told.len() <= RETOLD);
+        let (folder, flown) = (tempfile::tempdir().unwrap(), cycles(600));
+        let files = fly(folder.path(), &flown, 4.0);
+        assert_eq!(last_cycles(&files, 450).unwrap(), (flown[200..].to_vec(), 2));
+        assert_eq!(last_cycles(&files, 10).unwrap(), (flown[400..].to_vec(), 1));
     }
 }

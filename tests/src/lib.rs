@@ -101,18 +101,22 @@ pub struct Broker {
 impl Default for Broker {
     fn default() -> Self {
         let port = free_port();
-        let search = format!("{}:/usr/sbin", std::env::var("PATH").unwrap_or_default());
-        let process = Command::new("mosquitto")
-            .args(["-p", &port.to_string()])
-            .env("PATH", search)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("mosquitto starts; scripts/test installs it");
-        let broker = Self { process, port };
-        eventually("the broker listens", || TcpStream::connect(("127.0.0.1", port)).is_ok().then_some(()));
-        broker
+        Self { process: mosquitto(port), port }
     }
+}
+
+/// A broker that listens on this port.
+fn mosquitto(port: u16) -> Child {
+    let search = format!("{}:/usr/sbin", std::env::var("PATH").unwrap_or_default());
+    let process = Command::new("mosquitto")
+        .args(["-p", &port.to_string()])
+        .env("PATH", search)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("mosquitto starts; scripts/test installs it");
+    eventually("the broker listens", || TcpStream::connect(("127.0.0.1", port)).is_ok().then_some(()));
+    process
 }
 
 impl Drop for Broker {
@@ -123,6 +127,13 @@ impl Drop for Broker {
 }
 
 impl Broker {
+    /// Kills it and starts another one on the same port.
+    pub fn replace(&mut self) {
+        self.process.kill().expect("a broker to kill");
+        self.process.wait().expect("its end");
+        self.process = mosquitto(self.port);
+    }
+
     /// Publishes as `mosquitto_pub` does for a user.
     pub fn publish(&self, topic: &str, message: &str) {
         let port = self.port.to_string();

@@ -1,7 +1,8 @@
 //! Logs that were cut, damaged or could not be written, by the binary.
 
 use std::fs;
-use system_tests::Bench;
+use std::process::Command;
+use system_tests::{Bench, Ran};
 
 #[test]
 fn recover_says_by_its_exit_status_how_much_of_a_flight_is_left() {
@@ -33,4 +34,20 @@ fn a_flight_whose_log_cannot_be_written_goes_on_and_says_so() {
     let ran = bench.run(&["run", "--sim", "--duration", "1", "--log", "config.toml/f.mcap"]);
     assert_eq!(ran.code, Some(1), "{ran:?}");
     assert!(ran.errors.contains("flying without a log") && ran.errors.contains("flying \""), "{}", ran.errors);
+}
+
+#[test]
+fn a_disk_that_fills_up_in_flight_is_said_at_once_and_costs_neither_the_flight_nor_what_was_written() {
+    let bench = Bench::default();
+    let airball = bench.airball(&["run", "--sim", "--duration", "8", "--log", "f.mcap"]);
+    // A shell that lets no file grow beyond 24 blocks of 512 bytes, without the signal that comes with it.
+    let mut limited = Command::new("sh");
+    limited.args(["-c", "trap '' XFSZ; ulimit -f 24; exec \"$@\"", "sh"]).arg(airball.get_program());
+    limited.args(airball.get_args()).current_dir(airball.get_current_dir().unwrap());
+    let ran = Ran::from(limited.output().unwrap());
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert!(ran.errors.contains("f.mcap failed after") && ran.errors.contains("the flight goes on"), "{}", ran.errors);
+    assert!(ran.output.contains("log       f.mcap"), "{}", ran.output);
+    let info = bench.run(&["log", "info", "f.mcap"]);
+    assert!(info.code == Some(0) && info.output.contains("waiting → flying"), "{info:?}");
 }

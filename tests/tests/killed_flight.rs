@@ -119,6 +119,8 @@ fn a_flight_without_its_guard_lands() {
     assert_eq!(ran.code, Some(1), "{}", ran.errors);
     assert!(ran.errors.contains("ended in flight, so the ball was landed"), "{}", ran.errors);
     rig.until_it_is_off();
+    let kept = bench.read("flights/last-fault.json");
+    assert!(kept.contains("so the ball was landed") && kept.contains("f.mcap"), "{kept}");
 }
 
 #[test]

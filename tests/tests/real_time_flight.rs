@@ -107,6 +107,38 @@ fn stop_turns_the_fan_off_and_fly_lifts_the_ball_again() {
 }
 
 #[test]
+fn a_broker_that_is_killed_in_flight_is_no_fault_and_its_successor_is_obeyed() {
+    let (bench, mut broker) = (Bench::default(), Broker::default());
+    with_broker(&bench, &broker);
+    let flight = start(&bench, &[]);
+    eventually("the ball flies", || (state(&broker)["mode"] == "flying").then_some(()));
+    broker.replace();
+    assert_eq!(state(&broker)["mode"], "flying");
+    broker.publish("airball/rig1/set/setpoint_mm", "250");
+    eventually("the command is in force", || (state(&broker)["setpoint_mm"] == 250.0).then_some(()));
+    let ran = end(flight, Signal::SIGTERM);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    let count = |what: &str| ran.errors.matches(what).count();
+    assert_eq!((count("connected to the broker"), count("lost the broker")), (2, 1), "{}", ran.errors);
+    let info = bench.output(&["log", "info", "f.mcap"]);
+    assert!(!info.contains("fault") && info.contains("setpoint_mm 250: accepted"), "{info}");
+}
+
+#[test]
+fn a_flight_in_several_files_is_summed_up_and_drawn_as_one() {
+    let bench = Bench::default();
+    let config = bench.read("config.toml");
+    bench.write("config.toml", config.replace("# part_s = 3600.0", "part_s = 10.0").replace("port = 1883", "port = 1"));
+    let ran = Ran::from(start(&bench, &["--duration", "12", "--plot", "f.svg"]).wait_with_output().unwrap());
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    let cycles = |log| bench.output(&["log", "export", log]).lines().count() - 1;
+    let all = cycles("f.mcap") + cycles("f-2.mcap");
+    assert!(ran.output.contains(&format!("s, {all} cycles")), "{all}: {}", ran.output);
+    assert!(ran.output.contains("f.mcap to f-2.mcap, 2 files"), "{}", ran.output);
+    assert!(bench.read("f.svg").starts_with("<svg"));
+}
+
+#[test]
 fn a_machine_without_the_bus_is_told_which_file_is_missing_and_what_to_do() {
     let bench = Bench::default();
     let config = bench.read("config.toml").replace("/dev/i2c-1", "/dev/i2c-that-is-not-there");

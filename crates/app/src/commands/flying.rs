@@ -6,6 +6,7 @@ use crate::config::{Config, Loop};
 use crate::experiment::Experiment;
 use crate::flight::Outcome;
 use crate::log::header::{Header, rfc3339};
+use crate::log::record::Cycle;
 use crate::log::writer::LogSummary;
 use crate::log::{LogError, flight};
 use crate::pilot::{Orders, Pilot};
@@ -15,10 +16,13 @@ use control::controller::Kind;
 use control::regulator::Regulator;
 use hal::BUDGET_US;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
+
+/// Cycles of a flight that are read again for its summary and picture, at most: an hour at 50 Hz, for a rig has little memory.
+const RETOLD: usize = 180_000;
 
 /// A flight as its flags and config want it.
 pub(super) struct Plan {
@@ -79,20 +83,25 @@ pub(super) struct Own {
 pub(super) struct Flown {
     pub(super) outcome: Outcome,
     pub(super) log: Result<LogSummary, LogError>,
-    pub(super) path: PathBuf,
+    /// Its log, the oldest first; more than one where `[log] part_s` says so.
+    pub(super) files: Vec<PathBuf>,
 }
 
 impl Flown {
     /// What was wrong with it, worst first: a fan that is still on, then a fault.
     pub(super) fn landed(&self) -> Result<()> {
-        match (self.outcome.fan_still_on, self.outcome.fault) {
-            (Some(kind), _) => {
-                Err(anyhow!("the fan could not be turned off (I2C error {kind:?}); switch off its supply now"))
-            }
+        match (still_on(&self.outcome), self.outcome.fault) {
+            (Some(worse), _) => Err(anyhow!(worse)),
             (None, Some(fault)) => Err(anyhow!("the flight was ended, with the fan off: {fault}")),
             (None, None) => Ok(()),
         }
     }
+}
+
+/// That the fan could not be turned off, if so.
+pub(super) fn still_on(outcome: &Outcome) -> Option<String> {
+    let kind = outcome.fan_still_on?;
+    Some(format!("the fan could not be turned off (I2C error {kind:?}); switch off its supply now"))
 }
 
 /// The log's path and header.
@@ -127,7 +136,7 @@ pub(super) fn landing_signal() -> Result<Arc<AtomicBool>> {
 /// fault, the log, then the picture; what is not the error is said as a note.
 pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()> {
     let dropped = flown.log.as_ref().map_or(0, |log| log.dropped);
-    let told = tell(args, title, &flown.outcome, &flown.path, dropped);
+    let told = tell(args, title, &flown.outcome, &flown.files, dropped);
     let worst = flown.landed();
     let Flown { log, .. } = flown;
     if worst.is_ok() {
@@ -140,18 +149,18 @@ pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()>
 }
 
 /// Summary and picture of the cycles that the log kept, however few.
-fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, path: &Path, dropped: u64) -> Result<()> {
+fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dropped: u64) -> Result<()> {
     if outcome.punctuality.cycles == 0 {
         return say(format_args!("flight    none: it was ended before its first cycle"));
     }
-    let cycles = flight::read(path)?.cycles;
+    let (cycles, read) = last_cycles(files, RETOLD)?;
     let summary = Summary::of(&cycles, Some(outcome.punctuality));
     if args.json {
         say(serde_json::to_string(&summary)?)?;
     } else {
         say(summary.to_string().trim_end())?;
         let dropped = if dropped == 0 { String::new() } else { format!(" ({dropped} messages dropped)") };
-        say(format_args!("log       {}{dropped}", path.display()))?;
+        say(format_args!("log       {}{dropped}", named(files, read)))?;
     }
     if let Some(picture) = &args.plot {
         plot::flight(picture, title, &cycles)?;
@@ -160,4 +169,78 @@ fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, path: &Path, dropped:
         }
     }
     Ok(())
+}
+
+/// The end of the flight, from as many of its last files as hold `most` cycles, but from one at least, and how many those
+/// are. Files that are gone, or hold nothing, are passed over.
+fn last_cycles(files: &[PathBuf], most: usize) -> Result<(Vec<Cycle>, usize), LogError> {
+    let (mut parts, mut known, mut unread) = (Vec::new(), 0, None);
+    for file in files.iter().rev() {
+        match flight::read(file) {
+            Ok(part) if known > 0 && known + part.cycles.len() > most => break,
+            Ok(part) => {
+                known += part.cycles.len();
+                parts.push(part.cycles);
+            }
+            Err(error) => {
+                unread.get_or_insert(error);
+            }
+        }
+    }
+    let read = parts.len();
+    match unread {
+        Some(error) if read == 0 => Err(error),
+        _ => Ok((parts.into_iter().rev().flatten().collect(), read)),
+    }
+}
+
+/// The log in words: one file, or the first and the last of several.
+fn named(files: &[PathBuf], read: usize) -> String {
+    let [first, .., last] = files else { return files.iter().map(|file| file.display().to_string()).collect() };
+    let count = files.len();
+    let part = if read == count { String::new() } else { format!("; above are the last {read}") };
+    format!("{} to {}, {count} files{part}", first.display(), last.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{last_cycles, named};
+    use crate::log::record::Cycle;
+    use crate::log::recorder::{Recorder, Sink};
+    use crate::log::rotation::{Limits, Rotation};
+    use crate::log::tests::{cycles, header};
+    use std::path::{Path, PathBuf};
+
+    fn fly(folder: &Path, flown: &[Cycle], part_s: f64) -> Vec<PathBuf> {
+        let limits = Limits { part_s, keep_bytes: None };
+        let mut log = Rotation::create(&folder.join("f.mcap"), &header(), limits).unwrap();
+        flown.iter().for_each(|cycle| log.cycle(cycle));
+        let files = log.files();
+        log.finish().unwrap();
+        files.all()
+    }
+
+    #[test]
+    fn a_flight_in_several_files_is_told_as_one_also_without_those_that_are_gone() {
+        let (folder, flown) = (tempfile::tempdir().unwrap(), cycles(600));
+        let files = fly(folder.path(), &flown, 4.0);
+        assert_eq!(last_cycles(&files, 1000).unwrap(), (flown.clone(), 3));
+        std::fs::remove_file(&files[0]).unwrap();
+        assert_eq!(last_cycles(&files, 1000).unwrap(), (flown[200..].to_vec(), 2));
+        let said = named(&files, 2);
+        assert!(said.contains("f.mcap to ") && said.ends_with("f-3.mcap, 3 files; above are the last 2"), "{said}");
+        assert_eq!(named(&files[..1], 1), files[0].display().to_string());
+        for file in &files[1..] {
+            std::fs::remove_file(file).unwrap();
+        }
+        assert!(last_cycles(&files, 1000).unwrap_err().to_string().contains("f-3.mcap"));
+    }
+
+    #[test]
+    fn of_a_long_flight_the_end_is_told() {
+        let (folder, flown) = (tempfile::tempdir().unwrap(), cycles(600));
+        let files = fly(folder.path(), &flown, 4.0);
+        assert_eq!(last_cycles(&files, 450).unwrap(), (flown[200..].to_vec(), 2));
+        assert_eq!(last_cycles(&files, 10).unwrap(), (flown[400..].to_vec(), 1));
+    }
 }

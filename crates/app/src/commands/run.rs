@@ -1,10 +1,10 @@
 //! `airball run`: the rig, or the simulated rig, in real time.
 
-use super::flying::{Flown, Plan, landing_signal, log_of, plan, report};
+use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on};
 use super::{note, say};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
-use crate::flight::Flight;
+use crate::flight::{Flight, Outcome};
 use crate::last_fault::LastFault;
 use crate::log::LogError;
 use crate::log::header::Header;
@@ -108,12 +108,24 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, mailbox).with_pulse(&pulse);
     let outcome = flight.fly(duration_s, stop);
     let watched = watch.finish(outcome.fan_still_on.is_none());
-    let fault = outcome.fault.map(|fault| LastFault::now(fault.to_string(), Some(&path)));
+    let files = queue.files();
+    let fault = worst(&outcome, &watched).map(|why| LastFault::now(why, Some(&files.current())));
     if let Some(fault) = &fault {
         keep(kept, fault);
     }
     let counts = link.map(|(link, _)| link.stop(fault.as_ref()));
-    Ok((Flown { outcome, log: queue.finish(), path }, Beside { watched, counts }))
+    let log = queue.finish();
+    Ok((Flown { outcome, log, files: files.all() }, Beside { watched, counts }))
+}
+
+/// Why the flight was ended, if anything but its programme or a signal did; worst first.
+fn worst(outcome: &Outcome, watched: &Result<(), GuardError>) -> Option<String> {
+    let before = |worse: String| match outcome.fault {
+        Some(fault) => format!("{worse}. Before that: {fault}"),
+        None => worse,
+    };
+    let lost = watched.as_ref().err().map(ToString::to_string);
+    still_on(outcome).or(lost).map(before).or_else(|| outcome.fault.map(|fault| fault.to_string()))
 }
 
 /// The log of the flight. A disk that takes none is no reason not to fly; a log that is there already is somebody's.
@@ -165,4 +177,26 @@ fn say_commands(counts: Counts) -> Result<()> {
     say(format_args!(
         "commands  {commands_received}: {commands_refused} refused as unreadable, {commands_busy} while busy"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{GuardError, Outcome, worst};
+    use crate::deadline::Deadlines;
+    use crate::log::record::{End, Fault};
+    use embedded_hal::i2c::ErrorKind;
+
+    #[test]
+    fn a_fan_that_stays_on_comes_before_a_lost_guard_and_that_before_a_fault_and_none_is_hidden() {
+        let punctuality = Deadlines::new(0.0, 0.02, 0.002).punctuality();
+        let well = Outcome { end: End::Finished, fault: None, punctuality, fan_still_on: None };
+        assert_eq!(worst(&well, &Ok(())), None);
+        assert!(worst(&well, &Err(GuardError::Lost)).unwrap().contains("guard"));
+        let fault = Fault::SensorSilent { silent_s: 0.4 };
+        let faulty = Outcome { end: End::Fault, fault: Some(fault), ..well };
+        assert_eq!(worst(&faulty, &Ok(())), Some(fault.to_string()));
+        let on = Outcome { fan_still_on: Some(ErrorKind::Bus), ..faulty };
+        let said = worst(&on, &Err(GuardError::Lost)).unwrap();
+        assert!(said.starts_with("the fan could not be turned off") && said.ends_with(&fault.to_string()), "{said}");
+    }
 }

@@ -231,11 +231,24 @@ impl Tables {
         if self.bus.as_ref().is_some_and(|bus| bus.device.is_empty()) {
             return Err(("bus.device", "it is empty; give the I2C bus, for instance /dev/i2c-1".into()));
         }
-        if self.mqtt.as_ref().is_some_and(|mqtt| mqtt.port == 0) {
-            return Err(("mqtt.port", "no broker listens on port 0; the usual one is 1883".into()));
+        if self.mqtt.as_ref().is_some_and(|mqtt| mqtt.port == Some(0)) {
+            return Err(("mqtt.port", "no broker listens on port 0; the usual one is 1883, 8883 with TLS".into()));
         }
+        self.check_stall().map_err(|message| ("safety.stall_s", message))?;
         self.check_controller().map_err(|message| ("controller", message))?;
         self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))
+    }
+
+    /// Whether a flight survives one late cycle.
+    fn check_stall(&self) -> Result<(), String> {
+        let Some((safety, table)) = self.safety.zip(self.r#loop) else { return Ok(()) };
+        let (stall_s, period_s) = (safety.stall_s, table.period_s);
+        if stall_s > period_s {
+            return Ok(());
+        }
+        Err(format!(
+            "{stall_s} s is not longer than [loop] period_s = {period_s} s: one late cycle would end the flight; give three periods or more"
+        ))
     }
 
     /// Whether the controllers are there that the table speaks of, and what they need.

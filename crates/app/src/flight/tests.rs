@@ -1,6 +1,7 @@
 //! What `flight.rs` promises.
 
-use super::{Flight, Outcome};
+use super::{COMMANDS_PER_CYCLE, Flight, Outcome};
+use crate::command::Command;
 use crate::config::Loop;
 use crate::log::record::{Cycle, End, Event, Fault, Mode, What};
 use crate::log::recorder::Recorder;
@@ -171,10 +172,24 @@ fn the_pulse_counts_the_cycles() {
     assert_eq!(u64::from(pulse.load(Ordering::Relaxed)), outcome.punctuality.cycles);
 }
 
+#[test]
+fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
+    let mut rig = Script { now_s: Cell::new(5.0), position: HERE, drive: WORKS, duty: Duty::OFF };
+    let (mut memory, table) = (Memory::default(), Loop { period_s: 0.02, late_after_s: 0.002 });
+    let mut mailbox = crate::mqtt::Mailbox::holding([Command::Setpoint(250.0); 60]);
+    let flight = Flight::new(&mut rig, pilot_holding(300.0, 60.0), &table, &mut memory, Some(&mut mailbox));
+    // Ten cycles and half a period, that rounding does not decide.
+    let outcome = flight.fly(0.19, &AtomicBool::new(false));
+    let taken = memory.events.iter().filter(|what| matches!(what, What::Command { .. })).count();
+    assert_eq!((outcome.punctuality.cycles, taken), (10, 10 * COMMANDS_PER_CYCLE));
+    assert_eq!((outcome.punctuality.late, memory.cycles.len()), (0, 10));
+    assert_eq!(std::iter::from_fn(|| mailbox.try_command()).count(), 60 - taken);
+}
+
 /// Allocations of the loop's thread in a flight of `duration_s`, over chips, ring, link and all controllers of the config.
 fn allocations(duration_s: f64) -> u64 {
     let tables: crate::config::Tables = toml::from_str(include_str!("../../../../config.toml")).unwrap();
-    let mqtt = crate::mqtt::MqttConfig { port: 1, ..tables.mqtt.clone().unwrap() };
+    let mqtt = crate::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
     let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, "rig1", None).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let writer = LogWriter::create(&folder.path().join("f.mcap"), &crate::log::tests::header()).unwrap();

@@ -51,7 +51,10 @@ pub(super) fn is_mcap(bytes: &[u8]) -> bool {
 }
 
 /// Reads the bytes of an MCAP file; `path` is only its name in messages.
-pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Flight, LogError> {
+///
+/// # Errors
+/// [`LogError::NoCycles`] if there is no readable cycle in them.
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Flight, LogError> {
     let mut gathered = Gathered::default();
     let damage = walk(bytes, &mut |record| gathered.take(record));
     if gathered.flight.cycles.is_empty() {

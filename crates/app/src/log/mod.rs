@@ -8,6 +8,7 @@
 mod columns;
 pub mod error;
 pub mod export;
+pub mod files;
 pub mod flight;
 pub mod header;
 pub mod import;

@@ -5,6 +5,7 @@
 
 use super::{
     LogError,
+    files::Files,
     record::{Cycle, Event},
     recorder::{Inline, Recorder, Sink},
     rotation::Rotation,
@@ -13,7 +14,7 @@ use super::{
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::{
     io::{self, Seek, Write},
-    path::{Path, PathBuf},
+    path::Path,
     thread::{self, JoinHandle},
     time::Duration,
 };
@@ -31,7 +32,7 @@ enum Entry {
 
 /// The loop's side. Dropping it, too, lets the thread write what is left and close the file.
 pub struct Queue {
-    path: PathBuf,
+    files: Files,
     producer: Option<Producer<Entry>>,
     thread: Option<JoinHandle<Result<LogSummary, LogError>>>,
     /// Why there is no file.
@@ -45,8 +46,8 @@ impl Queue {
     /// # Errors
     /// [`LogError::Thread`] if the system has no thread to give.
     pub fn start<W: Write + Seek + Send + 'static>(writer: LogWriter<W>) -> Result<Self, LogError> {
-        let path = writer.path().to_path_buf();
-        Self::with_capacity(path, Inline::new(writer), CAPACITY)
+        let files = Files::starting_with(writer.path());
+        Self::with_capacity(files, Inline::new(writer), CAPACITY)
     }
 
     /// The same for a log in several files.
@@ -54,22 +55,28 @@ impl Queue {
     /// # Errors
     /// As [`Queue::start`].
     pub fn rotating(rotation: Rotation) -> Result<Self, LogError> {
-        Self::with_capacity(rotation.path().to_path_buf(), rotation, CAPACITY)
+        Self::with_capacity(rotation.files(), rotation, CAPACITY)
     }
 
     /// A flight without a log, because of `failed`: a disk that cannot be written is no reason not to fly.
     #[must_use]
     pub fn without_file(path: &Path, failed: LogError) -> Self {
-        Self { path: path.into(), producer: None, thread: None, failed: Some(failed), dropped: 0 }
+        Self { files: Files::starting_with(path), producer: None, thread: None, failed: Some(failed), dropped: 0 }
     }
 
-    fn with_capacity<S: Sink + Send + 'static>(path: PathBuf, sink: S, capacity: usize) -> Result<Self, LogError> {
+    fn with_capacity<S: Sink + Send + 'static>(files: Files, sink: S, capacity: usize) -> Result<Self, LogError> {
         let (producer, consumer) = RingBuffer::new(capacity);
         let thread = thread::Builder::new()
             .name("log".into())
             .spawn(move || drain(consumer, sink))
-            .map_err(|error| LogError::Thread { path: path.clone(), cause: error.to_string() })?;
-        Ok(Self { path, producer: Some(producer), thread: Some(thread), failed: None, dropped: 0 })
+            .map_err(|error| LogError::Thread { path: files.current(), cause: error.to_string() })?;
+        Ok(Self { files, producer: Some(producer), thread: Some(thread), failed: None, dropped: 0 })
+    }
+
+    /// The files so far.
+    #[must_use]
+    pub fn files(&self) -> Files {
+        self.files.clone()
     }
 
     /// Waits until everything is written and the file is closed.
@@ -87,7 +94,7 @@ impl Queue {
     }
 
     fn close(&mut self) -> Result<LogSummary, LogError> {
-        let lost = || LogError::Thread { path: self.path.clone(), cause: "it ended early".into() };
+        let lost = || LogError::Thread { path: self.files.current(), cause: "it ended early".into() };
         drop(self.producer.take());
         if let Some(failed) = self.failed.take() {
             return Err(failed);
@@ -146,7 +153,7 @@ fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, Log
 
 #[cfg(test)]
 mod tests {
-    use super::{Inline, Queue, Recorder};
+    use super::{Files, Inline, Queue, Recorder};
     use crate::log::tests::{cycles, events, header};
     use crate::log::{LogError, flight, writer::LogWriter};
     use std::io::{self, Cursor, Seek, SeekFrom, Write};
@@ -196,7 +203,7 @@ mod tests {
     }
 
     fn small<W: Write + Seek + Send + 'static>(writer: LogWriter<W>, capacity: usize) -> Result<Queue, LogError> {
-        Queue::with_capacity(writer.path().to_path_buf(), Inline::new(writer), capacity)
+        Queue::with_capacity(Files::starting_with(writer.path()), Inline::new(writer), capacity)
     }
 
     #[test]

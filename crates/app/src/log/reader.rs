@@ -40,8 +40,11 @@ pub fn read(path: &Path, import: Option<&Import>) -> Result<LoadedLog, LogError>
     parse(path, &unpacked(path, &bytes)?, import)
 }
 
-/// Reads the bytes of a log; `path` is only its name in messages.
-pub(super) fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<LoadedLog, LogError> {
+/// Reads the bytes of a log that is not packed; `path` is only its name in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<LoadedLog, LogError> {
     if flight::is_mcap(bytes) {
         return from_flight(path, flight::parse(path, bytes)?);
     }

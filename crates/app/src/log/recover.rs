@@ -6,6 +6,7 @@ use super::{
     header::{Header, SIMULATED_START},
     writer::{LogSummary, LogWriter},
 };
+use std::io::{Seek, Write};
 use std::path::Path;
 
 /// What stands for what the damaged file no longer says.
@@ -16,17 +17,29 @@ const UNKNOWN: &str = "unknown";
 /// # Errors
 /// [`LogError`]: the file is there already or cannot be written.
 pub fn write(flight: &Flight, path: &Path) -> Result<LogSummary, LogError> {
+    copy(flight, LogWriter::create(path, &header(flight))?)
+}
+
+/// What the new log says of the flight.
+#[must_use]
+pub fn header(flight: &Flight) -> Header {
     let about = &flight.about;
     let text = |known: &Option<String>| known.clone().unwrap_or_else(|| UNKNOWN.into());
     let started = about.started.as_deref().and_then(|at| humantime::parse_rfc3339(at).ok());
-    let header = Header {
+    Header {
         version: text(&about.version),
         command: text(&about.command),
         seed: about.seed,
         started: started.unwrap_or(SIMULATED_START),
         config_toml: flight.config_toml.clone().unwrap_or_default(),
-    };
-    let mut log = LogWriter::create(path, &header)?;
+    }
+}
+
+/// Writes the flight into an empty log.
+///
+/// # Errors
+/// [`LogError::Write`].
+pub fn copy<W: Write + Seek>(flight: &Flight, mut log: LogWriter<W>) -> Result<LogSummary, LogError> {
     let mut events = flight.events.iter().peekable();
     for cycle in &flight.cycles {
         while let Some(event) = events.next_if(|event| event.time_s < cycle.time_s) {

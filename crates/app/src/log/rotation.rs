@@ -2,10 +2,12 @@
 //! when all of them take too much room.
 //!
 //! Every file is a whole log by itself, with config and schemas; time goes on from file to file. Files are named after the
-//! first, with `-2`, `-3`, … Only logs whose names are times, as the program gives them, are ever deleted.
+//! first, with `-2`, `-3`, …; a name that is taken is passed over. Where no file can be begun, the old one goes on, and it is
+//! tried again. Only logs whose names are times, as the program gives them, are ever deleted.
 
 use super::{
     LogError,
+    files::Files,
     header::Header,
     record::{Cycle, End, Event, What},
     recorder::{Inline, Recorder, Sink},
@@ -23,9 +25,13 @@ pub struct Limits {
     pub keep_bytes: Option<u64>,
 }
 
+/// Between two attempts to begin a file, seconds of flight.
+const RETRY_S: f64 = 10.0;
+
 /// Records into file after file.
 pub struct Rotation {
     first: PathBuf,
+    files: Files,
     header: Header,
     limits: Limits,
     current: Inline,
@@ -33,6 +39,8 @@ pub struct Rotation {
     next_s: f64,
     /// Of the files that are closed.
     done: LogSummary,
+    /// The first failure, of whichever file.
+    failed: Option<LogError>,
 }
 
 impl Rotation {
@@ -43,33 +51,70 @@ impl Rotation {
     pub fn create(path: &Path, header: &Header, limits: Limits) -> Result<Self, LogError> {
         let current = Inline::new(LogWriter::create(path, header)?);
         let done = LogSummary { path: path.into(), cycles: 0, events: 0, dropped: 0 };
-        let rotation =
-            Self { first: path.into(), header: header.clone(), limits, current, part: 1, next_s: limits.part_s, done };
+        let rotation = Self {
+            first: path.into(),
+            files: Files::starting_with(path),
+            header: header.clone(),
+            limits,
+            current,
+            part: 1,
+            next_s: limits.part_s,
+            done,
+            failed: None,
+        };
         rotation.prune(path);
         Ok(rotation)
     }
 
-    /// The first file.
+    /// The files so far.
     #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.first
+    pub fn files(&self) -> Files {
+        self.files.clone()
     }
 
-    /// Closes the file and begins the next. Where there is no room for one, the old one goes on.
+    /// Closes the file and begins the next. Where none can be begun, the old one goes on.
     fn turn(&mut self, time_s: f64) {
+        let (path, writer) = match self.next_file() {
+            Ok(begun) => begun,
+            Err(error) => {
+                self.next_s = time_s + RETRY_S;
+                return self.fail(error);
+            }
+        };
         self.next_s = time_s + self.limits.part_s;
-        let name = self.first.file_stem().unwrap_or_default().to_string_lossy();
-        let path = self.first.with_file_name(format!("{name}-{}.mcap", self.part + 1));
-        let Ok(writer) = LogWriter::create(&path, &self.header) else { return };
-        self.part += 1;
         let mut full = std::mem::replace(&mut self.current, Inline::new(writer));
         full.event(&Event { time_s, what: What::End(End::Continued) });
-        // A file that failed has said so; the next one may be on a disk with room again.
-        if let Ok(LogSummary { cycles, events, .. }) = full.finish() {
-            self.done.cycles += cycles;
-            self.done.events += events;
+        // The next file may be on a disk with room again.
+        match full.finish() {
+            Ok(LogSummary { cycles, events, .. }) => {
+                self.done.cycles += cycles;
+                self.done.events += events;
+            }
+            Err(error) => self.fail(error),
         }
+        self.files.add(&path);
         self.prune(&path);
+    }
+
+    fn next_file(&mut self) -> Result<(PathBuf, LogWriter), LogError> {
+        let name = self.first.file_stem().unwrap_or_default().to_string_lossy();
+        let mut part = self.part;
+        loop {
+            part += 1;
+            let path = self.first.with_file_name(format!("{name}-{part}.mcap"));
+            match LogWriter::create(&path, &self.header) {
+                Err(LogError::Exists { .. }) => {}
+                Err(error) => return Err(error),
+                Ok(writer) => {
+                    self.part = part;
+                    return Ok((path, writer));
+                }
+            }
+        }
+    }
+
+    fn fail(&mut self, error: LogError) {
+        self.failed.get_or_insert(error);
     }
 
     /// Deletes the oldest logs until the rest is small enough.
@@ -111,11 +156,12 @@ impl Recorder for Rotation {
 
 impl Sink for Rotation {
     fn failure(&self) -> Option<&LogError> {
-        self.current.failure()
+        self.failed.as_ref().or_else(|| self.current.failure())
     }
 
     fn finish(self) -> Result<LogSummary, LogError> {
-        let last = self.current.finish()?;
+        let last = self.current.finish();
+        let last = self.failed.map_or(last, Err)?;
         let (cycles, events) = (self.done.cycles + last.cycles, self.done.events + last.events);
         Ok(LogSummary { cycles, events, ..self.done })
     }
@@ -142,11 +188,17 @@ fn age(path: &Path) -> (String, u32) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Limits, Recorder, Rotation, Sink};
+    use super::{Inline, Limits, LogError, LogWriter, Recorder, Rotation, Sink};
     use crate::log::flight;
     use crate::log::record::Cycle;
     use crate::log::tests::{cycles, events, header};
+    use nix::fcntl::{FcntlArg, SealFlag, fcntl};
+    use nix::sys::memfd::{MFdFlags, memfd_create};
+    use std::fs::File;
+    use std::io::BufWriter;
     use std::path::Path;
+
+    const PARTS: Limits = Limits { part_s: 4.0, keep_bytes: None };
 
     fn fly(path: &Path, limits: Limits, flown: &[Cycle]) {
         let mut log = Rotation::create(path, &header(), limits).unwrap();
@@ -159,12 +211,63 @@ mod tests {
     fn a_long_flight_is_in_several_whole_files_and_nothing_is_lost_between_them() {
         let folder = tempfile::tempdir().unwrap();
         let flown = cycles(500);
-        fly(&folder.path().join("f.mcap"), Limits { part_s: 4.0, keep_bytes: None }, &flown);
+        fly(&folder.path().join("f.mcap"), PARTS, &flown);
         let parts = ["f.mcap", "f-2.mcap", "f-3.mcap"].map(|name| flight::read(&folder.path().join(name)).unwrap());
         assert!(parts.iter().all(|part| part.complete && part.config_toml.is_some()));
         assert_eq!(parts[0].events.last().unwrap().text, "continued");
         let read: Vec<Cycle> = parts.into_iter().flat_map(|part| part.cycles).collect();
         assert_eq!(read, flown);
+    }
+
+    #[test]
+    fn a_name_that_is_taken_is_passed_over_and_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let theirs = folder.path().join("f-2.mcap");
+        std::fs::write(&theirs, "theirs").unwrap();
+        let mut log = Rotation::create(&folder.path().join("f.mcap"), &header(), PARTS).unwrap();
+        cycles(500).iter().for_each(|cycle| log.cycle(cycle));
+        let files = log.files();
+        assert_eq!(log.finish().unwrap().cycles, 500);
+        assert_eq!(files.all(), ["f.mcap", "f-3.mcap", "f-4.mcap"].map(|name| folder.path().join(name)));
+        assert_eq!(std::fs::read(&theirs).unwrap(), b"theirs");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_begun_is_said_and_the_old_one_goes_on_until_one_can() {
+        let folder = tempfile::tempdir().unwrap();
+        let (here, gone) = (folder.path().join("logs"), folder.path().join("gone"));
+        let mut log = Rotation::create(&here.join("f.mcap"), &header(), PARTS).unwrap();
+        let flown = cycles(1500);
+        flown[..100].iter().for_each(|cycle| log.cycle(cycle));
+        // A file where the folder was: nothing can be created below it, whoever asks.
+        std::fs::rename(&here, &gone).unwrap();
+        std::fs::write(&here, "").unwrap();
+        flown[100..300].iter().for_each(|cycle| log.cycle(cycle));
+        assert!(matches!(log.failure(), Some(LogError::Create { .. })), "{:?}", log.failure());
+        std::fs::remove_file(&here).unwrap();
+        std::fs::rename(&gone, &here).unwrap();
+        flown[300..].iter().for_each(|cycle| log.cycle(cycle));
+        let files = log.files().all();
+        assert!(matches!(log.finish(), Err(LogError::Create { .. })));
+        let read: Vec<Cycle> = files.iter().flat_map(|file| flight::read(file).unwrap().cycles).collect();
+        assert_eq!((files.len(), read), (5, flown));
+    }
+
+    #[test]
+    fn the_failure_of_an_earlier_file_is_that_of_the_flight() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("f.mcap");
+        let mut log = Rotation::create(&path, &header(), PARTS).unwrap();
+        // A disk that is full when it has the header.
+        let disk = File::from(memfd_create("disk", MFdFlags::MFD_ALLOW_SEALING).unwrap());
+        let to = BufWriter::new(disk.try_clone().unwrap());
+        log.current = Inline::new(LogWriter::to(to, &path, &header()).unwrap());
+        fcntl(&disk, FcntlArg::F_ADD_SEALS(SealFlag::F_SEAL_GROW)).unwrap();
+        cycles(300).iter().for_each(|cycle| log.cycle(cycle));
+        let (said, files) = (log.failure().unwrap().to_string(), log.files().all());
+        assert!(said.contains("f.mcap") && said.contains("not permitted"), "{said}");
+        assert_eq!(flight::read(&files[1]).unwrap().cycles, cycles(300)[200..]);
+        assert_eq!(log.finish().unwrap_err().to_string(), said);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::writer::LogWriter;
 use std::{io::Cursor, path::Path};
 
 /// Cycles at 50 Hz with numbers that no short decimal hits; every seventh reading is a repeated one.
-pub(super) fn cycles(count: u32) -> Vec<Cycle> {
+pub(crate) fn cycles(count: u32) -> Vec<Cycle> {
     let cycle = |k: u32| {
         let time_s = f64::from(k) * 0.02 + 1e-5 / f64::from(k + 3);
         Cycle {

@@ -180,7 +180,7 @@ fn write<W: Write + Seek>(
 ) -> McapResult<()> {
     let data = present(message).map_err(io::Error::from)?;
     let since_start = Duration::try_from_secs_f64(time_s).unwrap_or(Duration::ZERO);
-    let log_time = u64::try_from((start + since_start).as_nanos()).unwrap_or(u64::MAX);
+    let log_time = u64::try_from(start.saturating_add(since_start).as_nanos()).unwrap_or(u64::MAX);
     let sequence = u32::try_from(channel.messages).unwrap_or(u32::MAX);
     let header = MessageHeader { channel_id: channel.id, sequence, log_time, publish_time: log_time };
     mcap.write_to_known_channel(&header, &data)?;

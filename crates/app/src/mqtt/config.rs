@@ -2,6 +2,7 @@
 //!
 //! The password stands in a file of its own, so that neither the config nor a log that holds it gives it away.
 
+use super::tls::TlsConfig;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -12,21 +13,22 @@ use std::{fs, io};
 pub struct MqttConfig {
     /// Name or address of the broker.
     pub host: String,
-    /// TCP port of the broker.
-    #[serde(default = "default_port")]
-    pub port: u16,
+    /// TCP port of the broker; absent: the registered one, 1883, or 8883 with TLS.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub port: Option<u16>,
     /// User name, where the broker asks for one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub user: Option<String>,
     /// File whose text is the user's password.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub password_file: Option<PathBuf>,
+    /// Encryption, and who may vouch for the broker; absent: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tls: Option<TlsConfig>,
 }
 
-/// The port that IANA registered for MQTT without TLS.
-const fn default_port() -> u16 {
-    1883
-}
+/// The ports that IANA registered for MQTT, without TLS and with it.
+const PORTS: (u16, u16) = (1883, 8883);
 
 /// Why a link cannot even start. A broker that does not answer is none of these.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +44,27 @@ pub enum MqttError {
     /// MQTT has no password without a user.
     #[error("[mqtt] has a password_file but no user; give `user` as well")]
     NoUser,
+    /// A file of `[mqtt.tls]` cannot be used.
+    #[error("[mqtt.tls] {key} {}: {cause}; it is a file of PEM text, as `openssl` writes it with -----BEGIN lines", path.display())]
+    Pem {
+        /// Which file.
+        key: &'static str,
+        /// The file that was tried.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// A certificate is proven with its key, and neither is of use alone.
+    #[error("[mqtt.tls] has a {has} but no {lacks}; give both, or neither")]
+    NoPair {
+        /// The key that is there.
+        has: &'static str,
+        /// The key that is not.
+        lacks: &'static str,
+    },
+    /// The cryptography cannot be set up.
+    #[error("[mqtt.tls]: {0}; fly without TLS, or report it")]
+    Tls(rustls::Error),
     /// The rig's name cannot be part of a topic.
     #[error(
         "[rig] name {0:?} cannot be part of an MQTT topic; use 1 to 64 letters, digits, `-`, `_` or `.`, like \"rig1\""
@@ -59,6 +82,12 @@ pub(super) struct Credentials {
 }
 
 impl MqttConfig {
+    /// TCP port of the broker.
+    #[must_use]
+    pub fn port(&self) -> u16 {
+        self.port.unwrap_or(if self.tls.is_some() { PORTS.1 } else { PORTS.0 })
+    }
+
     /// Reads the password. `None` where the broker is to let in everybody.
     pub(super) fn credentials(&self) -> Result<Option<Credentials>, MqttError> {
         let password = self.password_file.as_deref().map(read_password).transpose()?;
@@ -86,9 +115,11 @@ mod tests {
 
     #[test]
     fn a_host_is_enough_and_the_port_is_the_registered_one() {
-        let config = config("host = 'localhost'");
-        assert_eq!((config.host.as_str(), config.port), ("localhost", 1883));
-        assert!(config.credentials().unwrap().is_none());
+        let plain = config("host = 'localhost'");
+        assert_eq!((plain.host.as_str(), plain.port()), ("localhost", 1883));
+        assert!(plain.credentials().unwrap().is_none());
+        assert_eq!(config("host = 'a'\ntls.ca_file = 'ca.pem'").port(), 8883);
+        assert_eq!(config("host = 'a'\nport = 5\ntls.ca_file = 'ca.pem'").port(), 5);
     }
 
     #[test]

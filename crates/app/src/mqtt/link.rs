@@ -2,6 +2,7 @@
 
 use super::config::{MqttConfig, MqttError};
 use super::count::{Counters, Counts};
+use super::hearing::Hearing;
 use super::mailbox::{Mailbox, ROOM};
 use super::network::{self, Line, Network};
 use super::outage::Outage;
@@ -28,14 +29,14 @@ impl Link {
     /// threads would inherit.
     ///
     /// # Errors
-    /// [`MqttError`]: a name that fits no topic, a password that cannot be read, no thread. Never a missing broker.
+    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a missing broker.
     pub fn start(
         config: &MqttConfig,
         rig_name: &str,
         last_fault: Option<&LastFault>,
     ) -> Result<(Self, Mailbox), MqttError> {
         let topics = Arc::new(Topics::new(rig_name)?);
-        let options = network::options(config, rig_name, config.credentials()?, &topics);
+        let options = network::options(config, rig_name, &topics)?;
         let (counters, line) = (Arc::<Counters>::default(), Arc::<Line>::default());
         line.know(last_fault);
         let (mailbox, far) = Mailbox::new(Arc::clone(&counters));
@@ -47,7 +48,9 @@ impl Link {
             rejected: reject,
             line: Arc::clone(&line),
             counters: Arc::clone(&counters),
-            outage: Outage::new(format!("{}:{}", config.host, config.port)),
+            outage: Outage::new(format!("{}:{}", config.host, config.port())),
+            hearing: Hearing::new(),
+            owed: None,
         };
         let publisher = Publisher {
             topics,

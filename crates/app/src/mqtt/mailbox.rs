@@ -34,6 +34,14 @@ impl Mailbox {
         (Self { commands, answers, states, counters }, far)
     }
 
+    /// One with commands in it, and nobody at the other end.
+    #[cfg(test)]
+    pub(crate) fn holding(commands: impl IntoIterator<Item = Command>) -> Self {
+        let (mailbox, mut far) = Self::new(Arc::default());
+        commands.into_iter().for_each(|command| far.commands.push(command).unwrap());
+        mailbox
+    }
+
     /// The oldest command that waits. Answer each.
     pub fn try_command(&mut self) -> Option<Command> {
         self.commands.pop().ok()

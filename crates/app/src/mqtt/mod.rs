@@ -25,6 +25,8 @@
 //!            answers, states (rings)    └───────────┘   try_publish
 //! ```
 //!
+//! Commands, replies, `status` and `fault` go with QoS 1 (at least once), states with QoS 0.
+//!
 //! The loop's side never blocks and never allocates: a full ring drops and counts. A command that finds its ring
 //! full is answered as busy. A broker that is not there is tried again, at most every five seconds, for as long as
 //! the link lives; the flight goes on. A command that the broker *retained* is refused: it was meant for another
@@ -32,6 +34,7 @@
 
 pub mod config;
 mod count;
+mod hearing;
 pub mod link;
 mod mailbox;
 pub mod message;
@@ -39,6 +42,7 @@ mod network;
 mod outage;
 pub mod parse;
 mod publisher;
+pub mod tls;
 pub mod topics;
 
 pub use config::{MqttConfig, MqttError};
@@ -48,6 +52,10 @@ pub use mailbox::Mailbox;
 pub use message::{Answer, Gains, InForce, State};
 
 #[cfg(test)]
+mod flood_tests;
+#[cfg(test)]
 mod link_tests;
 #[cfg(test)]
 mod test_broker;
+#[cfg(test)]
+mod tls_tests;

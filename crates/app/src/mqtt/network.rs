@@ -4,15 +4,18 @@
 //! is sent in the next, so that the broker never hears of a state that is long past. Subscriptions do not outlive a
 //! session either. Between sessions the thread sleeps, because a refused connection fails within microseconds.
 
-use super::config::{Credentials, MqttConfig};
+use super::config::{Credentials, MqttConfig, MqttError};
 use super::count::{Counters, count};
+use super::hearing::{Hearing, too_large};
 use super::outage::Outage;
 use super::parse::{ParseError, parse};
-use super::topics::{ORIGINAL_SETPOINT, Topics};
+use super::topics::Topics;
 use crate::command::Command;
 use crate::last_fault::LastFault;
 use rtrb::Producer;
-use rumqttc::{Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
+use rumqttc::{
+    Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, TlsConfiguration, Transport,
+};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::sync::mpsc::SyncSender;
@@ -22,8 +25,8 @@ use std::{io, process, thread};
 
 /// Requests that wait for the connection: a few turns of the publisher.
 const QUEUE: usize = 256;
-/// Largest packet taken from the broker. The connection ends at a larger one; the default of 10 KB ends it sooner.
-const LARGEST_IN: usize = 64 * 1024;
+/// Largest packet taken from the broker, so that whoever sends one is answered. The connection ends at a larger one.
+pub(super) const LARGEST_IN: usize = 2 << 20;
 /// Largest packet sent; ours are below 2 KB.
 const LARGEST_OUT: usize = 64 * 1024;
 /// After one and a half of these without a sign of life the broker publishes the last will.
@@ -83,18 +86,24 @@ pub(super) struct Network {
     pub(super) line: Arc<Line>,
     pub(super) counters: Arc<Counters>,
     pub(super) outage: Outage,
+    pub(super) hearing: Hearing,
+    /// A refusal that the next session is to tell.
+    pub(super) owed: Option<Rejected>,
 }
 
 /// Who we are to the broker, and what it is to say when we are gone.
-pub(super) fn options(config: &MqttConfig, rig: &str, login: Option<Credentials>, topics: &Topics) -> MqttOptions {
+pub(super) fn options(config: &MqttConfig, rig: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
     let id = format!("airball-{rig}-{}", process::id());
-    let mut options = MqttOptions::new(id, config.host.clone(), config.port);
+    let mut options = MqttOptions::new(id, config.host.clone(), config.port());
     options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
     options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
-    if let Some(Credentials { user, password }) = login {
+    if let Some(Credentials { user, password }) = config.credentials()? {
         options.set_credentials(user, password);
     }
-    options
+    if let Some(tls) = &config.tls {
+        options.set_transport(Transport::tls_with_config(TlsConfiguration::Rustls(tls.client()?)));
+    }
+    Ok(options)
 }
 
 impl Network {
@@ -107,6 +116,10 @@ impl Network {
             *self.line.client() = None;
             if self.line.stopping() {
                 return;
+            }
+            self.hearing.ended(&cause, Instant::now());
+            if let Some(bytes) = too_large(&cause) {
+                self.owed = Some(self.refuse_packet(bytes));
             }
             say(self.outage.began(&cause));
             if began.elapsed() > PAUSES.1 {
@@ -128,6 +141,10 @@ impl Network {
                     }
                 }
                 Ok(Ok(Event::Incoming(Packet::Publish(message)))) => self.take(&message),
+                // Something passes every few seconds, if only a ping.
+                Ok(Ok(_)) if self.hearing.recovers(Instant::now()) => {
+                    self.hearing.subscribe(&client, &self.topics);
+                }
                 Ok(Ok(_)) => {}
                 Ok(Err(cause)) => return cause,
                 Err(_) => return ConnectionError::RequestsDone,
@@ -139,15 +156,14 @@ impl Network {
     /// broker publish the last will, which is the truth. The queue of a new session has room for these requests.
     fn greet(&mut self, client: &Client) -> bool {
         let mut held = self.line.client();
-        let filters = [self.topics.commands.as_str(), ORIGINAL_SETPOINT];
-        let filters = filters.map(|filter| SubscribeFilter::new(filter.to_owned(), QoS::AtLeastOnce));
         let greeted = !self.line.stopping()
-            && client.try_subscribe_many(filters).is_ok()
+            && self.hearing.subscribe(client, &self.topics)
             && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "online").is_ok()
             && self.line.publish_fault(client, &self.topics);
         if greeted {
             *held = Some(client.clone());
             say(self.outage.over());
+            self.owed.take().into_iter().for_each(|owed| self.reject(owed));
         }
         greeted
     }
@@ -169,10 +185,23 @@ impl Network {
                 "busy: too many commands wait already; send fewer, and wait for the replies".to_owned()
             }
         };
-        let topic = self.topics.short(&message.topic).to_owned();
-        if self.rejected.try_send(Rejected { topic, reason }).is_err() {
+        self.reject(Rejected { topic: self.topics.short(&message.topic).to_owned(), reason });
+    }
+
+    fn reject(&self, rejected: Rejected) {
+        if self.rejected.try_send(rejected).is_err() {
             count(&self.counters.dropped);
         }
+    }
+
+    /// Counts a packet that ended its session. Which topic it was for is not known.
+    fn refuse_packet(&self, bytes: usize) -> Rejected {
+        count(&self.counters.received);
+        count(&self.counters.refused);
+        let reason = format!(
+            "a packet of {bytes} bytes is beyond the {LARGEST_IN} that are taken, and ended the connection; if the broker keeps it, remove it: mosquitto_pub -r -n -t TOPIC"
+        );
+        Rejected { topic: self.topics.short(&self.topics.commands).to_owned(), reason }
     }
 
     fn command(&self, message: &Publish) -> Result<Command, ParseError> {

@@ -1,7 +1,8 @@
 //! What is said on standard error when the broker comes and goes: one line a change, however often it is tried.
 
-use rumqttc::mqttbytes::Error as Malformed;
-use rumqttc::{ConnectReturnCode, ConnectionError, StateError};
+use super::hearing::too_large;
+use super::tls;
+use rumqttc::{ConnectReturnCode, ConnectionError};
 
 /// Remembers what was said last.
 #[derive(Debug)]
@@ -36,16 +37,17 @@ impl Outage {
 }
 
 /// The next thing to try.
-const fn hint(cause: &ConnectionError) -> &'static str {
+fn hint(cause: &ConnectionError) -> &'static str {
     use ConnectReturnCode::{BadUserNamePassword, NotAuthorized};
     match cause {
         ConnectionError::ConnectionRefused(BadUserNamePassword | NotAuthorized) => {
             "Check `user` and `password_file` of [mqtt]."
         }
-        ConnectionError::MqttState(StateError::Deserialization(Malformed::PayloadSizeLimitExceeded(_))) => {
+        _ if too_large(cause).is_some() => {
             "Somebody sent a huge message; if it is retained, remove it: mosquitto_pub -r -n -t TOPIC."
         }
-        _ => "Start one with `mosquitto`, or mend host and port of [mqtt]; it is tried again.",
+        _ => tls::hint(cause)
+            .unwrap_or("Start one with `mosquitto`, or mend host and port of [mqtt]; it is tried again."),
     }
 }
 

@@ -36,7 +36,8 @@ impl Broker {
         Self::with_access(&format!("allow_anonymous false\npassword_file {}", file.display()))
     }
 
-    fn with_access(access: &str) -> Self {
+    /// One with more lines in its config: who is let in, and how it listens.
+    pub(super) fn with_access(access: &str) -> Self {
         let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
         let dir = tempfile::tempdir().unwrap();
         let text = format!("user root\nlistener {port} 127.0.0.1\n{access}\n");
@@ -75,7 +76,7 @@ impl Drop for Broker {
 
 /// A link to whoever listens on this port.
 pub(super) fn config(port: u16) -> MqttConfig {
-    MqttConfig { host: "127.0.0.1".into(), port, user: None, password_file: None }
+    MqttConfig { host: "127.0.0.1".into(), port: Some(port), user: None, password_file: None, tls: None }
 }
 
 /// Debian keeps the broker out of the path of ordinary users.
@@ -119,7 +120,7 @@ impl Outside {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let id = format!("outside-{}", COUNT.fetch_add(1, Relaxed));
         let mut options = MqttOptions::new(id, "127.0.0.1", port);
-        options.set_max_packet_size(1 << 20, 1 << 20);
+        options.set_max_packet_size(16 << 20, 16 << 20);
         if let Some((user, password)) = login {
             options.set_credentials(user, password);
         }

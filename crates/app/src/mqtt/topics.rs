@@ -55,6 +55,8 @@ pub struct Topics {
     pub status: String,
     /// The last fault, retained.
     pub fault: String,
+    /// The mode, alone.
+    pub(super) mode: String,
     /// Filter of all commands, known and unknown, so that a misspelt one is answered too.
     pub commands: String,
 }
@@ -76,6 +78,7 @@ impl Topics {
             state: below("state"),
             status: below("status"),
             fault: below("fault"),
+            mode: below(Quantity::Mode.topic()),
             commands: below("set/#"),
             root,
         })

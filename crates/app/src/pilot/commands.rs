@@ -51,3 +51,6 @@ impl Pilot {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -66,22 +66,27 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
 
 /// Flies the experiment, with the fan off at its end, and returns the config and the log.
 fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
-    let plan: Plan = plan(NAME, &args.flight, Some(own(args.what)))?;
+    let mut plan: Plan = plan(NAME, &args.flight, Some(own(args.what)))?;
+    // What is analysed as one log is written as one.
+    if let Some(log) = &mut plan.config.tables.log {
+        log.part_s = None;
+    }
     let (flown, watched) = if args.in_virtual_time {
         (in_virtual_time(NAME, &plan, &args.flight, None)?, Ok(()))
     } else {
         let (flown, beside) = in_real_time(NAME, &plan, &args.flight, args.sim, None)?;
         (flown, beside.watched)
     };
+    let path = flown.files.first().cloned().unwrap_or_default();
     if let Err(error) = flown.landed() {
         if let Err(lesser) = flown.log {
             note(lesser);
         }
-        bail!("{error}; what was recorded is in {}, for --from", flown.path.display());
+        bail!("{error}; what was recorded is in {}, for --from", path.display());
     }
     flown.log?;
     watched?;
-    Ok((plan.config, flown.path))
+    Ok((plan.config, path))
 }
 
 /// The experiment of a measurement.

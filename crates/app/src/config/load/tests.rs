@@ -86,6 +86,31 @@ fn a_name_that_fits_no_topic_and_a_scale_of_nothing_are_found_at_once() {
 }
 
 #[test]
+fn a_password_in_the_config_is_refused_with_the_key_for_its_file_and_not_repeated() {
+    let message = error_of("[mqtt]\nhost = \"h\"\nuser = \"u\"\npassword = \"s3cret\"\n");
+    assert!(message.contains("`password_file`") && !message.contains("s3cret"), "{message}");
+}
+
+#[test]
+fn a_stall_that_every_cycle_would_be_is_named_with_both_numbers() {
+    let project = include_str!("../../../../../config.toml");
+    for (period, stall, refused) in [("0.5", "0.5", true), ("0.8", "0.5", true), ("0.02", "0.05", false)] {
+        let text = project.replace("period_s = 0.02 ", &format!("period_s = {period} "));
+        let text = text.replace("stall_s = 0.5 ", &format!("stall_s = {stall} "));
+        let files = Files::new();
+        let read = Config::read(&files.write("c.toml", &text), &[]);
+        assert_eq!(read.is_err(), refused, "{period} {stall}: {read:?}");
+        if let Err(error) = read {
+            let said = error.to_string();
+            assert!(
+                said.contains("safety.stall_s: 0.5 s") && said.contains(&format!("period_s = {period} s")),
+                "{said}"
+            );
+        }
+    }
+}
+
+#[test]
 fn broken_toml_is_shown_where_it_breaks() {
     let message = error_of("[plant]\ngain = = 3\n");
     assert!(message.contains("line 2"), "{message}");

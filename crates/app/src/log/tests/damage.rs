@@ -4,10 +4,13 @@ use super::{cycles, events, file, header};
 use crate::log::flight::{self, Flight};
 use crate::log::record::{Cycle, EventMessage};
 use crate::log::recover;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Three seconds: four chunks.
 const CYCLES: u32 = 160;
+/// A little more than a second: two chunks, few enough bytes to try them all.
+const SHORT: u32 = 60;
 /// A chunk holds a second: 50 cycles, the first one more.
 const ONE_SECOND: usize = 51;
 
@@ -35,11 +38,12 @@ fn check(flight: &Flight, flown: &[Cycle], what: &str) {
     }
 }
 
-fn spoil(places: impl Iterator<Item = usize>) {
-    let (whole, flown) = (file(&cycles(CYCLES)), cycles(CYCLES));
-    let mut bytes = whole.clone();
-    for place in places.take_while(|place| *place < whole.len()) {
-        for spoiler in SPOILERS {
+/// Spoils every `step`th byte of a flight, one at a time, in each of these ways.
+fn spoil(count: u32, step: usize, spoilers: &(dyn Fn(usize) -> Vec<fn(u8) -> u8> + Sync)) {
+    let (whole, flown) = (file(&cycles(count)), cycles(count));
+    (0..whole.len()).into_par_iter().step_by(step).for_each(|place| {
+        for spoiler in spoilers(place) {
+            let mut bytes = whole.clone();
             bytes[place] = spoiler(whole[place]);
             let what = format!("byte {place} became {:#04x}", bytes[place]);
             let flight = parse(&bytes).unwrap_or_else(|| panic!("{what}: nothing can be read"));
@@ -47,14 +51,14 @@ fn spoil(places: impl Iterator<Item = usize>) {
             let lost = flown.len() - flight.cycles.len();
             assert!(lost <= ONE_SECOND, "{what}: {lost} cycles are lost");
         }
-        bytes[place] = whole[place];
-    }
+    });
 }
 
-fn cut(places: impl Iterator<Item = usize>) {
-    let (whole, flown) = (file(&cycles(CYCLES)), cycles(CYCLES));
+/// Cuts a flight at every `step`th byte.
+fn cut(count: u32, step: usize) {
+    let (whole, flown) = (file(&cycles(count)), cycles(count));
     let mut most = 0;
-    for place in places.take_while(|place| *place < whole.len()) {
+    for place in (0..whole.len()).step_by(step) {
         let Some(flight) = parse(&whole[..place]) else {
             assert_eq!(most, 0, "cut at {place}: nothing can be read, and before it could");
             continue;
@@ -67,25 +71,36 @@ fn cut(places: impl Iterator<Item = usize>) {
 }
 
 #[test]
+fn every_byte_of_a_short_flight_can_be_spoilt_and_costs_a_second_at_most() {
+    // In each place another way, so that all of them are tried.
+    spoil(SHORT, 1, &|place| vec![SPOILERS[place % SPOILERS.len()]]);
+}
+
+#[test]
 fn a_spoilt_byte_costs_a_second_at_most_and_invents_nothing() {
-    spoil((0..).step_by(11));
+    spoil(CYCLES, 11, &|_| SPOILERS.to_vec());
 }
 
 #[test]
 #[ignore = "slow: every byte"]
 fn any_spoilt_byte_costs_a_second_at_most_and_invents_nothing() {
-    spoil(0..);
+    spoil(CYCLES, 1, &|_| SPOILERS.to_vec());
+}
+
+#[test]
+fn a_short_flight_that_is_cut_anywhere_gives_what_was_whole_before_the_cut() {
+    cut(SHORT, 1);
 }
 
 #[test]
 fn a_cut_file_gives_what_was_whole_before_the_cut() {
-    cut((0..).step_by(7));
+    cut(CYCLES, 7);
 }
 
 #[test]
 #[ignore = "slow: every byte"]
 fn a_file_that_is_cut_anywhere_gives_what_was_whole_before_the_cut() {
-    cut(0..);
+    cut(CYCLES, 1);
 }
 
 #[test]

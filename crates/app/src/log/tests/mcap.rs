@@ -226,6 +226,17 @@ fn the_wrong_kind_of_file_is_named() {
     assert!(matches!(flight::read(&path).unwrap_err(), LogError::Empty { .. }));
 }
 
+#[test]
+fn a_time_beyond_all_clocks_can_be_written() {
+    let header = Header { started: UNIX_EPOCH + Duration::from_secs(1_700_000_000), ..header() };
+    let mut bytes = Vec::new();
+    let mut writer = LogWriter::to(Cursor::new(&mut bytes), Path::new("flight.mcap"), &header).unwrap();
+    let late = crate::log::record::Cycle { time_s: 1.844e19, ..cycles(1)[0] };
+    writer.cycle(&late).unwrap();
+    writer.finish().unwrap();
+    assert_eq!(parse(&bytes).unwrap().cycles, [late]);
+}
+
 proptest! {
     #[test]
     fn no_bytes_make_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..400), mcap in any::<bool>()) {

@@ -1,0 +1,37 @@
+//! The files of a flight so far: known to who writes them, and to who tells of them before or after the last is closed.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A list that is shared by its copies. Never empty.
+#[derive(Clone, Debug)]
+pub struct Files(Arc<Mutex<Vec<PathBuf>>>);
+
+impl Files {
+    /// A flight that begins with this file.
+    #[must_use]
+    pub fn starting_with(first: &Path) -> Self {
+        Self(Arc::new(Mutex::new(vec![first.to_owned()])))
+    }
+
+    /// The flight goes on in another file.
+    pub fn add(&self, path: &Path) {
+        self.held().push(path.to_owned());
+    }
+
+    /// All of them, the oldest first. Those that were deleted to make room are among them.
+    #[must_use]
+    pub fn all(&self) -> Vec<PathBuf> {
+        self.held().clone()
+    }
+
+    /// The one that is being written.
+    #[must_use]
+    pub fn current(&self) -> PathBuf {
+        self.held().last().cloned().unwrap_or_default()
+    }
+
+    fn held(&self) -> MutexGuard<'_, Vec<PathBuf>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

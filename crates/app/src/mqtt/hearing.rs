@@ -1,0 +1,114 @@
+//! What is subscribed to: every command, unless the broker keeps a message that is too large to be taken.
+//!
+//! A packet beyond the limit ends the connection before its topic is known. One that somebody publishes costs one
+//! connection. One that the broker *retains* comes again right behind every subscription and would end every
+//! connection; so the next one asks for less: for the mode alone, that `stop` gets through, or, if it is kept there,
+//! for nothing. A minute later everything is asked for again.
+
+use super::topics::{ORIGINAL_SETPOINT, Topics};
+use rumqttc::mqttbytes::Error as Malformed;
+use rumqttc::{Client, ConnectionError, QoS, StateError, SubscribeFilter};
+use std::time::{Duration, Instant};
+
+/// A packet that comes so soon behind a subscription was retained.
+pub(super) const SOON: Duration = Duration::from_secs(5);
+/// How long less is asked for.
+const LESS_FOR: Duration = Duration::from_secs(60);
+
+/// How much is listened to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Width {
+    Everything,
+    Mode,
+    Nothing,
+}
+
+/// Remembers how much is listened to, and since when.
+#[derive(Debug)]
+pub(super) struct Hearing {
+    width: Width,
+    since: Instant,
+}
+
+impl Hearing {
+    pub(super) fn new() -> Self {
+        Self { width: Width::Everything, since: Instant::now() }
+    }
+
+    /// Subscribes. False where the client's queue is full.
+    pub(super) fn subscribe(&mut self, client: &Client, topics: &Topics) -> bool {
+        self.since = Instant::now();
+        let filters = self.filters(topics).into_iter().map(|filter| SubscribeFilter::new(filter, QoS::AtLeastOnce));
+        self.width == Width::Nothing || client.try_subscribe_many(filters).is_ok()
+    }
+
+    fn filters(&self, topics: &Topics) -> Vec<String> {
+        match self.width {
+            Width::Everything => vec![topics.commands.clone(), ORIGINAL_SETPOINT.to_owned()],
+            Width::Mode => vec![topics.mode.clone()],
+            Width::Nothing => Vec::new(),
+        }
+    }
+
+    /// Learns from the end of a connection.
+    pub(super) fn ended(&mut self, cause: &ConnectionError, now: Instant) {
+        if too_large(cause).is_some() && now < self.since + SOON {
+            self.width = if self.width == Width::Everything { Width::Mode } else { Width::Nothing };
+        }
+    }
+
+    /// Whether less than everything was asked for, for long enough. It is everything from now on.
+    pub(super) fn recovers(&mut self, now: Instant) -> bool {
+        let due = self.width != Width::Everything && now >= self.since + LESS_FOR;
+        if due {
+            self.width = Width::Everything;
+        }
+        due
+    }
+}
+
+/// The bytes of a packet that was too large, if that ended the connection.
+pub(super) const fn too_large(cause: &ConnectionError) -> Option<usize> {
+    match cause {
+        ConnectionError::MqttState(StateError::Deserialization(Malformed::PayloadSizeLimitExceeded(bytes))) => {
+            Some(*bytes)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ConnectionError, Hearing, LESS_FOR, Malformed, SOON, StateError, Topics};
+    use std::time::Duration;
+
+    const HUGE: ConnectionError =
+        ConnectionError::MqttState(StateError::Deserialization(Malformed::PayloadSizeLimitExceeded(9_000_000)));
+
+    fn filters(hearing: &Hearing) -> Vec<String> {
+        hearing.filters(&Topics::new("r").unwrap())
+    }
+
+    #[test]
+    fn a_huge_message_right_behind_a_subscription_narrows_it_and_a_minute_widens_it() {
+        let mut hearing = Hearing::new();
+        let at = hearing.since;
+        assert_eq!(filters(&hearing), ["airball/r/set/#", "ball/parameters/reference"]);
+        hearing.ended(&HUGE, at);
+        assert_eq!(filters(&hearing), ["airball/r/set/mode"]);
+        hearing.ended(&HUGE, at);
+        assert!(filters(&hearing).is_empty());
+        assert!(!hearing.recovers(at + LESS_FOR - Duration::from_secs(1)));
+        assert!(hearing.recovers(at + LESS_FOR) && !hearing.recovers(at + LESS_FOR));
+        assert_eq!(filters(&hearing).len(), 2);
+    }
+
+    #[test]
+    fn a_huge_message_in_between_and_any_other_end_change_nothing() {
+        let mut hearing = Hearing::new();
+        let at = hearing.since;
+        hearing.ended(&HUGE, at + SOON);
+        hearing.ended(&ConnectionError::NetworkTimeout, at);
+        assert_eq!(filters(&hearing).len(), 2);
+    }
+}

@@ -1,5 +1,9 @@
 //! What the system tests share: the built binary, a broker of their own, a directory of their own.
 
+mod emulated;
+
+pub use emulated::Emulated;
+
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

@@ -33,6 +33,8 @@ const ERRORS: [ErrorKind; 7] = [
 /// A handle of a bus behind a socket.
 pub struct SocketBus {
     stream: UnixStream,
+    /// The latest request, kept for its room: a cycle is to allocate nothing.
+    request: Vec<u8>,
 }
 
 impl SocketBus {
@@ -44,11 +46,12 @@ impl SocketBus {
         let stream = UnixStream::connect(path)?;
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;
-        Ok(Self { stream })
+        Ok(Self { stream, request: Vec::new() })
     }
 
     fn exchange(&mut self, address: u8, operations: &mut [Operation<'_>]) -> io::Result<u8> {
-        self.stream.write_all(&request(address, operations)?)?;
+        write_request(&mut self.request, address, operations)?;
+        self.stream.write_all(&self.request)?;
         let answer = take::<1>(&mut self.stream)?[0];
         if answer == DONE {
             for operation in operations {
@@ -114,9 +117,10 @@ fn number(error: ErrorKind) -> u8 {
     ERRORS.iter().zip(1..).find(|(known, _)| **known == error).map_or(1, |(_, number)| number)
 }
 
-fn request(address: u8, operations: &[Operation<'_>]) -> io::Result<Vec<u8>> {
+fn write_request(request: &mut Vec<u8>, address: u8, operations: &[Operation<'_>]) -> io::Result<()> {
     let too_long = |_| io::Error::from(io::ErrorKind::InvalidInput);
-    let mut request = vec![address, u8::try_from(operations.len()).map_err(too_long)?];
+    request.clear();
+    request.extend([address, u8::try_from(operations.len()).map_err(too_long)?]);
     for operation in operations {
         let (direction, length) = match operation {
             Operation::Write(bytes) => (WRITE, bytes.len()),
@@ -128,7 +132,7 @@ fn request(address: u8, operations: &[Operation<'_>]) -> io::Result<Vec<u8>> {
             request.extend(*bytes);
         }
     }
-    Ok(request)
+    Ok(())
 }
 
 fn read_operations(from: &mut impl Read) -> io::Result<Vec<(u8, Vec<u8>)>> {
@@ -183,7 +187,7 @@ mod tests {
     fn transactions_and_their_errors_cross_the_socket() {
         let (near, far) = UnixStream::pair().unwrap();
         let served = std::thread::spawn(move || serve(far, Echo, || {}));
-        let mut bus = SocketBus { stream: near };
+        let mut bus = SocketBus { stream: near, request: Vec::new() };
         let mut read = [0; 3];
         bus.write_read(0x29, &[1, 2, 7], &mut read).unwrap();
         assert_eq!(read, [8; 3]);
@@ -204,7 +208,7 @@ mod tests {
     fn a_bus_that_is_gone_is_an_error_and_no_panic() {
         let (near, far) = UnixStream::pair().unwrap();
         drop(far);
-        let mut bus = SocketBus { stream: near };
+        let mut bus = SocketBus { stream: near, request: Vec::new() };
         assert_eq!(bus.write(0x29, &[1]), Err(ErrorKind::Bus));
         assert_eq!(bus.write(0x29, &[1]), Err(ErrorKind::Bus));
     }

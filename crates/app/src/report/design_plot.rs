@@ -1,5 +1,7 @@
 //! The picture of a design, as SVG: step and Bode diagram with the margins, root locus and poles in s and in z.
 
+mod locus;
+
 use super::palette::{NOMINAL, RECORDED, SETPOINT};
 use super::plot::{Diagram, Line, PlotError, drawn, failed, panel, write};
 use crate::assessment::Loop;
@@ -7,22 +9,16 @@ use control::design::law::Law;
 use control::design::margins::{gain_margins, phase_margins};
 use control::design::polynomial::magnitude;
 use control::design::{Complex, DesignError, Plane, Transfer, step};
+use locus::locus;
 use plotters::style::RGBColor;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Size of the picture, pixels.
 const SIZE: (u32, u32) = (1200, 1080);
-/// Gains of the root locus: from a hundredth of the loop's to a hundred times.
-const LOCUS_DECADES: f64 = 2.0;
-const LOCUS_POINTS: u32 = 600;
 /// Frequencies of the Bode diagram, powers of ten of rad/s.
 const BODE: (f64, f64) = (-2.0, 2.0);
 const BODE_POINTS: u32 = 600;
-/// The plane of s shows so many crossover frequencies to the left: the poles that a step shows.
-const REACH: f64 = 5.0;
-/// The plane of z: a unit circle that is round in its panel.
-const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
 
 /// One of the two forms of a loop.
 struct Form {
@@ -179,58 +175,6 @@ fn degrees(form: &Form) -> Vec<(f64, f64)> {
     points
 }
 
-/// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open loop's poles, rings at its zeros, dots at the closed loop's poles.
-fn locus(form: &Form) -> Diagram {
-    let open = form.open();
-    let (window, boundary, title, axes) = match form.plant.plane {
-        Plane::Continuous => {
-            let crossover = phase_margins(&open).first().map_or(1.0, |margin| margin.omega);
-            let reach = REACH * crossover;
-            let edge = vec![(0.0, -0.7 * reach), (0.0, 0.7 * reach)];
-            let title = "root locus in s: × open loop, ○ zeros, ● closed loop";
-            (
-                [(-1.2 * reach, 0.4 * reach), (-0.7 * reach, 0.7 * reach)],
-                edge,
-                title,
-                ["real part, 1/s", "imaginary part, 1/s"],
-            )
-        }
-        Plane::Sampled(_) => {
-            let circle = (0..=360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos()).map(|(y, x)| (x, y)).collect();
-            let title = "root locus in z: × open loop, ○ zeros, ● closed loop";
-            (CIRCLE, circle, title, ["real part of z", "imaginary part of z"])
-        }
-    };
-    let unit = if form.plant.plane == Plane::Continuous { 0.0 } else { 1.0 };
-    let [(left, right), (low, high)] = window;
-    let seen = |roots: &[Complex<f64>]| -> Vec<(f64, f64)> {
-        let places = roots.iter().map(|root| (root.re + unit, root.im));
-        places.filter(|(x, y)| (left..=right).contains(x) && (low..=high).contains(y)).collect()
-    };
-    let locus = root_locus(&open, seen, right - left);
-    Diagram {
-        title: title.into(),
-        abscissa: axes[0],
-        ordinate: axes[1],
-        lines: vec![
-            Line { label: "", colour: SETPOINT, points: boundary },
-            Line { label: "", colour: form.colour, points: locus },
-        ],
-        marks: seen(&open.denominator.roots()),
-        rings: seen(&open.numerator.roots()),
-        dots: seen(&open.closed_poles(1.0)),
-        window: Some(window),
-        ..Diagram::default()
-    }
-}
-
-/// The poles of the closed loop over the gain, as dots: the order of the roots says nothing of which belongs to which.
-fn root_locus(open: &Transfer, seen: impl Fn(&[Complex<f64>]) -> Vec<(f64, f64)>, width: f64) -> Vec<(f64, f64)> {
-    let gain = |k: u32| 10.0_f64.powf(LOCUS_DECADES * (2.0 * f64::from(k) / f64::from(LOCUS_POINTS) - 1.0));
-    let poles = (0..=LOCUS_POINTS).flat_map(|k| seen(&open.closed_poles(gain(k))));
-    poles.flat_map(|(x, y)| [(x, y), (x + 2e-3 * width, y), (f64::NAN, f64::NAN)]).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Loop, degrees, forms, interpolated, step_lines};
@@ -239,7 +183,7 @@ mod tests {
     use control::design::law::{Gains, Weights};
 
     /// The thesis' three-pole model under a PID, every 20 ms.
-    fn thesis(kp_per_mm: f64) -> Loop {
+    pub(super) fn thesis(kp_per_mm: f64) -> Loop {
         let gains = Gains { kp_per_mm, ti_s: 15.0, td_s: 0.35, derivative_n: 10.0 };
         let closing = Closing::Pid(gains, Weights::MEASUREMENT);
         Loop { plant: Linear::three_poles(827.2, 3.896, 3.896), closing, period_s: Some(0.02) }

@@ -1,8 +1,8 @@
 //! What is seen first of a design: whether it is stable, what it bears, and its step.
 
 use super::super::figure::{Size, figure};
-use super::super::parts::{capital, values};
-use super::STEP;
+use super::super::parts::values;
+use super::{STEP, root_locus};
 use crate::assessment::Assessment;
 use crate::report::design::{Document, law};
 use crate::report::design_plot::Diagrams;
@@ -58,7 +58,7 @@ pub(super) fn first(document: &Document, drawn: &Diagrams) -> Markup {
             @if of.stable { (step_first(drawn)) }
             // Where nothing comes to rest, the poles say why; the last locus is that of the loop that flies.
             @else if let Some(locus) = drawn.loci.last() {
-                (figure(locus, Size::FIRST, &locus.title, &html! { (capital(&locus.title)) ". A dot beyond the line never dies away." }))
+                div.round { (root_locus(locus)) }
             }
         }
     }

@@ -5,13 +5,14 @@ mod first;
 pub(super) use first::step_first;
 
 use super::figure::{Size, figure};
-use super::parts::{capital, command, glossary, number, table, to_copy};
+use super::parts::{capital, command, glossary, minus, number, table, to_copy};
 use super::record::{Record, how_to_zoom};
 use super::{Page, PageError, Section};
 use crate::assessment::{Assessment, Loop};
 use crate::report::design::{Document, law, rows};
 use crate::report::design_plot::Diagrams;
 use crate::report::identify::digits;
+use crate::report::plot::Diagram;
 use first::{answer, decisive, delay_s, first, least_phase, less_gain, more_gain, spoken};
 use maud::{Markup, html};
 
@@ -68,16 +69,18 @@ const STEP: &str = "Step of the setpoint: the position as a share of the step, i
 
 fn bears(document: &Document) -> Markup {
     let row = |(name, [continuous, sampled]): (&'static str, [String; 2])| {
-        let mut cells = vec![html! { (continuous) }];
-        cells.extend(document.period_s.map(|_| html! { (sampled) }));
+        let mut cells = vec![html! { (minus(&continuous)) }];
+        cells.extend(document.period_s.map(|_| html! { (minus(&sampled)) }));
         (html! { (name) }, cells)
     };
     let sampled = document.period_s.map(|period_s| format!("sampled every {period_s} s"));
-    let heads: Vec<&str> = ["", "continuous"].into_iter().chain(sampled.as_deref()).collect();
+    let heads: Vec<&str> = ["figure", "continuous"].into_iter().chain(sampled.as_deref()).collect();
     let rows: Vec<_> = rows(document).into_iter().map(row).collect();
     html! {
-        (table("Margins, critical gains and step", &heads, &rows))
-        (table("The plant that was designed for", &["number", "value"], &plant(document)))
+        div.two {
+            (table("Margins, critical gains and step", &heads, &rows))
+            (table("The plant that was designed for", &["number", "value"], &plant(document)))
+        }
     }
 }
 
@@ -96,14 +99,14 @@ fn plant(document: &Document) -> Vec<(Markup, Vec<Markup>)> {
 
 /// Magnitude and phase, side by side.
 pub(super) fn frequency(drawn: &Diagrams) -> Markup {
+    let one = |diagram: &Diagram, what: &str| {
+        let words = minus(&diagram.title);
+        let alt = format!("{what} over frequency; {words}");
+        figure(diagram, Size::HALF, &alt, &html! { (what) ". " (capital(&words)) "." })
+    };
     let [magnitude, phase] = &drawn.bode;
     html! {
-        div.two {
-            (figure(magnitude, Size::HALF, &format!("Magnitude over frequency; {}", magnitude.title),
-                &html! { "Magnitude. " (capital(&magnitude.title)) "." }))
-            (figure(phase, Size::HALF, &format!("Phase over frequency; {}", phase.title),
-                &html! { "Phase. " (capital(&phase.title)) "." }))
-        }
+        div.two { (one(magnitude, "Magnitude")) (one(phase, "Phase")) }
     }
 }
 
@@ -115,9 +118,14 @@ pub(super) fn loci(drawn: &Diagrams) -> Markup {
             "the line dies away; in z one inside the circle does."
         }
         div.two {
-            @for locus in &drawn.loci { (figure(locus, Size::PLANE, &locus.title, &html! { (capital(&locus.title)) "." })) }
+            @for locus in &drawn.loci { (root_locus(locus)) }
         }
     }
+}
+
+/// One root locus.
+fn root_locus(locus: &Diagram) -> Markup {
+    figure(locus, Size::PLANE, &locus.title, &html! { (capital(&locus.title)) "." })
 }
 
 fn poles(document: &Document) -> Markup {

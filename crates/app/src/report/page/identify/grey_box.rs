@@ -1,7 +1,7 @@
 //! The page of a grey-box identification: the plant, how well it foretells what it was not fitted to, and whether what is left is noise.
 
 use super::super::figure::{Size, figure};
-use super::super::parts::{bars, command, findings, glossary, minus, number, table, values};
+use super::super::parts::{bars, capital, command, findings, glossary, minus, number, table, values};
 use super::super::record::{Record, how_to_zoom};
 use super::super::stretch::worst;
 use super::super::{Page, Section};
@@ -128,9 +128,9 @@ fn numbers(report: &Report<'_>) -> Markup {
     let heads: Vec<&str> =
         ["number", "as believed"].into_iter().chain(report.found.iter().map(|one| words::poles(one.poles))).collect();
     html! {
-        (table("Numbers of the plant with their 90 % intervals", &heads, &rows))
+        (table("Numbers with 90 % intervals", &heads, &rows))
         @if report.found.len() > 1 {
-            p { strong { "Kept: " (words::poles(report.best.poles)) "." } " " (words::why(report.found, report.best)) "." }
+            p { strong { "Kept: " (words::poles(report.best.poles)) "." } " " (capital(&words::why(report.found, report.best))) "." }
         }
     }
 }

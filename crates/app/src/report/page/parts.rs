@@ -71,8 +71,10 @@ pub(super) fn values(all: &[(String, String, String)]) -> Markup {
         div.gap {
             dl.values {
                 @for (name, value, about) in all {
-                    dt { (name) }
-                    dd { strong { (value) } @if !about.is_empty() { span { (about) } } }
+                    div {
+                        dt { (name) }
+                        dd { strong { (value) } @if !about.is_empty() { span { (about) } } }
+                    }
                 }
             }
         }

@@ -12,7 +12,7 @@ use maud::{Markup, html};
 /// The file that the pages call the patch.
 const PATCH: &str = "plant.toml";
 
-/// What is not known of the rig by any identification.
+/// What an interval promises, and on which condition.
 const INTERVALS: (&str, &str) =
     ("intervals", "Intervals hold the value nine times in ten, if the plant is what it is taken for.");
 

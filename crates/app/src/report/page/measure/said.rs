@@ -56,6 +56,9 @@ fn of_calibration(found: &Calibration) -> String {
     match (failed.is_empty(), found.sensor_scale) {
         (true, Some(_)) => "The sensor passes: zero, scale and noise lie in their bands".into(),
         (true, None) => "The sensor's zero passes, and its scale cannot be told".into(),
+        (false, _) if failed.iter().all(|name| name.starts_with("noise")) => {
+            "The sensor's readings are noisier than a loop should bear".into()
+        }
         (false, _) => "The sensor is off, and the patch mends it".into(),
     }
 }

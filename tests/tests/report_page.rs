@@ -62,7 +62,7 @@ fn measurements(bench: &Bench) {
 fn designs(bench: &Bench) {
     let _ = run(bench, "design pid --config STRANGER.toml --html design.html --patch-out gains.toml");
     assert!(bench.read("design.html").contains("The loop is stable, and bears"));
-    assert!(bench.read("design.html").contains(bench.read("gains.toml").trim()));
+    assert!(bench.read("design.html").contains(&bench.read("gains.toml").trim().replace('"', "&quot;")));
     bench.write("wild.toml", "[controller.pid]\nkp_per_mm = 0.5\n");
     let _ = run(bench, "design loop --config STRANGER.toml --patch wild.toml --html unstable.html");
     assert!(bench.read("unstable.html").contains("This loop is not stable: it must not be flown"));

@@ -1,4 +1,4 @@
-// Opens pages of airball in Debian's Chromium. REPORT and REPLAY are their paths; scripts/setup browser installs what this needs.
+// Opens pages of airball in Debian's Chromium. PAGES is the directory that they are in; scripts/setup browser installs what this needs.
 // SHOTS, a directory: pictures of the pages are left there, to be looked at.
 
 import assert from "node:assert/strict";
@@ -11,7 +11,23 @@ import { FileSystemConfigLoader, HtmlValidate } from "html-validate";
 import { chromium } from "playwright-core";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const PAGES = { report: process.env.REPORT, replay: process.env.REPLAY };
+/** Each page, with how many figures it has at least, and the ink of a line that is both in a figure and in a chart that zooms, if it has one. */
+const PAGES = {
+  report: { figures: 8, ink: "nominal" },
+  replay: { figures: 3, ink: "nominal" },
+  "grey-box": { figures: 6, ink: "mended" },
+  transient: { figures: 6, ink: "setpoint" },
+  "third-pole": { figures: 5, ink: "recorded" },
+  "dead-zone": { figures: 3, ink: "recorded" },
+  "critical-gain": { figures: 3, ink: "recorded" },
+  steps: { figures: 3, ink: "recorded" },
+  calibration: { figures: 3, ink: "recorded" },
+  design: { figures: 6, ink: "nominal" },
+  unstable: { figures: 5 },
+};
+const path = (name) => join(process.env.PAGES, `${name}.html`);
+/** How the patches begin that pages offer to copy. */
+const PATCHES = { report: /^\[plant\]\ngain_mm_per_s2_per_percent = /, "grey-box": /\n\[plant\]\n/, "dead-zone": /^\[/, design: /^\[controller/ };
 const DESK = { width: 1280, height: 900 };
 const PHONE = { width: 390, height: 844 };
 
@@ -44,26 +60,26 @@ async function open(name, options = {}) {
   page.on("pageerror", (error) => wrong.push(String(error)));
   page.on("dialog", (dialog) => wrong.push(dialog.message()) && dialog.dismiss());
   page.on("request", (request) => request.url() !== page.url() && request.isNavigationRequest() === false && wrong.push(request.url()));
-  await page.goto(pathToFileURL(PAGES[name]).href);
+  await page.goto(pathToFileURL(path(name)).href);
   return { page, wrong };
 }
 
 const shown = (page) => page.locator("#record-charts").evaluate((place) => [place.dataset.from, place.dataset.to].map(Number));
 
-for (const name of Object.keys(PAGES)) {
+for (const [name, { figures: fewest, ink }] of Object.entries(PAGES)) {
   test(`${name}: opens without an error, a request or a script of a stranger, and is small`, async () => {
     const { page, wrong } = await open(name);
-    await page.waitForSelector(".uplot");
+    if (ink) await page.waitForSelector(".uplot");
     assert.deepEqual(wrong, []);
     assert.equal(await page.locator("img, iframe, object, link").count(), 0);
     assert.match(await page.locator(".top").innerText(), /<img src=x onerror=alert\(1\)>/);
-    assert.ok(readFileSync(PAGES[name]).length < 3e6);
+    assert.ok(readFileSync(path(name)).length < 3e6);
   });
 
   test(`${name}: is valid HTML`, async () => {
     const rules = { "no-inline-style": "off", "long-title": "off", "no-trailing-whitespace": "off", "wcag/h32": "off" };
     const loader = new FileSystemConfigLoader({ root: true, extends: ["html-validate:recommended"], rules });
-    const report = await new HtmlValidate(loader).validateFile(PAGES[name]);
+    const report = await new HtmlValidate(loader).validateFile(path(name));
     const said = report.results.flatMap((result) => result.messages.map((at) => `${at.line}:${at.column} ${at.ruleId}: ${at.message}`));
     assert.deepEqual(said.slice(0, 20), []);
   });
@@ -86,16 +102,19 @@ for (const name of Object.keys(PAGES)) {
     const heights = await page.locator("main svg text").evaluateAll((texts) =>
       texts.filter((text) => text.checkVisibility()).map((text) => parseFloat(text.getAttribute("font-size")) * text.getScreenCTM().a),
     );
-    assert.ok(heights.length > 10 && Math.min(...heights) > 10.5, `${Math.min(...heights)} px`);
+    assert.ok(heights.length > 5 && Math.min(...heights) > 10.5, `${Math.min(...heights)} px`);
   });
 
   test(`${name}: the figures are there without a script, and no button that does nothing`, async () => {
     const { page } = await open(name, { javaScriptEnabled: false });
     const figures = page.locator("main svg[role=img]:visible");
-    assert.ok((await figures.count()) >= (name === "report" ? 8 : 3), `${await figures.count()}`);
+    assert.ok((await figures.count()) >= fewest, `${await figures.count()}`);
     for (const figure of await figures.all()) assert.ok((await figure.getAttribute("aria-label")).length > 10);
     assert.equal(await page.locator("button:visible").count(), 0);
   });
+
+  // What follows is of charts, which a loop that is not stable has none of.
+  if (!ink) continue;
 
   test(`${name}: dragging zooms all charts, double-click and keys zoom back and on`, async () => {
     const { page, wrong } = await open(name);
@@ -120,7 +139,7 @@ for (const name of Object.keys(PAGES)) {
     await page.keyboard.press("ArrowRight");
     const [left, right] = await shown(page);
     assert.ok(Math.abs(right - left - (to - from) / 2) < 0.01 && left > from + 0.2 * (to - from), `${left} to ${right} s`);
-    await page.getByRole("button", { name: "Whole record" }).click();
+    await page.getByRole("button", { name: "Show all" }).click();
     assert.deepEqual(await shown(page), [from, to]);
     assert.deepEqual(wrong, []);
   });
@@ -128,15 +147,18 @@ for (const name of Object.keys(PAGES)) {
   test(`${name}: the same signal has the theme's colour in the pictures and in the charts`, async () => {
     const { page } = await open(name, { colorScheme: "light" });
     const colours = () =>
-      page.evaluate(() => {
-        const line = document.querySelector('main svg [stroke="var(--nominal)"]');
+      page.evaluate((ink) => {
+        const line = document.querySelector(`main svg [stroke="var(--${ink})"]`);
         const label = [...document.querySelectorAll(".u-legend .u-marker")].map((marker) => getComputedStyle(marker).borderTopColor);
         return { line: getComputedStyle(line).stroke, ground: getComputedStyle(document.documentElement).backgroundColor, label };
-      });
+      }, ink);
     const light = await colours();
     assert.ok(light.label.includes(light.line), JSON.stringify(light));
     await page.emulateMedia({ colorScheme: "dark" });
-    const recoloured = (before) => !before.includes(getComputedStyle(document.querySelectorAll(".u-legend .u-marker")[2]).borderTopColor);
+    const recoloured = (before) => {
+      const markers = [...document.querySelectorAll(".u-legend .u-marker")].map((marker) => getComputedStyle(marker).borderTopColor);
+      return before.every((colour, k) => k === 0 || colour !== markers[k]);
+    };
     await page.waitForFunction(recoloured, light.label);
     const dark = await colours();
     assert.ok(dark.label.includes(dark.line) && dark.line !== light.line && dark.ground !== light.ground, JSON.stringify(dark));
@@ -146,20 +168,22 @@ for (const name of Object.keys(PAGES)) {
     const { page } = await open(name, { colorScheme: "dark" });
     await page.emulateMedia({ media: "print", colorScheme: "dark" });
     assert.equal(await page.locator(".chart:visible, button:visible, nav:visible").count(), 0);
-    assert.ok((await page.locator(".still svg:visible").count()) >= 2);
+    assert.ok((await page.locator(".still svg:visible").count()) >= 1);
     assert.equal(await page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor), "rgb(255, 255, 255)");
     if (process.env.SHOTS) await page.pdf({ path: join(process.env.SHOTS, `${name}.pdf`), format: "A4", printBackground: true });
   });
 }
 
-test("report: the patch is copied as it is in the file", async () => {
-  const { page } = await open("report", { permissions: ["clipboard-read", "clipboard-write"] });
-  const patch = await page.locator("#patch").innerText();
-  assert.match(patch, /^\[plant\]\ngain_mm_per_s2_per_percent = /);
-  await page.locator("[data-copy=patch]").click();
-  await page.getByRole("button", { name: "Copied" }).waitFor();
-  assert.equal(await page.evaluate(() => navigator.clipboard.readText()), `${patch}\n`);
-});
+for (const [name, beginning] of Object.entries(PATCHES)) {
+  test(`${name}: the patch is copied as it is in the file`, async () => {
+    const { page } = await open(name, { permissions: ["clipboard-read", "clipboard-write"] });
+    const patch = await page.locator("#patch").innerText();
+    assert.match(patch, beginning);
+    await page.locator("[data-copy=patch]").click();
+    await page.getByRole("button", { name: "Copied" }).waitFor();
+    assert.equal(await page.evaluate(() => navigator.clipboard.readText()), `${patch}\n`);
+  });
+}
 
 async function shoot(page, name) {
   if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, `${name}.png`), fullPage: !name.endsWith("zoomed") });

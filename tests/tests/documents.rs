@@ -56,8 +56,16 @@ fn every_command_explains_itself_and_its_flags() {
             assert!(help.contains(flag), "airball {command} --help: {flag}");
         }
     }
+    for command in [["design", "pid"], ["identify", "grey-box"], ["identify", "third-pole"]] {
+        let help = bench.output(&[&command[..], &["--help"]].concat());
+        for flag in ["--config", "--patch-out", "--plot", "--html", "--json"] {
+            assert!(help.contains(flag), "airball {command:?} --help: {flag}");
+        }
+    }
     let help = bench.output(&["measure", "--help"]);
-    for flag in ["--sim", "--virtual", "--from", "--patch-out", "--plot", "--json", "noise-floor", "force-curve"] {
+    for flag in
+        ["--sim", "--virtual", "--from", "--patch-out", "--plot", "--html", "--json", "noise-floor", "force-curve"]
+    {
         assert!(help.contains(flag), "airball measure --help: {flag}");
     }
 }

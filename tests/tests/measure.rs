@@ -42,7 +42,13 @@ fn a_log_of_something_else_and_a_patch_of_nothing_are_refused_with_what_to_do() 
     let ran = bench.run(&["measure", "dead-zone", "--from", "flight.mcap"]);
     assert_eq!(ran.code, Some(1), "{}", ran.errors);
     assert!(ran.errors.contains("flight.mcap: 0 jumps"), "{}", ran.errors);
-    let ran = bench.run(&["measure", "steps", "--virtual", "--patch-out", "p.toml"]);
+    let ran = bench.run(&["measure", "critical-gain", "--from", "flight.mcap"]);
     assert_eq!(ran.code, Some(1), "{}", ran.errors);
+    assert!(ran.errors.contains("no step under a proportional-integral law"), "{}", ran.errors);
+    let ran = bench.run(&["measure", "steps", "--virtual", "--patch-out", "p.toml"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.errors);
     assert!(ran.errors.contains("leave --patch-out out"), "{}", ran.errors);
+    let ran = bench.run(&["measure", "noise-floor", "--virtual", "--travel-mm", "500"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.errors);
+    assert!(ran.errors.contains("--travel-mm 500 is the ball's way in a calibration"), "{}", ran.errors);
 }

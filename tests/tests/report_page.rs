@@ -3,39 +3,104 @@
 use std::process::Command;
 use system_tests::{Bench, Ran, root};
 
-/// A name that a stranger could give to a file.
-const LOG: &str = "<img src=x onerror=alert(1)>.mcap";
+/// What a stranger could name files.
+const STRANGER: &str = "<img src=x onerror=alert(1)>";
 
-#[test]
-fn pages_open_offline_and_can_be_read_zoomed_and_printed_by_everyone() {
+/// A bench with the project's experiments and patches, and its config under the stranger's name.
+fn bench() -> Bench {
     let bench = Bench::default();
-    let patch = root().join("docs/dead-zone.toml");
-    let _ = bench.output(&["simulate", "--patch", patch.to_str().unwrap(), "--log", LOG]);
-    let said = bench.output(&["diagnose", LOG, "--html", "report.html", "--patch-out", "mended.toml"]);
+    for directory in ["docs", "experiments"] {
+        std::os::unix::fs::symlink(root().join(directory).canonicalize().unwrap(), bench.path(directory)).unwrap();
+    }
+    bench.write(&format!("{STRANGER}.toml"), bench.read("config.toml"));
+    bench
+}
+
+/// Runs the words of a command line.
+fn run(bench: &Bench, line: &str) -> String {
+    let words: Vec<String> = line.split_whitespace().map(|word| word.replace("STRANGER", STRANGER)).collect();
+    bench.output(&words.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+fn diagnosis(bench: &Bench) {
+    let _ = run(bench, "simulate --patch docs/dead-zone.toml --log STRANGER.mcap");
+    let said = run(bench, "diagnose STRANGER.mcap --html report.html --patch-out mended.toml");
     assert!(said.contains("dead_zone"), "{said}");
-    let _ = bench.output(&["replay", LOG, "--html", "replay.html"]);
+    let _ = run(bench, "replay STRANGER.mcap --html replay.html");
     assert!(bench.read("report.html").contains("The rig has a dead zone that the simulator lacks"));
     // What the page offers to copy is the patch.
     assert!(bench.read("report.html").contains(bench.read("mended.toml").trim()));
+}
+
+fn identification(bench: &Bench) {
+    let _ = run(bench, "simulate --experiment experiments/identify.toml --log STRANGER-i.mcap");
+    let _ = run(bench, "identify grey-box STRANGER-i.mcap --html grey-box.html");
+    assert!(bench.read("grey-box.html").contains("A plant of three poles explains this record but for noise"));
+    for gain in ["0.011", "0.015"] {
+        bench.write("kp.toml", format!("[controller.pid]\nkp_per_mm = {gain}\n"));
+        let flight = format!("--experiment experiments/gain-pulses.toml --log STRANGER-{gain}.mcap");
+        let _ = run(bench, &format!("simulate {flight} --patch docs/gain-patch.toml --patch kp.toml"));
+    }
+    let _ = run(bench, "identify transient STRANGER-0.011.mcap STRANGER-0.015.mcap --html transient.html");
+    assert!(bench.read("transient.html").contains("The overshoots of 2 gains give K_g = "));
+    let _ = run(bench, "identify third-pole --critical-gain 0.038 --config STRANGER.toml --html third-pole.html");
+    assert!(bench.read("third-pole.html").contains("gives the model the critical gain of the rig"));
+}
+
+/// Each measurement with words of its answer.
+fn measurements(bench: &Bench) {
+    let of = |what: &str, patch: &str, answer: &str| {
+        let _ = run(bench, &format!("measure {what} --virtual --log STRANGER-{what}.mcap --html {what}.html {patch}"));
+        assert!(bench.read(&format!("{what}.html")).contains(answer), "{what}: {answer}");
+    };
+    of("dead-zone", "--patch docs/dead-zone.toml", "of duty the ball neither rises nor falls: a dead zone");
+    of("critical-gain", "", "the loop no longer comes to rest");
+    of("steps", "", "The ball overshoots a step by");
+    of("calibration", "", "zero passes, and its scale cannot be told");
+}
+
+fn designs(bench: &Bench) {
+    let _ = run(bench, "design pid --config STRANGER.toml --html design.html --patch-out gains.toml");
+    assert!(bench.read("design.html").contains("The loop is stable, and bears"));
+    assert!(bench.read("design.html").contains(&bench.read("gains.toml").trim().replace('"', "&quot;")));
+    bench.write("wild.toml", "[controller.pid]\nkp_per_mm = 0.5\n");
+    let _ = run(bench, "design loop --config STRANGER.toml --patch wild.toml --html unstable.html");
+    assert!(bench.read("unstable.html").contains("This loop is not stable: it must not be flown"));
+}
+
+#[test]
+fn pages_open_offline_and_can_be_read_zoomed_and_printed_by_everyone() {
+    let bench = bench();
+    diagnosis(&bench);
+    identification(&bench);
+    measurements(&bench);
+    designs(&bench);
 
     let mut browser = Command::new("node");
-    browser.arg("--test").arg(root().join("tests/browser/page.test.mjs"));
-    browser.env("REPORT", bench.path("report.html")).env("REPLAY", bench.path("replay.html"));
+    browser.arg("--test").arg(root().join("tests/browser/page.test.mjs")).env("PAGES", bench.path("."));
     let ran = Ran::from(browser.output().unwrap_or_else(|error| panic!("node: {error}; run scripts/test")));
     assert_eq!(ran.code, Some(0), "{}\n{}", ran.output, ran.errors);
 }
 
 #[test]
-fn a_page_replaces_an_older_one_and_nothing_else() {
+fn a_page_replaces_an_older_one_of_the_program_and_nothing_else() {
     let bench = Bench::default();
     let _ = bench.output(&["simulate", "--duration", "8", "--log", "f.mcap"]);
     let replay = || bench.run(&["replay", "f.mcap", "--html", "page.html"]);
     assert_eq!(replay().code, Some(0));
     assert_eq!(replay().code, Some(0));
-    bench.write("page.html", "my notes");
-    let refused = replay();
-    assert!(refused.code == Some(1) && refused.errors.contains("page.html exists and is no HTML page"), "{refused:?}");
-    assert_eq!(bench.read("page.html"), "my notes");
+    for notes in ["my notes", "<!DOCTYPE html><html><head><title>My notes on airball</title></head></html>"] {
+        bench.write("page.html", notes);
+        let refused = replay();
+        assert!(refused.code == Some(1) && refused.errors.contains("page.html exists and is no page"), "{refused:?}");
+        assert_eq!(bench.read("page.html"), notes);
+    }
+    for command in
+        [&["design", "pid"][..], &["measure", "noise-floor", "--from", "f.mcap"], &["identify", "grey-box", "f.mcap"]]
+    {
+        let refused = bench.run(&[command, &["--html", "config.toml"]].concat());
+        assert!(refused.code == Some(1) && refused.errors.contains("config.toml exists"), "{refused:?}");
+    }
     let config = bench.run(&["diagnose", "f.mcap", "--html", "config.toml"]);
     assert!(config.code == Some(1) && bench.read("config.toml").contains("[plant]"), "{}", config.errors);
 }

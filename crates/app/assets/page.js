@@ -39,7 +39,7 @@
     ["Zoom out", "-", () => scale(2)],
     ["Earlier", "ArrowLeft", () => shift(-0.25)],
     ["Later", "ArrowRight", () => shift(0.25)],
-    ["Whole record", "0", () => show(all.min, all.max)],
+    ["Show all", "0", () => show(all.min, all.max)],
   ];
 
   const options = (chart, width) => ({
@@ -53,14 +53,14 @@
       { size: 52, font: font(), stroke: ink("axis"), grid: { stroke: ink("grid"), width: 1 }, ticks: { stroke: ink("grid"), width: 1, size: 5 } },
     ],
     series: [
-      { label: "time, s", value: (_, value) => (value === null ? "–" : value.toFixed(2)) },
+      { label: "time, s", value: (_, value) => (value == null ? "–" : value.toFixed(2)) },
       ...chart.lines.map((line) => ({
         label: line.label || chart.ordinate.split(",")[0],
         stroke: ink(line.ink),
         width: line.ink === "setpoint" ? 1 : 1.6,
         spanGaps: false,
         points: { show: false },
-        value: (_, value) => (value === null ? "–" : value.toFixed(1)),
+        value: (_, value) => (value == null ? "–" : value.toFixed(chart.places - 1)),
       })),
     ],
     hooks: {
@@ -75,7 +75,7 @@
   const font = () => `12px ${getComputedStyle(document.body).fontFamily}`;
 
   // Readings that were not taken leave no gap in a line: only what a model does not forecast does.
-  const values = (line) => (line.ink === "recorded" || line.ink === "setpoint" ? line.values.map((v) => (v === null ? undefined : v)) : line.values);
+  const values = (line) => (line.whole ? line.values.map((v) => (v === null ? undefined : v)) : line.values);
 
   const draw = () => {
     charts.forEach((chart) => chart.destroy());

@@ -2,8 +2,8 @@
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    blind, config, design, diagnose, emulate, fan_off, guard, identify, log, measure, note, reader_is_gone, replay,
-    run, simulate,
+    Usage, blind, config, design, diagnose, emulate, fan_off, guard, identify, log, measure, note, reader_is_gone,
+    replay, run, simulate,
 };
 use airball::config::ConfigError;
 use clap::Parser;
@@ -37,7 +37,7 @@ fn main() -> ExitCode {
         Err(error) => {
             note(&error);
             // 2 is wrong usage, which clap answers too; a config is part of the usage.
-            if error.is::<ConfigError>() { ExitCode::from(2) } else { ExitCode::FAILURE }
+            if error.is::<ConfigError>() || error.is::<Usage>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }
     }
 }

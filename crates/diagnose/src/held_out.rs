@@ -8,7 +8,9 @@
 //! Source: the measure of `compare` in MATLAB's System Identification Toolbox.
 
 use crate::fit::{Fit, Problem};
+use crate::folds::Folds;
 use crate::gap::{FreeRun, Gap, free_runs};
+use crate::recording::{Recording, Sample};
 use crate::track::surprises;
 use plant::Model;
 use serde::Serialize;
@@ -25,6 +27,8 @@ pub struct HeldOut {
     pub percent: Percent,
     /// Of what its noise alone would leave.
     pub allowed: Percent,
+    /// The same errors in mm.
+    pub gap: Gap,
     /// ln p of the readings of that third, nats: what two models may be compared by.
     pub log_likelihood: f64,
     /// Simulations over 10 s within that third.
@@ -44,8 +48,7 @@ impl HeldOut {
     /// Fits again what `fit` has fitted, without the last third of each flight, and tries the result there.
     pub(crate) fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
         let recording = problem.recording;
-        let is_late: Vec<bool> =
-            recording.flights().iter().flat_map(|flight| late(&recording.samples()[flight.clone()])).collect();
+        let is_late = late(recording);
         let early = problem.folds.only(|row| !is_late[row]);
         let model = Problem { folds: &early, ..*problem }.fit(&fit.model, &fit.free).model;
         let counts = |row: usize| problem.folds.counts(row) && is_late[row];
@@ -62,15 +65,26 @@ impl HeldOut {
             allowed: of(gap.floor_mm, gap.floor_free_run_10s_mm),
             log_likelihood: surprises(&model, recording).iter().filter(|s| counts(s.row)).map(|s| s.log_density).sum(),
             runs: free_runs(&model, recording).into_iter().filter(|run| counts(run.row)).collect(),
+            gap,
             model,
         }
     }
+
+    /// The errors of a model on the last third of each flight: what a fit is to be compared with.
+    #[must_use]
+    pub fn gap_of(model: &Model, recording: &Recording) -> Gap {
+        let (folds, is_late) = (Folds::new(model, recording), late(recording));
+        Gap::measure_where(model, recording, &|row| folds.counts(row) && is_late[row])
+    }
 }
 
-/// Which rows of a flight are in its last third.
-fn late(rows: &[crate::Sample]) -> Vec<bool> {
-    let (first_s, last_s) = (rows.first().map_or(0.0, |s| s.time_s), rows.last().map_or(0.0, |s| s.time_s));
-    rows.iter().map(|s| s.time_s > first_s + FITTED * (last_s - first_s)).collect()
+/// Which rows are in the last third of their flight.
+fn late(recording: &Recording) -> Vec<bool> {
+    let of_flight = |rows: &[Sample]| {
+        let (first_s, last_s) = (rows.first().map_or(0.0, |s| s.time_s), rows.last().map_or(0.0, |s| s.time_s));
+        rows.iter().map(|s| s.time_s > first_s + FITTED * (last_s - first_s)).collect::<Vec<_>>()
+    };
+    recording.flights().iter().flat_map(|flight| of_flight(&recording.samples()[flight.clone()])).collect()
 }
 
 /// The standard deviation of the readings, mm.

@@ -36,6 +36,9 @@ pub struct DesignArgs {
     /// Draw step, Bode plot, root locus and poles (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Write a report to look at and to print: one page that needs no network (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Write the design as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,

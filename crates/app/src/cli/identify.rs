@@ -27,6 +27,9 @@ pub struct IdentifyArgs {
     /// Draw what was identified beside the record (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Write a report to look at and to print: one page that needs no network (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Write the result as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,

@@ -28,6 +28,9 @@ pub struct MeasureArgs {
     /// Write what was found as a config patch for --patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
+    /// Write a report to look at and to print: one page that needs no network (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
 }
 
 /// What can be measured.

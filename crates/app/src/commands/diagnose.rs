@@ -1,7 +1,7 @@
 //! `airball diagnose`: what separates the logs of a rig from a model.
 
 use super::diagnosing::{Answer, Asked};
-use super::{note, say, write};
+use super::{may_write, note, say, write};
 use crate::cli::DiagnoseArgs;
 use crate::desk::Desk;
 use crate::next::Advice;
@@ -23,12 +23,7 @@ const TICK: Duration = Duration::from_millis(120);
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
-    if let Some(picture) = &args.plot {
-        plot::may_write(picture)?;
-    }
-    if let Some(page) = &args.html {
-        page::may_write(page)?;
-    }
+    may_write(args.plot.as_deref(), args.html.as_deref())?;
     let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.patch)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {

@@ -17,5 +17,5 @@ pub mod replay;
 pub mod run;
 pub mod simulate;
 
-pub use output::{note, reader_is_gone};
-use output::{say, write};
+pub use output::{Usage, note, reader_is_gone};
+use output::{may_write, say, write};

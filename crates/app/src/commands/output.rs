@@ -1,5 +1,6 @@
 //! Standard output and standard error, either of which may be closed at any time: `println!` would panic.
 
+use crate::report::{page, plot};
 use anyhow::{Result, anyhow};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
@@ -13,6 +14,20 @@ pub(super) fn say(line: impl Display) -> Result<()> {
 /// A word to the person at the terminal, on standard error. Nobody there is no failure.
 pub fn note(line: impl Display) {
     let _ = writeln!(stderr().lock(), "airball: {line}");
+}
+
+/// Flags that do not go together: wrong usage, and not a command that failed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Usage(pub String);
+
+/// Refuses names for a picture and a page that something else has, before any work is done for them.
+///
+/// # Errors
+/// The file that is kept.
+pub(super) fn may_write(picture: Option<&Path>, html: Option<&Path>) -> Result<()> {
+    picture.map_or(Ok(()), plot::may_write)?;
+    Ok(html.map_or(Ok(()), page::may_write)?)
 }
 
 /// Writes a file that was asked for; `what` it is, for the message.

@@ -1,6 +1,6 @@
 //! `airball replay`: the gap between a log and a model.
 
-use super::{note, say};
+use super::{may_write, note, say};
 use crate::cli::ReplayArgs;
 use crate::config::Config;
 use crate::log::reader;
@@ -14,12 +14,7 @@ use diagnose::{Gap, check, free_runs};
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a picture that cannot be written.
 pub fn replay(args: &ReplayArgs) -> Result<()> {
-    if let Some(picture) = &args.plot {
-        plot::may_write(picture)?;
-    }
-    if let Some(page) = &args.html {
-        page::may_write(page)?;
-    }
+    may_write(args.plot.as_deref(), args.html.as_deref())?;
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
     let log = reader::read(&args.log, config.tables.import.as_ref())?;

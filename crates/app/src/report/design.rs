@@ -81,27 +81,33 @@ type Figure = fn(&Assessment) -> String;
 /// The design in a few lines and a table.
 #[must_use]
 pub fn words(document: &Document) -> Vec<String> {
+    let law = law(document).into_iter().map(|(name, words)| format!("{name:<10}{words}"));
+    law.chain([table(document)]).collect()
+}
+
+/// The law line by line: what it is, and its numbers.
+pub(super) fn law(document: &Document) -> Vec<(&'static str, String)> {
     let mut lines = Vec::new();
     if let Some(feedback) = &document.state_feedback {
         let gain: Vec<String> = feedback.gain.iter().map(|k| format!("{k:.6}")).collect();
-        lines.push(format!("feedback  K = [{}], K_r = {:.6}", gain.join(", "), feedback.setpoint_gain));
-        lines.push(format!("          {}", hover_is_found(document.lqg.is_some(), feedback.integral)));
+        lines.push(("feedback", format!("K = [{}], K_r = {:.6}", gain.join(", "), feedback.setpoint_gain)));
+        lines.push(("", hover_is_found(document.lqg.is_some(), feedback.integral)));
     }
     if let Some(Pid { kp_per_mm, ti_s, td_s, derivative_n, setpoint_weight, derivative_weight }) = document.pid {
         let integral = if ti_s.is_finite() { format!("T_i = {ti_s:.4} s") } else { "no integral".into() };
-        lines.push(format!(
-            "gains     K_p = {kp_per_mm:.6} per mm, {integral}, T_d = {td_s:.4} s, N = {derivative_n:.4}"
+        lines.push((
+            "gains",
+            format!("K_p = {kp_per_mm:.6} per mm, {integral}, T_d = {td_s:.4} s, N = {derivative_n:.4}"),
         ));
         let derivative = if derivative_weight > 0.0 { "error" } else { "measurement" };
-        lines.push(format!("weights   setpoint {setpoint_weight:.3}, derivative on the {derivative}"));
+        lines.push(("weights", format!("setpoint {setpoint_weight:.3}, derivative on the {derivative}")));
     }
     if let Some(Estimated { feedback, observer_gain }) = &document.lqg {
         let Lqg { position_per_mm, velocity_s_per_mm, fan } = feedback;
-        lines.push(format!("lqg       {position_per_mm:.6} per mm, {velocity_s_per_mm:.6} s per mm, fan {fan:.4}"));
+        lines.push(("lqg", format!("{position_per_mm:.6} per mm, {velocity_s_per_mm:.6} s per mm, fan {fan:.4}")));
         let gain: Vec<String> = observer_gain.iter().map(|l| format!("{l:.6}")).collect();
-        lines.push(format!("observer  L = [{}] a reading: position, velocity, fan, hover", gain.join(", ")));
+        lines.push(("observer", format!("L = [{}] a reading: position, velocity, fan, hover", gain.join(", "))));
     }
-    lines.push(table(document));
     lines
 }
 
@@ -120,8 +126,16 @@ fn hover_is_found(observed: bool, integral: Option<Integral>) -> String {
 fn table(document: &Document) -> String {
     let sampled = document.period_s.map_or_else(|| "sampled".into(), |period_s| format!("sampled, {period_s} s"));
     let mut table = empty(["", "continuous", &sampled]);
+    for (name, [continuous, sampled]) in rows(document) {
+        table.add_row([name.to_owned(), continuous, sampled]);
+    }
+    table.to_string()
+}
+
+/// What the loop bears: each figure in continuous time and sampled.
+pub(super) fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
     let both = |say: Figure| [say(&document.continuous), document.sampled.as_ref().map_or_else(String::new, say)];
-    let rows: [(&str, Figure); 9] = [
+    let rows: [(&'static str, Figure); 9] = [
         ("stable", |a| if a.stable { "yes".into() } else { "no".into() }),
         ("gain margins", |a| list(a.gain_margins.iter().map(|m| format!("×{:.2} at {:.2} rad/s", m.factor, m.omega)))),
         ("phase margins", |a| {
@@ -134,15 +148,9 @@ fn table(document: &Document) -> String {
         ("rise, 10 to 90 %", |a| said(a.step.map(|s| s.rise_s), 2, " s", "–")),
         ("settled to ±5 %", |a| said(a.step.map(|s| s.settling_s), 2, " s", "–")),
     ];
-    for (name, say) in rows {
-        // The critical gains are those of a PID.
-        if name.starts_with("critical") && document.pid.is_none() {
-            continue;
-        }
-        let [continuous, sampled] = both(say);
-        table.add_row([name.to_owned(), continuous, sampled]);
-    }
-    table.to_string()
+    // The critical gains are those of a PID.
+    let is_said = |name: &str| !name.starts_with("critical") || document.pid.is_some();
+    rows.into_iter().filter(|(name, _)| is_said(name)).map(|(name, say)| (name, both(say))).collect()
 }
 
 /// The critical gains of the models beside the rig.

@@ -1,28 +1,24 @@
 //! The picture of a design, as SVG: step and Bode diagram with the margins, root locus and poles in s and in z.
 
+mod locus;
+
 use super::palette::{NOMINAL, RECORDED, SETPOINT};
-use super::plot::{Area, Line, Panel, PlotError, drawn, failed, panel, write};
+use super::plot::{Diagram, Line, PlotError, drawn, failed, panel, write};
 use crate::assessment::Loop;
 use control::design::law::Law;
 use control::design::margins::{gain_margins, phase_margins};
 use control::design::polynomial::magnitude;
 use control::design::{Complex, DesignError, Plane, Transfer, step};
+use locus::locus;
 use plotters::style::RGBColor;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Size of the picture, pixels.
 const SIZE: (u32, u32) = (1200, 1080);
-/// Gains of the root locus: from a hundredth of the loop's to a hundred times.
-const LOCUS_DECADES: f64 = 2.0;
-const LOCUS_POINTS: u32 = 600;
 /// Frequencies of the Bode diagram, powers of ten of rad/s.
 const BODE: (f64, f64) = (-2.0, 2.0);
 const BODE_POINTS: u32 = 600;
-/// The plane of s shows so many crossover frequencies to the left: the poles that a step shows.
-const REACH: f64 = 5.0;
-/// The plane of z: a unit circle that is round in its panel.
-const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
 
 /// One of the two forms of a loop.
 struct Form {
@@ -42,20 +38,42 @@ impl Form {
     }
 }
 
+/// The diagrams of a loop.
+pub(super) struct Diagrams {
+    /// Step of the setpoint.
+    pub(super) step: Diagram,
+    /// Magnitude and phase of the open loop, with rings at the margins.
+    pub(super) bode: [Diagram; 2],
+    /// Root loci: in s and, where the period is known, in z.
+    pub(super) loci: Vec<Diagram>,
+}
+
+impl Diagrams {
+    /// The diagrams of a loop in continuous time and, where its period is known, sampled.
+    ///
+    /// # Errors
+    /// [`PlotError::Draw`]: a delay that is too long, an observer that has no steady gain.
+    pub(super) fn of(of: &Loop) -> Result<Self, PlotError> {
+        let forms = forms(of).map_err(failed)?;
+        let (step, bode) = (of_step(&forms), [of_bode(&forms, true), of_bode(&forms, false)]);
+        Ok(Self { step, bode, loci: forms.iter().map(locus).collect() })
+    }
+}
+
 /// Draws a loop, in continuous time and, where its period is known, sampled.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn draw(path: &Path, of: &Loop) -> Result<(), PlotError> {
-    let forms = forms(of).map_err(failed)?;
+    let Diagrams { step, bode: [magnitude, phase], loci } = Diagrams::of(of)?;
     let svg = drawn(SIZE, |area| {
         let (width, _) = area.dim_in_pixel();
         let (left, right) = area.split_horizontally(width / 2);
-        let [left, right] = [left.split_evenly((3, 1)), right.split_evenly((2, 1))];
-        draw_step(&left[0], &forms)?;
-        draw_bode(&left[1], &forms, true)?;
-        draw_bode(&left[2], &forms, false)?;
-        forms.iter().zip(&right).try_for_each(|(form, area)| draw_plane(area, form))
+        let left = left.split_evenly((3, 1));
+        for (area, diagram) in left.iter().zip([&step, &magnitude, &phase]) {
+            panel(area, diagram.panel())?;
+        }
+        right.split_evenly((2, 1)).iter().zip(&loci).try_for_each(|(area, diagram)| panel(area, diagram.panel()))
     })?;
     write(path, &svg)
 }
@@ -70,14 +88,14 @@ fn forms(of: &Loop) -> Result<Vec<Form>, DesignError> {
     Ok(forms)
 }
 
-fn draw_step(area: &Area<'_>, forms: &[Form]) -> Result<(), PlotError> {
+fn of_step(forms: &[Form]) -> Diagram {
     let lines = step_lines(forms);
     let title = if lines.iter().any(|line| line.points.is_empty()) {
         "step of the setpoint (none where the loop is not stable)"
     } else {
         "step of the setpoint"
     };
-    panel(area, Panel { title, abscissa: "time, s", ordinate: "share of the step", lines: &lines, ..Panel::default() })
+    Diagram { title: title.into(), abscissa: "time, s", ordinate: "share of the step", lines, ..Diagram::default() }
 }
 
 /// The steps of all forms over the same time, and the setpoint.
@@ -94,12 +112,12 @@ fn step_lines(forms: &[Form]) -> Vec<Line> {
         points
     };
     let mut lines: Vec<Line> = forms.iter().zip(&closed).map(|(form, closed)| form.line(points(closed))).collect();
-    lines.push(Line { label: "", colour: SETPOINT, points: vec![(0.0, 1.0), (end_s, 1.0)] });
+    lines.push(Line { label: "setpoint", colour: SETPOINT, points: vec![(0.0, 1.0), (end_s, 1.0)] });
     lines
 }
 
 /// Magnitude or phase of the open loop, with rings at the margins.
-fn draw_bode(area: &Area<'_>, forms: &[Form], of_magnitude: bool) -> Result<(), PlotError> {
+fn of_bode(forms: &[Form], of_magnitude: bool) -> Diagram {
     let (level, ordinate) = if of_magnitude { (0.0, "magnitude, dB") } else { (-180.0, "phase, degrees") };
     let mut lines = vec![Line { label: "", colour: SETPOINT, points: vec![(BODE.0, level), (BODE.1, level)] }];
     let (mut rings, mut words) = (vec![], vec![]);
@@ -121,8 +139,8 @@ fn draw_bode(area: &Area<'_>, forms: &[Form], of_magnitude: bool) -> Result<(), 
     let what = if of_magnitude { "gain" } else { "phase" };
     let title =
         format!("open loop, ○ {what} margin: {}", if words.is_empty() { "none".into() } else { words.join(", ") });
-    let marked = Panel { title: &title, abscissa: "frequency, rad/s", ordinate, lines: &lines, ..Panel::default() };
-    panel(area, Panel { rings: &rings, decades: true, ..marked })
+    let abscissa = "frequency, rad/s";
+    Diagram { title, abscissa, ordinate, lines, rings, decades: true, ..Diagram::default() }
 }
 
 /// The point of a curve of rising abscissae at `x`; `None` outside.
@@ -157,52 +175,6 @@ fn degrees(form: &Form) -> Vec<(f64, f64)> {
     points
 }
 
-/// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open loop's poles, rings at its zeros, dots at the closed loop's poles.
-fn draw_plane(area: &Area<'_>, form: &Form) -> Result<(), PlotError> {
-    let open = form.open();
-    let (window, boundary, title, axes) = match form.plant.plane {
-        Plane::Continuous => {
-            let crossover = phase_margins(&open).first().map_or(1.0, |margin| margin.omega);
-            let reach = REACH * crossover;
-            let edge = vec![(0.0, -0.7 * reach), (0.0, 0.7 * reach)];
-            let title = "root locus in s: × open loop, ○ zeros, ● closed loop";
-            (
-                [(-1.2 * reach, 0.4 * reach), (-0.7 * reach, 0.7 * reach)],
-                edge,
-                title,
-                ["real part, 1/s", "imaginary part, 1/s"],
-            )
-        }
-        Plane::Sampled(_) => {
-            let circle = (0..=360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos()).map(|(y, x)| (x, y)).collect();
-            let title = "root locus in z: × open loop, ○ zeros, ● closed loop";
-            (CIRCLE, circle, title, ["real part of z", "imaginary part of z"])
-        }
-    };
-    let unit = if form.plant.plane == Plane::Continuous { 0.0 } else { 1.0 };
-    let [(left, right), (low, high)] = window;
-    let seen = |roots: &[Complex<f64>]| -> Vec<(f64, f64)> {
-        let places = roots.iter().map(|root| (root.re + unit, root.im));
-        places.filter(|(x, y)| (left..=right).contains(x) && (low..=high).contains(y)).collect()
-    };
-    let locus = root_locus(&open, seen, right - left);
-    let [crosses, rings, dots] =
-        [seen(&open.denominator.roots()), seen(&open.numerator.roots()), seen(&open.closed_poles(1.0))];
-    let lines = [
-        Line { label: "", colour: SETPOINT, points: boundary },
-        Line { label: "", colour: form.colour, points: locus },
-    ];
-    let plane = Panel { title, abscissa: axes[0], ordinate: axes[1], lines: &lines, ..Panel::default() };
-    panel(area, Panel { window: Some(window), marks: &crosses, rings: &rings, dots: &dots, ..plane })
-}
-
-/// The poles of the closed loop over the gain, as dots: the order of the roots says nothing of which belongs to which.
-fn root_locus(open: &Transfer, seen: impl Fn(&[Complex<f64>]) -> Vec<(f64, f64)>, width: f64) -> Vec<(f64, f64)> {
-    let gain = |k: u32| 10.0_f64.powf(LOCUS_DECADES * (2.0 * f64::from(k) / f64::from(LOCUS_POINTS) - 1.0));
-    let poles = (0..=LOCUS_POINTS).flat_map(|k| seen(&open.closed_poles(gain(k))));
-    poles.flat_map(|(x, y)| [(x, y), (x + 2e-3 * width, y), (f64::NAN, f64::NAN)]).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Loop, degrees, forms, interpolated, step_lines};
@@ -211,7 +183,7 @@ mod tests {
     use control::design::law::{Gains, Weights};
 
     /// The thesis' three-pole model under a PID, every 20 ms.
-    fn thesis(kp_per_mm: f64) -> Loop {
+    pub(super) fn thesis(kp_per_mm: f64) -> Loop {
         let gains = Gains { kp_per_mm, ti_s: 15.0, td_s: 0.35, derivative_n: 10.0 };
         let closing = Closing::Pid(gains, Weights::MEASUREMENT);
         Loop { plant: Linear::three_poles(827.2, 3.896, 3.896), closing, period_s: Some(0.02) }

@@ -3,13 +3,13 @@
 use super::table::empty;
 use crate::cli::Measurement;
 use crate::config::Tables;
-use crate::measured::{Calibration, Found, Steps};
+use crate::measured::{Band, Calibration, Found, Steps};
 use anyhow::Result;
 use clap::ValueEnum;
 use diagnose::measure::Estimate;
-use diagnose::measure::critical::Critical;
+use diagnose::measure::critical::{Critical, Swing};
 use diagnose::measure::dead_zone::DeadZone;
-use diagnose::measure::jumps::Jumps;
+use diagnose::measure::jumps::{Jump, Jumps};
 use diagnose::measure::noise_floor::NoiseFloor;
 use serde::Serialize;
 use std::path::Path;
@@ -38,33 +38,65 @@ pub fn document<'a>(what: Measurement, found: &'a Found, log: &Path, patch: Opti
     Ok(Document { schema: "airball.measure/1", what, found, log: log.display().to_string(), config_patch: patch })
 }
 
-/// A line of the table.
-struct Row {
-    name: String,
+/// A number that was measured, and what the config believes of it.
+pub(super) struct Row {
+    pub(super) name: &'static str,
+    /// `None`: it could not be told.
+    pub(super) measured: Option<Estimate>,
+    /// Places behind the point.
+    pub(super) digits: usize,
+    pub(super) unit: &'static str,
+    pub(super) believed: Option<f64>,
+}
+
+const fn row(
+    name: &'static str,
     measured: Option<Estimate>,
     digits: usize,
     unit: &'static str,
     believed: Option<f64>,
-}
-
-fn row(name: &str, measured: Option<Estimate>, digits: usize, unit: &'static str, believed: Option<f64>) -> Row {
-    Row { name: name.into(), measured, digits, unit, believed }
+) -> Row {
+    Row { name, measured, digits, unit, believed }
 }
 
 /// The measurement as a table beside what the config believes, and a line or two.
 #[must_use]
 pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
+    let rows = rows(found, tables);
     match found {
-        Found::DeadZone { zone, jumps } => {
-            vec![table(&rows_of_zone(zone, jumps, tables)), verdict_of_zone(zone, jumps), given(jumps)]
-        }
-        Found::ForceCurve { zone, jumps } => {
-            vec![forces(jumps), table(&rows_of_zone(zone, jumps, tables)), given(jumps)]
-        }
+        Found::DeadZone { zone, jumps } => vec![table(&rows), verdict_of_zone(zone, jumps), given(jumps)],
+        Found::ForceCurve { jumps, .. } => vec![forces(jumps).table(), table(&rows), given(jumps)],
         Found::CriticalGain(critical) => words_of_gain(critical),
-        Found::Steps(steps) => words_of_steps(steps),
-        Found::NoiseFloor(floor) => words_of_floor(floor, tables),
-        Found::Calibration(calibration) => words_of_calibration(calibration, tables),
+        Found::Steps(steps) => vec![table_of_steps(&rows), settled(steps)],
+        Found::NoiseFloor(floor) => vec![table(&rows), readings(floor)],
+        Found::Calibration(calibration) => {
+            let scale = calibration.sensor_scale.is_none().then(|| BLIND.into());
+            [table(&rows), bands(calibration).table()].into_iter().chain(scale).collect()
+        }
+    }
+}
+
+/// Every number that was measured.
+pub(super) fn rows(found: &Found, tables: &Tables) -> Vec<Row> {
+    match found {
+        Found::DeadZone { zone, jumps } | Found::ForceCurve { zone, jumps } => rows_of_zone(zone, jumps, tables),
+        Found::CriticalGain(critical) => {
+            vec![row("critical gain", Some(critical.kp_per_mm), 5, " per mm", None)]
+        }
+        Found::Steps(steps) => vec![
+            row("overshoot", steps.overshoot_percent, 1, " %", None),
+            row("first peak", steps.peak_s, 2, " s", None),
+            row("settled to ±5 %", steps.settling_s, 2, " s", None),
+        ],
+        Found::NoiseFloor(floor) => rows_of_floor(floor, tables),
+        Found::Calibration(found) => {
+            let rig = tables.rig.as_ref();
+            let (offset_mm, scale) = (rig.map(|rig| rig.sensor_to_bottom_mm), rig.map(|rig| rig.sensor_scale));
+            vec![
+                row("sensor to bottom", Some(found.sensor_to_bottom_mm), 2, " mm", offset_mm),
+                row("scale of distances", found.sensor_scale, 4, "", scale),
+            ]
+        }
     }
 }
 
@@ -84,7 +116,18 @@ fn rows_of_zone(zone: &DeadZone, jumps: &Jumps, tables: &Tables) -> Vec<Row> {
     ]
 }
 
-fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
+fn rows_of_floor(floor: &NoiseFloor, tables: &Tables) -> Vec<Row> {
+    let believed = tables.plant.as_ref().map(|model| {
+        model.effects.sensor_noise.map_or(model.noise.sensor_mm, |more| model.noise.sensor_mm.hypot(more.sigma_mm))
+    });
+    vec![
+        row("noise of a reading, 1σ", Some(floor.sensor_mm), 3, " mm", believed),
+        row("drift", Some(floor.drift_mm_per_s), 4, " mm/s", None),
+    ]
+}
+
+/// Whether there is a dead zone.
+pub(super) fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
     let (lower, upper) = (zone.lower_duty_percent, zone.upper_duty_percent);
     let (width, count) = (upper.value - lower.value, jumps.jumps.len());
     if upper.low > lower.high {
@@ -96,111 +139,111 @@ fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
     }
 }
 
-fn given(jumps: &Jumps) -> String {
+/// What the forces stand on.
+pub(super) fn given(jumps: &Jumps) -> String {
     format!("The forces are those of a ball with the config's drag, {} 1/s.", jumps.drag_per_s)
 }
 
+/// Rows of words under their heads.
+pub(super) struct Rows<const N: usize> {
+    pub(super) heads: [&'static str; N],
+    pub(super) rows: Vec<[String; N]>,
+}
+
+impl<const N: usize> Rows<N> {
+    fn table(self) -> String {
+        let mut table = empty(self.heads);
+        table.add_rows(self.rows);
+        table.to_string()
+    }
+}
+
 /// The force curve, by rising duty.
-fn forces(jumps: &Jumps) -> String {
-    let mut table = empty(["duty", "jump", "time", "force", "90 % interval", "without the fan's lag"]);
+pub(super) fn forces(jumps: &Jumps) -> Rows<6> {
     let mut sorted = jumps.jumps.clone();
     sorted.sort_by(|a, b| a.duty_percent.total_cmp(&b.duty_percent));
-    for jump in sorted {
+    let row = |jump: &Jump| {
         let Estimate { value, low, high } = jump.mm_per_s2;
-        table.add_row([
+        [
             format!("{:.2} %", jump.duty_percent),
             format!("{:.0} mm", jump.to_mm - jump.from_mm),
             format!("{:.2} s", jump.time_s),
             format!("{value:.0} mm/s²"),
             format!("{low:.0} to {high:.0}"),
             jump.timed_mm_per_s2.map_or_else(String::new, |timed| format!("{timed:.0}")),
-        ]);
-    }
-    table.to_string()
+        ]
+    };
+    let heads = ["duty", "jump", "time", "force", "90 % interval", "without the fan's lag"];
+    Rows { heads, rows: sorted.iter().map(row).collect() }
 }
 
-fn words_of_gain(found: &Critical) -> Vec<String> {
-    let mut swings = empty(["step at", "K_p", "growth", "frequency"]);
-    for swing in &found.swings {
-        swings.add_row([
+/// The steps that swing.
+pub(super) fn swings(found: &Critical) -> Rows<4> {
+    let row = |swing: &Swing| {
+        [
             format!("{:.0} s", swing.time_s),
             format!("{:.5} per mm", swing.kp_per_mm),
             format!("{:+.3} 1/s", swing.growth_per_s),
             format!("{:.2} rad/s", swing.omega),
-        ]);
-    }
+        ]
+    };
+    Rows { heads: ["step at", "K_p", "growth", "frequency"], rows: found.swings.iter().map(row).collect() }
+}
+
+fn words_of_gain(found: &Critical) -> Vec<String> {
     let Estimate { value, low, high } = found.kp_per_mm;
     let (ti_s, omega) = (found.ti_s, found.omega);
     vec![
-        swings.to_string(),
+        swings(found).table(),
         format!(
             "critical gain {value:.5} per mm ({low:.5} to {high:.5}) at T_i = {ti_s:.1} s without derivative, swinging at {omega:.2} rad/s"
         ),
     ]
 }
 
-fn words_of_steps(steps: &Steps) -> Vec<String> {
-    let rows = [
-        row("overshoot", steps.overshoot_percent, 1, " %", None),
-        row("first peak", steps.peak_s, 2, " s", None),
-        row("settled to ±5 %", steps.settling_s, 2, " s", None),
-    ];
+fn table_of_steps(rows: &[Row]) -> String {
     let mut table = empty(["mean of the steps", "measured", "90 % interval"]);
     for Row { name, measured, digits, unit, .. } in rows {
-        let [value, interval] = measured.map_or(["too few".into(), String::new()], |m| said(m, digits, unit));
-        table.add_row([name, value, interval]);
+        let [value, interval] = measured.map_or(["too few".into(), String::new()], |m| said(m, *digits, unit));
+        table.add_row([(*name).to_owned(), value, interval]);
     }
-    vec![table.to_string(), format!("{} steps, of which {} settled before the next.", steps.steps, steps.settled)]
+    table.to_string()
 }
 
-fn words_of_floor(floor: &NoiseFloor, tables: &Tables) -> Vec<String> {
-    let believed = tables.plant.as_ref().map(|model| {
-        model.effects.sensor_noise.map_or(model.noise.sensor_mm, |more| model.noise.sensor_mm.hypot(more.sigma_mm))
-    });
+/// How many steps settled.
+pub(super) fn settled(steps: &Steps) -> String {
+    format!("{} steps, of which {} settled before the next.", steps.steps, steps.settled)
+}
+
+/// What the readings at rest were.
+pub(super) fn readings(floor: &NoiseFloor) -> String {
     let NoiseFloor { correlation, resolution_mm, readings, wild, .. } = floor;
-    vec![
-        table(&[
-            row("noise of a reading, 1σ", Some(floor.sensor_mm), 3, " mm", believed),
-            row("drift", Some(floor.drift_mm_per_s), 4, " mm/s", None),
-        ]),
-        format!(
-            "{readings} readings at rest, {wild} wild ones left out; steps of {resolution_mm:.2} mm, correlation of neighbours {correlation:+.3}."
-        ),
-    ]
+    format!(
+        "{readings} readings at rest, {wild} wild ones left out; steps of {resolution_mm:.2} mm, correlation of neighbours {correlation:+.3}."
+    )
 }
 
-fn words_of_calibration(found: &Calibration, tables: &Tables) -> Vec<String> {
-    let rig = tables.rig.as_ref();
-    let mut lines = vec![table(&[
-        row("sensor to bottom", Some(found.sensor_to_bottom_mm), 2, " mm", rig.map(|rig| rig.sensor_to_bottom_mm)),
-        row("scale of distances", found.sensor_scale, 4, "", rig.map(|rig| rig.sensor_scale)),
-    ])];
-    let mut bands = empty(["pass band", "measured", "from", "to", ""]);
-    for band in &found.bands {
-        bands.add_row([
+/// Why a scale cannot be told.
+pub(super) const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be told. Mount the sensor at \
+                                least 30 mm above the ball's rest there.";
+
+/// What must hold, and whether it does.
+pub(super) fn bands(found: &Calibration) -> Rows<5> {
+    let row = |band: &Band| {
+        let verdict = match band {
+            Band { pass: true, .. } => "pass",
+            Band { value: None, .. } => "cannot tell",
+            Band { .. } => "FAIL",
+        };
+        [
             band.name.to_owned(),
             band.value.map_or_else(|| "–".into(), |value| format!("{value:.3}")),
             format!("{}", band.low),
             format!("{}", band.high),
-            if band.pass {
-                "pass"
-            } else if band.value.is_none() {
-                "cannot tell"
-            } else {
-                "FAIL"
-            }
-            .to_owned(),
-        ]);
-    }
-    lines.push(bands.to_string());
-    if found.sensor_scale.is_none() {
-        lines.push(
-            "At the top the ball is in the sensor's blind zone: the scale cannot be told. Mount the sensor at least 30 mm \
-             above the ball's rest there."
-                .into(),
-        );
-    }
-    lines
+            verdict.to_owned(),
+        ]
+    };
+    Rows { heads: ["pass band", "measured", "from", "to", "verdict"], rows: found.bands.iter().map(row).collect() }
 }
 
 fn table(rows: &[Row]) -> String {
@@ -208,12 +251,13 @@ fn table(rows: &[Row]) -> String {
     for Row { name, measured, digits, unit, believed } in rows {
         let [value, interval] = measured.map_or(["cannot tell".into(), String::new()], |m| said(m, *digits, unit));
         let believed = believed.map_or_else(String::new, |believed| format!("{believed:.digits$}{unit}"));
-        table.add_row([name.clone(), value, interval, believed]);
+        table.add_row([(*name).to_owned(), value, interval, believed]);
     }
     table.to_string()
 }
 
-fn said(estimate: Estimate, digits: usize, unit: &str) -> [String; 2] {
+/// Value and interval.
+pub(super) fn said(estimate: Estimate, digits: usize, unit: &str) -> [String; 2] {
     let Estimate { value, low, high } = estimate;
     [format!("{value:.digits$}{unit}"), format!("{low:.digits$} to {high:.digits$}{unit}")]
 }

@@ -1,7 +1,7 @@
 //! The picture of a measurement: the flight above, what was found in it below, as SVG.
 
 use super::palette::{NOMINAL, RECORDED, SETPOINT};
-use super::plot::{Line, Panel, PlotError, drawn, panel, write};
+use super::plot::{Diagram, Line, PlotError, commanded, drawn, panel, recorded, write};
 use crate::measured::Found;
 use crate::report::steps::Step;
 use diagnose::Recording;
@@ -15,48 +15,38 @@ const SIZE: (u32, u32) = (1100, 800);
 /// How much of a step is shown, seconds.
 const STEP_S: f64 = 6.0;
 
-/// What the lower diagram shows.
-struct Lower {
-    title: &'static str,
-    abscissa: &'static str,
-    ordinate: &'static str,
-    lines: Vec<Line>,
-    marks: Vec<(f64, f64)>,
-}
-
 /// Draws a measurement.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn draw(path: &Path, recording: &Recording, found: &Found) -> Result<(), PlotError> {
-    let lower = match found {
-        Found::DeadZone { zone, jumps } | Found::ForceCurve { zone, jumps } => forces(zone, jumps),
-        Found::CriticalGain(critical) => growths(critical),
-        Found::Steps(steps) => overlaid(recording, &steps.each),
-        Found::NoiseFloor(_) | Found::Calibration(_) => histogram(recording),
-    };
-    let samples = recording.samples();
-    let of = |label, colour, value: fn(&diagnose::Sample) -> Option<f64>| {
-        let points = samples.iter().map(|row| (row.time_s, value(row).unwrap_or(f64::NAN))).collect();
-        Line { label, colour, points }
-    };
-    let readings = samples.iter().filter_map(|row| Some((row.time_s, row.position_mm?))).collect();
-    let flight = [
-        of("setpoint", SETPOINT, |row| row.setpoint_mm),
-        Line { label: "position", colour: RECORDED, points: readings },
-    ];
+    let (flight, result) = (flight(recording), result(recording, found));
     let svg = drawn(SIZE, |area| {
-        let (upper_half, lower_half) = area.split_vertically(area.dim_in_pixel().1 / 2);
-        let over_time = Panel { abscissa: "time, s", ordinate: "position, mm", lines: &flight, ..Panel::default() };
-        panel(&upper_half, over_time)?;
-        let Lower { title, abscissa, ordinate, lines, marks } = &lower;
-        panel(&lower_half, Panel { title, abscissa, ordinate, lines, marks, ..Panel::default() })
+        let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 / 2);
+        panel(&upper, flight.panel())?;
+        panel(&lower, result.panel())
     })?;
     write(path, &svg)
 }
 
+/// Setpoint and position over the flight.
+pub(super) fn flight(recording: &Recording) -> Diagram {
+    let lines = vec![commanded(recording), Line { label: "position", ..recorded(recording) }];
+    Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
+}
+
+/// What was found in it.
+pub(super) fn result(recording: &Recording, found: &Found) -> Diagram {
+    match found {
+        Found::DeadZone { zone, jumps } | Found::ForceCurve { zone, jumps } => forces(zone, jumps),
+        Found::CriticalGain(critical) => growths(critical),
+        Found::Steps(steps) => overlaid(recording, &steps.each),
+        Found::NoiseFloor(_) | Found::Calibration(_) => histogram(recording),
+    }
+}
+
 /// Force over duty, each jump a cross, and the lines from the edges.
-fn forces(zone: &DeadZone, jumps: &Jumps) -> Lower {
+fn forces(zone: &DeadZone, jumps: &Jumps) -> Diagram {
     let duties = || jumps.jumps.iter().map(|jump| jump.duty_percent);
     let (lowest, highest) = (duties().fold(f64::INFINITY, f64::min), duties().fold(f64::NEG_INFINITY, f64::max));
     let (lower, upper) = (zone.lower_duty_percent.value, zone.upper_duty_percent.value);
@@ -66,24 +56,25 @@ fn forces(zone: &DeadZone, jumps: &Jumps) -> Lower {
         (upper, 0.0),
         (highest, zone.gain_above.value * (highest - upper)),
     ];
-    Lower {
-        title: "force over duty",
+    Diagram {
+        title: "force over duty".into(),
         abscissa: "duty, %",
         ordinate: "force, mm/s²",
         lines: vec![Line { label: "from the edges", colour: SETPOINT, points: fit }],
         marks: jumps.jumps.iter().map(|jump| (jump.duty_percent, jump.mm_per_s2.value)).collect(),
+        ..Diagram::default()
     }
 }
 
 /// Growth of the swing over the gain; the critical gain where zero is crossed.
-fn growths(found: &Critical) -> Lower {
+fn growths(found: &Critical) -> Diagram {
     let mut points: Vec<(f64, f64)> = found.swings.iter().map(|swing| (swing.kp_per_mm, swing.growth_per_s)).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let ends = |value: f64| points.first().zip(points.last()).map_or(vec![], |(a, b)| vec![(a.0, value), (b.0, value)]);
     let critical = found.kp_per_mm;
     let interval = vec![(critical.low, 0.0), (critical.high, 0.0)];
-    Lower {
-        title: "growth of the swing over the gain",
+    Diagram {
+        title: "growth of the swing over the gain".into(),
         abscissa: "K_p, % per mm",
         ordinate: "growth, 1/s",
         lines: vec![
@@ -91,11 +82,12 @@ fn growths(found: &Critical) -> Lower {
             Line { label: "critical gain, 90 %", colour: NOMINAL, points: interval },
         ],
         marks: points,
+        ..Diagram::default()
     }
 }
 
 /// Every step over its own time, as a share of its jump.
-fn overlaid(recording: &Recording, steps: &[Step]) -> Lower {
+fn overlaid(recording: &Recording, steps: &[Step]) -> Diagram {
     let mut points = Vec::new();
     for step in steps {
         let jump = step.to_mm - step.from_mm;
@@ -105,17 +97,17 @@ fn overlaid(recording: &Recording, steps: &[Step]) -> Lower {
         points.push((f64::NAN, f64::NAN));
     }
     let reached = Line { label: "setpoint", colour: SETPOINT, points: vec![(0.0, 1.0), (STEP_S, 1.0)] };
-    Lower {
-        title: "steps",
+    Diagram {
+        title: "steps".into(),
         abscissa: "time since the step, s",
         ordinate: "share of the jump",
         lines: vec![reached, Line { label: "position", colour: RECORDED, points }],
-        marks: vec![],
+        ..Diagram::default()
     }
 }
 
 /// How often each reading was taken, to whole millimetres.
-fn histogram(recording: &Recording) -> Lower {
+fn histogram(recording: &Recording) -> Diagram {
     let mut counts = std::collections::BTreeMap::<i64, f64>::new();
     for reading in recording.samples().iter().filter_map(|row| row.position_mm) {
         #[expect(clippy::cast_possible_truncation, reason = "no pipe is longer than i64 millimetres")]
@@ -124,11 +116,11 @@ fn histogram(recording: &Recording) -> Lower {
     }
     #[expect(clippy::cast_precision_loss, reason = "millimetres of a pipe")]
     let points = counts.into_iter().map(|(mm, count)| (mm as f64, count)).collect();
-    Lower {
-        title: "how often each reading came",
+    Diagram {
+        title: "how often each reading came".into(),
         abscissa: "position, mm",
         ordinate: "readings",
         lines: vec![Line { label: "readings", colour: RECORDED, points }],
-        marks: vec![],
+        ..Diagram::default()
     }
 }

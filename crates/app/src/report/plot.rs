@@ -8,7 +8,7 @@ mod thinned;
 
 pub use diagnosis::diagnosis;
 pub(super) use diagnosis::{over_signals, over_time, runs};
-pub(super) use panel::{Area, Diagram, Line, Panel, drawn, failed, panel, shapes};
+pub(super) use panel::{Diagram, Line, Panel, drawn, failed, panel, shapes};
 
 use super::palette::{DUTY, NOMINAL, RECORDED, SETPOINT};
 use crate::log::record::Cycle;
@@ -105,7 +105,8 @@ pub(super) fn duty(recording: &Recording) -> Diagram {
     Diagram { abscissa: "time, s", ordinate: "duty, %", lines, ..Diagram::default() }
 }
 
-fn recorded(recording: &Recording) -> Line {
+/// The readings.
+pub(super) fn recorded(recording: &Recording) -> Line {
     let points = recording.samples().iter().filter_map(|s| Some((s.time_s, s.position_mm?))).collect();
     Line { label: "recorded", colour: RECORDED, points }
 }

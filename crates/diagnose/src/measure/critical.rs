@@ -67,7 +67,7 @@ pub struct Swing {
 /// The critical gain in a recording.
 ///
 /// # Errors
-/// [`MeasureError::NotCritical`] says what the steps that there are show.
+/// [`MeasureError::NoSwing`]: no step swings. [`MeasureError::NotCritical`] says what the steps that there are show.
 pub fn critical(recording: &Recording) -> Result<Critical, MeasureError> {
     let swings: Vec<Swing> = recording
         .flights()
@@ -75,6 +75,9 @@ pub fn critical(recording: &Recording) -> Result<Critical, MeasureError> {
         .flat_map(|flight| stretches(&recording.samples()[flight.clone()]))
         .filter_map(|stretch| stretch.swing())
         .collect();
+    if swings.is_empty() {
+        return Err(MeasureError::NoSwing { needed: FEWEST });
+    }
     let near: Vec<Swing> = swings.iter().filter(|s| s.growth_per_s.abs() < NEAR * s.omega).copied().collect();
     let growths = || swings.iter().map(|swing| swing.growth_per_s);
     let refused = MeasureError::NotCritical {

@@ -75,6 +75,15 @@ pub enum MeasureError {
         /// Mean duty of the jumps, percent.
         middle_percent: f64,
     },
+    /// No step was followed by an oscillation.
+    #[error(
+        "no step under a proportional-integral law is followed by an oscillation, and at least {needed} are needed; fly \
+         experiments/critical-gain.toml, or higher gains than this log has"
+    )]
+    NoSwing {
+        /// Needed.
+        needed: usize,
+    },
     /// The loop was not near its critical gain.
     #[error(
         "{found} steps under a proportional-integral law show an oscillation between {slowest:.2} and {fastest:.2} 1/s \

@@ -190,6 +190,6 @@ fn a_record_of_something_else_is_refused_with_what_is_missing() {
     let hovering = fly(&model(), 1, &[Leg::Hold { setpoint_mm: 300.0, law: CALM, seconds: 20.0 }]);
     assert_eq!(noise_floor(&hovering), Err(MeasureError::NoRest { found: 0, needed: 100 }));
     assert!(matches!(jumps(&hovering, 1.889), Err(MeasureError::FewJumps { found: 0, .. })));
-    assert!(matches!(critical(&hovering), Err(MeasureError::NotCritical { found: 0, .. })));
+    assert!(matches!(critical(&hovering), Err(MeasureError::NoSwing { .. })));
     assert!(two_ends(&hovering, 583.0, 553.0).is_err());
 }

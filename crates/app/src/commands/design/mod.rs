@@ -7,12 +7,13 @@ mod patch;
 
 pub use critical_gain::{RIG, Row, Table};
 
-use super::{note, say, write};
+use super::{may_write, note, say, write};
 use crate::assessment::{Closing, Loop};
 use crate::cli::{DesignArgs, DesignCommand};
 use crate::config::Config;
 use crate::report::design::{Document, Feedback, words};
-use crate::report::{design_plot, plot};
+use crate::report::design_plot;
+use crate::report::page::{self, design::Report};
 use anyhow::Result;
 use control::design::Linear;
 use control::predistortion::Predistortion;
@@ -47,9 +48,7 @@ struct Ground {
 
 impl Ground {
     fn read(args: &DesignArgs) -> Result<Self> {
-        if let Some(picture) = &args.plot {
-            plot::may_write(picture)?;
-        }
+        may_write(args.plot.as_deref(), args.html.as_deref())?;
         Self::of(Config::read(&args.config.config, &args.config.patch)?)
     }
 
@@ -71,11 +70,18 @@ impl Ground {
     fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
         let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
         let document = Document::of(&of, feedback)?;
+        let patch = || patch::of(&closing, document.state_feedback.as_ref());
         if let Some(path) = &args.patch_out {
-            write("patch", path, &patch::of(&closing, document.state_feedback.as_ref())?)?;
+            write("patch", path, &patch()?)?;
         }
         if let Some(path) = &args.plot {
             design_plot::draw(path, &of)?;
+        }
+        if let Some(path) = &args.html {
+            let (config, not_linear) = (args.config.config.display().to_string(), self.model.not_linear());
+            let report =
+                Report { config: &config, document: &document, of: &of, patch: &patch()?, not_linear: &not_linear };
+            page::write(path, &page::design::page(&report)?)?;
         }
         if args.json {
             return say(serde_json::to_string(&document)?);

@@ -1,10 +1,13 @@
 //! `airball identify grey-box`: two and three poles from any flight.
 
-use super::{conclude, read, say_findings, write_patch};
+use super::{conclude, config, read, said, write_patch};
 use crate::cli::{GreyBoxArgs, PolesArg};
+use crate::commands::note;
 use crate::report::identify::grey_box::{Document, better, words};
+use crate::report::identify::patch;
+use crate::report::page::{self, identify::grey_box::Report};
 use crate::report::plot::identify::grey_box as draw;
-use ::diagnose::{GreyBox, OpenLoop, Poles, Recording, prepared};
+use ::diagnose::{GreyBox, HeldOut, OpenLoop, Poles, Recording, prepared};
 use anyhow::{Result, bail};
 use plant::Model;
 use rayon::prelude::*;
@@ -29,12 +32,32 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
     let found = poles.par_iter().map(one).collect::<Result<Vec<GreyBox>>>()?;
     let Some(best) = better(&found) else { bail!("no number of poles was asked for; give --poles 2 or --poles 3") };
     let origin = format!("airball identify grey-box, {} of {}", words::poles(best.poles), asked.names.join(", "));
-    write_patch(&args.identify, &origin, &best.estimates, &asked.belief)?;
+    let patch = patch(&origin, &best.estimates, &asked.belief);
+    write_patch(&args.identify, &patch)?;
     if let Some(path) = &args.identify.plot {
         draw(path, &asked.names.join(", "), used, &found, best)?;
     }
+    let findings = said(&asked, &findings);
+    if let Some(path) = &args.identify.html {
+        // A detrended record has a frame of its own, in which nothing was believed.
+        let believed = open.is_none().then(|| HeldOut::gap_of(&asked.belief, used));
+        page::write(
+            path,
+            &page::identify::grey_box::page(&Report {
+                logs: &asked.names,
+                config: &config(&args.identify),
+                belief: &asked.belief,
+                believed: believed.as_ref(),
+                recording: used,
+                findings: &findings,
+                found: &found,
+                best,
+                patch: &patch,
+            }),
+        )?;
+    }
     if !args.identify.json {
-        say_findings(&asked, &findings);
+        findings.iter().for_each(note);
     }
     conclude(&args.identify, &Document::of(&found, best, args.open_loop), words::lines(used, &found, best))
 }

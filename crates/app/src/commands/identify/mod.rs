@@ -5,11 +5,9 @@ mod third_pole;
 mod transient;
 
 use super::diagnosing::Asked;
-use super::{note, say, write};
+use super::{may_write, note, say, write};
 use crate::cli::{IdentifyArgs, IdentifyCommand};
-use crate::report::identify::patch;
-use crate::report::plot;
-use ::diagnose::{Estimate, Noted};
+use ::diagnose::Noted;
 use anyhow::{Result, bail};
 use plant::Model;
 use serde::Serialize;
@@ -32,9 +30,7 @@ pub fn identify(command: &IdentifyCommand) -> Result<()> {
 
 /// Reads logs and the model to begin with.
 fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
-    if let Some(picture) = &args.plot {
-        plot::may_write(picture)?;
-    }
+    may_write(args.plot.as_deref(), args.html.as_deref())?;
     let asked = Asked::read(NAME, logs, &args.config.config, &args.config.patch)?;
     has_one_lag(&asked.belief)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
@@ -55,16 +51,19 @@ fn has_one_lag(model: &Model) -> Result<()> {
     Ok(())
 }
 
-fn say_findings(asked: &Asked, findings: &[Noted]) {
-    for noted in findings {
-        note(format_args!("{}: {}", asked.names[noted.flight], noted.finding));
-    }
+/// What the check of the logs found, each with the log that it is of.
+fn said(asked: &Asked, findings: &[Noted]) -> Vec<String> {
+    findings.iter().map(|noted| format!("{}: {}", asked.names[noted.flight], noted.finding)).collect()
 }
 
 /// Writes the patch that was asked for.
-fn write_patch(args: &IdentifyArgs, origin: &str, estimates: &[Estimate], start: &Model) -> Result<()> {
-    let Some(path) = &args.patch_out else { return Ok(()) };
-    write("patch", path, &patch(origin, estimates, start))
+fn write_patch(args: &IdentifyArgs, patch: &str) -> Result<()> {
+    args.patch_out.as_ref().map_or(Ok(()), |path| write("patch", path, patch))
+}
+
+/// The config that was begun with, by its name.
+fn config(args: &IdentifyArgs) -> String {
+    args.config.config.display().to_string()
 }
 
 /// Says the document where JSON is asked for, and else the words.

@@ -1,11 +1,12 @@
 //! `airball identify third-pole`: the fan's lag by the critical gain of the rig.
 
-use super::{NAME, conclude, has_one_lag, write};
+use super::{NAME, conclude, config, has_one_lag, may_write, write_patch};
 use crate::assessment::{Closing, Loop};
 use crate::cli::ThirdPoleArgs;
 use crate::config::Config;
+use crate::report::design_plot;
 use crate::report::identify::third_pole::{Document, lines, patch};
-use crate::report::{design_plot, plot};
+use crate::report::page::{self, identify::third_pole::Report};
 use ::diagnose::fan_pole::fan_lag_s;
 use anyhow::Result;
 use control::design::Linear;
@@ -13,14 +14,12 @@ use control::design::critical::critical_integral_time;
 use control::design::law::{Gains, Weights};
 
 pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
-    if let Some(picture) = &args.identify.plot {
-        plot::may_write(picture)?;
-    }
-    let config = Config::read(&args.identify.config.config, &args.identify.config.patch)?;
-    let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?;
+    may_write(args.identify.plot.as_deref(), args.identify.html.as_deref())?;
+    let read = Config::read(&args.identify.config.config, &args.identify.config.patch)?;
+    let model = read.need(NAME, "plant", |tables| tables.plant.as_ref())?;
     has_one_lag(model)?;
     let period_s = match args.sampled {
-        true => Some(config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s),
+        true => Some(read.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s),
         false => None,
     };
     let (ti_s, measured) = (args.integral_time, args.critical_gain);
@@ -39,12 +38,16 @@ pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
         lag_before_s: model.linear().fan_lag_s,
         critical_ti_s: critical_integral_time(&half, &transfer).value(),
     };
-    if let Some(path) = &args.identify.patch_out {
-        write("patch", path, &patch(&document))?;
-    }
+    let patch = patch(&document);
+    write_patch(&args.identify, &patch)?;
+    let half = Loop { plant, closing: Closing::Pid(half, Weights::MEASUREMENT), period_s };
     if let Some(path) = &args.identify.plot {
-        let closing = Closing::Pid(half, Weights::MEASUREMENT);
-        design_plot::draw(path, &Loop { plant, closing, period_s })?;
+        design_plot::draw(path, &half)?;
+    }
+    if let Some(path) = &args.identify.html {
+        let config = config(&args.identify);
+        let report = Report { config: &config, found: &document, half: &half, patch: &patch };
+        page::write(path, &page::identify::third_pole::page(&report)?)?;
     }
     conclude(&args.identify, &document, lines(&document))
 }

@@ -1,8 +1,10 @@
 //! `airball identify transient`: gain and drag from a sweep of proportional gains.
 
-use super::{conclude, read, write_patch};
+use super::{conclude, config, read, write_patch};
 use crate::cli::TransientArgs;
+use crate::report::identify::patch;
 use crate::report::identify::transient::{Document, lines};
+use crate::report::page::{self, identify::transient::Report};
 use crate::report::plot::identify::sweep as draw;
 use ::diagnose::{Recording, Sweep};
 use anyhow::{Result, bail};
@@ -16,9 +18,23 @@ pub(super) fn transient(args: &TransientArgs) -> Result<()> {
     }
     let found = Sweep::of(&recording, dead_time_s)?;
     let origin = format!("airball identify transient of {}", asked.names.join(", "));
-    write_patch(&args.identify, &origin, &[found.gain, found.drag], &asked.belief)?;
+    let patch = patch(&origin, &[found.gain, found.drag], &asked.belief);
+    write_patch(&args.identify, &patch)?;
     if let Some(path) = &args.identify.plot {
         draw(path, &asked.names.join(", "), &found)?;
+    }
+    if let Some(path) = &args.identify.html {
+        page::write(
+            path,
+            &page::identify::transient::page(&Report {
+                logs: &asked.names,
+                config: &config(&args.identify),
+                belief: &asked.belief,
+                recording: &recording,
+                found: &found,
+                patch: &patch,
+            }),
+        )?;
     }
     conclude(&args.identify, &Document::of(&found, dead_time_s), lines(&found))
 }

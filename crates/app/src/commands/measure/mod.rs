@@ -5,15 +5,17 @@ mod patch;
 use super::flying::{Own, Plan, plan};
 use super::run::in_real_time;
 use super::simulate::in_virtual_time;
-use super::{note, say, write};
+use super::{Usage, may_write, note, say, write};
 use crate::cli::{MeasureArgs, Measurement};
 use crate::config::Config;
-use crate::log::reader;
+use crate::log::reader::{self, LoadedLog};
 use crate::measured::Found;
 use crate::report::measure::{document, words};
-use crate::report::{measure_plot, plot};
+use crate::report::measure_plot;
+use crate::report::page;
+use crate::report::page::measure::{Patch, Report};
 use anyhow::{Result, anyhow, bail};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The command that configs and errors are told.
 const NAME: &str = "measure";
@@ -23,12 +25,8 @@ const NAME: &str = "measure";
 /// # Errors
 /// A config that is not sound, a flight that a fault ended, a log that does not say enough, a file that cannot be written.
 pub fn measure(args: &MeasureArgs) -> Result<()> {
-    if args.patch_out.is_some() && matches!(args.what, Measurement::Steps | Measurement::Square) {
-        bail!("step metrics are no numbers of a config, so that there is no patch; leave --patch-out out");
-    }
-    if let Some(picture) = &args.flight.plot {
-        plot::may_write(picture)?;
-    }
+    check(args)?;
+    may_write(args.flight.plot.as_deref(), args.html.as_deref())?;
     let (config, path) = match &args.from {
         Some(log) => (Config::read(&args.flight.config.config, &args.flight.config.patch)?, log.clone()),
         None => fly(args)?,
@@ -39,7 +37,11 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     }
     let found = Found::of(args.what, &log, &config.tables, args.travel_mm)
         .map_err(|error| anyhow!("{}: {error}", path.display()))?;
-    let text = match patch::patch(&found, &config.tables) {
+    let made = patch::patch(&found, &config.tables);
+    if let Some(file) = &args.html {
+        page::write(file, &page(args, &config, &path, &log, &found, &made))?;
+    }
+    let text = match made {
         Err(error) if args.patch_out.is_none() => {
             note(format_args!("no patch can be made of this: {error}"));
             None
@@ -62,6 +64,47 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
         Some(picture) => say(format_args!("picture   {}", picture.display())),
         None => Ok(()),
     }
+}
+
+/// Refuses flags that say nothing to what is measured.
+fn check(args: &MeasureArgs) -> Result<(), Usage> {
+    if args.patch_out.is_some() && matches!(args.what, Measurement::Steps | Measurement::Square) {
+        let why = "step metrics are no numbers of a config, so that there is no patch; leave --patch-out out";
+        return Err(Usage(why.into()));
+    }
+    match args.travel_mm {
+        Some(mm) if args.what != Measurement::Calibration => {
+            let why =
+                "is the ball's way in a calibration, and nothing else needs it; leave it out, or measure calibration";
+            Err(Usage(format!("--travel-mm {mm} {why}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The measurement as a page.
+fn page(
+    args: &MeasureArgs,
+    config: &Config,
+    path: &Path,
+    log: &LoadedLog,
+    found: &Found,
+    made: &Result<Option<String>>,
+) -> String {
+    let why = made.as_ref().err().map(ToString::to_string);
+    let patch = match made {
+        Ok(Some(text)) => Patch::Made(text),
+        Ok(None) => Patch::None,
+        Err(_) => Patch::Refused(why.as_deref().unwrap_or_default()),
+    };
+    page::measure::page(&Report {
+        log: &path.display().to_string(),
+        config: &args.flight.config.config.display().to_string(),
+        tables: &config.tables,
+        recording: &log.recording,
+        found,
+        patch,
+    })
 }
 
 /// Flies the experiment, with the fan off at its end, and returns the config and the log.

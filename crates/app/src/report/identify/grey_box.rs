@@ -71,9 +71,33 @@ pub fn better(found: &[GreyBox]) -> Option<&GreyBox> {
     found.iter().reduce(|best, next| if likelihood(next) > likelihood(best) + WORTH_A_POLE { next } else { best })
 }
 
+/// What the residuals say of a plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Residuals {
+    /// Noise.
+    Noise,
+    /// They can be foretold from the duty.
+    KnowDuty,
+    /// They can be foretold from those before them.
+    Coloured,
+}
+
+impl Residuals {
+    /// What those of a plant say.
+    #[must_use]
+    pub fn of(found: &GreyBox) -> Self {
+        let rejected = |test: Test| test.p_value < REJECTED;
+        match (rejected(found.residuals.input), rejected(found.residuals.whiteness)) {
+            (false, false) => Self::Noise,
+            (true, _) => Self::KnowDuty,
+            (false, true) => Self::Coloured,
+        }
+    }
+}
+
 /// The words of an identification.
 pub mod words {
-    use super::{GreyBox, HORIZONS_S, Percent, Poles, REJECTED, Recording, Test, empty, name, said};
+    use super::{GreyBox, HORIZONS_S, Percent, Poles, Recording, Residuals, Test, empty, name, said};
 
     /// How many poles, in words.
     #[must_use]
@@ -99,11 +123,13 @@ pub mod words {
         if found.len() > 1 {
             lines.push(format!("kept      {}: {}", poles(best.poles), why(found, best)));
         }
-        lines.push(verdict(best).into());
+        lines.push(verdict(Residuals::of(best)).into());
         lines
     }
 
-    fn why(found: &[GreyBox], best: &GreyBox) -> String {
+    /// Why that number of poles was kept.
+    #[must_use]
+    pub fn why(found: &[GreyBox], best: &GreyBox) -> String {
         let gain = found.iter().map(|one| one.held_out.log_likelihood).fold(f64::NEG_INFINITY, f64::max)
             - found.iter().map(|one| one.held_out.log_likelihood).fold(f64::INFINITY, f64::min);
         match best.poles {
@@ -112,14 +138,15 @@ pub mod words {
         }
     }
 
-    fn verdict(best: &GreyBox) -> &'static str {
-        let rejected = |test: Test| test.p_value < REJECTED;
-        match (rejected(best.residuals.input), rejected(best.residuals.whiteness)) {
-            (false, false) => "The residuals are noise: nothing in this record speaks against the plant.",
-            (true, _) => {
+    /// What the residuals mean for the plant.
+    #[must_use]
+    pub const fn verdict(residuals: Residuals) -> &'static str {
+        match residuals {
+            Residuals::Noise => "The residuals are noise: nothing in this record speaks against the plant.",
+            Residuals::KnowDuty => {
                 "The residuals still know the duty: the plant lacks something, and its intervals are too short. `airball diagnose` names what."
             }
-            (false, true) => {
+            Residuals::Coloured => {
                 "The residuals are coloured: air or sensor are not as the model has them, and the intervals are too short. `airball diagnose` names what."
             }
         }
@@ -145,14 +172,16 @@ pub mod words {
         table.to_string()
     }
 
-    fn fit(of: &GreyBox, which: impl Fn(&Percent) -> Option<f64>) -> String {
+    /// A fit beside what noise allows.
+    pub(in crate::report) fn fit(of: &GreyBox, which: impl Fn(&Percent) -> Option<f64>) -> String {
         match (which(&of.held_out.percent), which(&of.held_out.allowed)) {
             (Some(fit), Some(allowed)) => format!("{fit:.1} % ({allowed:.1} % by noise)"),
             _ => "too short".into(),
         }
     }
 
-    fn chance(test: Test) -> String {
+    /// The chance of a test.
+    pub(in crate::report) fn chance(test: Test) -> String {
         if test.p_value < 0.001 { "p < 0.001".into() } else { format!("p = {:.3}", test.p_value) }
     }
 }

@@ -41,20 +41,20 @@ fn between(estimate: &Estimate) -> String {
 }
 
 /// A number with four digits.
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 6")]
     let after = if value == 0.0 { 0 } else { (3.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize };
     format!("{value:.after$}")
 }
 
 /// The value with its interval.
-fn said(estimate: &Estimate) -> String {
+pub(super) fn said(estimate: &Estimate) -> String {
     let end = |end: Option<f64>| end.map_or_else(|| "?".into(), digits);
     format!("{} ({} to {})", digits(estimate.value), end(estimate.low), end(estimate.high))
 }
 
 /// A number of a model in words: name with unit.
-fn name(key: &str) -> &str {
+pub(super) fn name(key: &str) -> &str {
     match key {
         "gain_mm_per_s2_per_percent" => "gain, mm/s² per %",
         "drag_per_s" => "drag, 1/s",

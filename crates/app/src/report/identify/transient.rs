@@ -27,9 +27,7 @@ impl<'a> Document<'a> {
 /// Gain by gain, and the mean.
 #[must_use]
 pub fn lines(found: &Sweep) -> Vec<String> {
-    let header =
-        ["K_p, % per mm", "pulses", "overshoot", "peak", "damping", "ω_n, rad/s", "K_g, mm/s² per %", "a, 1/s"];
-    let mut table = empty(header);
+    let mut table = empty(HEADS);
     for gain in &found.gains {
         table.add_row(row(gain));
     }
@@ -56,7 +54,12 @@ pub fn lines(found: &Sweep) -> Vec<String> {
     lines
 }
 
-fn row(gain: &OfGain) -> [String; 8] {
+/// What a row of the table says.
+pub(in crate::report) const HEADS: [&str; 8] =
+    ["K_p, % per mm", "pulses", "overshoot", "peak", "damping", "ω_n, rad/s", "K_g, mm/s² per %", "a, 1/s"];
+
+/// What a gain gives.
+pub(in crate::report) fn row(gain: &OfGain) -> [String; 8] {
     [
         digits(gain.kp_per_mm),
         gain.pulses.to_string(),

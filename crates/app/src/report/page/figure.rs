@@ -1,6 +1,6 @@
 //! A diagram in a page: drawn for a wide and for a narrow screen, in the theme's colours, with its words for those who do not see it.
 
-use crate::report::plot::{Diagram, shapes};
+use crate::report::plot::{Diagram, Panel, shapes};
 use maud::{Markup, PreEscaped, html};
 
 /// How large a figure is drawn, pixels: on a wide screen, and on a phone where that differs.
@@ -19,6 +19,8 @@ impl Size {
     pub(super) const SMALL: Self = Self { wide: (360, 240), narrow: None };
     /// One of two in a row.
     pub(super) const HALF: Self = Self { wide: (548, 260), narrow: Some((360, 250)) };
+    /// A plane in which a circle is round, one of two in a row.
+    pub(super) const PLANE: Self = Self { wide: (548, 470), narrow: Some((360, 312)) };
 }
 
 /// A figure with its caption. `alt` says what is to be seen in it.
@@ -44,7 +46,8 @@ pub(super) fn picture(diagram: &Diagram, size: Size, alt: &str) -> Markup {
 }
 
 fn drawing(diagram: &Diagram, size: (u32, u32), class: &str, alt: &str) -> Markup {
-    match shapes(size, diagram.panel()) {
+    // A page says in words what a file says in a title.
+    match shapes(size, Panel { title: "", ..diagram.panel() }) {
         Ok((view, shapes)) => html! {
             svg class=(class) viewBox=(view) role="img" aria-label=(alt) { (PreEscaped(shapes)) }
         },

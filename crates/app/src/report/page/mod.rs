@@ -1,20 +1,26 @@
 //! A report as one page: no file beside it, no network, readable without its script.
 //!
 //! The library of templates escapes whatever is put into a page, and a policy in the page's head allows no script but its own, by its
-//! hash: names of files and configs from strangers stay words. `parts` and `figure` are what pages are made of, [`diagnosis`] and
-//! [`replay`] are pages.
+//! hash: names of files and configs from strangers stay words. `parts`, `figure`, `record` and `stretch` are what pages are made of,
+//! the other modules are pages.
 
+pub mod design;
 pub mod diagnosis;
 mod figure;
+pub mod identify;
+pub mod measure;
 mod parts;
 mod record;
 pub mod replay;
+mod stretch;
 
 use super::palette;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use record::Record;
 use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 const STYLE: &str = include_str!("../../../assets/page.css");
@@ -22,8 +28,10 @@ const SCRIPT: &str = include_str!("../../../assets/page.js");
 const CHART_STYLE: &str = include_str!("../../../assets/uplot/uPlot.min.css");
 const CHART_SCRIPT: &str = include_str!("../../../assets/uplot/uPlot.iife.min.js");
 
-/// How a page begins; nothing else is replaced by one.
+/// How a page begins, and who made it: nothing else is replaced by one. The latter stands in the first so many bytes.
 const BEGINNING: &str = "<!DOCTYPE html>";
+const MAKER: &str = "<meta name=\"generator\" content=\"airball ";
+const WITHIN: u64 = 2048;
 
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
@@ -36,23 +44,28 @@ pub enum PageError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// Something that is no page has this name.
-    #[error("{} exists and is no HTML page; it is kept: give --html another name", path.display())]
+    /// Something that is no page of this program has this name.
+    #[error("{} exists and is no page that airball wrote; it is kept: give --html another name", path.display())]
     Taken {
         /// The file.
         path: PathBuf,
     },
+    /// The plotting library failed.
+    #[error(transparent)]
+    Draw(#[from] super::plot::PlotError),
 }
 
-/// Refuses a name for a page that something else has: a config, a log, a picture. An older page may be replaced.
+/// Refuses a name for a page that something else has: a config, a log, somebody's own page. An older page of this program may be replaced.
 ///
 /// # Errors
 /// [`PageError::Taken`] names the file.
 pub fn may_write(path: &Path) -> Result<(), PageError> {
-    match std::fs::read(path) {
-        Ok(bytes) if !bytes.starts_with(BEGINNING.as_bytes()) => Err(PageError::Taken { path: path.to_owned() }),
-        _ => Ok(()),
-    }
+    let Ok(file) = File::open(path) else { return Ok(()) };
+    let mut head = Vec::new();
+    let read = file.take(WITHIN).read_to_end(&mut head);
+    let text = String::from_utf8_lossy(&head);
+    let is_ours = read.is_ok() && text.starts_with(BEGINNING) && text.contains(MAKER);
+    if is_ours { Ok(()) } else { Err(PageError::Taken { path: path.to_owned() }) }
 }
 
 /// Writes a page.
@@ -69,6 +82,20 @@ struct Section {
     id: &'static str,
     heading: &'static str,
     body: Markup,
+    /// Whether the heading stands at the side, as it does beside a column of words.
+    beside: bool,
+}
+
+impl Section {
+    /// Figures and tables across the page.
+    const fn across(id: &'static str, heading: &'static str, body: Markup) -> Self {
+        Self { id, heading, body, beside: false }
+    }
+
+    /// Words.
+    const fn words(id: &'static str, heading: &'static str, body: Markup) -> Self {
+        Self { id, heading, body, beside: true }
+    }
 }
 
 /// What a page shows.
@@ -94,9 +121,9 @@ impl Page<'_> {
             html lang="en" {
                 head {
                     meta charset="utf-8";
+                    meta name="generator" content=(concat!("airball ", env!("CARGO_PKG_VERSION")));
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     meta http-equiv="Content-Security-Policy" content=(policy(&script));
-                    meta name="generator" content=(concat!("airball ", env!("CARGO_PKG_VERSION")));
                     title { (self.answer) " – airball " (self.kind) }
                     style { (PreEscaped(style)) }
                 }
@@ -129,7 +156,7 @@ impl Page<'_> {
                 ul { @for section in &self.sections { li { a href=(format!("#{}", section.id)) { (section.heading) } } } }
             }
             @for section in &self.sections {
-                section id=(section.id) aria-labelledby=(format!("{}-heading", section.id)) {
+                section id=(section.id) class=[section.beside.then_some("beside")] aria-labelledby=(format!("{}-heading", section.id)) {
                     h2 id=(format!("{}-heading", section.id)) { (section.heading) }
                     div.body { (section.body) }
                 }

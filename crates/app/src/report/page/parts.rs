@@ -3,6 +3,9 @@
 use maud::{Markup, html};
 use plant::{Effects, Stage};
 
+/// A table with more rows than this is folded away.
+const LONG: usize = 16;
+
 /// A table: what it shows, the heads of its columns, and rows that begin with their own head.
 pub(super) fn table(caption: &str, heads: &[&str], rows: &[(Markup, Vec<Markup>)]) -> Markup {
     html! {
@@ -17,6 +20,20 @@ pub(super) fn table(caption: &str, heads: &[&str], rows: &[(Markup, Vec<Markup>)
                 }
             }
         }
+    }
+}
+
+/// A table of words whose first column is its rows' heads; a long one is folded away.
+pub(super) fn words<const N: usize>(caption: &str, heads: &[&str; N], rows: &[[String; N]]) -> Markup {
+    let row = |row: &[String; N]| {
+        let mut cells = row.iter().map(|cell| html! { (minus(cell)) });
+        (cells.next().unwrap_or_default(), cells.collect())
+    };
+    let rows: Vec<(Markup, Vec<Markup>)> = rows.iter().map(row).collect();
+    html! {
+        @if rows.len() > LONG {
+            details { summary { (caption) ": all " (rows.len()) } (table(caption, heads, &rows)) }
+        } @else { (table(caption, heads, &rows)) }
     }
 }
 
@@ -48,6 +65,54 @@ pub(super) fn bars(caption: &str, unit: &str, bars: &[(&str, &str, Option<f64>)]
     }
 }
 
+/// Numbers that are seen first: what each is, its value, and what is to be known about it.
+pub(super) fn values(all: &[(String, String, String)]) -> Markup {
+    html! {
+        div.gap {
+            dl.values {
+                @for (name, value, about) in all {
+                    div {
+                        dt { (name) }
+                        dd { strong { (value) } @if !about.is_empty() { span { (about) } } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What the check of a record found, or that it found nothing.
+pub(super) fn findings(all: &[String]) -> Markup {
+    html! {
+        @if all.is_empty() {
+            p { "Rate, gaps, repeats, wild readings and excitation were checked: nothing stands in the way of an answer." }
+        } @else {
+            ul { @for finding in all { li { (finding) } } }
+        }
+    }
+}
+
+/// Words with a capital, as a sentence begins.
+pub(super) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A number in words with a minus sign, which is longer than a hyphen.
+pub(super) fn minus(words: &str) -> String {
+    words.replace('-', "−")
+}
+
+/// A command to type.
+pub(super) fn command(line: &str) -> Markup {
+    html! { code { (line) } }
+}
+
+/// Words that stand on a page, and what they mean.
+pub(super) fn glossary(all: &[(&str, &str)]) -> Markup {
+    html! { dl { @for (word, meaning) in all { dt { (word) } dd { (meaning) } } } }
+}
+
 /// Text to be copied into a file, with the name that it should have.
 pub(super) fn to_copy(id: &str, name: &str, text: &str) -> Markup {
     html! {
@@ -62,7 +127,7 @@ pub(super) fn to_copy(id: &str, name: &str, text: &str) -> Markup {
 pub(super) fn number(value: Option<f64>, places: usize) -> String {
     let text = |value: f64| format!("{value:.places$}");
     let is_zero = |value: f64| text(value.abs()) == text(0.0);
-    value.map_or_else(|| "–".into(), |value| text(if is_zero(value) { 0.0 } else { value }).replace('-', "−"))
+    value.map_or_else(|| "–".into(), |value| minus(&text(if is_zero(value) { 0.0 } else { value })))
 }
 
 /// A number with as many places as a reader needs: three digits that count.

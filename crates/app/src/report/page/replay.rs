@@ -1,7 +1,7 @@
 //! The page of a replay: how far a model is from a log, per horizon.
 
 use super::figure::{Size, figure};
-use super::parts::{bars, number, table};
+use super::parts::{bars, findings, number, table};
 use super::record::Record;
 use super::{Page, Section};
 use crate::report::gap::{AS_GOOD_AS_NOISE, sentence};
@@ -35,11 +35,11 @@ pub fn page(report: &Report<'_>) -> String {
         Diagram { lines: lines.into_iter().chain(runs.lines).collect(), ..runs }
     };
     let record = Record { diagrams: vec![position(), duty(report.recording)] };
-    let section = |id, heading, body| Section { id, heading, body };
+    let said: Vec<String> = report.findings.iter().map(ToString::to_string).collect();
     let sections = vec![
-        section("horizons", "How far ahead it holds", horizons(report.gap)),
-        section("check", "What the record can answer", check(report.findings)),
-        section("record", "The whole record", whole(&record)),
+        Section::across("horizons", "How far ahead it holds", horizons(report.gap)),
+        Section::words("check", "What the record can answer", findings(&said)),
+        Section::across("record", "The whole record", whole(&record)),
     ];
     let from =
         vec![report.log.into(), format!("{:.1} s", report.recording.duration_s()), format!("model: {}", report.config)];
@@ -92,16 +92,6 @@ fn horizons(gap: &Gap) -> Markup {
     rows.push(row("free run, 10 s".into(), [None, gap.free_run_10s_mm, gap.floor_free_run_10s_mm]));
     let heads = ["forecast ahead", "the ball stays put", "simulator", "noise alone", "simulator / noise"];
     table("Error of the position, rms, mm", &heads, &rows)
-}
-
-fn check(findings: &[Finding]) -> Markup {
-    html! {
-        @if findings.is_empty() {
-            p { "Rate, gaps, repeats, wild readings and excitation were checked: nothing stands in the way of an answer." }
-        } @else {
-            ul { @for finding in findings { li { (finding) } } }
-        }
-    }
 }
 
 fn whole(record: &Record) -> Markup {

@@ -8,7 +8,7 @@ const HOSTILE: &str = "</script><script>alert(1)</script>\"' onload=x";
 fn page() -> String {
     let line = Line { label: "recorded", colour: RECORDED, points: vec![(0.0, 1.0), (1.0, 2.0)] };
     let record = Record { diagrams: vec![Diagram { lines: vec![line], ..Diagram::default() }] };
-    let sections = vec![Section { id: "record", heading: "The record", body: record.still(&[HOSTILE]) }];
+    let sections = vec![Section::across("record", "The record", record.still(&[HOSTILE]))];
     let first = html! { (super::parts::to_copy("id", HOSTILE, HOSTILE)) };
     Page { kind: "test", from: vec![HOSTILE.into()], answer: HOSTILE, first, sections, record: &record }.render()
 }

@@ -1,13 +1,12 @@
 //! The pictures of an identification: simulations beside the record, residual correlations with their band, the plants in frequency; or a sweep
 //! of gains, pulse by pulse.
 
-use super::panel::Area;
-use super::{Line, Panel, PlotError, drawn, forecasts, panel, recorded, write};
+use super::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, write};
 use crate::report::palette::{MENDED, NOMINAL, RECORDED, SETPOINT};
 use control::design::Linear;
 use control::design::polynomial::magnitude;
 use diagnose::transient::Transient;
-use diagnose::{GreyBox, OfGain, Poles, Recording, Sweep};
+use diagnose::{GreyBox, OfGain, Poles, Recording, ResidualTests, Sweep};
 use plotters::style::RGBColor;
 use std::path::Path;
 
@@ -18,7 +17,8 @@ const UPPER: u32 = 420;
 const DECADES: (f64, f64) = (-1.0, 2.0);
 const POINTS: u32 = 300;
 
-const fn look(poles: Poles) -> (&'static str, RGBColor) {
+/// How a plant of so many poles is named and drawn.
+pub(in crate::report) const fn look(poles: Poles) -> (&'static str, RGBColor) {
     match poles {
         Poles::Two => ("two poles", NOMINAL),
         Poles::Three => ("three poles", MENDED),
@@ -36,21 +36,9 @@ pub fn grey_box(
     found: &[GreyBox],
     best: &GreyBox,
 ) -> Result<(), PlotError> {
-    picture(path, |upper, lower| {
-        let title = format!("{title}: simulations of what was held out, 10 s each");
-        let simulated = |one: &GreyBox| {
-            let (label, colour) = look(one.poles);
-            forecasts(label, colour, recording, &one.held_out.runs)
-        };
-        let lines: Vec<Line> = std::iter::once(recorded(recording)).chain(found.iter().map(simulated)).collect();
-        let axes = Panel { abscissa: "time, s", ordinate: "position, mm", ..Panel::default() };
-        panel(upper, Panel { title: &title, lines: &lines, ..axes })?;
-        let residuals = &best.residuals;
-        correlation(&lower[0], "residuals: autocorrelation", &residuals.autocorrelation, residuals.band)?;
-        correlation(&lower[1], "residuals: correlation with duty", &residuals.with_input, residuals.band)?;
-        let magnitudes = found.iter().map(|one| (look(one.poles), one.fit.model.linear()));
-        frequencies(&lower[2], &magnitudes.map(bode).collect::<Vec<_>>())
-    })
+    let title = format!("{title}: simulations of what was held out, 10 s each");
+    let [whiteness, input] = correlations(&best.residuals);
+    picture(path, &Diagram { title, ..simulations(recording, found) }, &[whiteness, input, plants(found)])
 }
 
 /// Draws a sweep: the mean pulse of the lowest, the middle and the highest gain beside the loop of second order that was read off it, and K_g and
@@ -59,60 +47,92 @@ pub fn grey_box(
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn sweep(path: &Path, title: &str, found: &Sweep) -> Result<(), PlotError> {
-    picture(path, |upper, lower| {
-        let last = found.gains.len().saturating_sub(1);
-        let mut shown = vec![0, last / 2, last];
-        shown.dedup();
-        let broken = |points: fn(&OfGain) -> Vec<(f64, f64)>| {
-            let end = [(f64::NAN, f64::NAN)];
-            shown.iter().flat_map(|at| points(&found.gains[*at]).into_iter().chain(end)).collect()
-        };
-        let lines = [
-            Line { label: "mean pulse", colour: RECORDED, points: broken(|gain| gain.mean_pulse.clone()) },
-            Line { label: "second order", colour: NOMINAL, points: broken(response) },
-        ];
-        let title = format!("{title}: mean pulses of the lowest, the middle and the highest gain");
-        let axes = Panel { abscissa: "time since the jump, s", ordinate: "share of the jump", ..Panel::default() };
-        panel(upper, Panel { title: &title, lines: &lines, ..axes })?;
-        over_gains(&lower[0], "K_g, mm/s² per %", &found.gains, |gain| gain.gain)?;
-        over_gains(&lower[1], "a, 1/s", &found.gains, |gain| gain.drag)?;
-        let plant = Linear::two_poles(found.gain.value, found.drag.value);
-        frequencies(&lower[2], &[bode((("two poles", NOMINAL), plant))])
-    })
+    let title = format!("{title}: mean pulses of the lowest, the middle and the highest gain");
+    let [gain, drag] = over_gains(found);
+    picture(path, &Diagram { title, ..pulses(found) }, &[gain, drag, plant(found)])
 }
 
 /// A wide diagram above three.
-fn picture(path: &Path, draw: impl FnOnce(&Area<'_>, &[Area<'_>]) -> Result<(), PlotError>) -> Result<(), PlotError> {
+fn picture(path: &Path, above: &Diagram, below: &[Diagram; 3]) -> Result<(), PlotError> {
     let svg = drawn(SIZE, |area| {
         let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 * UPPER / SIZE.1);
-        draw(&upper, &lower.split_evenly((1, 3)))
+        panel(&upper, above.panel())?;
+        lower.split_evenly((1, 3)).iter().zip(below).try_for_each(|(area, diagram)| panel(area, diagram.panel()))
     })?;
     write(path, &svg)
 }
 
-/// Correlations at 1, 2, … readings within the band of white noise.
-fn correlation(area: &Area<'_>, title: &str, values: &[f64], band: f64) -> Result<(), PlotError> {
-    let end = values.len() as f64 + 0.5;
-    let mut bars = Vec::new();
-    for (lag, value) in (1..).zip(values) {
-        bars.extend([(f64::from(lag), 0.0), (f64::from(lag), *value), (f64::NAN, f64::NAN)]);
-    }
-    let bars = Line { label: "correlation", colour: RECORDED, points: bars };
-    let within = [(0.5, band), (end, band), (end, -band), (0.5, -band)];
-    let axes = Panel { title, abscissa: "lag, readings", ordinate: "correlation; band: 95 %", ..Panel::default() };
-    panel(area, Panel { lines: &[bars], band: &within, ..axes })
+/// The record, and simulations of what was held out of it with each number of poles.
+pub(in crate::report) fn simulations(recording: &Recording, found: &[GreyBox]) -> Diagram {
+    let simulated = |one: &GreyBox| {
+        let (label, colour) = look(one.poles);
+        forecasts(label, colour, recording, &one.held_out.runs)
+    };
+    let lines = std::iter::once(recorded(recording)).chain(found.iter().map(simulated)).collect();
+    Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
 }
 
-fn bode(((label, colour), plant): ((&'static str, RGBColor), Linear)) -> Line {
+/// Correlations of the residuals with those before them and with the duty, at 1, 2, … readings within the band of white noise.
+pub(in crate::report) fn correlations(residuals: &ResidualTests) -> [Diagram; 2] {
+    let of = |title: &str, values: &[f64]| {
+        let (band, end) = (residuals.band, values.len() as f64 + 0.5);
+        let bar = |(lag, value): (u32, &f64)| {
+            let lag = f64::from(lag);
+            [(lag, 0.0), (lag, *value), (f64::NAN, f64::NAN)]
+        };
+        let bars = (1..).zip(values).flat_map(bar).collect();
+        Diagram {
+            title: title.into(),
+            abscissa: "lag, readings",
+            ordinate: "correlation; band: 95 %",
+            lines: vec![Line { label: "correlation", colour: RECORDED, points: bars }],
+            band: vec![(0.5, band), (end, band), (end, -band), (0.5, -band)],
+            ..Diagram::default()
+        }
+    };
+    [
+        of("residuals: autocorrelation", &residuals.autocorrelation),
+        of("residuals: correlation with duty", &residuals.with_input),
+    ]
+}
+
+/// The plants with each number of poles, in frequency.
+pub(in crate::report) fn plants(found: &[GreyBox]) -> Diagram {
+    frequencies(found.iter().map(|one| bode(look(one.poles), one.fit.model.linear())).collect())
+}
+
+/// The plant of a sweep, in frequency.
+pub(in crate::report) fn plant(found: &Sweep) -> Diagram {
+    frequencies(vec![bode(look(Poles::Two), Linear::two_poles(found.gain.value, found.drag.value))])
+}
+
+fn bode((label, colour): (&'static str, RGBColor), plant: Linear) -> Line {
     let transfer = plant.continuous();
     let at = |k: u32| DECADES.0 + (DECADES.1 - DECADES.0) * f64::from(k) / f64::from(POINTS);
     let decibels = |k: u32| 20.0 * magnitude(transfer.response(10.0_f64.powf(at(k)))).log10();
     Line { label, colour, points: (0..=POINTS).map(|k| (at(k), decibels(k))).collect() }
 }
 
-fn frequencies(area: &Area<'_>, lines: &[Line]) -> Result<(), PlotError> {
-    let axes = Panel { abscissa: "frequency, rad/s", ordinate: "mm per %, dB", decades: true, ..Panel::default() };
-    panel(area, Panel { title: "plant", lines, ..axes })
+fn frequencies(lines: Vec<Line>) -> Diagram {
+    let (abscissa, ordinate) = ("frequency, rad/s", "mm per %, dB");
+    Diagram { title: "plant".into(), abscissa, ordinate, lines, decades: true, ..Diagram::default() }
+}
+
+/// The mean pulses of the lowest, the middle and the highest gain, and what was read off them.
+pub(in crate::report) fn pulses(found: &Sweep) -> Diagram {
+    let last = found.gains.len().saturating_sub(1);
+    let mut shown = vec![0, last / 2, last];
+    shown.dedup();
+    let broken = |points: fn(&OfGain) -> Vec<(f64, f64)>| {
+        let end = [(f64::NAN, f64::NAN)];
+        let gains = shown.iter().filter_map(|at| found.gains.get(*at));
+        gains.flat_map(|gain| points(gain).into_iter().chain(end)).collect()
+    };
+    let lines = vec![
+        Line { label: "mean pulse", colour: RECORDED, points: broken(|gain| gain.mean_pulse.clone()) },
+        Line { label: "second order", colour: NOMINAL, points: broken(response) },
+    ];
+    Diagram { abscissa: "time since the jump, s", ordinate: "share of the jump", lines, ..Diagram::default() }
 }
 
 /// The response of second order that was read off the mean pulse.
@@ -121,22 +141,23 @@ fn response(gain: &OfGain) -> Vec<(f64, f64)> {
     gain.mean_pulse.iter().map(|(t, _)| (*t, loops.response(*t))).collect()
 }
 
-fn over_gains(
-    area: &Area<'_>,
-    ordinate: &str,
-    gains: &[OfGain],
-    of: fn(&OfGain) -> diagnose::Estimate,
-) -> Result<(), PlotError> {
-    let points = gains.iter().map(|gain| (gain.kp_per_mm, of(gain).value)).collect();
-    let mut intervals = Vec::new();
-    for gain in gains {
-        if let (Some(low), Some(high)) = (of(gain).low, of(gain).high) {
-            intervals.extend([(gain.kp_per_mm, low), (gain.kp_per_mm, high), (f64::NAN, f64::NAN)]);
-        }
-    }
-    let lines = [
-        Line { label: "of each gain", colour: RECORDED, points },
-        Line { label: "90 % interval", colour: SETPOINT, points: intervals },
-    ];
-    panel(area, Panel { abscissa: "K_p, % per mm", ordinate, lines: &lines, ..Panel::default() })
+/// K_g and a over the gain, with their intervals.
+pub(in crate::report) fn over_gains(found: &Sweep) -> [Diagram; 2] {
+    let over = |ordinate, of: fn(&OfGain) -> diagnose::Estimate| {
+        let points = found.gains.iter().map(|gain| (gain.kp_per_mm, of(gain).value)).collect();
+        let interval = |gain: &OfGain| {
+            let (low, high) = of(gain).low.zip(of(gain).high)?;
+            Some([(gain.kp_per_mm, low), (gain.kp_per_mm, high), (f64::NAN, f64::NAN)])
+        };
+        let lines = vec![
+            Line { label: "of each gain", colour: RECORDED, points },
+            Line {
+                label: "90 % interval",
+                colour: SETPOINT,
+                points: found.gains.iter().filter_map(interval).flatten().collect(),
+            },
+        ];
+        Diagram { abscissa: "K_p, % per mm", ordinate, lines, ..Diagram::default() }
+    };
+    [over("K_g, mm/s² per %", |gain| gain.gain), over("a, 1/s", |gain| gain.drag)]
 }

@@ -22,6 +22,8 @@ const LIBRARY: f64 = 1.24;
 pub(super) const ROW: u32 = 22;
 const LEFT: u32 = 52;
 const BELOW: u32 = 40;
+/// Half of a label at the right end of an axis reaches beyond it, pixels.
+const HALF_A_LABEL: f64 = 20.0;
 /// From one label of an axis to the next, pixels.
 const BETWEEN: (u32, u32) = (90, 42);
 /// A key has its own row in a diagram that is narrower than this, pixels.
@@ -30,6 +32,7 @@ const NARROW: u32 = 620;
 const MOST_POINTS_A_PIXEL: usize = 2;
 
 /// A line of a picture.
+#[derive(Clone)]
 pub(in crate::report) struct Line {
     pub(in crate::report) label: &'static str,
     pub(in crate::report) colour: RGBColor,
@@ -65,23 +68,51 @@ pub(in crate::report) struct Panel<'a> {
 }
 
 /// A diagram with all that it shows: the fields are those of [`Panel`].
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(in crate::report) struct Diagram {
+    pub(in crate::report) title: String,
     pub(in crate::report) abscissa: &'static str,
     pub(in crate::report) ordinate: &'static str,
     pub(in crate::report) lines: Vec<Line>,
+    pub(in crate::report) marks: Vec<(f64, f64)>,
+    pub(in crate::report) rings: Vec<(f64, f64)>,
+    pub(in crate::report) dots: Vec<(f64, f64)>,
     pub(in crate::report) band: Vec<(f64, f64)>,
     pub(in crate::report) shaded: Vec<(f64, f64)>,
     pub(in crate::report) base: Option<f64>,
+    pub(in crate::report) window: Option<[(f64, f64); 2]>,
     pub(in crate::report) octaves: bool,
+    pub(in crate::report) decades: bool,
     pub(in crate::report) direct: bool,
 }
 
 impl Diagram {
     pub(in crate::report) fn panel(&self) -> Panel<'_> {
-        let Self { abscissa, ordinate, lines, band, shaded, base, octaves, direct } = self;
-        let (base, octaves, direct) = (*base, *octaves, *direct);
-        Panel { abscissa, ordinate, lines, band, shaded, base, octaves, direct, ..Panel::default() }
+        Panel {
+            title: &self.title,
+            abscissa: self.abscissa,
+            ordinate: self.ordinate,
+            lines: &self.lines,
+            marks: &self.marks,
+            rings: &self.rings,
+            dots: &self.dots,
+            band: &self.band,
+            shaded: &self.shaded,
+            base: self.base,
+            window: self.window,
+            octaves: self.octaves,
+            decades: self.decades,
+            direct: self.direct,
+        }
+    }
+
+    /// What of it lies within a stretch of the abscissa.
+    pub(in crate::report) fn within(mut self, (from, to): (f64, f64)) -> Self {
+        for line in &mut self.lines {
+            // NaN, which breaks a line, stays.
+            line.points.retain(|(t, _)| !(*t < from || *t > to));
+        }
+        self
     }
 }
 
@@ -127,7 +158,7 @@ pub(in crate::report) fn panel(area: &Area<'_>, panel: Panel<'_>) -> Result<(), 
     let titles = u32::from(!panel.title.is_empty());
     let rows = titles + 1 + u32::from(!wide && !key.is_empty());
     let longest = key.iter().map(|line| width(line.label)).fold(0.0, f64::max);
-    let right = if direct { longest + 18.0 } else { 14.0 };
+    let right = if direct { longest + 18.0 } else { HALF_A_LABEL };
     let (times, values) = ranges(&panel)?;
     let mut chart = ChartBuilder::on(area)
         .margin_top(fine(rows * ROW))

@@ -1,8 +1,9 @@
 //! A line with no more points than can be seen.
 
-/// A line with about `most` points: the lowest and the highest of each stretch, so that no peak is lost.
+/// A line with about `most` points: the lowest and the highest of each stretch, so that no peak is lost. A line that turns back, as a circle
+/// does, stays as it is.
 pub(super) fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
-    if points.len() <= most.max(2) {
+    if points.len() <= most.max(2) || !points.is_sorted_by_key(|point| point.0) {
         return points.to_vec();
     }
     let stretch = (2 * points.len()).div_ceil(most.max(2));
@@ -29,5 +30,11 @@ mod tests {
         assert!(thin.len() <= 4002, "{}", thin.len());
         assert!(thin.contains(&(54_321.0, 9.0)) && thin.contains(&(65_432.0, -9.0)));
         assert!(thin.is_sorted_by_key(|p| p.0));
+    }
+
+    #[test]
+    fn a_circle_stays_a_circle() {
+        let circle: Vec<(f64, f64)> = (0..1000).map(|k| (0.01 * f64::from(k)).sin_cos()).collect();
+        assert_eq!(thinned(&circle, 100), circle);
     }
 }

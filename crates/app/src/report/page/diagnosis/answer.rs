@@ -1,6 +1,6 @@
 //! The verdict in one sentence.
 
-use super::super::parts::spoken;
+use super::super::parts::{capital, spoken};
 use diagnose::{Change, Diagnosis, Named, Verdict};
 
 /// Effects that are spoken of without an article.
@@ -48,9 +48,7 @@ fn of_effects(effects: &[Named]) -> String {
     .into_iter()
     .flatten()
     .collect();
-    let all = clauses.join("; ");
-    let mut letters = all.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    capital(&clauses.join("; "))
 }
 
 /// An effect, and those that it cannot be told from.

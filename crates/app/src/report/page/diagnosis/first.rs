@@ -2,15 +2,13 @@
 
 use super::super::figure::{Size, figure};
 use super::super::parts::{self, bars, chance, spoken};
+use super::super::stretch::worst;
 use super::Report;
 use super::answer::with_its_like;
 use crate::report::plot::{Diagram, commanded, runs};
 use crate::report::stages::stages;
-use diagnose::{Closed, FreeRun, Picture, Verdict};
+use diagnose::{Closed, Picture, Verdict};
 use maud::{Markup, html};
-
-/// Free runs in the picture that is seen first.
-const RUNS: usize = 3;
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
     html! {
@@ -127,39 +125,18 @@ fn gap(report: &Report<'_>) -> Markup {
 
 /// Recorded against believed against mended, where the belief errs most.
 fn held_out(picture: &Picture) -> Markup {
-    let Some((from_s, to_s)) = worst(picture) else {
+    let Some(stretch) = worst(&picture.recording, &picture.nominal) else {
         return html! { p.nothing { "No 10 s of free flight are in this record to draw." } };
     };
     let mut diagram = runs(picture);
     diagram.lines.insert(0, commanded(&picture.recording));
-    for line in &mut diagram.lines {
-        line.points.retain(|(t, _)| !(*t < from_s || *t > to_s));
-    }
     let alt = format!(
-        "Position from {from_s:.0} to {to_s:.0} s of the record: setpoint, recorded, and free runs of the model as believed and mended"
+        "Position from {:.0} to {:.0} s of the record: setpoint, recorded, and free runs of the model as believed and mended",
+        stretch.0, stretch.1
     );
     let caption = html! {
         "The ball, and two models that are told its position every 10 s and fly on by the recorded duty alone; the mended one was fitted "
         "without these stretches. Shown is where the belief errs most; " a href="#record" { "the whole record" } " is below."
     };
-    figure(&Diagram { direct: true, ..diagram }, Size::FIRST, &alt, &caption)
-}
-
-/// The time of the free runs, one after another in one flight, in which the belief errs most, seconds.
-fn worst(picture: &Picture) -> Option<(f64, f64)> {
-    let samples = picture.recording.samples();
-    let square = |run: &FreeRun| -> f64 {
-        let off = |f: &diagnose::Forecast| Some((samples[f.row].position_mm? - f.position_mm).powi(2));
-        run.forecasts.iter().filter_map(off).sum()
-    };
-    let span = |runs: &[FreeRun]| {
-        let last = runs.last()?.forecasts.last()?.row;
-        let one_flight = picture.recording.flight_of(runs.first()?.row).contains(&last);
-        let (from_s, to_s) = (samples[runs.first()?.row].time_s, samples[last].time_s);
-        let together = to_s - from_s < 1.5 * 10.0 * runs.len() as f64;
-        (one_flight && together).then(|| (runs.iter().map(square).sum::<f64>(), from_s, to_s))
-    };
-    let most = (1..=RUNS.min(picture.nominal.len())).rev();
-    let best = |count| picture.nominal.windows(count).filter_map(span).max_by(|a, b| a.0.total_cmp(&b.0));
-    most.filter_map(best).next().map(|(_, from_s, to_s)| (from_s, to_s))
+    figure(&Diagram { direct: true, ..diagram.within(stretch) }, Size::FIRST, &alt, &caption)
 }

@@ -7,6 +7,7 @@ mod mending;
 mod which;
 mod wrong_where;
 
+use super::parts::findings;
 use super::record::Record;
 use super::{Page, Section};
 use crate::closed_loop::ClosedLoop;
@@ -47,17 +48,16 @@ pub fn page(report: &Report<'_>) -> String {
     let logs = report.logs;
     let mut from = logs.names.to_vec();
     from.extend([format!("{:.1} s", logs.duration_s), format!("belief: {}", report.config)]);
-    let section = |id, heading, body| Section { id, heading, body };
     let sections = vec![
-        section("where", "Where they part", wrong_where::body(report)),
-        section("which", "Which effect it is", which::body(report)),
-        section("how-far", "How far the mend goes", how_far::body(report)),
-        section("simulator", "Mend the simulator", mending::simulator(report.found)),
-        section("rig", "Mend the rig", mending::rig(report)),
-        section("next", "What to fly next", mending::next(report.advice)),
-        section("check", "What the record can answer", check(report)),
-        section("record", "The whole record", whole(&record)),
-        section("words", "Words on this page", words()),
+        Section::across("where", "Where they part", wrong_where::body(report)),
+        Section::across("which", "Which effect it is", which::body(report)),
+        Section::across("how-far", "How far the mend goes", how_far::body(report)),
+        Section::words("simulator", "Mend the simulator", mending::simulator(report.found)),
+        Section::words("rig", "Mend the rig", mending::rig(report)),
+        Section::words("next", "What to fly next", mending::next(report.advice)),
+        Section::words("check", "What the record can answer", check(report)),
+        Section::across("record", "The whole record", whole(&record)),
+        Section::words("words", "Words on this page", words()),
     ];
     let answer = answer::sentence(report.found);
     Page { kind: "diagnosis", from, answer: &answer, first: first::body(report), sections, record: &record }.render()
@@ -103,11 +103,7 @@ fn check(report: &Report<'_>) -> Markup {
         @if found.verdict == Verdict::InsufficientData {
             p { strong { "The record cannot answer." } " What follows says why." }
         }
-        @if sentences.is_empty() {
-            p { "Rate, gaps, repeats, wild readings and excitation were checked: nothing stands in the way of an answer." }
-        } @else {
-            ul { @for sentence in sentences { li { (sentence) } } }
-        }
+        (findings(&sentences))
     }
 }
 

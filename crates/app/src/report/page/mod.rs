@@ -6,7 +6,7 @@
 
 pub mod diagnosis;
 mod figure;
-mod parts;
+pub(crate) mod parts;
 mod record;
 pub mod replay;
 

@@ -113,29 +113,40 @@ fn the_gallery_is_what_the_catalogue_makes() {
 }
 
 #[test]
-fn the_reference_of_documents_names_every_key_that_the_programs_write_and_no_other() {
+fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_other() {
     let bench = Bench::default();
-    bench.write("stuck.toml", "[plant.effects.dead_zone]\nlower_percent = -0.3\nupper_percent = 0.3\n");
-    let _ = bench.output(&["simulate", "--patch", "stuck.toml", "--log", "stuck.mcap"]);
+    let experiment = root().join("experiments/gallery.toml");
+    bench.write("stuck.toml", "[plant.effects.dead_zone]\nlower_percent = -0.4\nupper_percent = 0.4\n");
+    let flags = ["simulate", "--patch", "stuck.toml", "--log", "stuck.mcap", "--experiment"];
+    let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
+    let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
+    bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
     let page = read("reference/documents.md");
-    for command in ["replay", "diagnose"] {
-        let written: Value = serde_json::from_str(&bench.output(&[command, "stuck.mcap", "--json"])).unwrap();
+    for (command, logs) in [("replay", &["stuck.mcap"][..]), ("diagnose", &["stuck.mcap", "still.csv"])] {
         let mut keys = BTreeSet::new();
-        keys_of(&written, "", &mut keys);
-        let schema = written["schema"].as_str().unwrap();
-        let part = page.split(&format!("## `{schema}`")).nth(1).expect(schema).split("\n## ").next().unwrap();
+        let mut schema = String::new();
+        for log in logs {
+            let written: Value = serde_json::from_str(&bench.output(&[command, log, "--json"])).unwrap();
+            keys_of(&written, "", &mut keys);
+            schema = written["schema"].as_str().unwrap().to_owned();
+        }
+        let whole = keys.clone();
+        // What is null or empty in one document is there in another.
+        keys.retain(|key| {
+            !whole.iter().any(|other| other.strip_prefix(key).is_some_and(|rest| rest.starts_with(['.', '['])))
+        });
+        let part = page.split(&format!("## {schema}\n")).nth(1).expect(&schema).split("\n## ").next().unwrap();
         let rows = part.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
         assert_eq!(rows.map(str::to_owned).collect::<BTreeSet<_>>(), keys, "{schema}");
     }
 }
 
-/// Paths of the values of a document: `a.b` in an object, `a[]` in a list; `*` for a name of the catalogue's or the model's numbers.
+/// Paths of the values of a document: `a.b` in an object, `a[]` in a list; `*` for a number of a model or of an effect.
 fn keys_of(value: &Value, path: &str, keys: &mut BTreeSet<String>) {
     match value {
         Value::Object(object) => {
             for (key, value) in object {
-                let any = path.ends_with("parameters");
-                let key = if any { "*" } else { key };
+                let key = if path.ends_with("parameters") { "*" } else { key };
                 keys_of(value, &if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }, keys);
             }
         }

@@ -21,12 +21,12 @@ struct Step<'a> {
 }
 
 /// Whether a page shows commands that run.
-pub fn has_commands(page: &Path) -> bool {
+pub(crate) fn has_commands(page: &Path) -> bool {
     fs::read_to_string(page).unwrap().contains(FENCE)
 }
 
 /// Runs the commands of a page and compares what they say with what is shown, or writes it where it differs.
-pub fn check(page: &Path, writes: bool) {
+pub(crate) fn check(page: &Path, writes: bool) {
     let text = fs::read_to_string(page).unwrap();
     let blocks: Vec<&str> = text.split(FENCE).skip(1).map(|rest| rest.split("\n```").next().unwrap()).collect();
     let steps: Vec<Vec<Step<'_>>> = blocks.iter().map(|block| steps(block)).collect();
@@ -81,7 +81,7 @@ fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item 
     let port = broker.as_ref().map_or(1, |broker| broker.port);
     let config = bench.read("config.toml").replace("port = 1883", &format!("port = {port}"));
     // Patience with a machine that has other work.
-    bench.write("config.toml", config.replace("stall_s = 0.5 ", "stall_s = 20.0 "));
+    bench.write("config.toml", config.replace("stall_s = 0.5 ", "stall_s = 10.0 "));
     let mut script = format!(
         "exec 2>&1\ntrap 'kill $(jobs -p) 2>/dev/null' EXIT\n\
          mosquitto_pub() {{ command mosquitto_pub -p {port} \"$@\"; }}\nmosquitto_sub() {{ command mosquitto_sub -p {port} \"$@\"; }}\n"
@@ -93,8 +93,14 @@ fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item 
     let airball = bench.airball(&[]);
     let built = Path::new(airball.get_program()).parent().unwrap();
     let path = format!("{}:/usr/sbin:{}", built.display(), std::env::var("PATH").unwrap_or_default());
-    let mut shell = Command::new("bash");
-    shell.args(["-c", &script]).current_dir(bench.path("")).env("PATH", path).env_remove("COLUMNS").stdin(Stdio::null());
+    // A loop that waits for what does not come must end.
+    let mut shell = Command::new("timeout");
+    shell
+        .args(["-c", &script])
+        .current_dir(bench.path(""))
+        .env("PATH", path)
+        .env_remove("COLUMNS")
+        .stdin(Stdio::null());
     let output = shell.output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{}: {said}", page.display());

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use system_tests::root;
 
 /// Where the pages are.
-pub fn book() -> PathBuf {
+pub(crate) fn book() -> PathBuf {
     root().join("docs/book/src")
 }
 
 /// A page as it is kept.
-pub fn read(page: &str) -> String {
+pub(crate) fn read(page: &str) -> String {
     fs::read_to_string(book().join(page)).unwrap()
 }
 
 /// All pages.
-pub fn pages() -> Vec<PathBuf> {
+pub(crate) fn pages() -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![book()];
     while let Some(folder) = folders.pop() {
@@ -34,7 +34,7 @@ pub fn pages() -> Vec<PathBuf> {
 }
 
 /// A page with what it includes.
-pub fn expanded(page: &Path) -> String {
+pub(crate) fn expanded(page: &Path) -> String {
     let text = fs::read_to_string(page).unwrap();
     let mut parts = text.split("{{#include ");
     let mut whole = parts.next().unwrap_or_default().to_owned();
@@ -59,7 +59,7 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// What the links and pictures of a page lead to.
-pub fn links(text: &str) -> Vec<String> {
+pub(crate) fn links(text: &str) -> Vec<String> {
     let of = |line: &str| {
         let without_code: String = line.split('`').step_by(2).collect::<Vec<_>>().join("`");
         let ends = without_code.split("](").skip(1).filter_map(|rest| rest.split(')').next().map(str::to_owned));
@@ -69,7 +69,7 @@ pub fn links(text: &str) -> Vec<String> {
 }
 
 /// The names by which the headings of a page are linked to.
-pub fn anchors(text: &str) -> BTreeSet<String> {
+pub(crate) fn anchors(text: &str) -> BTreeSet<String> {
     let headings = prose(text).filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
     let name = |heading: &str| {
         let letters = heading.chars().filter(|c| c.is_alphanumeric() || " _-".contains(*c));

@@ -114,7 +114,10 @@ fn neighbours(exhibit: &Exhibit) -> String {
         let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));
     }
     for line in next::words(&exhibit.advice) {
-        let _ = write!(text, "\n\n{}.", capital(line.trim_end_matches('.')));
+        // A sentence may begin with a name of the catalogue, which has no capital.
+        let begins_with_name = line.split(' ').next().is_some_and(|word| Effects::entry(word).is_some());
+        let line = line.trim_end_matches('.');
+        let _ = write!(text, "\n\n{}.", if begins_with_name { line.to_owned() } else { capital(line) });
     }
     text
 }

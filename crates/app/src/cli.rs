@@ -1,12 +1,14 @@
 //! The command line. Flags mean the same everywhere.
 
 mod design;
+mod gallery;
 mod identify;
 mod measure;
 
 pub use design::{
     CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs, RelayRule,
 };
+pub use gallery::GalleryArgs;
 pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};
 
 pub use measure::{MeasureArgs, Measurement};
@@ -48,6 +50,8 @@ pub enum Command {
     Identify(IdentifyCommand),
     /// Diagnose a folder of withheld cases, and score the answers once the truth is known
     Blind(BlindArgs),
+    /// Show what each effect of the catalogue does to a flight: pages with pictures, and what a diagnosis says of it
+    Gallery(GalleryArgs),
     /// Turn the fan off, whatever else happens on the rig
     FanOff(FanOffArgs),
     /// Emulate the rig's bus on a socket: what is flown on it can be killed, and the fan looked at

@@ -10,6 +10,7 @@ pub mod deadline;
 pub mod desk;
 pub mod experiment;
 pub mod flight;
+pub mod gallery;
 pub mod last_fault;
 pub mod lateness;
 pub mod log;

@@ -2,8 +2,8 @@
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    Usage, blind, config, design, diagnose, emulate, fan_off, guard, identify, log, measure, note, reader_is_gone,
-    replay, run, simulate,
+    Usage, blind, config, design, diagnose, emulate, fan_off, gallery, guard, identify, log, measure, note,
+    reader_is_gone, replay, run, simulate,
 };
 use airball::config::ConfigError;
 use clap::Parser;
@@ -19,6 +19,7 @@ fn main() -> ExitCode {
         Command::Design(command) => design::design(&command),
         Command::Identify(command) => identify::identify(&command),
         Command::Blind(args) => blind::blind(&args),
+        Command::Gallery(args) => gallery::gallery(&args),
         Command::FanOff(args) => fan_off::fan_off(&args),
         Command::Emulate(args) => emulate::emulate(&args),
         Command::Guard(args) => guard::guard(&args),

@@ -84,6 +84,17 @@ macro_rules! catalogue {
                 }
             }
 
+            /// What an effect is, for people: the head of its module, with its equations in a fenced block.
+            #[must_use]
+            pub fn physics(name: &str) -> Option<String> {
+                let source = match name {
+                    $(stringify!($name) => include_str!(concat!("effects/", stringify!($name), ".rs")),)*
+                    _ => return None,
+                };
+                let head = source.lines().map_while(|line| line.strip_prefix("//!"));
+                Some(head.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n"))
+            }
+
             /// Checks the numbers of each effect that is on.
             fn check_each(&self) -> Result<(), (&'static str, Unsound)> {
                 $(

@@ -1,6 +1,6 @@
 //! Experiments as files: what they say, and what is refused.
 
-use super::{Demand, Experiment};
+use super::{Demand, Experiment, Limits, Segment};
 use crate::config::Safety;
 
 const SAFETY: Safety = Safety {
@@ -78,4 +78,18 @@ fn a_segment_that_controls_and_drives_at_once_is_refused() {
 fn an_unknown_waveform_is_refused_with_the_known_ones() {
     let message = read(&TWO.replace("setpoint_mm.constant", "setpoint_mm.const")).unwrap_err();
     assert!(message.contains("unknown variant `const`") && message.contains("`chirp`"), "{message}");
+}
+
+#[test]
+fn the_book_lists_every_key_of_an_experiment() {
+    let page = include_str!("../../../../docs/book/src/reference/experiments.md");
+    let all = Experiment { title: String::new(), limits: Limits::default(), segments: vec![Segment::default()] };
+    let all = serde_json::to_value(all).unwrap();
+    for (table, keys) in [("limits", &all["limits"]), ("segment", &all["segment"][0])] {
+        let keys = keys.as_object().unwrap();
+        assert!(!keys.is_empty());
+        for key in keys.keys() {
+            assert!(page.contains(&format!("`{table}.{key}`")), "{table}.{key}");
+        }
+    }
 }

@@ -103,7 +103,7 @@ impl Topics {
 
 #[cfg(test)]
 mod tests {
-    use super::{ORIGINAL_SETPOINT, Quantity, Topics};
+    use super::{ORIGINAL_POSITION, ORIGINAL_SETPOINT, Quantity, Topics};
 
     #[test]
     fn every_quantity_is_found_by_its_own_topic_and_by_no_other_rigs() {
@@ -114,6 +114,19 @@ mod tests {
         }
         assert_eq!(topics.quantity(ORIGINAL_SETPOINT), Some(Quantity::Setpoint));
         assert_eq!(topics.quantity("airball/rig1/set/setpoint"), None);
+    }
+
+    #[test]
+    fn the_book_lists_every_topic_and_no_other() {
+        let page = include_str!("../../../../docs/book/src/reference/mqtt.md");
+        let mut listed: Vec<&str> = page.lines().filter_map(|row| row.strip_prefix("| `")?.split('`').next()).collect();
+        let topics = Topics::new("rig1").unwrap();
+        let own = [&topics.reply, &topics.state, &topics.status, &topics.fault].map(|topic| topics.short(topic));
+        let mut there: Vec<&str> = Quantity::ALL.into_iter().map(Quantity::topic).chain(own).collect();
+        there.extend([ORIGINAL_SETPOINT, ORIGINAL_POSITION]);
+        listed.sort_unstable();
+        there.sort_unstable();
+        assert_eq!(listed, there);
     }
 
     #[test]

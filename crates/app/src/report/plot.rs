@@ -6,7 +6,7 @@ mod key;
 mod panel;
 mod thinned;
 
-pub use diagnosis::diagnosis;
+pub use diagnosis::{diagnosis, small_diagnosis};
 pub(super) use diagnosis::{over_signals, over_time, runs};
 pub(super) use panel::{Diagram, Line, Panel, drawn, failed, panel, shapes};
 
@@ -16,8 +16,9 @@ use diagnose::{FreeRun, Recording};
 use plotters::style::RGBColor;
 use std::path::{Path, PathBuf};
 
-/// Size of a picture, pixels, and the part of its height that shows the position.
+/// Size of a picture, pixels, and of one for a page of the gallery; and the part of its height that shows the position.
 const SIZE: (u32, u32) = (1100, 620);
+const SMALL: (u32, u32) = (700, 420);
 const POSITION_PERCENT: u32 = 68;
 
 /// Why there is no picture.
@@ -61,12 +62,30 @@ pub fn may_write(path: &Path) -> Result<(), PlotError> {
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn flight(path: &Path, title: &str, cycles: &[Cycle]) -> Result<(), PlotError> {
-    let line = |label, colour, value: fn(&Cycle) -> Option<f64>| {
-        let points = cycles.iter().map(|cycle| (cycle.time_s, value(cycle).unwrap_or(f64::NAN))).collect();
-        Line { label, colour, points }
-    };
-    let position = [line("setpoint", SETPOINT, |c| c.setpoint_mm), line("position", RECORDED, |c| c.position_mm)];
-    draw(path, title, &position, &line("", DUTY, |cycle| Some(cycle.duty_percent)))
+    let position = [
+        over_cycles(cycles, "setpoint", SETPOINT, |c| c.setpoint_mm),
+        over_cycles(cycles, "position", RECORDED, |c| c.position_mm),
+    ];
+    draw(path, SIZE, title, &position, &[over_cycles(cycles, "", DUTY, |c| Some(c.duty_percent))])
+}
+
+/// Draws one experiment on two rigs: with an effect, and without it.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn two_flights(path: &Path, with: &[Cycle], without: &[Cycle]) -> Result<(), PlotError> {
+    let position = [
+        over_cycles(with, "setpoint", SETPOINT, |c| c.setpoint_mm),
+        over_cycles(without, "without it", NOMINAL, |c| c.position_mm),
+        over_cycles(with, "with it", RECORDED, |c| c.position_mm),
+    ];
+    let duty = |cycles, colour| over_cycles(cycles, "", colour, |c: &Cycle| Some(c.duty_percent));
+    draw(path, SMALL, "", &position, &[duty(without, NOMINAL), duty(with, RECORDED)])
+}
+
+fn over_cycles(cycles: &[Cycle], label: &'static str, colour: RGBColor, value: fn(&Cycle) -> Option<f64>) -> Line {
+    let points = cycles.iter().map(|cycle| (cycle.time_s, value(cycle).unwrap_or(f64::NAN))).collect();
+    Line { label, colour, points }
 }
 
 /// Draws a replay: the recorded position, the model's free runs from every 10 s, and the duty.
@@ -78,7 +97,7 @@ pub fn replay(path: &Path, title: &str, recording: &Recording, runs: &[FreeRun])
     let forecast = forecasts("model, free from every 10 s", NOMINAL, recording, runs);
     let position = [recorded(recording), forecast];
     let duty = samples.iter().map(|s| (s.time_s, s.duty_percent)).collect();
-    draw(path, title, &position, &Line { label: "", colour: DUTY, points: duty })
+    draw(path, SIZE, title, &position, &[Line { label: "", colour: DUTY, points: duty }])
 }
 
 /// Recorded positions, and the free runs of a model.
@@ -122,12 +141,12 @@ fn forecasts(label: &'static str, colour: RGBColor, recording: &Recording, runs:
     Line { label, colour, points }
 }
 
-fn draw(path: &Path, title: &str, position: &[Line], duty: &Line) -> Result<(), PlotError> {
-    let svg = drawn(SIZE, |area| {
+fn draw(path: &Path, size: (u32, u32), title: &str, position: &[Line], duty: &[Line]) -> Result<(), PlotError> {
+    let svg = drawn(size, |area| {
         let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 * POSITION_PERCENT / 100);
         let over_time = Panel { abscissa: "time, s", ..Panel::default() };
         panel(&upper, Panel { title, ordinate: "position, mm", lines: position, ..over_time })?;
-        panel(&lower, Panel { ordinate: "duty, %", lines: std::slice::from_ref(duty), ..over_time })
+        panel(&lower, Panel { ordinate: "duty, %", lines: duty, ..over_time })
     })?;
     write(path, &svg)
 }

@@ -72,3 +72,15 @@ fn two_lags_of_one_fan_are_refused() {
     assert_eq!(effect, "spin_asymmetry");
     assert!(error.to_string().contains("delete one of the two tables"), "{error}");
 }
+
+#[test]
+fn the_physics_of_every_effect_is_the_head_of_its_module_with_an_equation() {
+    for entry in Effects::CATALOGUE {
+        let physics = Effects::physics(entry.name).unwrap();
+        let spoken = entry.name.replace('_', " ");
+        assert!(physics.to_lowercase().replace('-', " ").starts_with(&spoken), "{}: {physics}", entry.name);
+        assert_eq!(physics.matches("```").count(), 2, "{}: {physics}", entry.name);
+        assert!(physics.contains("Source: ") && !physics.contains("use crate"), "{}: {physics}", entry.name);
+    }
+    assert_eq!(Effects::physics("phlogiston"), None);
+}

@@ -9,7 +9,7 @@ pub mod diagnosis;
 mod figure;
 pub mod identify;
 pub mod measure;
-mod parts;
+pub(crate) mod parts;
 mod record;
 pub mod replay;
 mod stretch;

@@ -124,7 +124,7 @@ pub(super) fn to_copy(id: &str, name: &str, text: &str) -> Markup {
 }
 
 /// A number with so many places; a dash where there is none.
-pub(super) fn number(value: Option<f64>, places: usize) -> String {
+pub(crate) fn number(value: Option<f64>, places: usize) -> String {
     let text = |value: f64| format!("{value:.places$}");
     let is_zero = |value: f64| text(value.abs()) == text(0.0);
     value.map_or_else(|| "–".into(), |value| minus(&text(if is_zero(value) { 0.0 } else { value })))
@@ -138,7 +138,7 @@ pub(super) fn three_digits(value: f64) -> String {
 }
 
 /// A chance in words that do not promise certainty.
-pub(super) fn chance(chance: f64) -> String {
+pub(crate) fn chance(chance: f64) -> String {
     match 100.0 * chance {
         percent if percent > 99.0 => "more than 99 %".into(),
         percent if percent < 1.0 => "less than 1 %".into(),
@@ -147,12 +147,12 @@ pub(super) fn chance(chance: f64) -> String {
 }
 
 /// A name of the program in words: `dead_zone` is "dead zone".
-pub(super) fn spoken(name: &str) -> String {
+pub(crate) fn spoken(name: &str) -> String {
     name.replace('_', " ")
 }
 
 /// The stage of the signal path at which an effect acts.
-pub(super) fn stage(effect: &str) -> &'static str {
+pub(crate) fn stage(effect: &str) -> &'static str {
     match Effects::entry(effect).map(|entry| entry.stage) {
         Some(Stage::Actuator) => "actuator",
         Some(Stage::Air) => "air",

@@ -8,9 +8,16 @@ use crate::report::palette::{FORCE, MENDED, NOMINAL};
 use diagnose::{MissingForce, Picture, Place};
 use std::path::Path;
 
-/// Size of the picture, pixels, and where its rows of diagrams end.
-const SIZE: (u32, u32) = (1100, 940);
-const ROWS: [u32; 2] = [380, 640];
+/// A sheet of diagrams: its size, pixels, where its rows end, and how many moments of the force over time it shows at most.
+struct Sheet {
+    size: (u32, u32),
+    rows: [u32; 2],
+    most_moments: usize,
+}
+
+/// A picture of its own, and one for a page of the gallery.
+const WHOLE: Sheet = Sheet { size: (1100, 940), rows: [380, 640], most_moments: usize::MAX };
+const SMALL: Sheet = Sheet { size: (700, 700), rows: [250, 460], most_moments: 500 };
 /// Places over which the force is averaged, and fewest readings in one.
 const PLACES: usize = 24;
 const FEWEST: usize = 5;
@@ -23,20 +30,36 @@ const MOST_POINTS: usize = 4000;
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn diagnosis(path: &Path, title: &str, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
-    let svg = drawn(SIZE, |area| {
-        let rows = ROWS.map(|end| area.dim_in_pixel().1 * end / SIZE.1);
-        let (upper, rest) = area.split_vertically(rows[0]);
-        panel(&upper, Panel { title, ..runs(picture).panel() })?;
-        if picture.missing.is_empty() {
-            return Ok(());
-        }
-        let (middle, lower) = rest.split_vertically(rows[1] - rows[0]);
-        panel(&middle, over_time(&picture.missing, places).panel())?;
-        let thirds = lower.split_evenly((1, 3));
-        let mut over = thirds.iter().zip(over_signals(&picture.missing, places));
-        over.try_for_each(|(third, diagram)| panel(third, diagram.panel()))
-    })?;
-    write(path, &svg)
+    WHOLE.draw(path, title, picture, places)
+}
+
+/// The same in a small picture without a title.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn small_diagnosis(path: &Path, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
+    SMALL.draw(path, "", picture, places)
+}
+
+impl Sheet {
+    fn draw(&self, path: &Path, title: &str, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
+        let svg = drawn(self.size, |area| {
+            let rows = self.rows.map(|end| area.dim_in_pixel().1 * end / self.size.1);
+            let (upper, rest) = area.split_vertically(rows[0]);
+            panel(&upper, Panel { title, ..runs(picture).panel() })?;
+            if picture.missing.is_empty() {
+                return Ok(());
+            }
+            let (middle, lower) = rest.split_vertically(rows[1] - rows[0]);
+            let every = picture.missing.len().div_ceil(self.most_moments).max(1);
+            let moments: Vec<MissingForce> = picture.missing.iter().step_by(every).copied().collect();
+            panel(&middle, over_time(&moments, places).panel())?;
+            let thirds = lower.split_evenly((1, 3));
+            let mut over = thirds.iter().zip(over_signals(&picture.missing, places));
+            over.try_for_each(|(third, diagram)| panel(third, diagram.panel()))
+        })?;
+        write(path, &svg)
+    }
 }
 
 type Of = fn(&MissingForce) -> f64;

@@ -1,0 +1,145 @@
+//! A page of the gallery as Markdown, and the list of all.
+
+use super::Exhibit;
+use crate::report::diagnosis::words;
+use crate::report::next;
+use crate::report::page::parts::{chance, number, spoken, stage};
+use diagnose::Verdict;
+use plant::{Effects, Neutral, Param};
+use std::fmt::Write;
+
+/// The first line of every page, by which an older one may be replaced.
+pub const MARK: &str = "<!-- Made by `airball gallery` from the catalogue of effects; change it there. -->";
+/// Effects that came near, shown at most.
+const NEIGHBOURS: usize = 4;
+
+/// The list of all exhibits.
+#[must_use]
+pub fn list(exhibits: &[Exhibit]) -> String {
+    let mut page = format!(
+        "{MARK}\n\n# Gallery of effects\n\n\
+         What each effect of the catalogue does to a flight. Every exhibit is the rig of a config with one effect that its owner does not \
+         believe in, flown through one experiment (`experiments/gallery.toml`) by one controller with one seed, and diagnosed against the belief \
+         without it.\n\n\
+         The last column is what `diagnose` answers to this one record. It is not always the right name: some effects hardly \
+         show here, some look like another.\n\n\
+         | effect | stage | in a log | diagnosed as |\n|---|---|---|---|\n"
+    );
+    for exhibit in exhibits {
+        let entry = exhibit.entry;
+        let name = format!("[{}]({}.md)", spoken(entry.name), entry.name);
+        // Writing to a string cannot fail.
+        let _ = writeln!(page, "| {name} | {} | {} | {} |", stage(entry.name), entry.in_a_log, answer(exhibit));
+    }
+    page
+}
+
+/// The answer in a few words: names with their chance, or the verdict.
+fn answer(exhibit: &Exhibit) -> String {
+    let found = &exhibit.found;
+    let names = found.effects.iter().map(|named| {
+        let all = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
+        let all: Vec<String> = all.map(|name| spoken(name)).collect();
+        format!("{} ({})", all.join(" or "), chance(named.probability))
+    });
+    let verdict = match found.verdict {
+        Verdict::Effect => None,
+        Verdict::NoGap => Some("no gap"),
+        Verdict::Parameters => Some("only gain, drag or hover"),
+        Verdict::Unexplained => Some("unexplained"),
+        Verdict::InsufficientData => Some("insufficient data"),
+    };
+    verdict.map(str::to_owned).into_iter().chain(names).collect::<Vec<_>>().join("; ")
+}
+
+/// The page of one effect.
+#[must_use]
+pub fn page(exhibit: &Exhibit) -> String {
+    let key = exhibit.entry.name;
+    let name = spoken(key);
+    let sections = [
+        format!("{MARK}\n\n# {}\n\n{}", capital(&name), Effects::physics(key).unwrap_or_default()),
+        format!("Stage: {}. Config table: `[plant.effects.{key}]`.\n\n{}", stage(key), numbers(exhibit)),
+        format!("## In a log\n\n{}.\n\n{}", capital(exhibit.entry.in_a_log), pictures(key, &name)),
+        format!("## What a diagnosis says\n\n{}", diagnosis(exhibit)),
+        format!("## Its neighbours\n\n{}", neighbours(exhibit)),
+        format!("## To mend it\n\n{}", mend(exhibit)),
+    ];
+    sections.join("\n\n") + "\n"
+}
+
+fn numbers(exhibit: &Exhibit) -> String {
+    let mut table = String::from("| number | here | accepted | does nothing at |\n|---|---|---|---|");
+    for (Param { name, min, max, neutral }, value) in exhibit.entry.params.iter().zip(&exhibit.values) {
+        let neutral = match neutral {
+            Neutral::At(value) => value.to_string(),
+            Neutral::PipeLength => "the pipe's length".into(),
+        };
+        let _ = write!(table, "\n| `{name}` | {value} | {min} to {max} | {neutral} |");
+    }
+    table
+}
+
+fn pictures(file: &str, name: &str) -> String {
+    format!(
+        "![Position and duty of one experiment with {name} and without it]({file}-flight.svg)\n\n\
+         The same experiment, controller and seed on two rigs, with the effect and without it, where the positions differ most; below, the two duties. \
+         Feedback hides much of an effect: compare it with the next picture.\n\n\
+         ![Free runs of the belief and of the mended model beside the record, and the missing force]({file}-force.svg)\n\n\
+         The recorded duty of the flight with the effect, run through two models that are told the position every 10 s: the belief, which \
+         lacks the effect, and the mended one. Below, the missing force: what had to push the ball, beyond the belief with fitted gain, drag \
+         and hover, for it to go where it went; over time, and its mean over duty, height and speed. Shaded is where the belief is \
+         significantly wrong."
+    )
+}
+
+fn diagnosis(exhibit: &Exhibit) -> String {
+    format!("```text\n{}\n```", words(&exhibit.found, Some(&exhibit.compensation)))
+}
+
+/// What else was tried on this record, and what would tell apart what it does not.
+fn neighbours(exhibit: &Exhibit) -> String {
+    let found = &exhibit.found;
+    let first = found.rounds.first().map(Vec::as_slice).unwrap_or_default();
+    let mut tried: Vec<_> = first.iter().zip(found.chances(first)).collect();
+    tried.sort_by(|(a, _), (b, _)| b.in_full.cmp(&a.in_full).then(b.gain.total_cmp(&a.gain)));
+    let mut text = String::from(
+        "The effects that explain this record best, each alone beside fitted gain, drag and hover. A gain is in nats, on stretches that were not \
+         fitted to; five are e⁵ to 1. Those that a first look left behind were not fitted in full.\n\n\
+         | effect | stage | gain, nats | probability |\n|---|---|---|---|",
+    );
+    for (one, likely) in tried.into_iter().take(NEIGHBOURS) {
+        let likely = likely.map_or_else(|| "left behind".into(), chance);
+        let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.gain), 1));
+        let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));
+    }
+    for line in next::words(&exhibit.advice) {
+        // A sentence may begin with a name of the catalogue, which has no capital.
+        let begins_with_name = line.split(' ').next().is_some_and(|word| Effects::entry(word).is_some());
+        let line = line.trim_end_matches('.');
+        let _ = write!(text, "\n\n{}.", if begins_with_name { line.to_owned() } else { capital(line) });
+    }
+    text
+}
+
+/// The name, as a link but on its own page.
+fn link(name: &str, own: &str) -> String {
+    if name == own { format!("**{}**", spoken(name)) } else { format!("[{}]({name}.md)", spoken(name)) }
+}
+
+fn mend(exhibit: &Exhibit) -> String {
+    let entry = exhibit.entry;
+    let mut text =
+        format!("On the rig: {}.\n\nIn the simulator:\n\n```toml\n[plant.effects.{}]\n", entry.mend, entry.name);
+    for (param, value) in entry.params.iter().zip(&exhibit.values) {
+        let _ = writeln!(text, "{} = {value:?}", param.name);
+    }
+    text.push_str("```");
+    text
+}
+
+/// With the capital of a sentence's beginning.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

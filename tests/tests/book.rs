@@ -1,0 +1,157 @@
+//! The book: what it shows is what the program says, and its links lead somewhere.
+//!
+//! With `AIRBALL_BOOK=write` in the environment, shown output, the reference of commands and the gallery are written anew instead of being
+//! compared; `scripts/book --update` does that.
+
+#[path = "book/console.rs"]
+mod console;
+#[path = "book/pages.rs"]
+mod pages;
+
+use pages::{anchors, book, expanded, links, pages, read};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use system_tests::{Bench, root};
+
+/// Whether the pages are to be written anew.
+fn writes() -> bool {
+    std::env::var("AIRBALL_BOOK").is_ok_and(|word| word == "write")
+}
+
+/// Compares a page with what it should say, or writes it.
+fn is_or_write(page: &Path, should: &str) {
+    if writes() {
+        fs::write(page, should).unwrap();
+    }
+    let is = fs::read_to_string(page).unwrap_or_default();
+    let line = is.lines().zip(should.lines()).find(|(is, should)| is != should);
+    assert!(is == should, "{}: {line:?}; scripts/book --update writes it anew", page.display());
+}
+
+#[test]
+fn the_summary_lists_every_page_once_and_no_other() {
+    let named: Vec<_> = links(&read("SUMMARY.md")).into_iter().map(|link| book().join(link)).collect();
+    let listed: BTreeSet<_> = named.iter().cloned().collect();
+    assert_eq!(listed.len(), named.len(), "a page is listed twice: {named:?}");
+    let there: BTreeSet<_> = pages().into_iter().filter(|page| !page.ends_with("SUMMARY.md")).collect();
+    assert_eq!(listed, there);
+}
+
+#[test]
+fn every_link_and_anchor_of_the_book_leads_somewhere() {
+    let mut seen = 0;
+    for page in pages() {
+        for link in links(&expanded(&page)).into_iter().filter(|link| !link.starts_with("http")) {
+            let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
+            let target = if file.is_empty() { page.clone() } else { page.parent().unwrap().join(file) };
+            assert!(target.exists(), "{}: {link}", page.display());
+            let outside = !target.canonicalize().unwrap().starts_with(book().canonicalize().unwrap());
+            assert!(!outside, "{}: {link} is not in the book, which is read without the project", page.display());
+            assert!(anchor.is_empty() || anchors(&expanded(&target)).contains(anchor), "{}: {link}", page.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 50, "{seen} links");
+}
+
+#[test]
+fn the_commands_of_the_book_run_and_say_what_it_shows() {
+    let with_commands: Vec<_> = pages().into_iter().filter(|page| console::has_commands(page)).collect();
+    assert!(with_commands.len() >= 6, "{with_commands:?}");
+    std::thread::scope(|scope| {
+        for page in &with_commands {
+            scope.spawn(move || console::check(page, writes()));
+        }
+    });
+}
+
+#[test]
+fn the_reference_of_commands_is_what_help_says() {
+    let bench = Bench::default();
+    let mut page = String::from(
+        "<!-- Made from `airball --help` by `scripts/book --update`. -->\n\n# Commands\n\n\
+         What `airball COMMAND --help` says. Flags mean the same everywhere.\n",
+    );
+    help_of(&bench, &[], &mut page);
+    is_or_write(&book().join("reference/commands.md"), &page);
+}
+
+/// The help of a command, and of those below it.
+fn help_of(bench: &Bench, command: &[&str], page: &mut String) {
+    let help = bench.output(&[command, &["--help"]].concat());
+    let name = ["airball"].iter().chain(command).copied().collect::<Vec<_>>().join(" ");
+    let marks = "#".repeat(command.len().clamp(1, 2) + 1);
+    let text: Vec<&str> = help.lines().map(str::trim_end).collect();
+    page.push_str(&format!("\n{marks} {name}\n\n```text\n{}\n```\n", text.join("\n").trim_end()));
+    let below = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    // Names stand two spaces in; the words of a description that is broken stand further in.
+    let named = below.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
+    for word in named.filter(|word| *word != "help") {
+        help_of(bench, &[command, &[word]].concat(), page);
+    }
+}
+
+#[test]
+fn the_gallery_is_what_the_catalogue_makes() {
+    let bench = Bench::default();
+    let _ = bench.output(&["gallery", "--out", "gallery"]);
+    let made = bench.path("gallery");
+    let kept = book().join("gallery");
+    let files = |folder: &Path| -> BTreeSet<String> {
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    };
+    for file in files(&made) {
+        is_or_write(&kept.join(&file), &fs::read_to_string(made.join(&file)).unwrap());
+    }
+    for old in files(&kept).difference(&files(&made)).filter(|_| writes()) {
+        fs::remove_file(kept.join(old)).unwrap();
+    }
+    assert_eq!(files(&made), files(&kept));
+}
+
+#[test]
+fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_other() {
+    let bench = Bench::default();
+    let experiment = root().join("experiments/gallery.toml");
+    bench.write("stuck.toml", "[plant.effects.dead_zone]\nlower_percent = -0.4\nupper_percent = 0.4\n");
+    let flags = ["simulate", "--patch", "stuck.toml", "--log", "stuck.mcap", "--experiment"];
+    let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
+    let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
+    bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
+    let page = read("reference/documents.md");
+    for (command, logs) in [("replay", &["stuck.mcap"][..]), ("diagnose", &["stuck.mcap", "still.csv"])] {
+        let mut keys = BTreeSet::new();
+        let mut schema = String::new();
+        for log in logs {
+            let written: Value = serde_json::from_str(&bench.output(&[command, log, "--json"])).unwrap();
+            keys_of(&written, "", &mut keys);
+            schema = written["schema"].as_str().unwrap().to_owned();
+        }
+        let whole = keys.clone();
+        // What is null or empty in one document is there in another.
+        keys.retain(|key| {
+            !whole.iter().any(|other| other.strip_prefix(key).is_some_and(|rest| rest.starts_with(['.', '['])))
+        });
+        let part = page.split(&format!("## {schema}\n")).nth(1).expect(&schema).split("\n## ").next().unwrap();
+        let rows = part.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+        assert_eq!(rows.map(str::to_owned).collect::<BTreeSet<_>>(), keys, "{schema}");
+    }
+}
+
+/// Paths of the values of a document: `a.b` in an object, `a[]` in a list; `*` for a number of a model or of an effect.
+fn keys_of(value: &Value, path: &str, keys: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                let key = if path.ends_with("parameters") { "*" } else { key };
+                keys_of(value, &if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }, keys);
+            }
+        }
+        Value::Array(values) if values.iter().any(Value::is_object) => {
+            values.iter().for_each(|value| keys_of(value, &format!("{path}[]"), keys));
+        }
+        _ => drop(keys.insert(path.to_owned())),
+    }
+}

@@ -171,9 +171,9 @@ fn the_pulse_counts_the_cycles() {
     assert_eq!(u64::from(pulse.load(Ordering::Relaxed)), outcome.punctuality.cycles);
 }
 
-/// Allocations of the loop's thread in a flight of `duration_s`, over chips, ring, link and all controllers of the config.
+/// Allocations of the loop's thread in a flight of `duration_s`, over chips, signals, ring, link and all controllers of the config.
 fn allocations(duration_s: f64) -> u64 {
-    let tables: crate::config::Tables = toml::from_str(include_str!("../../../../config.toml")).unwrap();
+    let tables = super::rich();
     let mqtt = crate::mqtt::MqttConfig { port: 1, ..tables.mqtt.clone().unwrap() };
     let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, "rig1", None).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -28,6 +28,8 @@ fn observer() -> Observer {
         acceleration_psd_mm2_per_s3: 360.0,
         disturbance_psd_per_s: Some(1e-3),
         gate_sigma: 5.0,
+        second_sensor_mm: None,
+        tachometer: None,
         gain: Gain::SteadyState,
     }
 }

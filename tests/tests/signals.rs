@@ -51,7 +51,10 @@ fn a_flight_with_all_signals_says_what_they_were_and_exports_them() {
     let apart = summary["second_sensor"]["mean_mm"].as_f64().unwrap();
     assert!(apart.abs() < 1.0, "{summary}");
     let exported = bench.output(&["log", "export", "f.mcap"]);
-    assert!(exported.starts_with("time_s,setpoint_mm,control_percent,duty_percent,position_mm,fresh,position2_mm,fan_rpm\n"));
+    assert!(
+        exported
+            .starts_with("time_s,setpoint_mm,control_percent,duty_percent,position_mm,fresh,position2_mm,fan_rpm\n")
+    );
 }
 
 #[test]
@@ -76,5 +79,7 @@ fn signals_that_get_in_each_others_way_are_named() {
     };
     assert!(refused("line = 4\n->line = 24\n").contains("rig.tachometer.line has the same line"));
     assert!(refused("0x30->0x40").contains("rig.second_sensor.address: 0x40 is taken"));
-    assert!(refused("hover_rpm = 2000.0->hover_rpm = 1.0").contains("rig.tachometer.hover_rpm = 1 is outside 10 to 100000"));
+    assert!(
+        refused("hover_rpm = 2000.0->hover_rpm = 1.0").contains("rig.tachometer.hover_rpm = 1 is outside 10 to 100000")
+    );
 }

@@ -265,7 +265,8 @@ impl Estimator {
             Gain::TimeVarying => self.filter.expect(&POSITION, variance),
         };
         let innovation_mm = position_mm - expected_mm;
-        let test_ratio = innovation_mm * innovation_mm / (self.set.gate_sigma * self.set.gate_sigma * expected_variance);
+        let test_ratio =
+            innovation_mm * innovation_mm / (self.set.gate_sigma * self.set.gate_sigma * expected_variance);
         if test_ratio > 1.0 {
             self.refusals += 1;
             if self.refusals >= REFUSALS {

@@ -30,7 +30,7 @@ const POLL_EVERY_S: f64 = 0.001;
 /// How long the chip is held in reset, and how often we look whether it is back. It boots in 1.2 ms (datasheet).
 const RESET_STEP_S: f64 = 0.002;
 /// After that the chip is taken as it is; the driver then says what is wrong with it.
-const RESET_ALLOWED_S: f64 = 0.050;
+pub(crate) const RESET_ALLOWED_S: f64 = 0.050;
 /// From here on a "distance" is a code: 8190 and 8191 mean no target, 65535 is a bus that is stuck high.
 const FIRST_CODE_MM: u16 = 8190;
 
@@ -210,7 +210,7 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
 /// half way through its calibration. The sequence is that of ST's `VL53L0X_ResetDevice`.
 ///
 /// While it boots the chip does not acknowledge, so from the reset on errors are left to the driver's own first read.
-fn reset<I: I2c>(bus: &mut I, clock: &impl Clock, deadline_s: f64) -> Result<(), I::Error> {
+pub(crate) fn reset<I: I2c>(bus: &mut I, clock: &impl Clock, deadline_s: f64) -> Result<(), I::Error> {
     const SELECT_PAGE_0: [u8; 2] = [0xFF, 0x00];
     const SOFT_RESET: u8 = 0xBF;
     const MODEL_ID_REGISTER: u8 = 0xC0;

@@ -10,7 +10,7 @@
 //! Source: ST, AN4846 "Using multiple VL53L0X in a single design".
 
 use crate::clock::Clock;
-use crate::range_sensor::ADDRESS;
+use crate::range_sensor::{ADDRESS, RESET_ALLOWED_S, reset};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c::I2c;
 
@@ -61,6 +61,9 @@ pub fn separate<I: I2c>(
     if i2c.write(ADDRESS, &SELECT_PAGE_0).is_err() {
         let _ = relocate(&mut i2c, "first", ASIDE, ADDRESS);
     }
+    // Or in the middle of a reset, in which it would not hear of another address.
+    let reset = reset(&mut i2c, clock, clock.now_s() + RESET_ALLOWED_S);
+    reset.map_err(|error| SeparateError::Bus { which: "first", from: ADDRESS, to: ASIDE, error })?;
     relocate(&mut i2c, "first", ADDRESS, ASIDE)?;
     let moved = release(&mut i2c, xshut, clock, address);
     relocate(&mut i2c, "first", ASIDE, ADDRESS)?;

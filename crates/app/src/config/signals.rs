@@ -100,7 +100,8 @@ impl Rig {
 
     /// Whether the signals get in each other's way.
     pub(super) fn check_wiring(&self) -> Result<(), (&'static str, String)> {
-        if let Some(address) = self.second_sensor.map(|second| second.address).filter(|address| TAKEN.contains(address)) {
+        if let Some(address) = self.second_sensor.map(|second| second.address).filter(|address| TAKEN.contains(address))
+        {
             let taken = TAKEN.map(|taken| format!("{taken:#04x}")).join(", ");
             let message = format!("{address:#04x} is taken, as are {taken}; take another, for instance 0x30");
             return Err(("rig.second_sensor.address", message));

@@ -64,19 +64,18 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
     ///
     /// # Errors
     /// [`StartError`] names the chip and what is wrong with it; the fan is off.
-    pub fn start(
-        wiring: Wiring<S, P>,
-        clock: C,
-        rig: &config::Rig,
-    ) -> Result<Self, StartError<S::Error, P::Error>> {
+    pub fn start(wiring: Wiring<S, P>, clock: C, rig: &config::Rig) -> Result<Self, StartError<S::Error, P::Error>> {
         let Wiring { sensor, second, fan, lines: Lines { edges, xshut, output_enable } } = wiring;
         let fan = Fan::start(fan, rig.fan_pwm_hz).map_err(StartError::Fan)?;
         let apart = match (rig.second_sensor, second, xshut) {
-            (Some(table), Some(bus), Some(xshut)) => Some(Apart::of(bus, table, xshut, &clock)?),
+            (Some(table), Some(bus), Some(xshut)) => {
+                Some(Apart::of(bus, table, xshut, &clock).map_err(StartError::Separate)?)
+            }
             _ => None,
         };
         let mut sensor = RangeSensor::prepare(sensor, clock.clone(), START_ALLOWED_S).map_err(StartError::Sensor)?;
-        let second = apart.map(|apart| apart.start(clock.clone(), rig.sensor_to_bottom_mm)).transpose()?;
+        let second = apart.map(|apart| apart.start(clock.clone(), rig.sensor_to_bottom_mm));
+        let second = second.transpose().map_err(StartError::Second)?;
         // Right after the second, so that both look at the ball at about the same time.
         sensor.range().map_err(StartError::Sensor)?;
         let pulses = rig.tachometer.map_or(1, |tachometer| tachometer.pulses_per_revolution);

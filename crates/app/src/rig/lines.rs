@@ -34,9 +34,9 @@ impl Lines {
             let refused = refused(&rig.gpio_chip, tachometer.line, "rig.tachometer");
             Ok(match bus.socket() {
                 Some(path) => Box::new(SocketEdges::open(Path::new(path), clock).map_err(|e| refused(e.into()))?),
-                None => Box::new(
-                    KernelEdges::open(&rig.gpio_chip, tachometer.line, clock).map_err(|e| refused(e.into()))?,
-                ),
+                None => {
+                    Box::new(KernelEdges::open(&rig.gpio_chip, tachometer.line, clock).map_err(|e| refused(e.into()))?)
+                }
             })
         });
         let xshut = rig.second_sensor.map(|second| {

@@ -81,8 +81,7 @@ mod tests {
     use crate::config::{Tables, Tachometer};
     use plant::Model;
 
-    const TABLE: Tachometer =
-        Tachometer { line: 0, pulses_per_revolution: 2, hover_rpm: 2400.0, stalled_after_s: 0.5 };
+    const TABLE: Tachometer = Tachometer { line: 0, pulses_per_revolution: 2, hover_rpm: 2400.0, stalled_after_s: 0.5 };
 
     fn model() -> Model {
         let tables: Tables = toml::from_str(include_str!("../../../../config.toml")).unwrap();

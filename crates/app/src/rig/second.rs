@@ -1,12 +1,12 @@
 //! The second range sensor: started beside the first, told apart from it by its XSHUT.
 
 use super::Sighting;
-use super::chips::{BEYOND_PIPE_MM, START_ALLOWED_S, StartError, kind};
+use super::chips::{BEYOND_PIPE_MM, START_ALLOWED_S, kind};
 use super::lines::Pin;
 use crate::config;
 use control::Millimetres;
 use embedded_hal::i2c::{ErrorKind, I2c};
-use hal::{Clock, Range, RangeSensor, separate};
+use hal::{Clock, Range, RangeError, RangeSensor, SeparateError, separate};
 
 /// The sensor, where it looks from, and the line that keeps it out of reset.
 pub(super) struct Second<S: I2c, C: Clock> {
@@ -25,26 +25,21 @@ pub(super) struct Apart<S> {
 
 impl<S: I2c> Apart<S> {
     /// Leaves the first sensor at its address and moves the second to its own.
-    pub(super) fn of<P>(
+    pub(super) fn of(
         mut bus: S,
         table: config::SecondSensor,
         mut xshut: Pin,
         clock: &impl Clock,
-    ) -> Result<Self, StartError<S::Error, P>> {
-        separate(&mut bus, &mut xshut, clock, table.address).map_err(StartError::Separate)?;
+    ) -> Result<Self, SeparateError<S::Error>> {
+        separate(&mut bus, &mut xshut.as_mut(), clock, table.address)?;
         Ok(Self { bus, table, xshut })
     }
 
     /// Starts it, and lets it range.
-    pub(super) fn start<C: Clock + Clone, P>(
-        self,
-        clock: C,
-        pipe_mm: f64,
-    ) -> Result<Second<S, C>, StartError<S::Error, P>> {
+    pub(super) fn start<C: Clock + Clone>(self, clock: C, pipe_mm: f64) -> Result<Second<S, C>, RangeError<S::Error>> {
         let Self { bus, table, xshut } = self;
-        let mut sensor =
-            RangeSensor::prepare_at(table.address, bus, clock, START_ALLOWED_S).map_err(StartError::Second)?;
-        sensor.range().map_err(StartError::Second)?;
+        let mut sensor = RangeSensor::prepare_at(table.address, bus, clock, START_ALLOWED_S)?;
+        sensor.range()?;
         Ok(Second { sensor, table, pipe_mm, _xshut: xshut })
     }
 }

@@ -123,11 +123,8 @@ impl<W: World> I2c for Served<W> {
             (OUTPUT_ENABLE, _) => self.output_enable.get_or_insert_with(|| self.bus.output_enable()),
             _ => return self.i2c.transaction(address, operations),
         };
-        let level = match operations {
-            [Operation::Write(&[level])] => digital::PinState::from(level != 0),
-            _ => return Err(ErrorKind::Other),
-        };
-        line.set_state(level).map_err(|_| ErrorKind::Other)
+        let [Operation::Write(level)] = operations else { return Err(ErrorKind::Other) };
+        line.set_state((level.first() == Some(&1)).into()).map_err(|_| ErrorKind::Other)
     }
 }
 
@@ -136,9 +133,9 @@ mod tests {
     use super::{Line, Served, SocketLine};
     use crate::config::Bus;
     use crate::rig::{Monotonic, Rig, Sighting, bench, emulated_bus, serve};
+    use control::Duty;
     use embedded_hal::digital::OutputPin;
     use hal::emulator::EmulatedBus;
-    use control::Duty;
     use std::os::unix::net::UnixListener;
     use std::path::Path;
     use std::thread;

@@ -36,9 +36,8 @@ fn each_of_two_sensors_sees_by_its_own_beam_at_about_the_same_time() {
     let (mut first, mut second) = start_both(&bus, &clock, &mut xshut).unwrap();
     for _ in 0..20 {
         let (near, far) = (first.wait(0.1), second.wait(0.1));
-        let (near_s, far_s) = bus.with_world(|world| {
-            (*world.measured_s.last().unwrap(), *world.second_measured_s.last().unwrap())
-        });
+        let (near_s, far_s) =
+            bus.with_world(|world| (*world.measured_s.last().unwrap(), *world.second_measured_s.last().unwrap()));
         assert_eq!((near, far), (seen(0.0, near_s), seen(SECOND_FURTHER_MM, far_s)));
         assert!((near_s - far_s).abs() < 0.002, "{near_s} s and {far_s} s");
     }

@@ -17,7 +17,8 @@ pub(crate) fn rich() -> Tables {
     let signals: String = text[shown.clone()].lines().map(uncommented).collect();
     let mut whole = text.to_owned();
     whole.replace_range(shown, &signals);
-    let whole = ["second_sensor_mm =", "tachometer ="].iter().fold(whole, |all, key| all.replace(&format!("# {key}"), key));
+    let whole =
+        ["second_sensor_mm =", "tachometer ="].iter().fold(whole, |all, key| all.replace(&format!("# {key}"), key));
     let tables: Tables = toml::from_str(&whole).unwrap();
     let observer = tables.observer.unwrap();
     assert!(observer.second_sensor_mm.is_some() && observer.tachometer.is_some());

@@ -8,11 +8,10 @@ use crate::pilot::{Pilot, Seen, Senses, Signals};
 const NOTHING: Seen = Seen::Nothing(None);
 
 fn pilot() -> Pilot {
-    let tachometer = Tachometer { line: 1, pulses_per_revolution: 2, hover_rpm: 2400.0, stalled_after_s: 0.5 };
-    let second_sensor: SecondSensor = toml::from_str(
-        "xshut_line = 2\naddress = 0x30\nto_bottom_mm = 583.0\ndisagree_mm = 40.0\ndisagree_s = 0.2",
-    )
-    .unwrap();
+    let tachometer = Tachometer { line: 1, pulses_per_revolution: 2, hover_rpm: 2400.0, stalled_after_s: 0.49 };
+    let second_sensor: SecondSensor =
+        toml::from_str("xshut_line = 2\naddress = 0x30\nto_bottom_mm = 583.0\ndisagree_mm = 40.0\ndisagree_s = 0.19")
+            .unwrap();
     let mut pilot = pilot_holding(300.0, 60.0);
     pilot.orders.signals = Signals { tachometer: Some(tachometer), second_sensor: Some(second_sensor) };
     pilot
@@ -31,7 +30,7 @@ const fn senses(ball: Seen, second: Seen, rpm: f64) -> Senses {
 fn a_driven_fan_without_edges_stops_the_flight_after_its_time_and_not_before() {
     let mut pilot = pilot();
     let stands = senses(Seen::Ball(250.0), Seen::Ball(250.0), 0.0);
-    // 0.5 s are 25 cycles; the first one had no duty yet.
+    // The first cycle had no duty yet; 25 more are 0.5 s.
     assert_eq!(fly(&mut pilot, 0, 60, stands), Some(26));
     assert!(matches!(pilot.fault(), Some(Fault::FanStalled { for_s, .. }) if (for_s - 0.5).abs() < 1e-9));
 }
@@ -50,12 +49,12 @@ fn one_edge_in_time_is_enough_and_a_fan_that_is_off_may_stand() {
 #[test]
 fn sensors_that_disagree_for_too_long_stop_the_flight_and_for_a_moment_do_not() {
     let mut pilot = pilot();
-    let (agree, apart) = (senses(Seen::Ball(250.0), Seen::Ball(289.0), 2400.0), senses(Seen::Ball(250.0), Seen::Ball(291.0), 2400.0));
+    let (agree, apart) =
+        (senses(Seen::Ball(250.0), Seen::Ball(289.0), 2400.0), senses(Seen::Ball(250.0), Seen::Ball(291.0), 2400.0));
     for k in 0..5 {
         assert_eq!(fly(&mut pilot, 20 * k, 10, apart), None);
         assert_eq!(fly(&mut pilot, 20 * k + 10, 10, agree), None);
     }
-    // 0.2 s are 10 cycles.
     assert_eq!(fly(&mut pilot, 100, 30, apart), Some(10));
     let fault = pilot.fault();
     assert!(matches!(fault, Some(Fault::SensorsDisagree { first_mm: 250.0, second_mm: 291.0, .. })), "{fault:?}");

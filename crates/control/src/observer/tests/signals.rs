@@ -30,8 +30,12 @@ fn moves(set: Observer) -> [State; 3] {
         estimator.filter.state - before
     };
     [
-        moved(|estimator, state| drop(estimator.update(state[0] + 1.0))),
-        moved(|estimator, state| drop(estimator.update_second(state[0] + 1.0))),
+        moved(|estimator, state| {
+            estimator.update(state[0] + 1.0);
+        }),
+        moved(|estimator, state| {
+            estimator.update_second(state[0] + 1.0);
+        }),
         moved(|estimator, state| estimator.update_fan(state[2] + 1.0)),
     ]
 }
@@ -138,8 +142,7 @@ fn whatever_the_config_allows_has_steady_gains_with_all_signals() {
             for control in [1e-6, 1.0, 1e6] {
                 for disturbance_psd_per_s in [None, Some(1e-12), Some(1e9)] {
                     let tachometer = Some(Tachometer { control, psd_per_s });
-                    let set =
-                        Observer { second_sensor_mm: Some(sigma), tachometer, disturbance_psd_per_s, ..OBSERVER };
+                    let set = Observer { second_sensor_mm: Some(sigma), tachometer, disturbance_psd_per_s, ..OBSERVER };
                     assert_eq!(set.check(), Ok(()));
                     let found = Estimator::new(set, T);
                     assert!(found.is_ok(), "{set:?}: {found:?}");

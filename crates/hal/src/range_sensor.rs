@@ -124,7 +124,7 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
     /// Anything but a working VL53L0X. Never panics, whatever the bus answers.
     pub fn start(i2c: I, clock: C, allowed_s: f64) -> Result<Self, RangeError<I::Error>> {
         let mut sensor = Self::prepare(i2c, clock, allowed_s)?;
-        sensor.range()?;
+        sensor.begin(allowed_s)?;
         Ok(sensor)
     }
 
@@ -165,12 +165,17 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
         Ok(Self { driver, deadline, clock, address })
     }
 
-    /// Lets the sensor range from now on.
+    /// Lets the sensor range from now on. Takes at most `allowed_s`.
     ///
     /// # Errors
     /// The bus failed or was too slow.
-    pub fn range(&mut self) -> Result<(), RangeError<I::Error>> {
-        self.driver.start_continuous(0).map_err(|error| describe(error.into(), self.address, POLL_ALLOWED_S))
+    pub fn range(&mut self, allowed_s: f64) -> Result<(), RangeError<I::Error>> {
+        self.deadline.move_to(self.clock.now_s() + allowed_s);
+        self.begin(allowed_s)
+    }
+
+    fn begin(&mut self, allowed_s: f64) -> Result<(), RangeError<I::Error>> {
+        self.driver.start_continuous(0).map_err(|error| describe(error.into(), self.address, allowed_s))
     }
 
     /// The new reading, or `None` when there is none yet. Does not wait.

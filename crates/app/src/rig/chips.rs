@@ -77,7 +77,7 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
         let second = apart.map(|apart| apart.start(clock.clone(), rig.sensor_to_bottom_mm));
         let second = second.transpose().map_err(StartError::Second)?;
         // Right after the second, so that both look at the ball at about the same time.
-        sensor.range().map_err(StartError::Sensor)?;
+        sensor.range(START_ALLOWED_S).map_err(StartError::Sensor)?;
         let pulses = rig.tachometer.map_or(1, |tachometer| tachometer.pulses_per_revolution);
         Ok(Self {
             sensor,

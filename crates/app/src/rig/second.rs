@@ -39,7 +39,7 @@ impl<S: I2c> Apart<S> {
     pub(super) fn start<C: Clock + Clone>(self, clock: C, pipe_mm: f64) -> Result<Second<S, C>, RangeError<S::Error>> {
         let Self { bus, table, xshut } = self;
         let mut sensor = RangeSensor::prepare_at(table.address, bus, clock, START_ALLOWED_S)?;
-        sensor.range()?;
+        sensor.range(START_ALLOWED_S)?;
         Ok(Second { sensor, table, pipe_mm, _xshut: xshut })
     }
 }

@@ -21,8 +21,8 @@ fn start_both(bus: &Bus, clock: &BenchClock, xshut: &mut EmulatedLine<Bench>) ->
     separate(bus.handle(), xshut, clock, MOVED).ok()?;
     let mut first = RangeSensor::prepare(bus.handle(), clock.clone(), START_S).ok()?;
     let mut second = RangeSensor::prepare_at(MOVED, bus.handle(), clock.clone(), START_S).ok()?;
-    second.range().ok()?;
-    first.range().ok()?;
+    second.range(START_S).ok()?;
+    first.range(START_S).ok()?;
     Some((first, second))
 }
 

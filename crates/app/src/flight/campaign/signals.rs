@@ -2,7 +2,7 @@
 //! a flight survives with them.
 
 use super::faults::{Case, FAN, Lasting, Mishap, SECOND, SENSOR};
-use super::{check, fly, logged, tables};
+use super::{check, fly, logged};
 use crate::config::Tables;
 use crate::log::record::{Cycle, End, Fault as Ended, Mode};
 use crate::report::signals::Signals;

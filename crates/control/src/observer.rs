@@ -128,8 +128,8 @@ impl Observer {
         self.disturbance_psd_per_s.map_or(Ok(()), |psd| within("disturbance_psd_per_s", psd, 1e-12, 1e9))?;
         self.second_sensor_mm.map_or(Ok(()), |sigma_mm| within("second_sensor_mm", sigma_mm, 1e-3, 1e3))?;
         let Some(tachometer) = self.tachometer else { return Ok(()) };
-        within("tachometer.control", tachometer.control, 1e-6, 1e6)?;
-        within("tachometer.psd_per_s", tachometer.psd_per_s, 1e-12, 1e9)
+        within("tachometer.control", tachometer.control, 1e-3, 1e3)?;
+        within("tachometer.psd_per_s", tachometer.psd_per_s, 1e-9, 1e6)
     }
 
     fn reading_variance(&self) -> f64 {

@@ -136,11 +136,11 @@ fn while_one_sensor_agrees_the_outliers_of_the_other_do_not_move_the_estimate() 
 }
 
 #[test]
-fn whatever_the_config_allows_has_steady_gains_with_all_signals() {
+fn signals_from_worthless_to_perfect_leave_steady_gains() {
     for sigma in [1e-3, 1.0, 1e3] {
-        for psd_per_s in [1e-12, 1e-3, 1e9] {
-            for control in [1e-6, 1.0, 1e6] {
-                for disturbance_psd_per_s in [None, Some(1e-12), Some(1e9)] {
+        for psd_per_s in [1e-9, 1e-3, 1e6] {
+            for control in [1e-3, 1.0, 1e3] {
+                for disturbance_psd_per_s in [None, Some(1e-6), Some(1e-3), Some(1e3)] {
                     let tachometer = Some(Tachometer { control, psd_per_s });
                     let set = Observer { second_sensor_mm: Some(sigma), tachometer, disturbance_psd_per_s, ..OBSERVER };
                     assert_eq!(set.check(), Ok(()));

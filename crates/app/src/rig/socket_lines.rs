@@ -178,7 +178,13 @@ mod tests {
         let socket = folder.path().join("rig.sock");
         let bus = served(&socket);
         let table = Bus { device: format!("unix:{}", socket.display()) };
-        let mut rig = bench(&table, &crate::flight::rich().rig.unwrap()).unwrap();
+        let (wanted, mut started) = (crate::flight::rich().rig.unwrap(), None);
+        // On a machine that has other work a start may take longer than it is allowed.
+        let starts = comes(|| {
+            started = bench(&table, &wanted).ok();
+            started.is_some()
+        });
+        let mut rig = started.filter(|_| starts).unwrap();
         rig.drive(Duty::clamped(25.0)).unwrap();
         assert!((fan(&bus) - 25.0).abs() < 0.02);
         assert!(comes(|| rig.fan_rpm().unwrap() > 1000.0), "no speed");

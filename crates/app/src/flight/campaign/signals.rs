@@ -40,7 +40,7 @@ fn a_fan_that_stalls_sensors_that_disagree_and_the_faults_of_any_rig_end_the_fli
     let cases = [
         lasting(Mishap::FanStalled),
         lasting(Mishap::TachometerCut),
-        lasting(Mishap::SecondOff { mm: 60.0 }),
+        // The other way a ball near the bottom would be beyond the pipe, which is no ball.
         lasting(Mishap::SecondOff { mm: -60.0 }),
         lasting(Mishap::BallLost),
         lasting(Mishap::Power),

@@ -92,6 +92,23 @@ fn fan_off_stops_a_fan_that_nobody_guards_any_more() {
 }
 
 #[test]
+fn output_enable_stops_the_fan_when_flight_and_guard_are_both_killed() {
+    let bench = Bench::default();
+    bench.write("config.toml", bench.read("config.toml") + "\n[rig.output_enable]\nline = 4\n");
+    let rig = Emulated::on(&bench);
+    let mut flight = start(&bench, "f.mcap");
+    rig.until_it_flies();
+    let guard = guard_of(&flight);
+    send(flight.id(), Signal::SIGSTOP);
+    send(guard, Signal::SIGKILL);
+    flight.kill().unwrap();
+    let _ = flight.wait();
+    // The kernel has closed their handles, and the line is back at its pull-up.
+    rig.until_it_is_off();
+    assert!(bench.output(&["fan-off"]).contains("is off"));
+}
+
+#[test]
 fn signals_are_for_the_loop_and_its_guard_ends_with_it() {
     let bench = Bench::default();
     let rig = Emulated::on(&bench);

@@ -13,6 +13,7 @@ pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPo
 
 pub use measure::{MeasureArgs, Measurement};
 
+use crate::rig::EnableLine;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -238,6 +239,9 @@ pub struct GuardArgs {
     /// I2C bus of the fan
     #[arg(long, value_name = "FILE")]
     pub device: String,
+    /// Line of the fan driver's output-enable, which turns the fan off even where the bus does not
+    #[arg(long, value_name = "CHIP:LINE")]
+    pub output_enable: Option<EnableLine>,
     /// Turn the fan off after so many seconds without a control cycle
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub stall: f64,

@@ -18,7 +18,7 @@ use crate::flight::Flight;
 use crate::log::reader::LoadedLog;
 use crate::log::record::{Cycle, Event, Fault};
 use crate::log::recorder::Recorder;
-use crate::pilot::{Orders, Pilot};
+use crate::pilot::{Orders, Pilot, Signals};
 use crate::rig::{Direct, simulated_in_virtual_time};
 use control::compensation::Compensation;
 use control::controller::{Controllers, Kind};
@@ -159,6 +159,7 @@ impl Desk {
             safety: self.safety,
             experiment: experiment.clone(),
             reading_period_s: self.reading_period_s(),
+            signals: self.rig.as_ref().map(Signals::from).unwrap_or_default(),
         });
         let stop = AtomicBool::new(false);
         let outcome = match &self.rig {

@@ -12,7 +12,7 @@ use crate::deadline::{Deadlines, Punctuality};
 use crate::log::record::{Cycle, End, Event, Fault, Mode, What};
 use crate::log::recorder::Recorder;
 use crate::mqtt::{Answer, InForce, Mailbox, State};
-use crate::pilot::{Pilot, Seen};
+use crate::pilot::{Pilot, Seen, Senses};
 use crate::rig::{Rig, Sighting};
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
@@ -137,9 +137,9 @@ impl<'a, R: Rig> Flight<'a, R> {
         let before = self.pilot.mode();
         self.take_commands();
 
-        let seen = self.observe();
+        let senses = self.observe();
         let time_s = self.rig.now_s() - self.start_s;
-        let decision = self.pilot.decide(time_s, seen);
+        let decision = self.pilot.decide(time_s, senses);
         let fan_fault = self.act(decision.duty);
 
         let cycle = Cycle {
@@ -153,7 +153,9 @@ impl<'a, R: Rig> Flight<'a, R> {
             commanded_duty_percent: decision.duty.percent(),
             duty_percent: self.held.percent(),
             position_mm: decision.position_mm,
-            fresh: matches!(seen, Seen::Ball(_)),
+            fresh: matches!(senses.ball, Seen::Ball(_)),
+            position2_mm: senses.second.and_then(Seen::position_mm),
+            fan_rpm: senses.fan_rpm,
             velocity_mm_per_s: decision.velocity_mm_per_s,
             estimated_position_mm: decision.estimate.map(|estimate| estimate.position_mm),
             estimated_fan_percent: decision.estimate.map(|estimate| estimate.fan),
@@ -162,7 +164,7 @@ impl<'a, R: Rig> Flight<'a, R> {
             innovation_test_ratio: decision.surprise.map(|surprise| surprise.test_ratio),
         };
         self.last_cycle_s = woke_s;
-        self.record(&cycle, before, seen);
+        self.record(&cycle, before, senses.ball);
         fan_fault.or(self.pilot.fault())
     }
 
@@ -191,13 +193,9 @@ impl<'a, R: Rig> Flight<'a, R> {
         }
     }
 
-    fn observe(&mut self) -> Seen {
-        match self.rig.position() {
-            Ok(Sighting::Ball(Millimetres(position_mm))) => Seen::Ball(position_mm),
-            Ok(Sighting::NotReady) => Seen::Nothing(None),
-            Ok(Sighting::NoBall { reported_mm }) => Seen::Nothing(Some(Fault::NoBall { reported_mm })),
-            Err(kind) => Seen::Nothing(Some(Fault::SensorBus { kind })),
-        }
+    fn observe(&mut self) -> Senses {
+        let ball = seen(self.rig.position());
+        Senses { ball, second: self.rig.second_position().map(seen), fan_rpm: self.rig.fan_rpm() }
     }
 
     /// Writes the duty. Returns a fault when writing has failed too often to go on.
@@ -221,7 +219,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         if cycle.mode != before {
             self.event(What::Mode { from: before, to: cycle.mode });
         }
-        match (seen, self.pilot.fault()) {
+        match (seen, self.pilot.fault().or(self.pilot.advisory())) {
             (_, Some(fault)) | (Seen::Nothing(Some(fault)), None) => self.note(fault),
             (Seen::Ball(_), None) if self.fan_failures == 0 => self.noted = None,
             _ => {}
@@ -268,6 +266,19 @@ impl<'a, R: Rig> Flight<'a, R> {
         }
     }
 }
+
+/// What a sensor's answer means to the pilot.
+fn seen(answer: Result<Sighting, ErrorKind>) -> Seen {
+    match answer {
+        Ok(Sighting::Ball(Millimetres(position_mm))) => Seen::Ball(position_mm),
+        Ok(Sighting::NotReady) => Seen::Nothing(None),
+        Ok(Sighting::NoBall { reported_mm }) => Seen::Nothing(Some(Fault::NoBall { reported_mm })),
+        Err(kind) => Seen::Nothing(Some(Fault::SensorBus { kind })),
+    }
+}
+
+#[cfg(test)]
+pub(crate) use campaign::rich;
 
 #[cfg(test)]
 mod campaign;

@@ -12,9 +12,10 @@
 mod commands;
 mod exchange;
 mod programme;
+mod signals;
 mod still;
 
-pub use exchange::{Decision, Orders, Seen};
+pub use exchange::{Decision, Orders, Seen, Senses, Signals};
 
 use crate::experiment::Demand;
 use crate::log::record::{Fault, Mode};
@@ -24,6 +25,7 @@ use control::controller::Kind;
 use control::observer::Estimate;
 use control::pid::Pid;
 use programme::Programme;
+use signals::Watch;
 use still::Still;
 
 /// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
@@ -54,6 +56,9 @@ pub struct Pilot {
     acting: f64,
     been_in_band: bool,
     still: Still,
+    watch: Watch,
+    /// The duty that was last decided.
+    duty: Duty,
     fault: Option<Fault>,
 }
 
@@ -78,6 +83,8 @@ impl Pilot {
             acting,
             been_in_band: false,
             still: Still::default(),
+            watch: Watch::default(),
+            duty: Duty::OFF,
             fault: None,
         }
     }
@@ -128,12 +135,22 @@ impl Pilot {
     }
 
     /// Decides what the fan does from `time_s` on.
-    pub fn decide(&mut self, time_s: f64, seen: Seen) -> Decision {
+    pub fn decide(&mut self, time_s: f64, senses: impl Into<Senses>) -> Decision {
+        let senses = senses.into();
+        let decision = self.decided(time_s, &senses);
+        self.duty = decision.duty;
+        decision
+    }
+
+    fn decided(&mut self, time_s: f64, senses: &Senses) -> Decision {
         let cycle_s = self.decided_s.replace(time_s).map_or(self.orders.reading_period_s, |last_s| time_s - last_s);
         self.orders.regulator.pass(self.acting, cycle_s);
-        let reading_s = self.observe(time_s, seen);
+        let (seen, stands_in) = self.look(time_s, senses);
+        let reading_s = self.observe(time_s, seen, stands_in);
+        self.hear(senses);
         self.follow_programme(time_s, seen);
         self.change_mode(time_s, seen);
+        self.cross_check(time_s, senses, self.duty);
         let mut decision = Decision {
             mode: self.mode,
             setpoint_mm: None,
@@ -169,8 +186,9 @@ impl Pilot {
         decision
     }
 
-    /// Takes the reading into the estimate. Returns the time since the one before, if both are there.
-    fn observe(&mut self, time_s: f64, seen: Seen) -> Option<f64> {
+    /// Takes the reading into the estimate, be it the first sensor's or the one's that stands in for it. Returns the time
+    /// since the one before, if both are there.
+    fn observe(&mut self, time_s: f64, seen: Seen, stands_in: bool) -> Option<f64> {
         let Seen::Ball(position_mm) = seen else { return None };
         let gap_s = self.last.map(|(last_s, _)| time_s - last_s);
         self.last = Some((time_s, position_mm));
@@ -179,7 +197,11 @@ impl Pilot {
             self.orders.regulator.lose_sight();
         }
         let dt_s = gap_s.unwrap_or(self.orders.reading_period_s).min(self.missing_s());
-        self.orders.regulator.read(position_mm, dt_s);
+        if stands_in {
+            self.orders.regulator.stand_in(position_mm, dt_s);
+        } else {
+            self.orders.regulator.read(position_mm, dt_s);
+        }
         Some(dt_s)
     }
 

@@ -15,7 +15,7 @@ use crate::config::{Reference, Tables};
 use crate::experiment::Experiment;
 use crate::log::reader::{LoadedLog, sample};
 use crate::log::record::{Cycle, Mode};
-use crate::pilot::{Orders, Pilot, Seen};
+use crate::pilot::{Orders, Pilot, Seen, Senses, Signals};
 use control::regulator::Regulator;
 use control::waveform::Waveform;
 use diagnose::{Recording, Sample, nats_apart};
@@ -101,13 +101,20 @@ fn duties_by_the_law(cycles: &[Cycle], tables: &Tables) -> Option<Vec<f64>> {
         safety: tables.safety?,
         experiment: Experiment::of_reference(&hold),
         reading_period_s,
+        signals: tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
     });
+    let two = tables.rig.as_ref().is_some_and(|rig| rig.second_sensor.is_some());
     let duty = |cycle: &Cycle| {
         if let Some(setpoint_mm) = cycle.setpoint_mm {
             pilot.command(Command::Setpoint(setpoint_mm)).ok()?;
         }
-        let seen = cycle.position_mm.filter(|_| cycle.fresh).map_or(Seen::Nothing(None), Seen::Ball);
-        Some(pilot.decide(cycle.time_s, seen).duty.percent())
+        let seen = |position_mm: Option<f64>| position_mm.map_or(Seen::Nothing(None), Seen::Ball);
+        let senses = Senses {
+            ball: seen(cycle.position_mm.filter(|_| cycle.fresh)),
+            second: two.then(|| seen(cycle.position2_mm)),
+            fan_rpm: cycle.fan_rpm,
+        };
+        Some(pilot.decide(cycle.time_s, senses).duty.percent())
     };
     cycles.iter().map(duty).collect()
 }

@@ -129,6 +129,8 @@ fn observer(gain: Gain, unit: f64) -> Observer {
         acceleration_psd_mm2_per_s3: 360.0,
         disturbance_psd_per_s: Some(1e-3 * unit * unit),
         gate_sigma: 50.0,
+        second_sensor_mm: None,
+        tachometer: None,
         gain,
     }
 }

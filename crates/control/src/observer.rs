@@ -4,6 +4,8 @@
 //! predict over t      Φ, Γ of `believed.rs`       Q: v gains q·(1 − e^(−2at))/(2a), x·v q·A₁²/2, x·x q·A₁²·t/3, d q_d·t
 //! update              test ratio ν²/(gate²·S): under 0.5 as expected, to 1.0 worth a look, above 1.0 an outlier, not taken
 //! steady state        x̂ ← x̂ + L·ν with the L to which K converges at the nominal period
+//! second sensor       another update by the position
+//! tachometer          an update by w, the fan's state, which then wanders: q_w·(1 − e^(−2t/τ))·τ/2
 //! ```
 //!
 //! The steady-state filter costs a tenth and is right while readings come on time; the time-varying one knows how old its
@@ -11,16 +13,19 @@
 //! x·x neglects a quarter of a·t, and the share of the wandering hover in x and v over one step is left out.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
 
+mod steady;
+
 use crate::believed::{Believed, State, Transition};
 use crate::check::{OutOfRange, within};
 use crate::design::DesignError;
-use crate::design::riccati::covariance;
 use crate::kalman::Kalman;
 use libm::{exp, fabs};
 use nalgebra::{RowSVector, SMatrix, matrix, vector};
+use steady::{Steady, Weight};
 
-/// What is measured: the position.
+/// What is measured: the position, and the fan's state where there is a tachometer.
 const POSITION: RowSVector<f64, 4> = matrix![1.0, 0.0, 0.0, 0.0];
+const FAN: RowSVector<f64, 4> = matrix![0.0, 0.0, 1.0, 0.0];
 /// The velocity of a ball that was just seen first: 1 sigma, mm/s.
 const FIRST_VELOCITY_MM_PER_S: f64 = 300.0;
 /// So many seconds of wandering may lie behind a hover that was never looked at.
@@ -54,11 +59,27 @@ pub struct Observer {
     pub disturbance_psd_per_s: Option<f64>,
     /// Readings further from what was expected than so many sigma are outliers. `inf` takes all.
     pub gate_sigma: f64,
+    /// Standard deviation of one reading of the second sensor, mm. Absent: it is read only while the first is silent.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub second_sensor_mm: Option<f64>,
+    /// What the fan's speed is worth. Absent: it is not used; nor is it without `fan_lag_s`.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub tachometer: Option<Tachometer>,
     /// How the gain is found.
     #[cfg_attr(feature = "serde", serde(default))]
     pub gain: Gain,
     /// The plant. With `fan_lag_s` the fan is a third state.
     pub believed: Believed,
+}
+
+/// What the fan's speed says of its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Tachometer {
+    /// Standard deviation of one speed, control value.
+    pub control: f64,
+    /// q_w: how far the fan is from the believed lag, its variance grows by this per second, (control value)²/s.
+    pub psd_per_s: f64,
 }
 
 /// What is known of the plant's state.
@@ -95,14 +116,6 @@ pub struct Estimator {
     refusals: u32,
 }
 
-/// The filter's numbers in steady state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Steady {
-    gain: State,
-    /// S of a reading that comes on time.
-    variance: f64,
-}
-
 impl Observer {
     /// Checks every number against its bounds.
     ///
@@ -112,11 +125,24 @@ impl Observer {
         within("sensor_mm", self.sensor_mm, 1e-3, 1e3)?;
         within("acceleration_psd_mm2_per_s3", self.acceleration_psd_mm2_per_s3, 1e-6, 1e9)?;
         within("gate_sigma", self.gate_sigma, 1.0, f64::INFINITY)?;
-        self.disturbance_psd_per_s.map_or(Ok(()), |psd| within("disturbance_psd_per_s", psd, 1e-12, 1e9))
+        self.disturbance_psd_per_s.map_or(Ok(()), |psd| within("disturbance_psd_per_s", psd, 1e-12, 1e9))?;
+        self.second_sensor_mm.map_or(Ok(()), |sigma_mm| within("second_sensor_mm", sigma_mm, 1e-3, 1e3))?;
+        let Some(tachometer) = self.tachometer else { return Ok(()) };
+        within("tachometer.control", tachometer.control, 1e-3, 1e3)?;
+        within("tachometer.psd_per_s", tachometer.psd_per_s, 1e-9, 1e6)
     }
 
     fn reading_variance(&self) -> f64 {
         self.sensor_mm * self.sensor_mm
+    }
+
+    fn second_variance(&self) -> Option<f64> {
+        self.second_sensor_mm.map(|sigma_mm| sigma_mm * sigma_mm)
+    }
+
+    /// The tachometer, where the fan is a state that it can say something of.
+    fn measured_fan(&self) -> Option<Tachometer> {
+        self.tachometer.filter(|_| self.believed.fan_lag_s.is_some())
     }
 
     /// Q over `dt_s`.
@@ -127,10 +153,13 @@ impl Observer {
         let both = q * reach * reach / 2.0;
         let position = q * reach * reach * dt_s / 3.0;
         let hover = self.disturbance_psd_per_s.unwrap_or(0.0) * dt_s;
+        let wanders = |lag_s: f64| (1.0 - exp(-2.0 * dt_s / lag_s)) * lag_s / 2.0;
+        let fan = self.measured_fan().zip(self.believed.fan_lag_s);
+        let fan = fan.map_or(0.0, |(tachometer, lag_s)| tachometer.psd_per_s * wanders(lag_s));
         matrix![
             position, both, 0.0, 0.0;
             both, velocity, 0.0, 0.0;
-            0.0, 0.0, 0.0, 0.0;
+            0.0, 0.0, fan, 0.0;
             0.0, 0.0, 0.0, hover]
     }
 
@@ -143,27 +172,13 @@ impl Observer {
     }
 
     /// L: what the steady-state filter makes of a millimetre of surprise, as position, velocity, fan and disturbance, when
-    /// readings come every `period_s`.
+    /// readings of the first sensor come every `period_s` and nothing else does.
     ///
     /// # Errors
     /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady gain can be computed.
     pub fn steady_gain(&self, period_s: f64) -> Result<State, DesignError> {
-        Ok(self.steady(period_s, &self.believed.over(period_s))?.gain)
-    }
-
-    /// The gain to which the filter converges when readings come every `period_s`.
-    fn steady(&self, period_s: f64, transition: &Transition) -> Result<Steady, DesignError> {
-        let (noise, reading) = (self.noise(period_s, transition), self.reading_variance());
-        let covariance = if self.disturbance_psd_per_s.is_some() {
-            covariance(&transition.matrix, &POSITION, &noise, reading)?
-        } else {
-            // A hover that is known never wanders and never decays: it is no state of this filter.
-            let first = |whole: &SMatrix<f64, 4, 4>| whole.fixed_view::<3, 3>(0, 0).into_owned();
-            let row = POSITION.fixed_columns::<3>(0).into_owned();
-            covariance(&first(&transition.matrix), &row, &first(&noise), reading)?.fixed_resize(0.0)
-        };
-        let variance = covariance[(0, 0)] + reading;
-        Ok(Steady { gain: covariance * POSITION.transpose() / variance, variance })
+        let alone = Self { second_sensor_mm: None, tachometer: None, ..*self };
+        Ok(Steady::of(&alone, period_s, &self.believed.over(period_s))?.first.gain)
     }
 }
 
@@ -174,7 +189,7 @@ impl Estimator {
     /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady gain can be computed.
     pub fn new(set: Observer, period_s: f64) -> Result<Self, DesignError> {
         let transition = set.believed.over(period_s);
-        let steady = set.steady(period_s, &transition)?;
+        let steady = Steady::of(&set, period_s, &transition)?;
         Ok(Self { set, period_s, transition, steady, filter: set.first(State::zeros()), seen: false, refusals: 0 })
     }
 
@@ -211,16 +226,47 @@ impl Estimator {
 
     /// Takes a reading of the position, unless it is an outlier. The first one says nothing but where the ball is.
     pub fn update(&mut self, position_mm: f64) -> Option<Surprise> {
+        self.take(position_mm, self.set.reading_variance(), self.steady.first)
+    }
+
+    /// The same of the second sensor, after the first one's where both came. Without `second_sensor_mm` as if it were the first.
+    pub fn update_second(&mut self, position_mm: f64) -> Option<Surprise> {
+        match (self.set.second_variance(), self.steady.second) {
+            (Some(variance), Some(weight)) => self.take(position_mm, variance, weight),
+            _ => self.update(position_mm),
+        }
+    }
+
+    /// Whether readings of the second sensor are worth something beside those of the first.
+    #[must_use]
+    pub const fn knows_second(&self) -> bool {
+        self.set.second_sensor_mm.is_some()
+    }
+
+    /// Takes what the fan's speed says of its state: the control value at which it would stay.
+    pub fn update_fan(&mut self, control: f64) {
+        let (Some(tachometer), Some(weight)) = (self.set.measured_fan(), self.steady.fan) else { return };
+        match self.set.gain {
+            Gain::SteadyState => self.filter.state += weight.gain * (control - self.filter.state[2]),
+            Gain::TimeVarying => {
+                self.filter.update(control, &FAN, tachometer.control * tachometer.control);
+            }
+        }
+    }
+
+    /// Takes a position of variance `variance`, with this weight in steady state.
+    fn take(&mut self, position_mm: f64, variance: f64, weight: Weight) -> Option<Surprise> {
         if !self.seen {
             self.start(position_mm);
             return None;
         }
-        let (expected_mm, variance) = match self.set.gain {
-            Gain::SteadyState => (self.filter.state[0], self.steady.variance),
-            Gain::TimeVarying => self.filter.expect(&POSITION, self.set.reading_variance()),
+        let (expected_mm, expected_variance) = match self.set.gain {
+            Gain::SteadyState => (self.filter.state[0], weight.variance),
+            Gain::TimeVarying => self.filter.expect(&POSITION, variance),
         };
         let innovation_mm = position_mm - expected_mm;
-        let test_ratio = innovation_mm * innovation_mm / (self.set.gate_sigma * self.set.gate_sigma * variance);
+        let test_ratio =
+            innovation_mm * innovation_mm / (self.set.gate_sigma * self.set.gate_sigma * expected_variance);
         if test_ratio > 1.0 {
             self.refusals += 1;
             if self.refusals >= REFUSALS {
@@ -229,9 +275,9 @@ impl Estimator {
         } else {
             self.refusals = 0;
             match self.set.gain {
-                Gain::SteadyState => self.filter.state += self.steady.gain * innovation_mm,
+                Gain::SteadyState => self.filter.state += weight.gain * innovation_mm,
                 Gain::TimeVarying => {
-                    self.filter.update(position_mm, &POSITION, self.set.reading_variance());
+                    self.filter.update(position_mm, &POSITION, variance);
                 }
             }
         }

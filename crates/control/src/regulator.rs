@@ -12,6 +12,7 @@
 //! are not looked at. Source: Åström & Hägglund, *Advanced PID Control*, "Mode switches".
 
 mod error;
+mod readings;
 
 pub use error::Unready;
 
@@ -182,17 +183,6 @@ impl Regulator {
         if let Some(estimator) = &mut self.estimator {
             estimator.predict(if fabs(acting) <= STRONGEST { acting } else { 0.0 }, sensible(dt_s));
         }
-    }
-
-    /// Takes a reading, `dt_s` after the last one.
-    pub fn read(&mut self, position_mm: f64, dt_s: f64) {
-        if !is_a_place(position_mm) {
-            return;
-        }
-        let filtered = self.velocity.step(position_mm, sensible(dt_s), VELOCITY_TD_S, VELOCITY_N);
-        let velocity_mm_per_s = filtered / VELOCITY_TD_S;
-        self.filtered = Some(Estimate { position_mm, velocity_mm_per_s, fan: 0.0, disturbance: 0.0 });
-        self.surprise = self.estimator.as_mut().and_then(|estimator| estimator.update(position_mm));
     }
 
     /// One control step, `dt_s` after the last one. 0, held within `limits`, before the first reading.

@@ -1,7 +1,7 @@
 //! The recorded speed of the fan: what it says of the way from the duty to the rotor.
 //!
 //! ```text
-//! duty(t − delay) → nearest step = u      dw/dt = (u − w)/τ      τ of fan_lag or of spin_asymmetry, w in percent of duty
+//! w: speed in percent of duty, as `plant::Rotor` follows the duty
 //! rpm = a + b·w + e,  e_k = ρ·e_(k−1) + n_k      a, b, ρ and the variance of n: where this record is most likely
 //! ```
 //!
@@ -14,7 +14,7 @@
 
 use crate::likelihood::{Reading, Surprise};
 use crate::recording::{Recording, Sample};
-use plant::{Actuator, Effects, Model};
+use plant::{Model, Rotor};
 
 /// The rotor's first seconds show how fast it was before the record began.
 const WARM_UP_S: f64 = 1.5;
@@ -45,50 +45,27 @@ pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
     if !recording.has_fan_speed() {
         return Vec::new();
     }
-    let rotor = rotor_of(model);
-    let of_flight =
-        |flight: &std::ops::Range<usize>| speeds(&rotor, &recording.samples()[flight.clone()], flight.start);
+    let of_flight = |flight: &std::ops::Range<usize>| speeds(model, &recording.samples()[flight.clone()], flight.start);
     let all: Vec<Speed> = recording.flights().iter().flat_map(of_flight).collect();
     Line::of(&all).map_or_else(Vec::new, |line| line.surprises(&all))
 }
 
-/// The way from the duty to the rotor: a model whose command is the duty that reaches it, percent.
-fn rotor_of(model: &Model) -> Model {
-    let Effects { transport_delay, duty_quantisation, fan_lag, spin_asymmetry, .. } = model.effects.clone();
-    let effects = Effects { transport_delay, duty_quantisation, fan_lag, spin_asymmetry, ..Effects::default() };
-    Model { gain_mm_per_s2_per_percent: 1.0, hover_duty_percent: 0.0, effects, ..model.clone() }
-}
-
 /// The recorded speeds of a flight, and w along its duty.
-fn speeds(rotor: &Model, flight: &[Sample], first_row: usize) -> Vec<Speed> {
+fn speeds(model: &Model, flight: &[Sample], first_row: usize) -> Vec<Speed> {
     let Some(first) = flight.first() else { return Vec::new() };
-    let mut actuator = Actuator::new(rotor, first.duty_percent);
-    let (mut speed, mut now_s) = (first.duty_percent, 0.0);
+    let mut rotor = Rotor::new(model, first.duty_percent);
     let (mut all, mut before) = (Vec::new(), None);
     for (row, sample) in flight.iter().enumerate() {
         let time_s = sample.time_s - first.time_s;
-        while now_s < time_s {
-            let until_s = actuator.next_jump_s(now_s).map_or(time_s, |jump_s| jump_s.min(time_s));
-            let commanded = actuator.commanded(rotor, now_s);
-            speed = followed(rotor, commanded, speed, until_s - now_s);
-            now_s = until_s;
-        }
-        actuator.write(rotor, time_s, sample.duty_percent);
+        rotor.advance_to(time_s);
+        rotor.write(time_s, sample.duty_percent);
         if let Some(rpm) = sample.fan_rpm.filter(|_| time_s >= WARM_UP_S) {
-            all.push(Speed { row: first_row + row, rpm, duty_percent: speed, follows: before == row.checked_sub(1) });
+            let follows = before == row.checked_sub(1);
+            all.push(Speed { row: first_row + row, rpm, duty_percent: rotor.speed_percent(), follows });
             before = Some(row);
         }
     }
     all
-}
-
-/// w after `dt_s` of a constant command.
-fn followed(rotor: &Model, commanded: f64, speed: f64, dt_s: f64) -> f64 {
-    match (rotor.effects.fan_lag, rotor.effects.spin_asymmetry) {
-        (Some(lag), _) => lag.after(commanded, speed, dt_s),
-        (_, Some(spin)) => spin.after(commanded, speed, dt_s),
-        _ => commanded,
-    }
 }
 
 impl Line {

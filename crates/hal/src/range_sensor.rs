@@ -20,7 +20,8 @@ use crate::deadline::{Deadline, DeadlineError, DeadlineI2c};
 /// Time for one measurement, microseconds: the shortest that the driver accepts, so 50 readings per second.
 pub const BUDGET_US: u32 = 20_000;
 
-const ADDRESS: u8 = 0x29;
+/// Where every VL53L0X answers after power-on.
+pub(crate) const ADDRESS: u8 = 0x29;
 const MODEL_ID: u8 = 0xEE;
 /// Time for one `poll`. It takes 0.35 ms; after a whole budget the reading would have been overwritten.
 const POLL_ALLOWED_S: f64 = 0.020;
@@ -29,7 +30,7 @@ const POLL_EVERY_S: f64 = 0.001;
 /// How long the chip is held in reset, and how often we look whether it is back. It boots in 1.2 ms (datasheet).
 const RESET_STEP_S: f64 = 0.002;
 /// After that the chip is taken as it is; the driver then says what is wrong with it.
-const RESET_ALLOWED_S: f64 = 0.050;
+pub(crate) const RESET_ALLOWED_S: f64 = 0.050;
 /// From here on a "distance" is a code: 8190 and 8191 mean no target, 65535 is a bus that is stuck high.
 const FIRST_CODE_MM: u16 = 8190;
 
@@ -58,11 +59,20 @@ impl From<u16> for Range {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RangeError<E> {
     /// The bus failed.
-    #[error("I2C {0:?} at the range sensor (0x29); check its wiring, its power and the bus number")]
-    Bus(E),
+    #[error("I2C {error:?} at the range sensor ({address:#04x}); check its wiring, its power and the bus number")]
+    Bus {
+        /// Where the sensor is.
+        address: u8,
+        /// What the bus said.
+        error: E,
+    },
     /// Something else answers at the address of the sensor.
-    #[error("device 0x29 answered model id {found:#04x}, a VL53L0X answers 0xEE; check what is wired to the bus")]
+    #[error(
+        "device {address:#04x} answered model id {found:#04x}, a VL53L0X answers 0xEE; check what is wired to the bus"
+    )]
     WrongDevice {
+        /// Where it answered.
+        address: u8,
         /// What it answered.
         found: u8,
     },
@@ -104,6 +114,7 @@ pub struct RangeSensor<I: I2c, C: Clock> {
     driver: VL53L0x<DeadlineI2c<I, C>>,
     deadline: Deadline,
     clock: C,
+    address: u8,
 }
 
 impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
@@ -112,17 +123,59 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
     /// # Errors
     /// Anything but a working VL53L0X. Never panics, whatever the bus answers.
     pub fn start(i2c: I, clock: C, allowed_s: f64) -> Result<Self, RangeError<I::Error>> {
-        let describe = |error| describe(error, allowed_s);
+        let mut sensor = Self::prepare(i2c, clock, allowed_s)?;
+        sensor.begin(allowed_s)?;
+        Ok(sensor)
+    }
+
+    /// The same up to where it ranges: [`Self::range`] lets two sensors begin together.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn prepare(i2c: I, clock: C, allowed_s: f64) -> Result<Self, RangeError<I::Error>> {
         let deadline = Deadline::at(clock.now_s() + allowed_s);
         let mut bus = DeadlineI2c::new(i2c, clock.clone(), deadline.clone());
-        reset(&mut bus, &clock, deadline.at_s()).map_err(|error| describe(error.into()))?;
-        let mut driver = VL53L0x::new(bus).map_err(describe)?;
+        reset(&mut bus, &clock, deadline.at_s()).map_err(|error| describe(error.into(), ADDRESS, allowed_s))?;
+        Self::calibrate(bus, deadline, clock, ADDRESS, allowed_s)
+    }
+
+    /// The same of a sensor that has just come out of reset and been moved to `address`.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn prepare_at(address: u8, i2c: I, clock: C, allowed_s: f64) -> Result<Self, RangeError<I::Error>> {
+        let deadline = Deadline::at(clock.now_s() + allowed_s);
+        let bus = DeadlineI2c::new(i2c, clock.clone(), deadline.clone());
+        Self::calibrate(bus, deadline, clock, address, allowed_s)
+    }
+
+    fn calibrate(
+        bus: DeadlineI2c<I, C>,
+        deadline: Deadline,
+        clock: C,
+        address: u8,
+        allowed_s: f64,
+    ) -> Result<Self, RangeError<I::Error>> {
+        let describe = |error| describe(error, address, allowed_s);
+        let mut driver = VL53L0x::with_address(bus, address).map_err(describe)?;
         let accepted = driver.set_measurement_timing_budget(BUDGET_US).map_err(|error| describe(error.into()))?;
         if !accepted {
             return Err(RangeError::BudgetRefused { asked_us: BUDGET_US });
         }
-        driver.start_continuous(0).map_err(|error| describe(error.into()))?;
-        Ok(Self { driver, deadline, clock })
+        Ok(Self { driver, deadline, clock, address })
+    }
+
+    /// Lets the sensor range from now on. Takes at most `allowed_s`.
+    ///
+    /// # Errors
+    /// The bus failed or was too slow.
+    pub fn range(&mut self, allowed_s: f64) -> Result<(), RangeError<I::Error>> {
+        self.deadline.move_to(self.clock.now_s() + allowed_s);
+        self.begin(allowed_s)
+    }
+
+    fn begin(&mut self, allowed_s: f64) -> Result<(), RangeError<I::Error>> {
+        self.driver.start_continuous(0).map_err(|error| describe(error.into(), self.address, allowed_s))
     }
 
     /// The new reading, or `None` when there is none yet. Does not wait.
@@ -134,7 +187,7 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
         match self.driver.read_range_mm() {
             Ok(reported_mm) => Ok(Some(reported_mm.into())),
             Err(nb::Error::WouldBlock) => Ok(None),
-            Err(nb::Error::Other(error)) => Err(describe(error, POLL_ALLOWED_S)),
+            Err(nb::Error::Other(error)) => Err(describe(error, self.address, POLL_ALLOWED_S)),
         }
     }
 
@@ -162,7 +215,7 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
 /// half way through its calibration. The sequence is that of ST's `VL53L0X_ResetDevice`.
 ///
 /// While it boots the chip does not acknowledge, so from the reset on errors are left to the driver's own first read.
-fn reset<I: I2c>(bus: &mut I, clock: &impl Clock, deadline_s: f64) -> Result<(), I::Error> {
+pub(crate) fn reset<I: I2c>(bus: &mut I, clock: &impl Clock, deadline_s: f64) -> Result<(), I::Error> {
     const SELECT_PAGE_0: [u8; 2] = [0xFF, 0x00];
     const SOFT_RESET: u8 = 0xBF;
     const MODEL_ID_REGISTER: u8 = 0xC0;
@@ -182,12 +235,12 @@ fn reset<I: I2c>(bus: &mut I, clock: &impl Clock, deadline_s: f64) -> Result<(),
     Ok(())
 }
 
-fn describe<E>(error: vl53l0x::Error<DeadlineError<E>>, allowed_s: f64) -> RangeError<E> {
+fn describe<E>(error: vl53l0x::Error<DeadlineError<E>>, address: u8, allowed_s: f64) -> RangeError<E> {
     use vl53l0x::Error as Driver;
     match error {
-        Driver::InvalidDevice(found) | Driver::InvalidAddress(found) => RangeError::WrongDevice { found },
+        Driver::InvalidDevice(found) | Driver::InvalidAddress(found) => RangeError::WrongDevice { address, found },
         Driver::Timeout | Driver::BusError(DeadlineError::DeadlinePassed { .. }) => RangeError::Slow { allowed_s },
-        Driver::BusError(DeadlineError::Bus(error)) => RangeError::Bus(error),
+        Driver::BusError(DeadlineError::Bus(error)) => RangeError::Bus { address, error },
         Driver::BusError(DeadlineError::Garbage { register, wrote, read }) => {
             RangeError::Garbage { register, wrote, read }
         }

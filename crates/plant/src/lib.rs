@@ -6,7 +6,7 @@
 //!
 //! [`Model`] is the belief about a rig (the config's `[plant]`), [`Effects`] the part of it that can be
 //! switched, [`Actuator`] the way from the duty to the commanded acceleration, [`Motion`] the state behind it,
-//! [`Simulator`] a rig that flies by the model and its noise.
+//! [`Simulator`] a rig that flies by the model and its noise, [`Rotor`] the speed of its fan.
 //! Position in mm, upward; velocity in mm/s; acceleration in mm/s²; duty in percent; time in s.
 //! Mathematics comes from `libm` only, so that every target computes the same bits.
 
@@ -21,6 +21,7 @@ mod motion;
 mod normal;
 mod rk4;
 mod root;
+mod rotor;
 mod sensor;
 mod simulator;
 mod unsound;
@@ -31,5 +32,6 @@ pub use effects::Effects;
 pub use model::{Model, Noise};
 pub use motion::Motion;
 pub use normal::Normal;
+pub use rotor::Rotor;
 pub use simulator::Simulator;
 pub use unsound::Unsound;

@@ -3,7 +3,7 @@
 use super::say;
 use crate::cli::EmulateArgs;
 use crate::config::Config;
-use crate::rig::{Monotonic, emulated_bus, serve};
+use crate::rig::{Monotonic, Served, emulated_bus, serve};
 use anyhow::{Context, Result};
 use hal::Clock;
 use std::fs;
@@ -40,7 +40,11 @@ pub fn emulate(args: &EmulateArgs) -> Result<()> {
         };
         let handle = handle.context("the socket of the emulated bus failed")?;
         // A handle that speaks nonsense is closed; the others go on.
-        thread::spawn(move || serve(handle, bus.handle(), || after(&bus)));
+        thread::spawn(move || {
+            let _ = serve(handle, Served::new(&bus), || after(&bus));
+            // Lines that it drove are back at their pull-ups.
+            after(&bus);
+        });
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::{note, say};
 use crate::cli::FanOffArgs;
 use crate::config::{Bus, Config};
-use crate::rig::{BenchError, claim, turn_off};
+use crate::rig::{BenchError, EnableLine, claim, turn_off};
 use anyhow::Result;
 
 /// How long it is tried, seconds.
@@ -14,15 +14,16 @@ const ALLOWED_S: f64 = 5.0;
 /// # Errors
 /// A config without a bus, a bus that cannot be opened, a chip that does not obey.
 pub fn fan_off(args: &FanOffArgs) -> Result<()> {
-    let bus = match &args.device {
-        Some(device) => Bus { device: device.clone() },
+    let (bus, enable) = match &args.device {
+        Some(device) => (Bus { device: device.clone() }, None),
         None => {
             let config = Config::read(&args.config.config, &args.config.patch)?;
-            config.need("fan-off", "bus", |tables| tables.bus.as_ref())?.clone()
+            let bus = config.need("fan-off", "bus", |tables| tables.bus.as_ref())?.clone();
+            (bus, config.tables.rig.as_ref().and_then(EnableLine::of))
         }
     };
     // First the fan, then questions.
-    turn_off(&bus, ALLOWED_S)?;
+    turn_off(&bus, enable.as_ref(), ALLOWED_S)?;
     say(format_args!("the fan on {} is off", bus.device))?;
     if matches!(claim(&bus), Err(BenchError::Taken { .. })) {
         note("a flight holds this bus and turns the fan on again within a cycle; end it with Ctrl-C or SIGTERM");

@@ -9,7 +9,7 @@ use crate::log::header::{Header, rfc3339};
 use crate::log::record::Cycle;
 use crate::log::writer::LogSummary;
 use crate::log::{LogError, flight};
-use crate::pilot::{Orders, Pilot};
+use crate::pilot::{Orders, Pilot, Signals};
 use crate::report::{plot, summary::Summary};
 use anyhow::{Result, anyhow, bail};
 use control::controller::Kind;
@@ -66,6 +66,7 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
         safety,
         experiment: experiment.clone(),
         reading_period_s,
+        signals: config.tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
     };
     Ok(Plan { table, pilot: Pilot::new(orders), experiment, config })
 }

@@ -36,19 +36,21 @@ pub fn guard(args: &GuardArgs) -> Result<()> {
             }
             Heard::Silence => {}
             Heard::Failed => {
-                turn_off(&bus(args), ALLOWED_S)?;
+                turn_off(&bus(args), args.output_enable.as_ref(), ALLOWED_S)?;
                 note("the guard turned the fan off after all");
                 return Ok(());
             }
             Heard::Gone if flown => return act(args, "the program died in flight, killed or crashed"),
-            Heard::Gone => return Ok(turn_off(&bus(args), ALLOWED_ON_THE_GROUND_S)?),
+            Heard::Gone => {
+                return Ok(turn_off(&bus(args), args.output_enable.as_ref(), ALLOWED_ON_THE_GROUND_S)?);
+            }
         }
     }
 }
 
 /// Turns the fan off first, and then says and keeps why.
 fn act(args: &GuardArgs, why: &str) -> Result<()> {
-    let stopped = turn_off(&bus(args), ALLOWED_S);
+    let stopped = turn_off(&bus(args), args.output_enable.as_ref(), ALLOWED_S);
     let result = if stopped.is_ok() { "the guard turned the fan off" } else { "the fan may still run" };
     let fault = format!("{why}; {result}. See the journal for what killed it, and the log for what came before");
     note(&fault);

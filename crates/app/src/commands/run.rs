@@ -13,7 +13,7 @@ use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::{Counts, Link};
 use crate::real_time;
-use crate::rig::{Chips, Guard, GuardError, bench, claim, simulated_in_real_time};
+use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
 use crate::watch::{SLACK_S, Watch};
 use anyhow::Result;
 use embedded_hal::i2c::I2c;
@@ -74,7 +74,9 @@ pub(super) fn in_real_time(
     }
     let bus = plan.config.need(command, "bus", |tables| tables.bus.as_ref())?;
     let claim = claim(bus)?;
-    let guard = Guard::start(bus, plan.table.period_s + plan.pilot.stall_s() + SLACK_S, kept, &claim)?;
+    let enable = EnableLine::of(table);
+    let stall_s = plan.table.period_s + plan.pilot.stall_s() + SLACK_S;
+    let guard = Guard::start(bus, enable.as_ref(), stall_s, kept, &claim)?;
     let rig = bench(bus, table).inspect_err(|error| keep(kept, &LastFault::now(error.to_string(), None)))?;
     fly(&order, table, rig, Some(guard), &stop)
 }

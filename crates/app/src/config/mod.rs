@@ -1,9 +1,13 @@
 //! The config file: one TOML file, every number with its unit in its key, unknown keys refused.
 //!
-//! `tables` is what it may hold, `load` reads it, merges patches and says where a mistake stands.
+//! `tables` is what it may hold, `signals` the optional ones of `[rig]`, `load` reads it, merges patches and says where a mistake stands.
 
 mod load;
+mod rig;
+mod signals;
 mod tables;
 
 pub use load::{Config, ConfigError, parse_file, parse_text};
-pub use tables::{Bus, Log, Loop, Reference, Rig, Safety, Stuck, Tables};
+pub use rig::Rig;
+pub use signals::{Looks, OutputEnable, SecondSensor, Tachometer};
+pub use tables::{Bus, Log, Loop, Reference, Safety, Stuck, Tables};

@@ -1,5 +1,6 @@
 //! The tables of the config file, in the order of the signal path. A command asks for the tables it needs.
 
+use super::Rig;
 use crate::log::import::Import;
 use crate::mqtt::config::MqttConfig;
 use crate::mqtt::topics::Topics;
@@ -52,30 +53,6 @@ pub struct Tables {
     /// `[import]`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub import: Option<Import>,
-}
-
-/// `[rig]`: what is screwed together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Rig {
-    /// The rig's name in MQTT topics.
-    pub name: String,
-    /// From the sensor's window to the ball when it rests at the bottom, mm.
-    pub sensor_to_bottom_mm: f64,
-    /// By what the sensor's distances are multiplied, from a two-end calibration. Absent: 1, the sensor is right.
-    #[serde(default = "right", skip_serializing_if = "is_right")]
-    pub sensor_scale: f64,
-    /// PWM frequency asked of the fan driver, hertz.
-    pub fan_pwm_hz: f64,
-}
-
-const fn right() -> f64 {
-    1.0
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
-fn is_right(scale: &f64) -> bool {
-    *scale == right()
 }
 
 /// `[bus]`: where the chips are.
@@ -227,6 +204,7 @@ impl Tables {
     pub fn check_words(&self) -> Result<(), (&'static str, String)> {
         if let Some(rig) = &self.rig {
             Topics::new(&rig.name).map_err(|error| ("rig.name", error.to_string()))?;
+            rig.check_wiring()?;
         }
         if self.bus.as_ref().is_some_and(|bus| bus.device.is_empty()) {
             return Err(("bus.device", "it is empty; give the I2C bus, for instance /dev/i2c-1".into()));
@@ -270,14 +248,6 @@ impl Tables {
                 None => Ok(()),
             },
         }
-    }
-}
-
-impl Rig {
-    fn check(&self) -> Result<(), OutOfRange> {
-        within("sensor_to_bottom_mm", self.sensor_to_bottom_mm, 50.0, 2000.0)?;
-        within("sensor_scale", self.sensor_scale, 0.5, 2.0)?;
-        within("fan_pwm_hz", self.fan_pwm_hz, 24.0, 10_000.0)
     }
 }
 

@@ -4,6 +4,9 @@
 
 mod faults;
 mod scene;
+mod signals;
+
+pub(crate) use signals::rich;
 
 use super::{Flight, Outcome};
 use crate::config::{Loop, Tables};
@@ -13,8 +16,8 @@ use crate::log::header::{Header, SIMULATED_START};
 use crate::log::record::End;
 use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
-use crate::pilot::{Orders, Pilot};
-use crate::rig::{Chips, PlantWorld, WorldClock};
+use crate::pilot::{Orders, Pilot, Signals};
+use crate::rig::{PlantWorld, WorldClock, start, with_signals};
 use control::regulator::Regulator;
 use control::waveform::Waveform;
 use faults::{Case, FAN, Mishap, cases};
@@ -49,6 +52,7 @@ fn pilot(tables: &Tables) -> Pilot {
         safety: tables.safety.unwrap(),
         experiment: Experiment { title: "campaign".into(), limits, segments: vec![segment] },
         reading_period_s: 0.02,
+        signals: tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
     })
 }
 
@@ -72,9 +76,9 @@ struct Flown {
 fn fly(tables: &Tables, case: Case, seed: u64) -> Flown {
     let mut random = Pcg64::seed_from_u64(seed);
     let (model, rig) = (tables.plant.as_ref().unwrap(), tables.rig.as_ref().unwrap());
-    let bus = EmulatedBus::new(Scene::new(PlantWorld::in_virtual_time(model, rig, seed)));
+    let bus = with_signals(EmulatedBus::new(Scene::new(PlantWorld::in_virtual_time(model, rig, seed))), rig);
     let clock = WorldClock(bus.clone());
-    let chips = Chips::start((bus.handle(), bus.handle()), clock, rig.sensor_to_bottom_mm, rig.fan_pwm_hz).unwrap();
+    let chips = start(&bus, clock, rig).unwrap();
     let struck_s = 0.2 + 2.5 * f64::from(random.next_u32()) / f64::from(u32::MAX);
     let skip = u64::from(random.next_u32() % 4);
     let mut struck = Struck { rig: chips, bus: bus.clone(), case, at_s: struck_s, skip, struck: Cell::new(false) };

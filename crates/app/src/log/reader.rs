@@ -85,7 +85,7 @@ pub fn sample(cycle: &Cycle) -> Sample {
         control_percent: cycle.control_percent,
         duty_percent: cycle.duty_percent,
         position_mm: cycle.position_mm.filter(|_| cycle.fresh),
-        fan_rpm: None,
-        position2_mm: None,
+        fan_rpm: cycle.fan_rpm,
+        position2_mm: cycle.position2_mm,
     }
 }

@@ -7,6 +7,7 @@ use crate::command::{Command, Refusal};
 use crate::lateness::Quantiles;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// What the loop is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -48,8 +49,14 @@ pub struct Cycle {
     pub duty_percent: f64,
     /// The position of the ball, millimetres above the bottom of the pipe. Absent before the first reading.
     pub position_mm: Option<f64>,
-    /// Whether the position was measured since the previous cycle; otherwise it is repeated.
+    /// Whether the position was measured since the previous cycle; otherwise it is repeated, or the second sensor's.
     pub fresh: bool,
+    /// The position by the second sensor, mm. Absent without one, and where it was not measured since the previous cycle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position2_mm: Option<f64>,
+    /// The speed of the fan by its tachometer, revolutions a minute; 0 where it stands. Absent without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fan_rpm: Option<f64>,
     /// The estimated velocity, millimetres per second, upward. Absent before the first reading.
     pub velocity_mm_per_s: Option<f64>,
     /// The observer's estimate of the position, mm. Absent without an observer.
@@ -143,6 +150,38 @@ pub enum Fault {
         /// For how long, seconds.
         still_s: f64,
     },
+    /// The fan is driven and does not turn.
+    #[error(
+        "the fan got {duty_percent:.1} % and stood for {for_s:.2} s; check its supply, what blocks its rotor, and the wire of          its tachometer"
+    )]
+    FanStalled {
+        /// The duty that it got, percent.
+        duty_percent: f64,
+        /// For how long it has stood, seconds.
+        for_s: f64,
+    },
+    /// The two range sensors see the ball in two places.
+    #[error(
+        "the range sensors have disagreed for {for_s:.2} s: the first sees the ball at {first_mm:.0} mm, the second at          {second_mm:.0} mm; clean their windows, check [rig] sensor_to_bottom_mm and [rig.second_sensor] to_bottom_mm,          or raise disagree_mm"
+    )]
+    SensorsDisagree {
+        /// Where the first sees it.
+        first_mm: f64,
+        /// Where the second sees it.
+        second_mm: f64,
+        /// For how long, seconds.
+        for_s: f64,
+    },
+    /// One of two range sensors is silent; the flight goes on by the other.
+    #[error(
+        "the {which} range sensor gave no position for {silent_s:.2} s; flying on by the other, check its wiring and window"
+    )]
+    OneSensorSilent {
+        /// Which one.
+        which: Which,
+        /// For how long, seconds.
+        silent_s: f64,
+    },
     /// The cycles do not keep up with their deadlines.
     #[error(
         "the control cycles fell {behind_s:.2} s behind their deadlines; end what else runs on this computer, check the \
@@ -162,6 +201,24 @@ pub enum Fault {
         /// Upper end of the band.
         max_mm: f64,
     },
+}
+
+/// One of two range sensors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// The one of every rig.
+    First,
+    /// The one of `[rig.second_sensor]`.
+    Second,
+}
+
+impl fmt::Display for Which {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::First => "first",
+            Self::Second => "second",
+        })
+    }
 }
 
 /// A band in words; either end may be open.

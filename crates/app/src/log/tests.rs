@@ -24,6 +24,8 @@ pub(crate) fn cycles(count: u32) -> Vec<Cycle> {
             duty_percent: ((21.4 + (3.7 * time_s).sin()) * 40.95).round() / 40.95,
             position_mm: (k >= 2).then(|| 300.0 + 40.0 * (2.1 * time_s).cos()),
             fresh: k >= 2 && !k.is_multiple_of(7),
+            position2_mm: None,
+            fan_rpm: None,
             velocity_mm_per_s: (k >= 3).then(|| -84.0 * (2.1 * time_s).sin()),
             control_mm_per_s2: None,
             estimated_position_mm: None,

@@ -52,6 +52,8 @@ fn state(time_s: f64) -> State {
         duty_percent: 21.8,
         position_mm: Some(248.25),
         fresh: true,
+        position2_mm: None,
+        fan_rpm: None,
         velocity_mm_per_s: Some(-3.0),
         control_mm_per_s2: None,
         estimated_position_mm: None,

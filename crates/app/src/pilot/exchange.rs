@@ -1,6 +1,6 @@
 //! What goes into the pilot and what comes out: orders before the flight, then sight against decision, cycle by cycle.
 
-use crate::config::Safety;
+use crate::config::{Rig, Safety, SecondSensor, Tachometer};
 use crate::experiment::Experiment;
 use crate::log::record::{Fault, Mode};
 use control::Duty;
@@ -21,6 +21,23 @@ pub struct Orders {
     pub experiment: Experiment,
     /// Time between readings, seconds: the period of the loop or of the sensor, whichever is longer.
     pub reading_period_s: f64,
+    /// What the rig tells besides the position.
+    pub signals: Signals,
+}
+
+/// The optional signals of a rig, as its tables have them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Signals {
+    /// The fan's speed.
+    pub tachometer: Option<Tachometer>,
+    /// Another view of the ball.
+    pub second_sensor: Option<SecondSensor>,
+}
+
+impl From<&Rig> for Signals {
+    fn from(rig: &Rig) -> Self {
+        Self { tachometer: rig.tachometer, second_sensor: rig.second_sensor }
+    }
 }
 
 /// What was seen in one cycle.
@@ -30,6 +47,34 @@ pub enum Seen {
     Ball(f64),
     /// Nothing new, because of this fault if there is one.
     Nothing(Option<Fault>),
+}
+
+/// All that one cycle is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Senses {
+    /// By the range sensor.
+    pub ball: Seen,
+    /// By the second one; `None` where there is none.
+    pub second: Option<Seen>,
+    /// The fan's speed, rpm; `None` where nobody measures it.
+    pub fan_rpm: Option<f64>,
+}
+
+impl From<Seen> for Senses {
+    fn from(ball: Seen) -> Self {
+        Self { ball, second: None, fan_rpm: None }
+    }
+}
+
+impl Seen {
+    /// Where the ball is, if it was seen, mm.
+    #[must_use]
+    pub const fn position_mm(self) -> Option<f64> {
+        match self {
+            Self::Ball(position_mm) => Some(position_mm),
+            Self::Nothing(_) => None,
+        }
+    }
 }
 
 /// What one cycle does.
@@ -47,7 +92,7 @@ pub struct Decision {
     pub duty: Duty,
     /// The estimated velocity, mm/s.
     pub velocity_mm_per_s: Option<f64>,
-    /// The last position seen, mm.
+    /// The last position seen, mm, by the second sensor while the first is silent.
     pub position_mm: Option<f64>,
     /// What the observer knows, fan and hover in percent of duty.
     pub estimate: Option<Estimate>,

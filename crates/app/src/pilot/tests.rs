@@ -1,6 +1,8 @@
 //! What `pilot.rs` promises.
 
-use super::{Orders, Pilot, Seen};
+mod signals;
+
+use super::{Orders, Pilot, Seen, Signals};
 use crate::command::{Command, GainChange, Refusal};
 use crate::config::{Safety, Stuck};
 use crate::experiment::{Experiment, Limits, Segment};
@@ -35,6 +37,7 @@ fn pilot(segments: Vec<Segment>) -> Pilot {
         },
         experiment: Experiment { title: "t".into(), limits, segments },
         reading_period_s: T,
+        signals: Signals::default(),
     })
 }
 

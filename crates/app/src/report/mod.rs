@@ -19,6 +19,7 @@ pub mod next;
 pub mod page;
 mod palette;
 pub mod plot;
+pub mod signals;
 mod stages;
 pub mod steps;
 pub mod summary;

@@ -163,6 +163,8 @@ mod tests {
             duty_percent: 21.4,
             position_mm: Some(position_mm),
             fresh: true,
+            position2_mm: None,
+            fan_rpm: None,
             velocity_mm_per_s: Some(0.0),
             control_mm_per_s2: None,
             estimated_position_mm: None,

@@ -1,5 +1,6 @@
 //! The summary of a flight: a few lines that a person reads at once.
 
+use super::signals::Signals;
 use super::steps::{Step, steps};
 use crate::deadline::Punctuality;
 use crate::log::record::Cycle;
@@ -35,6 +36,9 @@ pub struct Summary {
     /// How surprising the readings were to the observer, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub innovations: Option<Innovations>,
+    /// What the signals besides the position said, if there were any.
+    #[serde(flatten)]
+    pub signals: Signals,
 }
 
 /// Readings by the observer's test ratio.
@@ -90,6 +94,7 @@ impl Summary {
             rms_error_mm: rms(cycles.iter().filter_map(error)),
             rms_settled_mm: rms(cycles.iter().filter(|cycle| is_settled(cycle, &steps)).filter_map(error)),
             innovations: Innovations::of(cycles.iter().filter_map(|cycle| cycle.innovation_test_ratio)),
+            signals: Signals::of(cycles),
             steps: steps.len(),
         }
     }
@@ -141,13 +146,13 @@ impl fmt::Display for Summary {
             (Some(all), None) => writeln!(f, "error     rms {all:.1} mm"),
             _ => writeln!(f, "error     none: the controller was off"),
         }?;
-        let Some(Innovations { expected_percent, doubtful_percent, refused_percent }) = self.innovations else {
-            return Ok(());
-        };
-        writeln!(
-            f,
-            "observer  {expected_percent:.1} % of the readings as expected, {doubtful_percent:.1} % doubtful, {refused_percent:.1} % refused"
-        )
+        if let Some(Innovations { expected_percent, doubtful_percent, refused_percent }) = self.innovations {
+            writeln!(
+                f,
+                "observer  {expected_percent:.1} % of the readings as expected, {doubtful_percent:.1} % doubtful, {refused_percent:.1} % refused"
+            )?;
+        }
+        write!(f, "{}", self.signals)
     }
 }
 

@@ -1,21 +1,42 @@
-//! The rig through its two chips: the range sensor at the top of the pipe and the fan's PWM driver.
+//! The rig through its chips: the range sensor at the top of the pipe and the fan's PWM driver; where it has them, a second
+//! range sensor, the fan's tachometer and the driver's output-enable.
 
+use super::lines::{Lines, Pin};
+use super::second::{Apart, Second};
 use super::{Rig, Sighting};
+use crate::config;
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::{Error, ErrorKind, I2c};
-use hal::{Clock, Fan, FanError, Range, RangeError, RangeSensor};
+use hal::{Clock, Edges, Fan, FanError, Range, RangeError, RangeSensor, SeparateError, Tachometer};
 
-/// How long the sensor may take to start, seconds: its driver needs 0.1 s at 100 kHz.
-const START_ALLOWED_S: f64 = 2.0;
+/// How long a sensor may take to start, seconds: its driver needs 0.1 s at 100 kHz.
+pub(super) const START_ALLOWED_S: f64 = 2.0;
 /// How long a reading may take, seconds: ten times the sensor's period.
 const READING_ALLOWED_S: f64 = 0.2;
 /// How far beyond the pipe a reading may lie before it is no ball, mm: twelve times the sensor's noise.
-const BEYOND_PIPE_MM: f64 = 30.0;
+pub(super) const BEYOND_PIPE_MM: f64 = 30.0;
 
-/// Both chips, each on its own handle of a bus, and a clock.
+/// A handle of the bus for each chip, and the lines beside it.
+pub struct Wiring<S, P> {
+    /// Of the range sensor.
+    pub sensor: S,
+    /// Of the second one, where the rig has it.
+    pub second: Option<S>,
+    /// Of the fan driver.
+    pub fan: P,
+    /// What the rig's tables ask for.
+    pub lines: Lines,
+}
+
+/// The chips, each on its own handle of a bus, and a clock.
 pub struct Chips<S: I2c, P: I2c, C: Clock> {
     sensor: RangeSensor<S, C>,
+    second: Option<Second<S, C>>,
+    tachometer: Option<Tachometer<Box<dyn Edges>>>,
     fan: Fan<P>,
+    output_enable: Option<Pin>,
+    /// Whether the driver's outputs are on.
+    outputs_on: bool,
     clock: C,
     sensor_to_bottom_mm: f64,
     sensor_scale: f64,
@@ -27,32 +48,48 @@ pub enum StartError<S, P> {
     /// The range sensor.
     #[error(transparent)]
     Sensor(RangeError<S>),
+    /// The two range sensors are not told apart.
+    #[error(transparent)]
+    Separate(SeparateError<S>),
+    /// The second range sensor.
+    #[error("second range sensor: {0}")]
+    Second(RangeError<S>),
     /// The fan driver.
     #[error(transparent)]
     Fan(FanError<P>),
 }
 
 impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
-    /// Turns the fan off and starts the sensor.
+    /// Turns the fan off and starts the sensors.
     ///
     /// # Errors
     /// [`StartError`] names the chip and what is wrong with it; the fan is off.
-    pub fn start(
-        (sensor_bus, fan_bus): (S, P),
-        clock: C,
-        sensor_to_bottom_mm: f64,
-        fan_pwm_hz: f64,
-    ) -> Result<Self, StartError<S::Error, P::Error>> {
-        let fan = Fan::start(fan_bus, fan_pwm_hz).map_err(StartError::Fan)?;
-        let sensor = RangeSensor::start(sensor_bus, clock.clone(), START_ALLOWED_S).map_err(StartError::Sensor)?;
-        Ok(Self { sensor, fan, clock, sensor_to_bottom_mm, sensor_scale: 1.0 })
-    }
-
-    /// The same with the sensor's distances multiplied by what a calibration found.
-    #[must_use]
-    pub fn scaled(mut self, sensor_scale: f64) -> Self {
-        self.sensor_scale = sensor_scale;
-        self
+    pub fn start(wiring: Wiring<S, P>, clock: C, rig: &config::Rig) -> Result<Self, StartError<S::Error, P::Error>> {
+        let Wiring { sensor, second, fan, lines: Lines { edges, xshut, output_enable } } = wiring;
+        let fan = Fan::start(fan, rig.fan_pwm_hz).map_err(StartError::Fan)?;
+        let apart = match (rig.second_sensor, second, xshut) {
+            (Some(table), Some(bus), Some(xshut)) => {
+                Some(Apart::of(bus, table, xshut, &clock).map_err(StartError::Separate)?)
+            }
+            _ => None,
+        };
+        let mut sensor = RangeSensor::prepare(sensor, clock.clone(), START_ALLOWED_S).map_err(StartError::Sensor)?;
+        let second = apart.map(|apart| apart.start(clock.clone(), rig.sensor_to_bottom_mm));
+        let second = second.transpose().map_err(StartError::Second)?;
+        // Right after the second, so that both look at the ball at about the same time.
+        sensor.range(START_ALLOWED_S).map_err(StartError::Sensor)?;
+        let pulses = rig.tachometer.map_or(1, |tachometer| tachometer.pulses_per_revolution);
+        Ok(Self {
+            sensor,
+            second,
+            tachometer: edges.map(|edges| Tachometer::new(edges, pulses)),
+            fan,
+            output_enable,
+            outputs_on: false,
+            clock,
+            sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
+            sensor_scale: rig.sensor_scale,
+        })
     }
 
     /// The PWM frequency in force, hertz; the chip has an upper limit of 1526 Hz.
@@ -92,17 +129,51 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Rig for Chips<S, P, C> {
         })
     }
 
+    fn fan_rpm(&mut self) -> Option<f64> {
+        let now_s = self.clock.now_s();
+        self.tachometer.as_mut().map(|tachometer| tachometer.rpm(now_s))
+    }
+
+    fn second_position(&mut self) -> Option<Result<Sighting, ErrorKind>> {
+        self.second.as_mut().map(Second::position)
+    }
+
     fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
-        self.fan.drive(duty).map_err(|error| match error {
+        if duty == Duty::OFF {
+            self.disable_outputs();
+        }
+        let held = self.fan.drive(duty).map_err(|error| match error {
             FanError::Bus(error) => error.kind(),
             _ => ErrorKind::Other,
-        })
+        })?;
+        if held != Duty::OFF {
+            self.enable_outputs()?;
+        }
+        Ok(held)
     }
 }
 
-fn kind<E: Error>(error: RangeError<E>) -> ErrorKind {
+impl<S: I2c, P: I2c, C: Clock> Chips<S, P, C> {
+    fn enable_outputs(&mut self) -> Result<(), ErrorKind> {
+        if let Some(pin) = self.output_enable.as_mut().filter(|_| !self.outputs_on) {
+            pin.set_low().map_err(|_| ErrorKind::Other)?;
+            self.outputs_on = true;
+        }
+        Ok(())
+    }
+
+    /// Needs no bus, so it comes first. A line that fails leaves it to the bus to turn the fan off.
+    fn disable_outputs(&mut self) {
+        if let Some(pin) = &mut self.output_enable {
+            let _ = pin.set_high();
+            self.outputs_on = false;
+        }
+    }
+}
+
+pub(super) fn kind<E: Error>(error: RangeError<E>) -> ErrorKind {
     match error {
-        RangeError::Bus(error) => error.kind(),
+        RangeError::Bus { error, .. } => error.kind(),
         _ => ErrorKind::Other,
     }
 }
@@ -111,6 +182,7 @@ fn kind<E: Error>(error: RangeError<E>) -> ErrorKind {
 /// is turned off here.
 impl<S: I2c, P: I2c, C: Clock> Drop for Chips<S, P, C> {
     fn drop(&mut self) {
+        self.disable_outputs();
         // Nobody is left to tell of a failure; the flight has already tried and reported.
         let _ = self.fan.off();
     }

@@ -18,6 +18,12 @@ impl Monotonic {
     pub fn start() -> Self {
         Self { start: monotonic() }
     }
+
+    /// This clock's time when the system's monotonic clock said `monotonic`.
+    #[must_use]
+    pub fn seconds_at(&self, monotonic: Duration) -> f64 {
+        monotonic.saturating_sub(self.start).as_secs_f64()
+    }
 }
 
 /// Time of the system's monotonic clock. Every Linux has it: a failure would be time 0, which waits for nothing.
@@ -27,7 +33,7 @@ fn monotonic() -> Duration {
 
 impl Clock for Monotonic {
     fn now_s(&self) -> f64 {
-        monotonic().saturating_sub(self.start).as_secs_f64()
+        self.seconds_at(monotonic())
     }
 
     fn sleep_until_s(&self, t_s: f64) {

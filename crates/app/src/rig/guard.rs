@@ -7,6 +7,7 @@
 //! The kernel closes the loop's end when the loop dies, `kill -9` included; no word of the loop is needed for that. The
 //! guard's standard output is a copy of the claim on the bus: nobody else can fly before the guard has done its duty.
 
+use super::bench::EnableLine;
 use crate::config;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
@@ -52,11 +53,20 @@ impl Guard {
     ///
     /// # Errors
     /// [`GuardError`]: the system gave no process, or it does not answer.
-    pub fn start(bus: &config::Bus, stall_s: f64, last_fault: Option<&Path>, claim: &File) -> Result<Self, GuardError> {
+    pub fn start(
+        bus: &config::Bus,
+        enable: Option<&EnableLine>,
+        stall_s: f64,
+        last_fault: Option<&Path>,
+        claim: &File,
+    ) -> Result<Self, GuardError> {
         let (mut line, far) = UnixStream::pair()?;
         // This very file, even if another version has been installed over it.
         let mut command = Command::new("/proc/self/exe");
         command.arg0("airball").args(["guard", "--device", &bus.device, "--stall", &stall_s.to_string()]);
+        if let Some(enable) = enable {
+            command.args(["--output-enable", &enable.to_string()]);
+        }
         if let Some(path) = last_fault {
             command.arg("--last-fault").arg(path);
         }

@@ -5,6 +5,7 @@
 //!            bench                    simulated, real time        simulated, virtual time
 //! bus        /dev/i2c-1, a handle     emulated, a handle          emulated, a handle
 //!            for each chip            for each chip               for each chip
+//! lines      GPIO                     emulated                    emulated
 //! clock      monotonic                monotonic                   the emulated world's own
 //! ```
 //!
@@ -16,22 +17,31 @@ mod bench;
 mod chips;
 mod clock;
 mod direct;
+mod gpio;
 mod guard;
+mod lines;
+mod pulses;
+mod second;
 mod simulated;
 mod socket;
+mod socket_lines;
 #[cfg(test)]
 mod tests;
 mod wire;
 
-pub use bench::{BenchError, bench, claim, turn_off};
-pub use chips::{Chips, StartError};
+pub use bench::{BenchError, EnableLine, bench, claim, turn_off};
+pub use chips::{Chips, StartError, Wiring};
 pub use clock::{Monotonic, WorldClock};
 pub use direct::Direct;
 pub use guard::{Guard, GuardError, Heard, Ward};
+pub use lines::{Lines, Pin};
 pub use simulated::{
     PlantWorld, SimulatedRig, SimulatedStartError, emulated_bus, simulated_in_real_time, simulated_in_virtual_time,
 };
+#[cfg(test)]
+pub(crate) use simulated::{start, with_signals};
 pub use socket::{SocketBus, serve};
+pub use socket_lines::Served;
 pub use wire::{Wire, WireError};
 
 use control::{Duty, Millimetres};
@@ -51,7 +61,7 @@ pub enum Sighting {
     },
 }
 
-/// Position in, duty out, clock.
+/// Position in, duty out, clock; a second position and the fan's speed where the rig has them.
 pub trait Rig {
     /// Seconds since a fixed start; never goes back.
     fn now_s(&self) -> f64;
@@ -71,6 +81,16 @@ pub trait Rig {
     /// # Errors
     /// What the bus said.
     fn position(&mut self) -> Result<Sighting, ErrorKind>;
+
+    /// Asks the second sensor, without waiting. `None`: the rig has none.
+    fn second_position(&mut self) -> Option<Result<Sighting, ErrorKind>> {
+        None
+    }
+
+    /// The fan's speed by its tachometer, rpm, without waiting. `None`: the rig has none.
+    fn fan_rpm(&mut self) -> Option<f64> {
+        None
+    }
 
     /// Writes a duty and returns it as the chip holds it.
     ///

@@ -1,20 +1,34 @@
 //! The simulated rig: the plant behind emulated chips, so that the drivers that fly the bench fly it too.
 
-use super::chips::{Chips, StartError};
+use super::chips::{Chips, StartError, Wiring};
 use super::clock::{Monotonic, WorldClock};
+use super::lines::Lines;
+use super::pulses::Pulses;
 use crate::config;
 use embedded_hal::i2c::ErrorKind;
 use hal::Clock;
 use hal::emulator::{EmulatedBus, EmulatedI2c, World};
-use plant::{Model, Simulator};
+use plant::{Model, Normal, Simulator};
+
+/// Stream number of the second sensor's noise; the simulator's are below.
+const SECOND_STREAM: u64 = 4;
 
 /// The plant, as the chips see it.
 pub struct PlantWorld {
     simulator: Simulator,
+    second: Option<SecondBeam>,
+    pulses: Option<Pulses>,
     fan_percent: f64,
     sensor_to_bottom_mm: f64,
     sensor_scale: f64,
     time: Time,
+}
+
+/// What the second sensor sees: the ball where it is, with noise. The sensor's effects of the model are those of the first.
+struct SecondBeam {
+    table: config::SecondSensor,
+    sigma_mm: f64,
+    noise: Normal,
 }
 
 /// Whose time the world lives in.
@@ -46,10 +60,26 @@ impl World for PlantWorld {
         Some((self.sensor_to_bottom_mm - self.simulator.reading_mm()) / self.sensor_scale)
     }
 
+    fn measure_second_mm(&mut self, at_s: f64) -> Option<f64> {
+        self.simulator.advance_to(at_s);
+        let ball_mm = self.simulator.motion().position_mm;
+        let second = self.second.as_mut()?;
+        Some(second.table.distance_mm(ball_mm + second.sigma_mm * second.noise.draw()))
+    }
+
+    fn edge_s(&mut self) -> Option<f64> {
+        let now_s = self.now_s();
+        self.pulses.as_mut()?.next_edge_s(now_s)
+    }
+
     fn pwm(&mut self, fraction: f64) {
-        self.simulator.advance_to(self.now_s());
+        let now_s = self.now_s();
+        self.simulator.advance_to(now_s);
         self.fan_percent = 100.0 * fraction;
         self.simulator.drive(self.fan_percent);
+        if let Some(pulses) = &mut self.pulses {
+            pulses.drive(now_s, self.fan_percent);
+        }
     }
 }
 
@@ -83,15 +113,34 @@ pub fn simulated_in_real_time(
     seed: u64,
 ) -> Result<SimulatedRig<Monotonic>, SimulatedStartError> {
     let clock = Monotonic::start();
-    let bus = emulated_bus(model, rig, seed, clock);
-    Chips::start((bus.handle(), bus.handle()), clock, rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
-        .map(|chips| chips.scaled(rig.sensor_scale))
+    start(&emulated_bus(model, rig, seed, clock), clock, rig)
 }
 
 /// The bus of a simulated rig that lives in everybody's time, for whoever wants to drive its chips.
 #[must_use]
 pub fn emulated_bus(model: &Model, rig: &config::Rig, seed: u64, clock: Monotonic) -> EmulatedBus<PlantWorld> {
-    EmulatedBus::new(world(model, rig, seed, Time::Real(clock)))
+    with_signals(EmulatedBus::new(world(model, rig, seed, Time::Real(clock))), rig)
+}
+
+/// The bus as `[rig]` has it.
+pub(crate) fn with_signals<W: World>(bus: EmulatedBus<W>, rig: &config::Rig) -> EmulatedBus<W> {
+    let bus = if rig.second_sensor.is_some() { bus.with_second_sensor() } else { bus };
+    if rig.output_enable.is_some() {
+        // The pin is wired to a line that nobody drives yet, with its pull-up.
+        drop(bus.output_enable());
+    }
+    bus
+}
+
+/// Wires the chips of an emulated rig and starts them.
+pub(crate) fn start<W: World + 'static, C: Clock + Clone>(
+    bus: &EmulatedBus<W>,
+    clock: C,
+    rig: &config::Rig,
+) -> Result<Chips<EmulatedI2c<W>, EmulatedI2c<W>, C>, SimulatedStartError> {
+    let second = rig.second_sensor.map(|_| bus.handle());
+    let wiring = Wiring { sensor: bus.handle(), second, fan: bus.handle(), lines: Lines::emulated(bus, rig) };
+    Chips::start(wiring, clock, rig)
 }
 
 /// A simulated rig whose time moves only when somebody waits: bit-exact for one seed.
@@ -103,15 +152,19 @@ pub fn simulated_in_virtual_time(
     rig: &config::Rig,
     seed: u64,
 ) -> Result<SimulatedRig<WorldClock<PlantWorld>>, SimulatedStartError> {
-    let bus = EmulatedBus::new(PlantWorld::in_virtual_time(model, rig, seed));
-    let clock = WorldClock(bus.clone());
-    Chips::start((bus.handle(), bus.handle()), clock, rig.sensor_to_bottom_mm, rig.fan_pwm_hz)
-        .map(|chips| chips.scaled(rig.sensor_scale))
+    let bus = with_signals(EmulatedBus::new(PlantWorld::in_virtual_time(model, rig, seed)), rig);
+    start(&bus, WorldClock(bus.clone()), rig)
 }
 
 fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld {
     PlantWorld {
         simulator: Simulator::new(model.clone(), seed),
+        second: rig.second_sensor.map(|table| SecondBeam {
+            table,
+            sigma_mm: model.noise.sensor_mm,
+            noise: Normal::new(seed, SECOND_STREAM),
+        }),
+        pulses: rig.tachometer.map(|table| Pulses::new(model, &table)),
         fan_percent: 0.0,
         sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
         sensor_scale: rig.sensor_scale,

@@ -2,6 +2,7 @@
 //! must write another.
 
 use super::{Chips, Rig, Sighting, WorldClock};
+use crate::config;
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
 use hal::emulator::{EmulatedBus, EmulatedI2c, Fault, World};
@@ -39,7 +40,13 @@ fn bus(distance_mm: Option<f64>) -> EmulatedBus<Still> {
 }
 
 fn start(bus: &EmulatedBus<Still>) -> Option<Wired> {
-    Chips::start((bus.handle(), bus.handle()), WorldClock(bus.clone()), PIPE_MM, 1526.0).ok()
+    super::start(bus, WorldClock(bus.clone()), &config::Rig { sensor_to_bottom_mm: PIPE_MM, ..rig() }).ok()
+}
+
+/// The project's rig.
+fn rig() -> config::Rig {
+    let tables: config::Tables = toml::from_str(include_str!("../../../../config.toml")).unwrap();
+    tables.rig.unwrap()
 }
 
 fn flying(bus: &EmulatedBus<Still>) -> Wired {

@@ -118,6 +118,8 @@ mod tests {
                 acceleration_psd_mm2_per_s3: 360.0,
                 disturbance_psd_per_s,
                 gate_sigma: f64::INFINITY,
+                second_sensor_mm: None,
+                tachometer: None,
                 gain: Gain::SteadyState,
                 believed,
             },

@@ -103,7 +103,19 @@ pub fn covariance<const N: usize>(
     q: &SMatrix<f64, N, N>,
     r: f64,
 ) -> Result<SMatrix<f64, N, N>, DesignError> {
-    doubled(phi.transpose(), c.transpose() * c / r, *q)
+    covariance_of_several(phi, &(c.transpose() * c / r), q)
+}
+
+/// The same where several quantities are read at once, each by a row c with variance r: `information` is Σ cᵀ·c/r.
+///
+/// # Errors
+/// [`DesignError::NoRiccatiSolution`].
+pub fn covariance_of_several<const N: usize>(
+    phi: &SMatrix<f64, N, N>,
+    information: &SMatrix<f64, N, N>,
+    q: &SMatrix<f64, N, N>,
+) -> Result<SMatrix<f64, N, N>, DesignError> {
+    doubled(phi.transpose(), *information, *q)
 }
 
 /// X of the continuous equation.

@@ -1,5 +1,7 @@
 //! What `observer.rs` promises.
 
+mod signals;
+
 use super::{Estimator, Gain, Observer};
 use crate::believed::tests::G_C;
 use crate::believed::{Believed, State};
@@ -14,6 +16,8 @@ const OBSERVER: Observer = Observer {
     acceleration_psd_mm2_per_s3: 360.0,
     disturbance_psd_per_s: None,
     gate_sigma: 5.0,
+    second_sensor_mm: None,
+    tachometer: None,
     gain: Gain::SteadyState,
 };
 

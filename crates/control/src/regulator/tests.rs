@@ -28,6 +28,8 @@ fn observer() -> Observer {
         acceleration_psd_mm2_per_s3: 360.0,
         disturbance_psd_per_s: Some(1e-3),
         gate_sigma: 5.0,
+        second_sensor_mm: None,
+        tachometer: None,
         gain: Gain::SteadyState,
     }
 }
@@ -250,4 +252,19 @@ proptest! {
         prop_assert!(regulator.observed().unwrap().velocity_mm_per_s.is_finite());
         prop_assert!(regulator.velocity_mm_per_s().unwrap().is_finite());
     }
+}
+
+#[test]
+fn a_second_sensor_of_which_nothing_is_known_stands_in_like_the_first_and_says_nothing_beside_it() {
+    let mut first = Regulator::new(all(), Some(&observer()), T).unwrap();
+    let mut second = first.clone();
+    for position_mm in [250.0, 252.0, 255.0, f64::NAN, 259.0] {
+        first.pass(0.1, T);
+        second.pass(0.1, T);
+        first.read(position_mm, T);
+        second.stand_in(position_mm, T);
+    }
+    assert_eq!((first.observed(), first.surprise()), (second.observed(), second.surprise()));
+    first.read_second(400.0);
+    assert_eq!(first.observed(), second.observed());
 }

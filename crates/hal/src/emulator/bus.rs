@@ -12,14 +12,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 
 use super::fault::{Fault, Injection};
-use super::pca9685::Pca9685;
+use super::pca9685::{ADDRESS as FAN_ADDRESS, Pca9685};
 use super::vl53l0x::Vl53l0x;
 use super::world::{Chip, World};
 
 /// The usual fast mode of I2C.
 const BUS_HZ: f64 = 400_000.0;
 
-/// A bus with a VL53L0X at 0x29 and a PCA9685 at 0x40, wired to a world. Clones are the same bus.
+/// A bus with a VL53L0X at 0x29 and a PCA9685 at 0x40, wired to a world, and perhaps a second VL53L0X. Clones are the same bus.
 pub struct EmulatedBus<W> {
     shared: Arc<Mutex<Shared<W>>>,
 }
@@ -27,17 +27,16 @@ pub struct EmulatedBus<W> {
 struct Shared<W> {
     world: W,
     bus_hz: f64,
-    sockets: [Socket; 2],
+    /// The first sensor, then [`FAN`], and [`SECOND`] where there is one.
+    sockets: Vec<Socket>,
 }
 
-/// Sensor and fan driver as after power-on.
-fn fresh_chips() -> [Box<dyn Chip>; 2] {
-    [Box::new(Vl53l0x::default()), Box::new(Pca9685::default())]
-}
+/// Sockets of the chips; the first sensor's is 0.
+pub(super) const FAN: usize = 1;
+pub(super) const SECOND: usize = 2;
 
 /// A chip on the bus, and the state of its wires.
 struct Socket {
-    address: u8,
     chip: Box<dyn Chip>,
     transactions: u64,
     bytes_spoilt: u64,
@@ -58,9 +57,23 @@ impl<W: World> EmulatedBus<W> {
 
     /// Both chips as after power-on, at a bus clock of `bus_hz`.
     pub fn at_bus_hz(world: W, bus_hz: f64) -> Self {
-        let [sensor, pwm] = fresh_chips();
-        let sockets = [Socket::new(0x29, sensor), Socket::new(0x40, pwm)];
+        let sockets = vec![Socket::new(Box::new(Vl53l0x::first())), Socket::new(Box::new(Pca9685::default()))];
         Self { shared: Arc::new(Mutex::new(Shared { world, bus_hz, sockets })) }
+    }
+
+    /// The same with a second VL53L0X, as after power-on: it answers at 0x29 as well.
+    #[must_use]
+    pub fn with_second_sensor(self) -> Self {
+        self.lock().sockets.insert(SECOND, Socket::new(Box::new(Vl53l0x::second())));
+        self
+    }
+
+    /// Sets the pin of the chip in this socket.
+    pub(super) fn set_pin(&self, socket: usize, high: bool) {
+        let Shared { world, sockets, .. } = &mut *self.lock();
+        if let Some(socket) = sockets.get_mut(socket) {
+            socket.chip.pin(high, world);
+        }
     }
 
     /// A handle for one driver, as an open device file is on Linux.
@@ -77,7 +90,7 @@ impl<W: World> EmulatedBus<W> {
     /// Transactions sent to the chip at `address` so far, also those that failed.
     #[must_use]
     pub fn transactions(&self, address: u8) -> u64 {
-        self.lock().socket(address).map_or(0, |(socket, _)| socket.transactions)
+        self.lock().socket(address).map_or(0, |socket| socket.transactions)
     }
 
     /// Spoils the transactions `during` of the chip at `address`, counted like [`Self::transactions`].
@@ -91,19 +104,16 @@ impl<W: World> EmulatedBus<W> {
     }
 
     fn add(&self, address: u8, injection: Injection) {
-        if let Some((socket, _)) = self.lock().socket(address) {
+        if let Some(socket) = self.lock().socket(address) {
             socket.injections.push(injection);
         }
     }
 
-    /// Takes the power of both chips away for a moment: their registers are as after power-on.
+    /// Takes the power of all chips away for a moment: their registers are as after power-on.
     pub fn power_cycle(&self) {
         let mut shared = self.lock();
-        let Shared { world, sockets, .. } = &mut *shared;
-        for (socket, fresh) in sockets.iter_mut().zip(fresh_chips()) {
-            socket.chip = fresh;
-        }
-        world.pwm(0.0);
+        shared.sockets.iter_mut().for_each(|socket| socket.chip.power_cycle());
+        shared.world.pwm(0.0);
     }
 
     /// Repairs all wires.
@@ -118,14 +128,66 @@ impl<W: World> EmulatedBus<W> {
 }
 
 impl<W: World> Shared<W> {
-    fn socket(&mut self, address: u8) -> Option<(&mut Socket, &mut W)> {
-        self.sockets.iter_mut().find(|socket| socket.address == address).map(|socket| (socket, &mut self.world))
+    fn socket(&mut self, address: u8) -> Option<&mut Socket> {
+        self.sockets.iter_mut().find(|socket| socket.chip.address() == Some(address))
+    }
+
+    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
+        self.world.elapse_s(bits(operations) / self.bus_hz);
+        if self.sockets.len() > SECOND && address != FAN_ADDRESS {
+            self.catch_up();
+        }
+        let Self { world, sockets, .. } = self;
+        let mut there = sockets.iter_mut().filter(|socket| socket.chip.address() == Some(address));
+        let socket = there.next().ok_or(ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address))?;
+        match there.next() {
+            None => socket.transaction(operations, world),
+            Some(other) => both(socket, other, operations, world),
+        }
+    }
+
+    /// Lets two sensors end what should have ended by now in the order of time, as their world is asked.
+    fn catch_up(&mut self) {
+        let Self { world, sockets, .. } = self;
+        let now_s = world.now_s();
+        loop {
+            let ends_s = |socket: &Socket| socket.chip.ends_s().unwrap_or(f64::INFINITY);
+            let Some(next) = sockets.iter_mut().min_by(|a, b| ends_s(a).total_cmp(&ends_s(b))) else { return };
+            if ends_s(next) > now_s {
+                return;
+            }
+            next.chip.end_one(world);
+        }
     }
 }
 
+/// Two chips at one address: both hear what is written, and a bit that either pulls low reads low.
+fn both(
+    one: &mut Socket,
+    other: &mut Socket,
+    operations: &mut [Operation<'_>],
+    world: &mut dyn World,
+) -> Result<(), ErrorKind> {
+    one.transaction(operations, world)?;
+    let of_one: Vec<Vec<u8>> = read(operations).map(|bytes| bytes.to_vec()).collect();
+    other.transaction(operations, world)?;
+    for (bytes, of_one) in read(operations).zip(of_one) {
+        bytes.iter_mut().zip(of_one).for_each(|(byte, of_one)| *byte &= of_one);
+    }
+    Ok(())
+}
+
+/// What the operations read.
+fn read<'a>(operations: &'a mut [Operation<'_>]) -> impl Iterator<Item = &'a mut [u8]> {
+    operations.iter_mut().filter_map(|operation| match operation {
+        Operation::Read(bytes) => Some(&mut **bytes),
+        Operation::Write(_) => None,
+    })
+}
+
 impl Socket {
-    fn new(address: u8, chip: Box<dyn Chip>) -> Self {
-        Self { address, chip, transactions: 0, bytes_spoilt: 0, injections: Vec::new() }
+    fn new(chip: Box<dyn Chip>) -> Self {
+        Self { chip, transactions: 0, bytes_spoilt: 0, injections: Vec::new() }
     }
 
     fn transaction(&mut self, operations: &mut [Operation<'_>], world: &mut dyn World) -> Result<(), ErrorKind> {
@@ -176,12 +238,9 @@ impl Socket {
     }
 
     fn distort(&mut self, operations: &mut [Operation<'_>], fault: Fault) {
-        for operation in operations {
-            let Operation::Read(bytes) = operation else { continue };
-            for byte in bytes.iter_mut() {
-                *byte = fault.distort(*byte, self.bytes_spoilt);
-                self.bytes_spoilt += 1;
-            }
+        for byte in read(operations).flatten() {
+            *byte = fault.distort(*byte, self.bytes_spoilt);
+            self.bytes_spoilt += 1;
         }
     }
 }
@@ -197,11 +256,7 @@ impl<W> ErrorType for EmulatedI2c<W> {
 
 impl<W: World> I2c for EmulatedI2c<W> {
     fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
-        let mut shared = self.bus.lock();
-        let seconds = bits(operations) / shared.bus_hz;
-        shared.world.elapse_s(seconds);
-        let (socket, world) = shared.socket(address).ok_or(ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address))?;
-        socket.transaction(operations, world)
+        self.bus.lock().transaction(address, operations)
     }
 }
 

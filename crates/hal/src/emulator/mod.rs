@@ -1,4 +1,4 @@
-//! Register-level emulators of both chips on one emulated bus, so that the real drivers run without hardware.
+//! Register-level emulators of the chips on one emulated bus, and the lines beside it, so that the real drivers run without hardware.
 //!
 //! ```text
 //! driver → EmulatedI2c → EmulatedBus → chip → World      (fault injection sits between bus and chip)
@@ -8,10 +8,12 @@
 
 mod bus;
 mod fault;
+mod lines;
 mod pca9685;
 mod vl53l0x;
 mod world;
 
 pub use bus::{EmulatedBus, EmulatedI2c};
 pub use fault::Fault;
+pub use lines::{EmulatedEdges, EmulatedLine};
 pub use world::World;

@@ -1,7 +1,7 @@
 //! The PCA9685's registers, and what they make of the output of channel 0.
 //!
 //! ```text
-//! fraction = 0                          asleep, or full-off
+//! fraction = 0                          asleep, or full-off, or output-enable is high
 //!          = 1                          full-on
 //!          = (off − on) mod 4096 / 4096
 //! ```
@@ -13,6 +13,8 @@
 
 use super::world::{Chip, World};
 
+/// Where its address pins put it.
+pub(super) const ADDRESS: u8 = 0x40;
 const MODE1: u8 = 0x00;
 const AUTO_INCREMENT: u8 = 0x20;
 const SLEEP: u8 = 0x10;
@@ -28,6 +30,8 @@ pub(super) struct Pca9685 {
     registers: [u8; 256],
     index: u8,
     fraction: f64,
+    /// Output-enable is high. The pin is wired to ground unless something drives it.
+    disabled: bool,
 }
 
 impl Default for Pca9685 {
@@ -40,7 +44,7 @@ impl Default for Pca9685 {
         for channel in 0..CHANNELS {
             registers[usize::from(LED0_ON_L + 4 * channel + 3)] = FULL;
         }
-        Self { registers, index: 0, fraction: 0.0 }
+        Self { registers, index: 0, fraction: 0.0, disabled: false }
     }
 }
 
@@ -60,7 +64,7 @@ impl Pca9685 {
         let on = u16::from_le_bytes([on_l, on_h & 0x0F]);
         let off = u16::from_le_bytes([off_l, off_h & 0x0F]);
         match () {
-            () if self.is_set(SLEEP) || off_h & FULL != 0 => 0.0,
+            () if self.disabled || self.is_set(SLEEP) || off_h & FULL != 0 => 0.0,
             () if on_h & FULL != 0 => 1.0,
             () => f64::from(off.wrapping_sub(on) % 4096) / 4096.0,
         }
@@ -68,6 +72,19 @@ impl Pca9685 {
 }
 
 impl Chip for Pca9685 {
+    fn address(&self) -> Option<u8> {
+        Some(ADDRESS)
+    }
+
+    fn pin(&mut self, high: bool, world: &mut dyn World) {
+        self.disabled = high;
+        self.end(world);
+    }
+
+    fn power_cycle(&mut self) {
+        *self = Self { disabled: self.disabled, ..Self::default() };
+    }
+
     fn begin(&mut self, _: &mut dyn World) -> bool {
         true
     }

@@ -6,13 +6,18 @@
 //!
 //! Time is made up on each transaction: what should have ended since the last one ends now, in order.
 //!
-//! Left out: the timed mode, interrupt pins, the change of address. Durations of start-up and calibration are invented
+//! XSHUT low is a reset that takes the address as well; a soft reset leaves it, as ST's own driver expects of it.
+//!
+//! Left out: the timed mode, interrupt pins. Durations of start-up and calibration are invented
 //! but of the right order.
 
 use std::collections::BTreeMap;
 
 use super::world::{Chip, World};
 
+/// The address after power-on, and the register that holds it.
+const ADDRESS: u8 = 0x29;
+const DEVICE_ADDRESS: u8 = 0x8A;
 const PAGE: u8 = 0xFF;
 const SYSRANGE_START: u8 = 0x00;
 const SEQUENCE_CONFIG: u8 = 0x01;
@@ -36,9 +41,10 @@ const SPADS_S: f64 = 0.001;
 const CALIBRATION_S: f64 = 0.005;
 
 /// Registers that are not zero after power-on: page, register, value.
-const POWER_ON: [(u8, u8, u8); 13] = [
+const POWER_ON: [(u8, u8, u8); 14] = [
     (0, SEQUENCE_CONFIG, 0xFF),
     (0, 0x84, 0x10),
+    (0, DEVICE_ADDRESS, ADDRESS),
     (0, 0xB0, 0xFF),
     (0, 0xB1, 0xFF),
     (0, 0xB2, 0xFF),
@@ -59,7 +65,13 @@ enum Task {
     BackToBack,
 }
 
+/// What a sensor looks at: [`World::measure_mm`], or the same of the second sensor.
+type Beam = fn(&mut dyn World, f64) -> Option<f64>;
+
 pub(super) struct Vl53l0x {
+    beam: Beam,
+    /// XSHUT is low.
+    shut: bool,
     registers: BTreeMap<(u8, u8), u8>,
     page: u8,
     index: u8,
@@ -70,14 +82,32 @@ pub(super) struct Vl53l0x {
     task: Option<(Task, f64)>,
 }
 
-impl Default for Vl53l0x {
-    fn default() -> Self {
-        let registers = POWER_ON.map(|(page, register, value)| ((page, register), value)).into();
-        Self { registers, page: 0, index: 0, in_reset: false, booted_s: 0.0, spads_s: f64::INFINITY, task: None }
-    }
-}
-
 impl Vl53l0x {
+    /// The sensor of every rig, as after power-on.
+    pub(super) fn first() -> Self {
+        Self::fresh(|world, at_s| world.measure_mm(at_s))
+    }
+
+    /// The second one.
+    pub(super) fn second() -> Self {
+        Self::fresh(|world, at_s| world.measure_second_mm(at_s))
+    }
+
+    fn fresh(beam: Beam) -> Self {
+        let registers = POWER_ON.map(|(page, register, value)| ((page, register), value)).into();
+        Self {
+            beam,
+            shut: false,
+            registers,
+            page: 0,
+            index: 0,
+            in_reset: false,
+            booted_s: 0.0,
+            spads_s: f64::INFINITY,
+            task: None,
+        }
+    }
+
     fn register(&self, page: u8, register: u8) -> u8 {
         self.registers.get(&(page, register)).copied().unwrap_or(0)
     }
@@ -90,7 +120,9 @@ impl Vl53l0x {
     fn reset(&mut self, byte: u8, now_s: f64) {
         let release = byte & 0x01 != 0;
         if !release {
-            *self = Self { in_reset: true, ..Self::default() };
+            let address = self.register(0, DEVICE_ADDRESS);
+            *self = Self { in_reset: true, ..Self::fresh(self.beam) };
+            self.set(DEVICE_ADDRESS, address);
         } else if self.in_reset {
             self.in_reset = false;
             self.booted_s = now_s + BOOT_S;
@@ -113,14 +145,8 @@ impl Vl53l0x {
     /// Ends everything that should have ended by now.
     fn catch_up(&mut self, world: &mut dyn World) {
         let now_s = world.now_s();
-        while let Some((task, end_s)) = self.task.take_if(|(_, end_s)| *end_s <= now_s) {
-            if task != Task::Calibration {
-                self.latch(world.measure_mm(end_s));
-            }
-            if task == Task::BackToBack {
-                self.task = Some((task, end_s + self.budget_s()));
-            }
-            self.set(INTERRUPT_STATUS, NEW_SAMPLE);
+        while self.ends_s().is_some_and(|end_s| end_s <= now_s) {
+            self.end_one(world);
         }
     }
 
@@ -167,6 +193,37 @@ impl Vl53l0x {
 }
 
 impl Chip for Vl53l0x {
+    fn address(&self) -> Option<u8> {
+        (!self.shut).then(|| self.register(0, DEVICE_ADDRESS) & 0x7F)
+    }
+
+    fn pin(&mut self, high: bool, world: &mut dyn World) {
+        let was_high = !self.shut;
+        if high == was_high {
+            return;
+        }
+        *self = Self { shut: !high, booted_s: world.now_s() + BOOT_S, ..Self::fresh(self.beam) };
+    }
+
+    fn power_cycle(&mut self) {
+        *self = Self { shut: self.shut, ..Self::fresh(self.beam) };
+    }
+
+    fn ends_s(&self) -> Option<f64> {
+        self.task.map(|(_, end_s)| end_s)
+    }
+
+    fn end_one(&mut self, world: &mut dyn World) {
+        let Some((task, end_s)) = self.task.take() else { return };
+        if task != Task::Calibration {
+            self.latch((self.beam)(world, end_s));
+        }
+        if task == Task::BackToBack {
+            self.task = Some((task, end_s + self.budget_s()));
+        }
+        self.set(INTERRUPT_STATUS, NEW_SAMPLE);
+    }
+
     fn begin(&mut self, world: &mut dyn World) -> bool {
         self.catch_up(world);
         let now_s = world.now_s();

@@ -1,4 +1,4 @@
-//! What the emulated chips are wired to: time, the beam of the sensor, the supply of the fan.
+//! What the emulated chips are wired to: time, the beams of the sensors, supply and tachometer of the fan.
 
 /// The physics around the chips. The simulator implements it.
 pub trait World: Send {
@@ -13,12 +13,42 @@ pub trait World: Send {
     /// Asked exactly once per measurement, in the order of time, never about the future.
     fn measure_mm(&mut self, at_s: f64) -> Option<f64>;
 
+    /// The same of the second sensor, its distance to the same target. The sensors together are asked in the order of time.
+    fn measure_second_mm(&mut self, at_s: f64) -> Option<f64> {
+        let _ = at_s;
+        None
+    }
+
+    /// When the next edge of the fan's tachometer came, up to now, that was not asked for yet.
+    fn edge_s(&mut self) -> Option<f64> {
+        None
+    }
+
     /// The fan's PWM is on for this fraction of the time, 0 to 1, from now on. Told only when it changes.
     fn pwm(&mut self, fraction: f64);
 }
 
 /// What the bus asks of a chip: one call per byte on the wire.
 pub(super) trait Chip: Send {
+    /// Where it answers; `None` while it is held in reset.
+    fn address(&self) -> Option<u8>;
+
+    /// The level of its one input pin that is wired: XSHUT, or output-enable.
+    fn pin(&mut self, high: bool, world: &mut dyn World);
+
+    /// Its supply was gone for a moment; what its pin is wired to was not.
+    fn power_cycle(&mut self);
+
+    /// When the measurement that runs will end.
+    fn ends_s(&self) -> Option<f64> {
+        None
+    }
+
+    /// Ends it.
+    fn end_one(&mut self, world: &mut dyn World) {
+        let _ = world;
+    }
+
     /// The chip is addressed. `false` is "no acknowledge".
     fn begin(&mut self, world: &mut dyn World) -> bool;
 

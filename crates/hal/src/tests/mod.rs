@@ -2,7 +2,9 @@
 
 mod fan;
 mod faults;
+mod lines;
 mod range_sensor;
+mod second_sensor;
 
 use crate::clock::Clock;
 use crate::emulator::{EmulatedBus, EmulatedI2c, World};
@@ -19,11 +21,16 @@ pub(crate) struct Bench {
     now_s: f64,
     /// When the sensor measured.
     pub(crate) measured_s: Vec<f64>,
+    /// When the second sensor did, where there is one.
+    pub(crate) second_measured_s: Vec<f64>,
     /// No ball in the pipe.
     pub(crate) empty: bool,
     /// What the fan was given, in order.
     pub(crate) pwm: Vec<f64>,
 }
+
+/// How much further the second sensor is from the ball than the first.
+pub(crate) const SECOND_FURTHER_MM: f64 = 60.0;
 
 /// Distance of the test ball from the sensor: 400 mm, swinging by 100 mm at 1 Hz.
 pub(crate) fn ball_mm(at_s: f64) -> f64 {
@@ -44,6 +51,12 @@ impl World for Bench {
         assert!(self.measured_s.last() < Some(&at_s), "asked about {at_s} s again or out of order");
         self.measured_s.push(at_s);
         (!self.empty).then(|| ball_mm(at_s))
+    }
+
+    fn measure_second_mm(&mut self, at_s: f64) -> Option<f64> {
+        assert!(at_s <= self.now_s && self.measured_s.last().is_none_or(|last_s| *last_s <= at_s), "{at_s} s");
+        self.second_measured_s.push(at_s);
+        Some(SECOND_FURTHER_MM + ball_mm(at_s))
     }
 
     fn pwm(&mut self, fraction: f64) {

@@ -85,7 +85,7 @@ fn a_silent_sensor_is_reported_after_the_timeout() {
 
 #[test]
 fn a_missing_sensor_is_a_bus_error_in_start_and_in_poll() {
-    let nack = RangeError::Bus(ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address));
+    let nack = RangeError::Bus { address: SENSOR, error: ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address) };
     let (bus, _) = bench();
     let mut sensor = start_sensor(&bus, START_S).unwrap();
     bus.inject(SENSOR, Fault::Nack, 0..u64::MAX);
@@ -98,7 +98,7 @@ fn another_device_at_the_address_is_named_by_its_id() {
     let (bus, _) = bench();
     bus.inject(SENSOR, Fault::StuckHigh, 0..u64::MAX);
     let wrong = error(start_sensor(&bus, START_S));
-    assert_eq!(wrong, RangeError::WrongDevice { found: 0xFF });
+    assert_eq!(wrong, RangeError::WrongDevice { address: SENSOR, found: 0xFF });
     assert_eq!(
         wrong.to_string(),
         "device 0x29 answered model id 0xff, a VL53L0X answers 0xEE; check what is wired to the bus"

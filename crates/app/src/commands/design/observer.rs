@@ -51,6 +51,8 @@ impl Ground {
             acceleration_psd_mm2_per_s3: noise.acceleration_psd_mm2_per_s3,
             disturbance_psd_per_s: held.map_or(Some(DISTURBANCE_PSD_PER_S), |held| held.disturbance_psd_per_s),
             gate_sigma: held.map_or(GATE_SIGMA, |held| held.gate_sigma),
+            second_sensor_mm: held.and_then(|held| held.second_sensor_mm),
+            tachometer: held.and_then(|held| held.tachometer),
             gain: held.map_or(Gain::SteadyState, |held| held.gain),
             believed: Believed { gain_mm_per_s2_per_control: plant.gain, drag_per_s: plant.drag_per_s, fan_lag_s },
         };

@@ -4,6 +4,8 @@ use hal::emulator::{EmulatedBus, Fault, World};
 
 pub(super) const SENSOR: u8 = 0x29;
 pub(super) const FAN: u8 = 0x40;
+/// Of the rig that has one.
+pub(super) const SECOND: u8 = 0x30;
 
 /// Registers of which a cycle makes use: status, distance and interrupt of the sensor; the fan's channel and its off-bit.
 const REGISTERS: [(u8, u8); 5] = [(SENSOR, 0x13), (SENSOR, 0x1E), (SENSOR, 0x0B), (FAN, 0x06), (FAN, 0x09)];
@@ -21,6 +23,12 @@ pub(super) enum Mishap {
     BallStuck,
     /// The sensor gives its last reading for ever, as if it were new.
     SensorFrozen,
+    /// The fan stops, for want of a supply or because something blocks it.
+    FanStalled,
+    /// The tachometer's wire breaks.
+    TachometerCut,
+    /// The second sensor reads so much too far.
+    SecondOff { mm: f64 },
     /// The processor is taken away for so long, once.
     Pause { seconds: f64 },
     /// The processor is taken away in every cycle, for longer than the cycle lasts.
@@ -80,6 +88,9 @@ impl Case {
             // A cycle of 20 ms takes 40.
             Mishap::Slow => COAST_OR_STALL_S,
             Mishap::BallStuck | Mishap::SensorFrozen => return None,
+            // After 0.25 s without an edge the speed is 0.
+            Mishap::FanStalled | Mishap::TachometerCut => 0.25,
+            Mishap::SecondOff { .. } => 0.0,
             Mishap::Pause { seconds } => (seconds >= COAST_OR_STALL_S).then_some(seconds)?,
         };
         Some(COAST_OR_STALL_S + CYCLES_S + held_up_s)

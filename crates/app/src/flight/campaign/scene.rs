@@ -46,9 +46,23 @@ impl World for Scene {
         shown_mm
     }
 
+    fn measure_second_mm(&mut self, at_s: f64) -> Option<f64> {
+        let now_mm = self.plant.measure_second_mm(at_s);
+        match self.mishap {
+            Some(Mishap::BallLost) => None,
+            Some(Mishap::SecondOff { mm }) => now_mm.map(|now_mm| now_mm + mm),
+            _ => now_mm,
+        }
+    }
+
+    fn edge_s(&mut self) -> Option<f64> {
+        let edge_s = self.plant.edge_s();
+        edge_s.filter(|_| !matches!(self.mishap, Some(Mishap::FanStalled | Mishap::TachometerCut)))
+    }
+
     fn pwm(&mut self, fraction: f64) {
         self.fan.push((self.now_s(), fraction));
-        self.plant.pwm(fraction);
+        self.plant.pwm(if self.mishap == Some(Mishap::FanStalled) { 0.0 } else { fraction });
     }
 }
 
@@ -73,6 +87,9 @@ impl Struck {
             self.bus.power_cycle();
         }
         self.bus.with_world(|scene| scene.mishap = Some(self.case.mishap));
+        if self.case.mishap == Mishap::FanStalled {
+            self.bus.with_world(|scene| scene.plant.pwm(0.0));
+        }
         if let Mishap::Pause { seconds } = self.case.mishap {
             self.bus.with_world(|scene| scene.elapse_s(seconds));
         }
@@ -100,6 +117,14 @@ impl Rig for Struck {
 
     fn position(&mut self) -> Result<Sighting, ErrorKind> {
         self.rig.position()
+    }
+
+    fn second_position(&mut self) -> Option<Result<Sighting, ErrorKind>> {
+        self.rig.second_position()
+    }
+
+    fn fan_rpm(&mut self) -> Option<f64> {
+        self.rig.fan_rpm()
     }
 
     fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {

@@ -2,8 +2,8 @@
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    blind, config, design, diagnose, emulate, fan_off, guard, identify, log, measure, note, reader_is_gone, replay,
-    run, simulate,
+    blind, config, design, diagnose, emulate, fan_off, guard, identify, live, log, measure, monitor, note,
+    reader_is_gone, replay, run, simulate,
 };
 use airball::config::ConfigError;
 use clap::Parser;
@@ -20,6 +20,8 @@ fn main() -> ExitCode {
         Command::Identify(command) => identify::identify(&command),
         Command::Blind(args) => blind::blind(&args),
         Command::FanOff(args) => fan_off::fan_off(&args),
+        Command::Monitor(args) => monitor::monitor(&args),
+        Command::Live(args) => live::live(&args),
         Command::Emulate(args) => emulate::emulate(&args),
         Command::Guard(args) => guard::guard(&args),
         Command::Config(ConfigCommand::Check(args)) => config::check(&args),

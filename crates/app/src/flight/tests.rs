@@ -175,7 +175,8 @@ fn the_pulse_counts_the_cycles() {
 fn allocations(duration_s: f64) -> u64 {
     let tables: crate::config::Tables = toml::from_str(include_str!("../../../../config.toml")).unwrap();
     let mqtt = crate::mqtt::MqttConfig { port: 1, ..tables.mqtt.clone().unwrap() };
-    let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, "rig1", None).unwrap();
+    let about = crate::mqtt::About { rig: "rig1".into(), ..Default::default() };
+    let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, &about, None).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let writer = LogWriter::create(&folder.path().join("f.mcap"), &crate::log::tests::header()).unwrap();
     let mut queue = crate::log::queue::Queue::start(writer).unwrap();

@@ -21,6 +21,9 @@ pub struct MqttConfig {
     /// File whose text is the user's password.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub password_file: Option<PathBuf>,
+    /// Experiment files on offer besides the program's own, to be started in flight by their names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub experiments: Vec<PathBuf>,
 }
 
 /// The port that IANA registered for MQTT without TLS.

@@ -4,14 +4,14 @@
 //! is sent in the next, so that the broker never hears of a state that is long past. Subscriptions do not outlive a
 //! session either. Between sessions the thread sleeps, because a refused connection fails within microseconds.
 
+use super::about::About;
 use super::config::{Credentials, MqttConfig};
 use super::count::{Counters, count};
+use super::mailbox::Inbox;
 use super::outage::Outage;
-use super::parse::{ParseError, parse};
+use super::parse::{Asked, ParseError, parse};
 use super::topics::{ORIGINAL_SETPOINT, Topics};
-use crate::command::Command;
 use crate::last_fault::LastFault;
-use rtrb::Producer;
 use rumqttc::{Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
@@ -24,7 +24,7 @@ use std::{io, process, thread};
 const QUEUE: usize = 256;
 /// Largest packet taken from the broker. The connection ends at a larger one; the default of 10 KB ends it sooner.
 const LARGEST_IN: usize = 64 * 1024;
-/// Largest packet sent; ours are below 2 KB.
+/// Largest packet sent; a full batch of cycles is below 40 KB.
 const LARGEST_OUT: usize = 64 * 1024;
 /// After one and a half of these without a sign of life the broker publishes the last will.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
@@ -32,15 +32,21 @@ const KEEP_ALIVE: Duration = Duration::from_secs(5);
 const PAUSES: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(5));
 
 /// What both threads and the link share: the client of the session, while there is one.
-#[derive(Default)]
 pub(super) struct Line {
     client: Mutex<Option<Client>>,
     stopping: AtomicBool,
     /// The last fault, as it is published; none is known where there is none.
     fault: Mutex<Option<String>>,
+    /// What the rig is, as it is published.
+    about: String,
 }
 
 impl Line {
+    pub(super) fn new(about: &About) -> Self {
+        let (client, stopping, fault) = (Mutex::default(), AtomicBool::default(), Mutex::default());
+        Self { client, stopping, fault, about: about.json() }
+    }
+
     pub(super) fn client(&self) -> MutexGuard<'_, Option<Client>> {
         self.client.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -67,19 +73,27 @@ impl Line {
     }
 }
 
-/// A message that was refused before it reached the loop.
-pub(super) struct Rejected {
+/// A message that was answered without the loop.
+pub(super) struct Aside {
     /// As [`Topics::short`] has it.
     pub(super) topic: String,
-    pub(super) reason: String,
+    pub(super) what: What,
+}
+
+/// What became of it.
+pub(super) enum What {
+    /// It was refused, for this reason.
+    Refused(String),
+    /// It asks for every cycle, or no longer.
+    Stream(bool),
 }
 
 /// The thread's belongings.
 pub(super) struct Network {
     pub(super) options: MqttOptions,
     pub(super) topics: Arc<Topics>,
-    pub(super) commands: Producer<Command>,
-    pub(super) rejected: SyncSender<Rejected>,
+    pub(super) commands: Inbox,
+    pub(super) asides: SyncSender<Aside>,
     pub(super) line: Arc<Line>,
     pub(super) counters: Arc<Counters>,
     pub(super) outage: Outage,
@@ -87,10 +101,15 @@ pub(super) struct Network {
 
 /// Who we are to the broker, and what it is to say when we are gone.
 pub(super) fn options(config: &MqttConfig, rig: &str, login: Option<Credentials>, topics: &Topics) -> MqttOptions {
-    let id = format!("airball-{rig}-{}", process::id());
+    let mut options = to_broker(config, format!("airball-{rig}-{}", process::id()), login);
+    options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
+    options
+}
+
+/// Where the broker is, and who dials.
+pub(super) fn to_broker(config: &MqttConfig, id: String, login: Option<Credentials>) -> MqttOptions {
     let mut options = MqttOptions::new(id, config.host.clone(), config.port);
     options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
-    options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
     if let Some(Credentials { user, password }) = login {
         options.set_credentials(user, password);
     }
@@ -144,6 +163,7 @@ impl Network {
         let greeted = !self.line.stopping()
             && client.try_subscribe_many(filters).is_ok()
             && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "online").is_ok()
+            && client.try_publish(&self.topics.about, QoS::AtLeastOnce, true, self.line.about.clone()).is_ok()
             && self.line.publish_fault(client, &self.topics);
         if greeted {
             *held = Some(client.clone());
@@ -152,30 +172,31 @@ impl Network {
         greeted
     }
 
-    /// Hands a command to the loop, or the reason why not to the publisher.
+    /// Hands a command to the loop, or what became of it without the loop to the publisher.
     fn take(&mut self, message: &Publish) {
         count(&self.counters.received);
-        let reason = match self.command(message) {
+        let what = match self.asked(message) {
             Err(why) => {
                 count(&self.counters.refused);
-                why.to_string()
+                What::Refused(why.to_string())
             }
-            Ok(_) if self.commands.is_abandoned() => "the flight is over".to_owned(),
-            Ok(command) => {
-                if self.commands.push(command).is_ok() {
+            Ok(_) if self.commands.is_abandoned() => What::Refused("the flight is over".to_owned()),
+            Ok(Asked::Stream(on)) => What::Stream(on),
+            Ok(Asked::Loop(command)) => {
+                if self.commands.push(command) {
                     return;
                 }
                 count(&self.counters.busy);
-                "busy: too many commands wait already; send fewer, and wait for the replies".to_owned()
+                What::Refused("busy: too many commands wait already; send fewer, and wait for the replies".to_owned())
             }
         };
         let topic = self.topics.short(&message.topic).to_owned();
-        if self.rejected.try_send(Rejected { topic, reason }).is_err() {
+        if self.asides.try_send(Aside { topic, what }).is_err() {
             count(&self.counters.dropped);
         }
     }
 
-    fn command(&self, message: &Publish) -> Result<Command, ParseError> {
+    fn asked(&self, message: &Publish) -> Result<Asked, ParseError> {
         if message.retain {
             return Err(ParseError::Retained);
         }

@@ -75,7 +75,7 @@ impl Drop for Broker {
 
 /// A link to whoever listens on this port.
 pub(super) fn config(port: u16) -> MqttConfig {
-    MqttConfig { host: "127.0.0.1".into(), port, user: None, password_file: None }
+    MqttConfig { host: "127.0.0.1".into(), port, user: None, password_file: None, experiments: vec![] }
 }
 
 /// Debian keeps the broker out of the path of ordinary users.

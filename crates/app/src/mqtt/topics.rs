@@ -24,11 +24,16 @@ pub enum Quantity {
     Controller,
     /// What the loop does.
     Mode,
+    /// An experiment to fly.
+    Experiment,
+    /// Whether every cycle is published, or ten in a second.
+    Stream,
 }
 
 impl Quantity {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 4] = [Self::Setpoint, Self::Gains, Self::Controller, Self::Mode];
+    pub const ALL: [Self; 6] =
+        [Self::Setpoint, Self::Gains, Self::Controller, Self::Mode, Self::Experiment, Self::Stream];
 
     /// The topic below the rig's.
     #[must_use]
@@ -38,6 +43,8 @@ impl Quantity {
             Self::Gains => "set/gains",
             Self::Controller => "set/controller",
             Self::Mode => "set/mode",
+            Self::Experiment => "set/experiment",
+            Self::Stream => "set/stream",
         }
     }
 }
@@ -51,6 +58,10 @@ pub struct Topics {
     pub reply: String,
     /// The state, at 10 Hz.
     pub state: String,
+    /// Every cycle, in batches, while somebody asks for it.
+    pub cycles: String,
+    /// What the rig is and may be told, retained.
+    pub about: String,
     /// `online` or `offline`, retained.
     pub status: String,
     /// The last fault, retained.
@@ -74,6 +85,8 @@ impl Topics {
         Ok(Self {
             reply: below("reply"),
             state: below("state"),
+            cycles: below("cycles"),
+            about: below("about"),
             status: below("status"),
             fault: below("fault"),
             commands: below("set/#"),
@@ -89,6 +102,12 @@ impl Topics {
         }
         let name = topic.strip_prefix(&self.root)?;
         Quantity::ALL.into_iter().find(|quantity| quantity.topic() == name)
+    }
+
+    /// The topic of a command.
+    #[must_use]
+    pub fn set(&self, quantity: Quantity) -> String {
+        format!("{}{}", self.root, quantity.topic())
     }
 
     /// A topic as replies name it: without the rig, where it is the rig's.

@@ -1,11 +1,12 @@
 //! A report as one page: no file beside it, no network, readable without its script.
 //!
 //! The library of templates escapes whatever is put into a page, and a policy in the page's head allows no script but its own, by its
-//! hash: names of files and configs from strangers stay words. `parts` and `figure` are what pages are made of, [`diagnosis`] and
-//! [`replay`] are pages.
+//! hash: names of files and configs from strangers stay words. `parts` and `figure` are what pages are made of, [`diagnosis`],
+//! [`replay`] and [`live`] are pages.
 
 pub mod diagnosis;
 mod figure;
+pub mod live;
 mod parts;
 mod record;
 pub mod replay;
@@ -29,7 +30,7 @@ const BEGINNING: &str = "<!DOCTYPE html>";
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
     /// The file cannot be written.
-    #[error("cannot write the page {}: {source}; check the folder of --html", path.display())]
+    #[error("cannot write the page {}: {source}; check its folder", path.display())]
     Write {
         /// The file.
         path: PathBuf,
@@ -37,7 +38,7 @@ pub enum PageError {
         source: std::io::Error,
     },
     /// Something that is no page has this name.
-    #[error("{} exists and is no HTML page; it is kept: give --html another name", path.display())]
+    #[error("{} exists and is no HTML page; it is kept: give the page another name", path.display())]
     Taken {
         /// The file.
         path: PathBuf,
@@ -149,10 +150,15 @@ fn footer() -> Markup {
 
 /// No script but this one, nothing from anywhere else.
 fn policy(script: &str) -> String {
-    let hash = BASE64_STANDARD.encode(Sha256::digest(script.as_bytes()));
+    let hash = hash_of(script);
     format!(
         "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{hash}'; base-uri 'none'; form-action 'none'"
     )
+}
+
+/// As a policy names a script.
+fn hash_of(script: &str) -> String {
+    BASE64_STANDARD.encode(Sha256::digest(script.as_bytes()))
 }
 
 #[cfg(test)]

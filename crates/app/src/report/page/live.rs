@@ -30,7 +30,7 @@ pub fn page(place: &Place<'_>) -> String {
     let script = [MQTT_SCRIPT, CHART_SCRIPT, CHARTS, LIVE_SCRIPT].join("\n");
     let style = format!("{}{CHART_STYLE}\n{STYLE}\n{LIVE_STYLE}", palette::stylesheet());
     let policy = format!(
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{}' 'sha256-{}'; connect-src ws: wss:; base-uri 'none'; form-action 'none'",
+        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{}' 'sha256-{}'; connect-src ws: wss:; img-src data:; base-uri 'none'; form-action 'none'",
         hash_of(STOP_SCRIPT),
         hash_of(&script)
     );

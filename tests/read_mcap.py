@@ -57,7 +57,7 @@ def main(path):
             "message_encoding": channel.message_encoding,
             "schema": schemas[channel.schema_id].name,
             "schema_encoding": schemas[channel.schema_id].encoding,
-            "properties": list(json.loads(schemas[channel.schema_id].data)["properties"]),
+            "types": {name: field.get("type") for name, field in json.loads(schemas[channel.schema_id].data)["properties"].items()},
             "messages": len(messages.get(channel.id, [])),
         }
         for channel in channels.values()

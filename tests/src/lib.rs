@@ -105,22 +105,21 @@ pub struct Broker {
 impl Default for Broker {
     fn default() -> Self {
         let port = free_port();
-        Self { process: mosquitto(port), port }
+        let process = mosquitto(&["-p", &port.to_string()]);
+        listens(port);
+        Self { process, port }
     }
 }
 
-/// A broker that listens on this port.
-fn mosquitto(port: u16) -> Child {
+fn mosquitto(arguments: &[&str]) -> Child {
     let search = format!("{}:/usr/sbin", std::env::var("PATH").unwrap_or_default());
-    let process = Command::new("mosquitto")
-        .args(["-p", &port.to_string()])
-        .env("PATH", search)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("mosquitto starts; scripts/test installs it");
+    let mut command = Command::new("mosquitto");
+    command.args(arguments).env("PATH", search).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().expect("mosquitto starts; scripts/test installs it")
+}
+
+fn listens(port: u16) {
     eventually("the broker listens", || TcpStream::connect(("127.0.0.1", port)).is_ok().then_some(()));
-    process
 }
 
 impl Drop for Broker {
@@ -135,7 +134,20 @@ impl Broker {
     pub fn replace(&mut self) {
         self.process.kill().expect("a broker to kill");
         self.process.wait().expect("its end");
-        self.process = mosquitto(self.port);
+        self.process = mosquitto(&["-p", &self.port.to_string()]);
+        listens(self.port);
+    }
+
+    /// One with the config that `config` makes of two free ports, written to `path`: for MQTT, and for WebSockets, which is returned.
+    #[must_use]
+    pub fn configured(path: &Path, config: impl Fn(u16, u16) -> String) -> (Self, u16) {
+        let (port, sockets) = (free_port(), free_port());
+        // Started by root it would become another user, who cannot read a test's directory.
+        std::fs::write(path, format!("user root\n{}", config(port, sockets))).expect("the broker's config is written");
+        let broker = Self { process: mosquitto(&["-c", &path.display().to_string()]), port };
+        listens(port);
+        listens(sockets);
+        (broker, sockets)
     }
 
     /// Publishes as `mosquitto_pub` does for a user.

@@ -49,6 +49,10 @@ pub enum Command {
     /// Identify the plant of a rig from its logs
     #[command(subcommand)]
     Identify(IdentifyCommand),
+    /// Watch and steer a rig in a terminal, over its broker
+    Monitor(MonitorArgs),
+    /// Write the page that flies a rig from a browser: live charts, setpoint, gains, experiments, stop
+    Live(LiveArgs),
     /// Diagnose a folder of withheld cases, and score the answers once the truth is known
     Blind(BlindArgs),
     /// Show what each effect of the catalogue does to a flight: pages with pictures, and what a diagnosis says of it
@@ -206,6 +210,31 @@ pub struct BlindArgs {
     /// Write the result as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// `airball monitor`
+#[derive(Debug, Args)]
+pub struct MonitorArgs {
+    /// Which config; its tables rig and mqtt say which rig, and where its broker is.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Write one line of the rig's state and end; without a terminal a line a second is written
+    #[arg(long)]
+    pub once: bool,
+}
+
+/// `airball live`
+#[derive(Debug, Args)]
+pub struct LiveArgs {
+    /// Which config; its tables rig and mqtt say which rig the page flies.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// The page (HTML)
+    #[arg(long, value_name = "FILE", default_value = "live.html")]
+    pub out: PathBuf,
+    /// WebSockets of the broker [default: those of the host that serves the page; opened as a file, port 9001 of the config's broker]
+    #[arg(long, value_name = "URL")]
+    pub broker: Option<String>,
 }
 
 /// `airball fan-off`

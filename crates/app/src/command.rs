@@ -1,5 +1,6 @@
 //! Commands to a flight: what may be asked for while the ball is in the air, and why it may be refused.
 
+use crate::experiment::offers::Name;
 use control::controller::{Controllers, Kind};
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};
@@ -18,8 +19,10 @@ pub enum Command {
     Stop,
     /// Fly again after a stop.
     Fly,
-    /// Go back to the programme of the config or the experiment.
+    /// Go back to the programme of the config or the experiment that the flight began with.
     Programme,
+    /// Fly an experiment that is on offer, from its start, and then the programme again.
+    Experiment(Name),
 }
 
 /// New gains; what is absent stays.
@@ -77,6 +80,28 @@ pub enum Refusal {
         /// What there is.
         known: Known,
     },
+    /// There is no such experiment.
+    #[error(
+        "no experiment {asked} is on offer; the retained topic `about` lists those that are, and [mqtt] experiments of the config adds files"
+    )]
+    Experiment {
+        /// What was asked for.
+        asked: Name,
+    },
+    /// The experiment changes gains of a controller that does not fly.
+    #[error("the experiment changes the gains of the PID, and {} flies; send pid to set/controller first", flies.name())]
+    NeedsPid {
+        /// What flies.
+        flies: Kind,
+    },
+    /// The experiment's gains would be in another unit.
+    #[error(
+        "the experiment's gains are in percent per mm, and behind [compensation] predistortion they would be in mm/s² per mm"
+    )]
+    Predistortion,
+    /// The fan is off.
+    #[error("the fan is off; send fly to set/mode first")]
+    Stopped,
     /// The loop is not controlling the ball.
     #[error("the fan follows an open-loop programme; wait for its end")]
     OpenLoop,
@@ -108,6 +133,7 @@ impl fmt::Display for Command {
             Self::Stop => f.write_str("mode stop"),
             Self::Fly => f.write_str("mode fly"),
             Self::Programme => f.write_str("mode programme"),
+            Self::Experiment(name) => write!(f, "experiment {name}"),
         }
     }
 }

@@ -27,6 +27,7 @@
 //! The flight ends, with the fan off, after the last segment. Waveforms: see [`control::waveform`].
 
 mod check;
+pub mod offers;
 
 use crate::command::GainChange;
 use crate::config::{ConfigError, Reference, Safety, parse_file, parse_text};
@@ -122,7 +123,12 @@ impl Experiment {
     /// # Errors
     /// [`ConfigError`] names file, line and key.
     pub fn read(path: &Path, safety: &Safety) -> Result<Self, ConfigError> {
-        let (experiment, place) = parse_file::<Self>(path, "--experiment FILE")?;
+        Self::of_file(path, safety, "--experiment FILE")
+    }
+
+    /// The same of a file that `flag` names.
+    fn of_file(path: &Path, safety: &Safety, flag: &'static str) -> Result<Self, ConfigError> {
+        let (experiment, place) = parse_file::<Self>(path, flag)?;
         experiment.checked(safety, place)
     }
 

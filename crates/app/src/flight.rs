@@ -186,6 +186,7 @@ impl<'a, R: Rig> Flight<'a, R> {
                 controller: self.pilot.controller(),
                 gains: self.pilot.gains().map(Into::into),
                 mode: self.pilot.mode(),
+                experiment: self.pilot.experiment(),
             };
             if let Some(mailbox) = self.mailbox.as_mut() {
                 mailbox.answer(Answer { command, refused, in_force });
@@ -230,6 +231,7 @@ impl<'a, R: Rig> Flight<'a, R> {
             cycle: *cycle,
             controller: self.pilot.controller(),
             gains: self.pilot.gains().map(Into::into),
+            experiment: self.pilot.experiment(),
             late_cycles: punctuality.late,
             lateness: punctuality.lateness,
             dropped_log_messages: self.recorder.dropped(),

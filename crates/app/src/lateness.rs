@@ -6,7 +6,7 @@
 //!
 //! A quantile is the upper edge of its step: at most 2.5 times too large, never too small.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Upper edges of the steps, microseconds.
@@ -19,7 +19,7 @@ pub struct Histogram {
 }
 
 /// What a person asks of a histogram, microseconds; where a quantile lies beyond 100 ms it is the largest lateness.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quantiles {
     /// Half of the cycles are not later.
     pub p50_us: f64,

@@ -15,6 +15,7 @@ pub mod last_fault;
 pub mod lateness;
 pub mod log;
 pub mod measured;
+pub mod monitor;
 pub mod mqtt;
 pub mod next;
 pub mod pilot;

@@ -2,8 +2,8 @@
 
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    Usage, blind, config, design, diagnose, emulate, fan_off, gallery, guard, identify, log, measure, note,
-    reader_is_gone, replay, run, simulate,
+    Usage, blind, config, design, diagnose, emulate, fan_off, gallery, guard, identify, live, log, measure, monitor,
+    note, reader_is_gone, replay, run, simulate,
 };
 use airball::config::ConfigError;
 use clap::Parser;
@@ -21,6 +21,8 @@ fn main() -> ExitCode {
         Command::Blind(args) => blind::blind(&args),
         Command::Gallery(args) => gallery::gallery(&args),
         Command::FanOff(args) => fan_off::fan_off(&args),
+        Command::Monitor(args) => monitor::monitor(&args),
+        Command::Live(args) => live::live(&args),
         Command::Emulate(args) => emulate::emulate(&args),
         Command::Guard(args) => guard::guard(&args),
         Command::Config(ConfigCommand::Check(args)) => config::check(&args),

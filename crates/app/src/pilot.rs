@@ -18,13 +18,14 @@ mod still;
 pub use exchange::{Decision, Orders, Seen, Senses, Signals};
 
 use crate::experiment::Demand;
+use crate::experiment::offers::Offer;
 use crate::log::record::{Fault, Mode};
 use control::Duty;
 use control::compensation::Compensator;
 use control::controller::Kind;
 use control::observer::Estimate;
 use control::pid::Pid;
-use programme::Programme;
+use programme::{Programme, Started};
 use signals::Watch;
 use still::Still;
 
@@ -39,6 +40,10 @@ const WAIT_S: f64 = 5.0;
 #[derive(Clone, Debug)]
 pub struct Pilot {
     orders: Orders,
+    /// What may be started in flight.
+    offers: Vec<Offer>,
+    /// What was.
+    started: Option<Started>,
     mode: Mode,
     compensator: Compensator,
     /// When it last decided.
@@ -73,6 +78,8 @@ impl Pilot {
         Self {
             compensator,
             orders,
+            offers: Vec::new(),
+            started: None,
             mode: Mode::Waiting,
             decided_s: None,
             last: None,
@@ -131,7 +138,8 @@ impl Pilot {
     /// Whether the programme is over at `time_s`.
     #[must_use]
     pub fn is_over(&self, time_s: f64) -> bool {
-        self.programme.at_s(time_s).is_some_and(|at_s| self.orders.experiment.demand(at_s).is_none())
+        self.started.is_none()
+            && self.programme.at_s(time_s).is_some_and(|at_s| self.orders.experiment.demand(at_s).is_none())
     }
 
     /// Decides what the fan does from `time_s` on.
@@ -263,13 +271,13 @@ impl Pilot {
 
     /// The band of an experiment counts from when the ball has been inside it: it starts at the bottom.
     fn left_band(&mut self, position_mm: f64) -> Option<Fault> {
-        let outside = self.orders.experiment.outside_band(position_mm);
+        let outside = self.flown().outside_band(position_mm);
         self.been_in_band |= outside.is_none();
         outside.filter(|_| self.been_in_band).map(|(min_mm, max_mm)| Fault::OutsideBand { position_mm, min_mm, max_mm })
     }
 
     fn demand(&self, time_s: f64) -> Option<Demand> {
-        let demand = self.orders.experiment.demand(self.programme.at_s(time_s)?)?;
+        let demand = self.flown().demand(self.programme.at_s(time_s)?)?;
         Some(match (demand, self.held_mm) {
             (Demand::DriveAboutHover { percent }, _) => {
                 Demand::Drive { duty_percent: self.orders.compensation.hover_duty_percent + percent }

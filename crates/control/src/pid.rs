@@ -103,14 +103,18 @@ pub struct PidState {
 }
 
 impl Pid {
+    /// The gains that may be changed in flight, in their order: key, smallest, largest.
+    pub const BOUNDS: [(&'static str, f64, f64); 3] =
+        [("kp_per_mm", 0.0, 1e3), ("ti_s", 1e-3, f64::INFINITY), ("td_s", 0.0, 1e3)];
+
     /// Checks every gain against its bounds.
     ///
     /// # Errors
     /// [`OutOfRange`] names the first gain outside its bounds.
     pub fn check(&self) -> Result<(), OutOfRange> {
-        within("kp_per_mm", self.kp_per_mm, 0.0, 1e3)?;
-        within("ti_s", self.ti_s, 1e-3, f64::INFINITY)?;
-        within("td_s", self.td_s, 0.0, 1e3)?;
+        for ((key, min, max), gain) in Self::BOUNDS.into_iter().zip([self.kp_per_mm, self.ti_s, self.td_s]) {
+            within(key, gain, min, max)?;
+        }
         within("derivative_n", self.derivative_n, 1.0, 1e3)?;
         within("setpoint_weight", self.setpoint_weight, 0.0, 1.0)?;
         if let AntiWindup::BackCalculation { tracking_s } = self.anti_windup {

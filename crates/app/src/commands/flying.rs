@@ -4,6 +4,7 @@ use super::{note, say};
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
 use crate::experiment::Experiment;
+use crate::experiment::offers::offers;
 use crate::flight::Outcome;
 use crate::log::header::{Header, rfc3339};
 use crate::log::record::Cycle;
@@ -68,7 +69,9 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
         reading_period_s,
         signals: config.tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
     };
-    Ok(Plan { table, pilot: Pilot::new(orders), experiment, config })
+    let files = config.tables.mqtt.as_ref().map_or(&[][..], |mqtt| &mqtt.experiments);
+    let pilot = Pilot::new(orders).offering(offers(files, &safety)?);
+    Ok(Plan { table, pilot, experiment, config })
 }
 
 /// An experiment that a command brings along.

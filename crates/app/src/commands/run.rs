@@ -11,7 +11,7 @@ use crate::log::header::Header;
 use crate::log::queue::Queue;
 use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
-use crate::mqtt::{Counts, Link};
+use crate::mqtt::{About, Counts, Link};
 use crate::real_time;
 use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
 use crate::watch::{SLACK_S, Watch};
@@ -99,7 +99,8 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let seed = sim.then_some(args.seed);
     let (path, header) = log_of(plan, args, seed, SystemTime::now());
     let mqtt = plan.config.tables.mqtt.as_ref();
-    let mut link = mqtt.map(|mqtt| Link::start(mqtt, &table.name, last.as_ref())).transpose()?;
+    let about = About::of(&plan.config.tables, plan.pilot.offers(), sim);
+    let mut link = mqtt.zip(about).map(|(mqtt, about)| Link::start(mqtt, &about, last.as_ref())).transpose()?;
     let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;

@@ -190,7 +190,8 @@ fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
 fn allocations(duration_s: f64) -> u64 {
     let tables = super::rich();
     let mqtt = crate::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
-    let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, "rig1", None).unwrap();
+    let about = crate::mqtt::About { rig: "rig1".into(), ..Default::default() };
+    let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, &about, None).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let writer = LogWriter::create(&folder.path().join("f.mcap"), &crate::log::tests::header()).unwrap();
     let mut queue = crate::log::queue::Queue::start(writer).unwrap();

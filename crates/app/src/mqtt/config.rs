@@ -25,6 +25,9 @@ pub struct MqttConfig {
     /// Encryption, and who may vouch for the broker; absent: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tls: Option<TlsConfig>,
+    /// Experiment files on offer besides the program's own, to be started in flight by their names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub experiments: Vec<PathBuf>,
 }
 
 /// The ports that IANA registered for MQTT, without TLS and with it.

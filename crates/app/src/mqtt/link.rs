@@ -1,5 +1,6 @@
 //! The link as its owner sees it: start it, give the mailbox to the loop, stop it.
 
+use super::about::About;
 use super::config::{MqttConfig, MqttError};
 use super::count::{Counters, Counts};
 use super::hearing::Hearing;
@@ -7,6 +8,7 @@ use super::mailbox::{Mailbox, ROOM};
 use super::network::{self, Line, Network};
 use super::outage::Outage;
 use super::publisher::Publisher;
+use super::stream::Stream;
 use super::topics::Topics;
 use crate::last_fault::LastFault;
 use std::sync::{Arc, mpsc};
@@ -25,27 +27,27 @@ pub struct Link {
 }
 
 impl Link {
-    /// Starts the link and returns at once, broker or not; the last fault is published with every connection. Start it before the loop raises its priority, which new
+    /// Starts the link and returns at once, broker or not; what the rig is and its last fault are published with every connection. Start it before the loop raises its priority, which new
     /// threads would inherit.
     ///
     /// # Errors
     /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a missing broker.
     pub fn start(
         config: &MqttConfig,
-        rig_name: &str,
+        about: &About,
         last_fault: Option<&LastFault>,
     ) -> Result<(Self, Mailbox), MqttError> {
-        let topics = Arc::new(Topics::new(rig_name)?);
-        let options = network::options(config, rig_name, &topics)?;
-        let (counters, line) = (Arc::<Counters>::default(), Arc::<Line>::default());
+        let topics = Arc::new(Topics::new(&about.rig)?);
+        let options = network::options(config, &about.rig, &topics)?;
+        let (counters, line) = (Arc::<Counters>::default(), Arc::new(Line::new(about)));
         line.know(last_fault);
         let (mailbox, far) = Mailbox::new(Arc::clone(&counters));
-        let (reject, rejected) = mpsc::sync_channel(ROOM);
+        let (aside, asides) = mpsc::sync_channel(ROOM);
         let network = Network {
             options,
             topics: Arc::clone(&topics),
             commands: far.commands,
-            rejected: reject,
+            asides: aside,
             line: Arc::clone(&line),
             counters: Arc::clone(&counters),
             outage: Outage::new(format!("{}:{}", config.host, config.port())),
@@ -56,11 +58,12 @@ impl Link {
             topics,
             answers: far.answers,
             states: far.states,
-            rejected,
+            asides,
             line: Arc::clone(&line),
             counters: Arc::clone(&counters),
             in_force: None,
             due: Instant::now(),
+            stream: Stream::default(),
         };
         let mut link = Self { line, counters, threads: Vec::new() };
         link.spawn("mqtt-publisher", move || publisher.run())?;

@@ -1,5 +1,6 @@
 //! The link against a real broker, seen from outside.
 
+use super::about::About;
 use super::config::MqttConfig;
 use super::link::Link;
 use super::mailbox::{Mailbox, ROOM};
@@ -22,7 +23,7 @@ pub(super) const STATE: &str = "airball/rig1/state";
 pub(super) const STATUS: &str = "airball/rig1/status";
 
 pub(super) fn start(config: &MqttConfig) -> (Link, Mailbox) {
-    Link::start(config, "rig1", None).unwrap()
+    Link::start(config, &about(), None).unwrap()
 }
 
 /// A broker, somebody outside, and a link that is up.
@@ -36,11 +37,21 @@ pub(super) fn connected() -> (Broker, Outside, Link, Mailbox) {
 
 pub(super) fn in_force(setpoint_mm: f64) -> InForce {
     let gains = Gains { kp_per_mm: 0.01, ti_s: 3.0, td_s: 0.5 };
-    InForce { setpoint_mm: Some(setpoint_mm), controller: Kind::Pid, gains: Some(gains), mode: Mode::Flying }
+    InForce {
+        setpoint_mm: Some(setpoint_mm),
+        controller: Kind::Pid,
+        gains: Some(gains),
+        mode: Mode::Flying,
+        experiment: None,
+    }
 }
 
-fn state(time_s: f64) -> State {
-    let InForce { setpoint_mm, controller, gains, mode } = in_force(250.0);
+pub(super) fn about() -> About {
+    About { rig: "rig1".into(), ..About::default() }
+}
+
+pub(super) fn state(time_s: f64) -> State {
+    let InForce { setpoint_mm, controller, gains, mode, experiment } = in_force(250.0);
     let cycle = Cycle {
         time_s,
         period_s: 0.02,
@@ -66,6 +77,7 @@ fn state(time_s: f64) -> State {
         cycle,
         controller,
         gains,
+        experiment,
         late_cycles: 2,
         lateness: Quantiles::default(),
         dropped_log_messages: 0,
@@ -87,7 +99,8 @@ fn a_setpoint_arrives_and_what_is_in_force_is_replied() {
         outside.say(topic, "300");
         assert_eq!(obey(&mut mailbox, None), Command::Setpoint(300.0));
         let in_force = json!({
-            "setpoint_mm": 300.0, "controller": "pid", "kp_per_mm": 0.01, "ti_s": 3.0, "td_s": 0.5, "mode": "flying"
+            "setpoint_mm": 300.0, "controller": "pid", "kp_per_mm": 0.01, "ti_s": 3.0, "td_s": 0.5, "mode": "flying",
+            "experiment": null
         });
         let reply = json!({"topic": "set/setpoint_mm", "accepted": true, "in_force": in_force, "reason": null});
         assert_eq!(outside.json(REPLY), reply);
@@ -137,6 +150,33 @@ fn the_state_goes_out_ten_times_a_second_however_often_the_loop_says_it() {
     let times: Vec<f64> = (0..10).map(|_| outside.json(STATE)["time_s"].as_f64().unwrap()).collect();
     let span = times[9] - times[0];
     assert!((0.8..1.1).contains(&span), "ten states in {span} s");
+}
+
+#[test]
+fn every_cycle_is_published_once_asked_for_and_the_asking_is_answered() {
+    let (_broker, outside, _link, mut mailbox) = connected();
+    outside.say("airball/rig1/set/stream", "full");
+    assert_eq!(outside.json(REPLY), json!({"topic": "set/stream", "accepted": true, "in_force": null, "reason": null}));
+    let said: Vec<f64> = (0..50).map(f64::from).collect();
+    for time_s in &said {
+        mailbox.publish_state(state(*time_s));
+        thread::sleep(Duration::from_millis(10));
+    }
+    let mut heard = Vec::new();
+    while heard.len() < 30 {
+        let message = outside.json("airball/rig1/cycles");
+        assert_eq!(message["dropped"], 0);
+        heard.extend(message["cycles"].as_array().unwrap().iter().map(|cycle| cycle["time_s"].as_f64().unwrap()));
+    }
+    assert_eq!(heard, said[..heard.len()]);
+}
+
+#[test]
+fn what_the_rig_is_stays_with_the_broker_for_those_who_come_later() {
+    let (broker, _, _link, _mailbox) = connected();
+    let late = Outside::on(broker.port).message("airball/rig1/about");
+    assert!(late.retain);
+    assert_eq!(serde_json::from_slice::<About>(&late.payload).unwrap(), about());
 }
 
 #[test]

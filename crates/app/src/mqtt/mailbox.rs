@@ -1,10 +1,14 @@
 //! The loop's end of the link: three bounded rings of plain copies. Nothing here blocks or allocates.
+//!
+//! A stop gets through a flood: where the ring of commands is full it is a flag beside it, and what waited in the ring is forgotten, so
+//! that no `fly` from before the stop starts the fan again.
 
 use super::count::{Counters, count};
 use super::message::{Answer, State};
 use crate::command::Command;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Room in each ring: more than a second of states at 50 Hz, should the publisher not get the processor.
 pub(super) const ROOM: usize = 64;
@@ -13,14 +17,38 @@ pub(super) const ROOM: usize = 64;
 #[derive(Debug)]
 pub struct Mailbox {
     commands: Consumer<Command>,
+    /// A stop that found the ring full.
+    stop: Arc<AtomicBool>,
     answers: Producer<Answer>,
     states: Producer<State>,
     counters: Arc<Counters>,
 }
 
+/// The network's end of the commands.
+pub(super) struct Inbox {
+    ring: Producer<Command>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Inbox {
+    /// Hands a command over. False: it found no room, and is no stop.
+    pub(super) fn push(&mut self, command: Command) -> bool {
+        let kept = self.ring.push(command).is_ok();
+        if !kept && command == Command::Stop {
+            self.stop.store(true, Relaxed);
+        }
+        kept || command == Command::Stop
+    }
+
+    /// Whether nobody takes commands any more.
+    pub(super) fn is_abandoned(&self) -> bool {
+        self.ring.is_abandoned()
+    }
+}
+
 /// The other ends: commands belong to the network's thread, the rest to the publisher's.
 pub(super) struct FarEnd {
-    pub(super) commands: Producer<Command>,
+    pub(super) commands: Inbox,
     pub(super) answers: Consumer<Answer>,
     pub(super) states: Consumer<State>,
 }
@@ -30,20 +58,28 @@ impl Mailbox {
         let (command_in, commands) = RingBuffer::new(ROOM);
         let (answers, answer_out) = RingBuffer::new(ROOM);
         let (states, state_out) = RingBuffer::new(ROOM);
-        let far = FarEnd { commands: command_in, answers: answer_out, states: state_out };
-        (Self { commands, answers, states, counters }, far)
+        let stop = Arc::<AtomicBool>::default();
+        let inbox = Inbox { ring: command_in, stop: Arc::clone(&stop) };
+        let far = FarEnd { commands: inbox, answers: answer_out, states: state_out };
+        (Self { commands, stop, answers, states, counters }, far)
     }
 
     /// One with commands in it, and nobody at the other end.
     #[cfg(test)]
     pub(crate) fn holding(commands: impl IntoIterator<Item = Command>) -> Self {
         let (mailbox, mut far) = Self::new(Arc::default());
-        commands.into_iter().for_each(|command| far.commands.push(command).unwrap());
+        commands.into_iter().for_each(|command| assert!(far.commands.push(command), "no room for {command:?}"));
         mailbox
     }
 
     /// The oldest command that waits. Answer each.
     pub fn try_command(&mut self) -> Option<Command> {
+        if self.stop.swap(false, Relaxed) {
+            for _ in (0..ROOM).map_while(|_| self.commands.pop().ok()) {
+                count(&self.counters.busy);
+            }
+            return Some(Command::Stop);
+        }
         self.commands.pop().ok()
     }
 
@@ -59,5 +95,36 @@ impl Mailbox {
         if self.states.push(state).is_err() {
             count(&self.counters.dropped);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Mailbox, ROOM};
+    use crate::command::Command;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_stop_gets_through_a_flood_and_nothing_that_waited_is_obeyed_after_it() {
+        let (mut mailbox, mut far) = Mailbox::new(Arc::default());
+        for _ in 0..ROOM {
+            assert!(far.commands.push(Command::Fly));
+        }
+        assert!(!far.commands.push(Command::Fly));
+        assert!(far.commands.push(Command::Stop));
+        assert_eq!(mailbox.try_command(), Some(Command::Stop));
+        assert_eq!(mailbox.try_command(), None);
+        assert!(far.commands.push(Command::Fly));
+        assert_eq!(mailbox.try_command(), Some(Command::Fly));
+    }
+
+    #[test]
+    fn a_stop_that_finds_room_keeps_its_place() {
+        let (mut mailbox, mut far) = Mailbox::new(Arc::default());
+        for command in [Command::Setpoint(300.0), Command::Stop, Command::Fly] {
+            assert!(far.commands.push(command));
+        }
+        let taken: Vec<Command> = std::iter::from_fn(|| mailbox.try_command()).collect();
+        assert_eq!(taken, [Command::Setpoint(300.0), Command::Stop, Command::Fly]);
     }
 }

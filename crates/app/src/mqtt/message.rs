@@ -3,6 +3,7 @@
 use super::count::Counts;
 use super::topics::Quantity;
 use crate::command::{Command, Refusal};
+use crate::experiment::offers::Name;
 use crate::lateness::Quantiles;
 use crate::log::record::{Cycle, Fault, Mode};
 use control::controller::Kind;
@@ -38,6 +39,8 @@ pub struct InForce {
     pub gains: Option<Gains>,
     /// What the loop is doing.
     pub mode: Mode,
+    /// The experiment that was started in flight, until it is over.
+    pub experiment: Option<Name>,
 }
 
 /// What became of a command, as the loop hands it over.
@@ -62,6 +65,8 @@ pub struct State {
     /// The gains of the PID, where there is one.
     #[serde(flatten)]
     pub gains: Option<Gains>,
+    /// The experiment that was started in flight, until it is over.
+    pub experiment: Option<Name>,
     /// Cycles that began too late, since the start.
     pub late_cycles: u64,
     /// How late most of them began, since the start.
@@ -86,6 +91,7 @@ impl State {
             controller: self.controller,
             gains: self.gains,
             mode: self.cycle.mode,
+            experiment: self.experiment,
         }
     }
 }
@@ -97,6 +103,15 @@ pub(super) struct StateMessage {
     pub(super) state: State,
     #[serde(flatten)]
     pub(super) link: Counts,
+}
+
+/// The message on `cycles`.
+#[derive(Serialize)]
+pub(super) struct CyclesMessage<'a> {
+    /// One after another, as the log has them.
+    pub(super) cycles: &'a [Cycle],
+    /// Those that were lost for want of room, since the stream began.
+    pub(super) dropped: u32,
 }
 
 /// The message on `reply`.
@@ -126,6 +141,7 @@ const fn quantity(command: Command) -> Quantity {
         Command::Gains(_) => Quantity::Gains,
         Command::Controller(_) => Quantity::Controller,
         Command::Stop | Command::Fly | Command::Programme => Quantity::Mode,
+        Command::Experiment(_) => Quantity::Experiment,
     }
 }
 
@@ -142,12 +158,13 @@ mod tests {
         controller: Kind::Pid,
         gains: Some(Gains { kp_per_mm: 0.01, ti_s: f64::INFINITY, td_s: 0.5 }),
         mode: Mode::Flying,
+        experiment: None,
     };
 
     #[test]
     fn an_accepted_command_is_answered_with_what_is_in_force_and_an_integral_that_is_off_is_null() {
         let answer = Answer { command: Command::Setpoint(300.0), refused: None, in_force: IN_FORCE };
-        let in_force = json!({"setpoint_mm": 300.0, "controller": "pid", "kp_per_mm": 0.01, "ti_s": null, "td_s": 0.5, "mode": "flying"});
+        let in_force = json!({"setpoint_mm": 300.0, "controller": "pid", "kp_per_mm": 0.01, "ti_s": null, "td_s": 0.5, "mode": "flying", "experiment": null});
         let expected = json!({"topic": "set/setpoint_mm", "accepted": true, "in_force": in_force, "reason": null});
         assert_eq!(serde_json::to_value(Reply::from(answer)).unwrap(), expected);
     }

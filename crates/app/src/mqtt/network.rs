@@ -4,15 +4,15 @@
 //! is sent in the next, so that the broker never hears of a state that is long past. Subscriptions do not outlive a
 //! session either. Between sessions the thread sleeps, because a refused connection fails within microseconds.
 
+use super::about::About;
 use super::config::{Credentials, MqttConfig, MqttError};
 use super::count::{Counters, count};
 use super::hearing::{Hearing, too_large};
+use super::mailbox::Inbox;
 use super::outage::Outage;
-use super::parse::{ParseError, parse};
+use super::parse::{Asked, ParseError, parse};
 use super::topics::Topics;
-use crate::command::Command;
 use crate::last_fault::LastFault;
-use rtrb::Producer;
 use rumqttc::{
     Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, TlsConfiguration, Transport,
 };
@@ -27,7 +27,7 @@ use std::{io, process, thread};
 const QUEUE: usize = 256;
 /// Largest packet taken from the broker, so that whoever sends one is answered. The connection ends at a larger one.
 pub(super) const LARGEST_IN: usize = 2 << 20;
-/// Largest packet sent; ours are below 2 KB.
+/// Largest packet sent; a full batch of cycles is below 40 KB.
 const LARGEST_OUT: usize = 64 * 1024;
 /// After one and a half of these without a sign of life the broker publishes the last will.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
@@ -35,15 +35,21 @@ const KEEP_ALIVE: Duration = Duration::from_secs(5);
 const PAUSES: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(5));
 
 /// What both threads and the link share: the client of the session, while there is one.
-#[derive(Default)]
 pub(super) struct Line {
     client: Mutex<Option<Client>>,
     stopping: AtomicBool,
     /// The last fault, as it is published; none is known where there is none.
     fault: Mutex<Option<String>>,
+    /// What the rig is, as it is published.
+    about: String,
 }
 
 impl Line {
+    pub(super) fn new(about: &About) -> Self {
+        let (client, stopping, fault) = (Mutex::default(), AtomicBool::default(), Mutex::default());
+        Self { client, stopping, fault, about: about.json() }
+    }
+
     pub(super) fn client(&self) -> MutexGuard<'_, Option<Client>> {
         self.client.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -70,33 +76,46 @@ impl Line {
     }
 }
 
-/// A message that was refused before it reached the loop.
-pub(super) struct Rejected {
+/// A message that was answered without the loop.
+pub(super) struct Aside {
     /// As [`Topics::short`] has it.
     pub(super) topic: String,
-    pub(super) reason: String,
+    pub(super) what: What,
+}
+
+/// What became of it.
+pub(super) enum What {
+    /// It was refused, for this reason.
+    Refused(String),
+    /// It asks for every cycle, or no longer.
+    Stream(bool),
 }
 
 /// The thread's belongings.
 pub(super) struct Network {
     pub(super) options: MqttOptions,
     pub(super) topics: Arc<Topics>,
-    pub(super) commands: Producer<Command>,
-    pub(super) rejected: SyncSender<Rejected>,
+    pub(super) commands: Inbox,
+    pub(super) asides: SyncSender<Aside>,
     pub(super) line: Arc<Line>,
     pub(super) counters: Arc<Counters>,
     pub(super) outage: Outage,
     pub(super) hearing: Hearing,
     /// A refusal that the next session is to tell.
-    pub(super) owed: Option<Rejected>,
+    pub(super) owed: Option<Aside>,
 }
 
 /// Who we are to the broker, and what it is to say when we are gone.
 pub(super) fn options(config: &MqttConfig, rig: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
-    let id = format!("airball-{rig}-{}", process::id());
+    let mut options = to_broker(config, format!("airball-{rig}-{}", process::id()))?;
+    options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
+    Ok(options)
+}
+
+/// Where the broker is, and who dials.
+pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, MqttError> {
     let mut options = MqttOptions::new(id, config.host.clone(), config.port());
     options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
-    options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
     if let Some(Credentials { user, password }) = config.credentials()? {
         options.set_credentials(user, password);
     }
@@ -159,52 +178,55 @@ impl Network {
         let greeted = !self.line.stopping()
             && self.hearing.subscribe(client, &self.topics)
             && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "online").is_ok()
+            && client.try_publish(&self.topics.about, QoS::AtLeastOnce, true, self.line.about.clone()).is_ok()
             && self.line.publish_fault(client, &self.topics);
         if greeted {
             *held = Some(client.clone());
             say(self.outage.over());
-            self.owed.take().into_iter().for_each(|owed| self.reject(owed));
+            self.owed.take().into_iter().for_each(|owed| self.tell(owed));
         }
         greeted
     }
 
-    /// Hands a command to the loop, or the reason why not to the publisher.
+    /// Hands a command to the loop, or what became of it without the loop to the publisher.
     fn take(&mut self, message: &Publish) {
         count(&self.counters.received);
-        let reason = match self.command(message) {
+        let what = match self.asked(message) {
             Err(why) => {
                 count(&self.counters.refused);
-                why.to_string()
+                What::Refused(why.to_string())
             }
-            Ok(_) if self.commands.is_abandoned() => "the flight is over".to_owned(),
-            Ok(command) => {
-                if self.commands.push(command).is_ok() {
+            Ok(_) if self.commands.is_abandoned() => What::Refused("the flight is over".to_owned()),
+            Ok(Asked::Stream(on)) => What::Stream(on),
+            Ok(Asked::Loop(command)) => {
+                if self.commands.push(command) {
                     return;
                 }
                 count(&self.counters.busy);
-                "busy: too many commands wait already; send fewer, and wait for the replies".to_owned()
+                What::Refused("busy: too many commands wait already; send fewer, and wait for the replies".to_owned())
             }
         };
-        self.reject(Rejected { topic: self.topics.short(&message.topic).to_owned(), reason });
+        self.tell(Aside { topic: self.topics.short(&message.topic).to_owned(), what });
     }
 
-    fn reject(&self, rejected: Rejected) {
-        if self.rejected.try_send(rejected).is_err() {
+    fn tell(&self, aside: Aside) {
+        if self.asides.try_send(aside).is_err() {
             count(&self.counters.dropped);
         }
     }
 
     /// Counts a packet that ended its session. Which topic it was for is not known.
-    fn refuse_packet(&self, bytes: usize) -> Rejected {
+    fn refuse_packet(&self, bytes: usize) -> Aside {
         count(&self.counters.received);
         count(&self.counters.refused);
         let reason = format!(
             "a packet of {bytes} bytes is beyond the {LARGEST_IN} that are taken, and ended the connection; if the broker keeps it, remove it: mosquitto_pub -r -n -t TOPIC"
         );
-        Rejected { topic: self.topics.short(&self.topics.commands).to_owned(), reason }
+        let topic = self.topics.short(&self.topics.commands).to_owned();
+        Aside { topic, what: What::Refused(reason) }
     }
 
-    fn command(&self, message: &Publish) -> Result<Command, ParseError> {
+    fn asked(&self, message: &Publish) -> Result<Asked, ParseError> {
         if message.retain {
             return Err(ParseError::Retained);
         }

@@ -4,6 +4,7 @@
 
 use super::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
 use crate::command::{Command, GainChange};
+use crate::experiment::offers::Name;
 use control::controller::Kind;
 
 /// Longest payload that is looked into, bytes. The longest sensible one, three gains, has about 80.
@@ -12,6 +13,15 @@ const LONGEST_PAYLOAD: usize = 256;
 const LONGEST_QUOTE: usize = 40;
 /// Most characters of a JSON error that a reason repeats.
 const LONGEST_WHY: usize = 160;
+
+/// What a message asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// Something of the loop.
+    Loop(Command),
+    /// Every cycle from now on, for a while, or no longer.
+    Stream(bool),
+}
 
 /// Why a message is no command. The text is sent to whoever published it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -61,11 +71,11 @@ pub enum ParseError {
     },
 }
 
-/// Reads a message as a command.
+/// Reads a message.
 ///
 /// # Errors
 /// [`ParseError`] with the reason, fit to be sent back.
-pub fn parse(topics: &Topics, topic: &str, payload: &[u8]) -> Result<Command, ParseError> {
+pub fn parse(topics: &Topics, topic: &str, payload: &[u8]) -> Result<Asked, ParseError> {
     let quantity = topics.quantity(topic).ok_or_else(|| unknown(topics, topic))?;
     let expected = expected(quantity);
     if payload.len() > LONGEST_PAYLOAD {
@@ -76,14 +86,17 @@ pub fn parse(topics: &Topics, topic: &str, payload: &[u8]) -> Result<Command, Pa
     if text.is_empty() {
         return Err(ParseError::Empty { expected });
     }
-    match quantity {
+    let command = match quantity {
         Quantity::Setpoint => number(text).map(Command::Setpoint).ok_or_else(form),
         Quantity::Controller => Kind::named(text).map(Command::Controller).ok_or_else(form),
         Quantity::Mode => mode(text).ok_or_else(form),
+        Quantity::Experiment => Name::new(text).map(Command::Experiment).ok_or_else(form),
         Quantity::Gains => {
             gains(text).map(Command::Gains).map_err(|why| ParseError::Gains { got: quoted(text), why, expected })
         }
-    }
+        Quantity::Stream => return stream(text).map(Asked::Stream).ok_or_else(form),
+    };
+    command.map(Asked::Loop)
 }
 
 /// What is expected, with an example.
@@ -97,6 +110,8 @@ const fn expected(quantity: Quantity) -> &'static str {
             "expected one of pid, cascade, state_feedback, lqg, mpc, open_loop that the config holds, like pid"
         }
         Quantity::Mode => "expected one of stop, fly, programme, like stop",
+        Quantity::Experiment => "expected the name of an experiment that the retained topic `about` lists, like steps",
+        Quantity::Stream => "expected full or off, like full",
     }
 }
 
@@ -110,6 +125,14 @@ fn mode(text: &str) -> Option<Command> {
         "stop" => Some(Command::Stop),
         "fly" => Some(Command::Fly),
         "programme" => Some(Command::Programme),
+        _ => None,
+    }
+}
+
+fn stream(text: &str) -> Option<bool> {
+    match text {
+        "full" => Some(true),
+        "off" => Some(false),
         _ => None,
     }
 }
@@ -145,7 +168,7 @@ fn printable(text: &str, longest: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{LONGEST_PAYLOAD, ParseError, parse};
+    use super::{Asked, LONGEST_PAYLOAD, ParseError, parse};
     use crate::command::{Command, GainChange};
     use crate::mqtt::topics::{ORIGINAL_SETPOINT, Topics};
     use control::controller::Kind;
@@ -155,8 +178,15 @@ mod tests {
     const GAINS: &str = "airball/rig1/set/gains";
     const MODE: &str = "airball/rig1/set/mode";
 
-    fn read(topic: &str, payload: impl AsRef<[u8]>) -> Result<Command, ParseError> {
+    fn asked(topic: &str, payload: impl AsRef<[u8]>) -> Result<Asked, ParseError> {
         parse(&Topics::new("rig1").unwrap(), topic, payload.as_ref())
+    }
+
+    fn read(topic: &str, payload: impl AsRef<[u8]>) -> Result<Command, ParseError> {
+        asked(topic, payload).map(|asked| match asked {
+            Asked::Loop(command) => command,
+            Asked::Stream(_) => panic!("{topic} asks nothing of the loop"),
+        })
     }
 
     fn reason(topic: &str, payload: impl AsRef<[u8]>) -> String {
@@ -195,6 +225,17 @@ mod tests {
         assert_eq!(read(MODE, "fly"), Ok(Command::Fly));
         assert_eq!(read(MODE, "programme"), Ok(Command::Programme));
         assert!(reason(MODE, "program").contains("stop, fly, programme"));
+    }
+
+    #[test]
+    fn an_experiment_is_asked_for_by_a_word_and_the_stream_by_two() {
+        const EXPERIMENT: &str = "airball/rig1/set/experiment";
+        const STREAM: &str = "airball/rig1/set/stream";
+        assert!(matches!(read(EXPERIMENT, "steps\n"), Ok(Command::Experiment(name)) if name.as_str() == "steps"));
+        assert!(reason(EXPERIMENT, "../etc/passwd").contains("`about` lists"));
+        assert_eq!(asked(STREAM, "full"), Ok(Asked::Stream(true)));
+        assert_eq!(asked(STREAM, "off"), Ok(Asked::Stream(false)));
+        assert!(reason(STREAM, "on").contains("full or off"));
     }
 
     #[test]

@@ -6,8 +6,9 @@
 
 use super::count::{Counters, count};
 use super::mailbox::ROOM;
-use super::message::{Answer, InForce, Reply, State, StateMessage};
-use super::network::{Line, Rejected};
+use super::message::{Answer, CyclesMessage, InForce, Reply, State, StateMessage};
+use super::network::{Aside, Line, What};
+use super::stream::Stream;
 use super::topics::{ORIGINAL_POSITION, Topics};
 use rtrb::Consumer;
 use rumqttc::QoS;
@@ -27,13 +28,15 @@ pub(super) struct Publisher {
     pub(super) topics: Arc<Topics>,
     pub(super) answers: Consumer<Answer>,
     pub(super) states: Consumer<State>,
-    pub(super) rejected: Receiver<Rejected>,
+    pub(super) asides: Receiver<Aside>,
     pub(super) line: Arc<Line>,
     pub(super) counters: Arc<Counters>,
     /// The newest that the loop said, for replies that it has no part in.
     pub(super) in_force: Option<InForce>,
     /// When the next state is to be published.
     pub(super) due: Instant,
+    /// Who wants every cycle.
+    pub(super) stream: Stream,
 }
 
 impl Publisher {
@@ -49,7 +52,9 @@ impl Publisher {
 
     /// One look into each ring, no longer than its room, so that a flood in one does not starve the others.
     fn turn(&mut self) {
-        let newest = (0..ROOM).map_while(|_| self.states.pop().ok()).last();
+        let now = Instant::now();
+        let said = (0..ROOM).map_while(|_| self.states.pop().ok());
+        let newest = said.inspect(|state| self.stream.take(state.cycle, now)).last();
         if let Some(state) = newest {
             self.in_force = Some(state.in_force());
         }
@@ -62,8 +67,15 @@ impl Publisher {
             self.send_json(&self.topics.reply, QoS::AtLeastOnce, &Reply::from(answer));
         }
         for _ in 0..ROOM {
-            let Ok(Rejected { topic, reason }) = self.rejected.try_recv() else { break };
-            let reply = Reply { topic, accepted: false, in_force: self.in_force, reason: Some(reason) };
+            let Ok(Aside { topic, what }) = self.asides.try_recv() else { break };
+            let reason = match what {
+                What::Refused(reason) => Some(reason),
+                What::Stream(on) => {
+                    self.stream.ask(on, now);
+                    None
+                }
+            };
+            let reply = Reply { topic, accepted: reason.is_none(), in_force: self.in_force, reason };
             self.send_json(&self.topics.reply, QoS::AtLeastOnce, &reply);
         }
         if let Some(state) = newest {
@@ -80,6 +92,9 @@ impl Publisher {
         self.due = next(self.due, now);
         let message = StateMessage { state, link: self.counters.read() };
         self.send_json(&self.topics.state, QoS::AtMostOnce, &message);
+        if let Some((cycles, dropped)) = self.stream.batch(now) {
+            self.send_json(&self.topics.cycles, QoS::AtMostOnce, &CyclesMessage { cycles: &cycles, dropped });
+        }
         if let Some(position_mm) = state.cycle.position_mm {
             self.send(ORIGINAL_POSITION, QoS::AtMostOnce, format!("{position_mm:.1}"));
         }

@@ -76,7 +76,8 @@ impl Drop for Broker {
 
 /// A link to whoever listens on this port.
 pub(super) fn config(port: u16) -> MqttConfig {
-    MqttConfig { host: "127.0.0.1".into(), port: Some(port), user: None, password_file: None, tls: None }
+    let (host, port) = ("127.0.0.1".into(), Some(port));
+    MqttConfig { host, port, user: None, password_file: None, tls: None, experiments: vec![] }
 }
 
 /// Debian keeps the broker out of the path of ordinary users.

@@ -2,6 +2,7 @@
 
 use super::config::{MqttConfig, MqttError};
 use super::link::Link;
+use super::link_tests::{about, start};
 use super::outage::Outage;
 use super::test_broker::{Broker, config};
 use super::tls::TlsConfig;
@@ -85,7 +86,7 @@ fn a_broker_whose_authority_is_ours_is_connected_to_by_address_and_the_link_work
     let broker = authority.broker("127.0.0.1", "");
     let config = over_tls(&broker, authority.trusted());
     assert_eq!(connect(&config), Ok(()));
-    let (link, _mailbox) = Link::start(&config, "rig1", None).unwrap();
+    let (link, _mailbox) = start(&config);
     link.stop(None);
 }
 
@@ -122,7 +123,7 @@ fn tls_to_a_port_without_it_is_told_which_port_to_try() {
 /// What a link that cannot start says of these files.
 fn why(tls: TlsConfig) -> String {
     let config = MqttConfig { tls: Some(tls), ..config(1) };
-    Link::start(&config, "rig1", None).err().unwrap().to_string()
+    Link::start(&config, &about(), None).err().unwrap().to_string()
 }
 
 #[test]

@@ -24,11 +24,16 @@ pub enum Quantity {
     Controller,
     /// What the loop does.
     Mode,
+    /// An experiment to fly.
+    Experiment,
+    /// Whether every cycle is published, or ten in a second.
+    Stream,
 }
 
 impl Quantity {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 4] = [Self::Setpoint, Self::Gains, Self::Controller, Self::Mode];
+    pub const ALL: [Self; 6] =
+        [Self::Setpoint, Self::Gains, Self::Controller, Self::Mode, Self::Experiment, Self::Stream];
 
     /// The topic below the rig's.
     #[must_use]
@@ -38,6 +43,8 @@ impl Quantity {
             Self::Gains => "set/gains",
             Self::Controller => "set/controller",
             Self::Mode => "set/mode",
+            Self::Experiment => "set/experiment",
+            Self::Stream => "set/stream",
         }
     }
 }
@@ -51,6 +58,10 @@ pub struct Topics {
     pub reply: String,
     /// The state, at 10 Hz.
     pub state: String,
+    /// Every cycle, in batches, while somebody asks for it.
+    pub cycles: String,
+    /// What the rig is and may be told, retained.
+    pub about: String,
     /// `online` or `offline`, retained.
     pub status: String,
     /// The last fault, retained.
@@ -76,6 +87,8 @@ impl Topics {
         Ok(Self {
             reply: below("reply"),
             state: below("state"),
+            cycles: below("cycles"),
+            about: below("about"),
             status: below("status"),
             fault: below("fault"),
             mode: below(Quantity::Mode.topic()),
@@ -92,6 +105,12 @@ impl Topics {
         }
         let name = topic.strip_prefix(&self.root)?;
         Quantity::ALL.into_iter().find(|quantity| quantity.topic() == name)
+    }
+
+    /// The topic of a command.
+    #[must_use]
+    pub fn set(&self, quantity: Quantity) -> String {
+        format!("{}{}", self.root, quantity.topic())
     }
 
     /// A topic as replies name it: without the rig, where it is the rig's.
@@ -121,8 +140,9 @@ mod tests {
         let page = include_str!("../../../../docs/book/src/reference/mqtt.md");
         let mut listed: Vec<&str> = page.lines().filter_map(|row| row.strip_prefix("| `")?.split('`').next()).collect();
         let topics = Topics::new("rig1").unwrap();
-        let own = [&topics.reply, &topics.state, &topics.status, &topics.fault].map(|topic| topics.short(topic));
-        let mut there: Vec<&str> = Quantity::ALL.into_iter().map(Quantity::topic).chain(own).collect();
+        let own = [&topics.reply, &topics.state, &topics.cycles, &topics.about, &topics.status, &topics.fault];
+        let own = own.map(|topic| topics.short(topic));
+        let mut there: Vec<&str> = own.into_iter().chain(Quantity::ALL.map(Quantity::topic)).collect();
         there.extend([ORIGINAL_SETPOINT, ORIGINAL_POSITION]);
         listed.sort_unstable();
         there.sort_unstable();

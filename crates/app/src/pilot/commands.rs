@@ -2,8 +2,10 @@
 
 use super::{Pilot, Still};
 use crate::command::{Command, Refusal};
+use crate::experiment::offers::Name;
 use crate::log::record::Mode;
 use control::check::within;
+use control::controller::Kind;
 
 impl Pilot {
     /// Takes a command, or says why not.
@@ -22,6 +24,7 @@ impl Pilot {
                 if self.mode == Mode::OpenLoop {
                     return Err(Refusal::OpenLoop);
                 }
+                self.end_experiment();
                 self.held_mm = Some(asked_mm);
             }
             Command::Gains(change) => {
@@ -35,7 +38,11 @@ impl Pilot {
                     return Err(Refusal::Controller { asked, known: self.orders.regulator.controllers().into() });
                 }
             }
-            Command::Stop => self.mode = Mode::Stopped,
+            Command::Stop => {
+                // What `fly` lifts the ball into later is the programme, not the middle of an experiment.
+                self.end_experiment();
+                self.mode = Mode::Stopped;
+            }
             Command::Fly => {
                 if self.mode == Mode::Stopped {
                     self.mode = Mode::Waiting;
@@ -46,8 +53,31 @@ impl Pilot {
                     self.still = Still::default();
                 }
             }
-            Command::Programme => self.held_mm = None,
+            Command::Programme => {
+                self.end_experiment();
+                self.held_mm = None;
+            }
+            Command::Experiment(asked) => self.begin_experiment(asked)?,
         }
+        Ok(())
+    }
+
+    fn begin_experiment(&mut self, asked: Name) -> Result<(), Refusal> {
+        let found = self.offers.iter().position(|offer| offer.name == asked);
+        let index = found.ok_or(Refusal::Experiment { asked })?;
+        let changes_gains = self.offers.get(index).is_some_and(|offer| offer.experiment.changes_gains());
+        if changes_gains && self.controller() != Kind::Pid {
+            return Err(Refusal::NeedsPid { flies: self.controller() });
+        }
+        if changes_gains && self.orders.compensation.predistortion.is_some() {
+            return Err(Refusal::Predistortion);
+        }
+        if self.mode == Mode::Stopped {
+            return Err(Refusal::Stopped);
+        }
+        self.end_experiment();
+        self.held_mm = None;
+        self.park_programme(index);
         Ok(())
     }
 }

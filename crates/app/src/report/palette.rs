@@ -38,13 +38,15 @@ const INKS: [Ink; 9] = [
     Ink { name: "axis", light: TEXT, dark: RGBColor(0xb4, 0xbb, 0xc7) },
     Ink { name: "grid", light: GRID, dark: RGBColor(0x34, 0x3a, 0x45) },
 ];
+/// Nothing else has the colour of the stop button, which white letters stand on.
+const STOP: Ink = Ink { name: "stop", light: RGBColor(0xb3, 0x00, 0x1b), dark: RGBColor(0xb3, 0x00, 0x1b) };
 const GROUND: Ink = Ink { name: "ground", light: RGBColor(0xff, 0xff, 0xff), dark: RGBColor(0x16, 0x19, 0x1f) };
 
 /// The inks as custom properties of a style sheet, by the theme that the reader prefers; on paper always the light one.
 #[must_use]
 pub(super) fn stylesheet() -> String {
     let properties = |colour: fn(&Ink) -> RGBColor| {
-        INKS.iter().chain([&GROUND]).fold(String::new(), |mut all, ink| {
+        INKS.iter().chain([&GROUND, &STOP]).fold(String::new(), |mut all, ink| {
             // Writing to a string cannot fail.
             let _ = write!(all, "--{}:{};", ink.name, hex(colour(ink)));
             all
@@ -78,7 +80,7 @@ fn hex(RGBColor(red, green, blue): RGBColor) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{GROUND, INKS, Ink, RGBColor, hex, themed};
+    use super::{GROUND, INKS, Ink, RGBColor, STOP, hex, themed};
 
     /// Relative luminance and contrast by WCAG 2.2.
     fn contrast(one: RGBColor, other: RGBColor) -> f64 {
@@ -105,6 +107,8 @@ mod tests {
             assert!(contrast(*light, GROUND.light) >= 4.5, "{name} on white");
             assert!(contrast(*dark, GROUND.dark) >= 4.5, "{name} on dark");
         }
+        let white = RGBColor(0xff, 0xff, 0xff);
+        assert!(contrast(STOP.light, white) >= 7.0 && contrast(STOP.dark, white) >= 7.0);
     }
 
     #[test]

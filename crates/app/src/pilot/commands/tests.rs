@@ -3,7 +3,7 @@
 use crate::command::{Command, GainChange};
 use crate::config::Tables;
 use crate::experiment::{Experiment, Limits, Segment};
-use crate::pilot::{Orders, Pilot, Seen};
+use crate::pilot::{Orders, Pilot, Seen, Signals};
 use control::Duty;
 use control::controller::Kind;
 use control::regulator::Regulator;
@@ -23,6 +23,7 @@ fn pilot(tables: &Tables) -> Pilot {
         safety: tables.safety.unwrap(),
         experiment: Experiment { title: "t".into(), limits, segments },
         reading_period_s: T,
+        signals: Signals::default(),
     })
 }
 

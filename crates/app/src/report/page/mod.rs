@@ -8,6 +8,7 @@ pub mod design;
 pub mod diagnosis;
 mod figure;
 pub mod identify;
+pub mod live;
 pub mod measure;
 pub(crate) mod parts;
 mod record;
@@ -37,7 +38,7 @@ const WITHIN: u64 = 2048;
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
     /// The file cannot be written.
-    #[error("cannot write the page {}: {source}; check the folder of --html", path.display())]
+    #[error("cannot write the page {}: {source}; check its folder", path.display())]
     Write {
         /// The file.
         path: PathBuf,
@@ -45,7 +46,7 @@ pub enum PageError {
         source: std::io::Error,
     },
     /// Something that is no page of this program has this name.
-    #[error("{} exists and is no page that airball wrote; it is kept: give --html another name", path.display())]
+    #[error("{} exists and is no page that airball wrote; it is kept: give the page another name", path.display())]
     Taken {
         /// The file.
         path: PathBuf,
@@ -176,10 +177,15 @@ fn footer() -> Markup {
 
 /// No script but this one, nothing from anywhere else.
 fn policy(script: &str) -> String {
-    let hash = BASE64_STANDARD.encode(Sha256::digest(script.as_bytes()));
+    let hash = hash_of(script);
     format!(
         "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{hash}'; base-uri 'none'; form-action 'none'"
     )
+}
+
+/// As a policy names a script.
+fn hash_of(script: &str) -> String {
+    BASE64_STANDARD.encode(Sha256::digest(script.as_bytes()))
 }
 
 #[cfg(test)]

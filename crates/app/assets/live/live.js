@@ -1,0 +1,188 @@
+// The rest of the page: what the rig says is shown, what is asked for is sent. Limits, units and names come from the rig's `about`.
+(() => {
+  "use strict";
+  const at = (id) => document.getElementById(id);
+  const show = (id, text) => at(id).textContent !== text && (at(id).textContent = text);
+  const number = (value, digits) => (value === null || value === undefined ? "–" : value.toFixed(digits));
+  const decode = (payload) => new TextDecoder().decode(payload);
+
+  // The connection.
+  let client;
+  let online = false;
+  const connect = () => {
+    client?.end(true);
+    const { user, password } = airball.login();
+    const login = user ? { username: user, password } : {};
+    // Timers of a worker would need one more permission in the page's policy; a slow keep-alive bears a sleeping tab.
+    client = mqtt.connect(airball.broker(), { ...login, protocolVersion: 4, reconnectPeriod: 1000, connectTimeout: 5000, keepalive: 120, timerVariant: "native", resubscribe: false });
+    client.on("connect", () => {
+      at("connection").open = false;
+      link("connected");
+      client.subscribe(["about", "status", "fault", "state", "reply", "cycles"].map((name) => airball.root + name));
+      if (at("full").checked) stream();
+    });
+    client.on("close", () => link(`no broker at ${airball.broker()}, trying again`));
+    client.on("error", (why) => {
+      if (why.code === 4 || why.code === 5) at("connection").open = true;
+      link(`the broker refuses: ${why.message}`);
+    });
+    client.on("message", (topic, payload) => heard[topic.slice(airball.root.length)]?.(decode(payload)));
+  };
+  const send = (name, payload) => client.publish(`${airball.root}set/${name}`, String(payload), { qos: 1 });
+  const link = (text) => {
+    show("link", text);
+    at("link").dataset.good = text === "connected";
+    usable();
+  };
+  const usable = () => {
+    const able = client?.connected && online && about !== undefined;
+    for (const part of [...document.querySelectorAll("fieldset"), at("full")]) part.disabled = !able;
+  };
+
+  // What the rig says.
+  let about;
+  let latest;
+  let spoke = -Infinity;
+  let batches = -Infinity;
+  // A rig that is online and says nothing for two seconds is worth a word of its own.
+  const rig = () => {
+    const silent = performance.now() > spoke + 2000;
+    show("rig-state", online ? (silent ? "rig silent" : "rig online") : "rig offline");
+    at("rig-state").dataset.good = online && !silent;
+  };
+  setInterval(rig, 500);
+  const heard = {
+    status: (text) => {
+      online = text === "online";
+      usable();
+    },
+    about: (text) => {
+      about = JSON.parse(text);
+      offer(about);
+      charts.fit(about);
+      usable();
+    },
+    state: (text) => {
+      latest = JSON.parse(text);
+      spoke = performance.now();
+      rig();
+      tell(latest);
+      if (performance.now() > batches + 500) charts.add([latest]);
+    },
+    cycles: (text) => {
+      const { cycles, dropped } = JSON.parse(text);
+      batches = performance.now();
+      charts.add(cycles);
+      show("rate", `${cycles.length} cycles in the last batch, ${dropped} dropped`);
+    },
+    fault: (text) => {
+      const { at: when, fault } = JSON.parse(text);
+      show("last-fault", `Last fault, ${when}: ${fault}`);
+    },
+    reply: (text) => {
+      const { topic, accepted, reason } = JSON.parse(text);
+      if (topic !== "set/stream" || !accepted) show("reply", accepted ? `${topic.slice(4)}: in force` : `${topic.slice(4)} refused: ${reason}`);
+      at("reply").dataset.good = accepted;
+    },
+  };
+
+  const tell = (state) => {
+    show("mode", state.mode.replace("_", " "));
+    show("position", number(state.position_mm, 0));
+    show("setpoint", number(state.setpoint_mm, 0));
+    show("duty", number(state.duty_percent, 2));
+    show("flying-controller", state.controller.replaceAll("_", " "));
+    show("experiment", state.experiment ?? "none");
+    show("fault", state.fault ?? "");
+    const { p50_us, p99_us, p99_9_us, max_us } = state.lateness;
+    show("lateness", `half within ${number(p50_us, 0)} µs, 99 % within ${number(p99_us, 0)} µs, 99.9 % within ${number(p99_9_us, 0)} µs, all within ${number(max_us, 0)} µs`);
+    show("late", `${state.late_cycles} late cycles; lost: ${state.dropped_log_messages} log messages, ${state.dropped_mqtt_messages} MQTT messages`);
+    follow(state);
+  };
+
+  // Controls show what is in force, unless somebody is at them.
+  let touched = -Infinity;
+  const touch = () => (touched = performance.now());
+  const follow = (state) => {
+    if (performance.now() < touched + 1500) return;
+    if (state.setpoint_mm !== null) slide(state.setpoint_mm);
+    if (document.activeElement !== at("controller")) at("controller").value = state.controller;
+    for (const input of at("gains").querySelectorAll("input:not([data-edited])")) {
+      if (document.activeElement !== input) input.value = state[input.name] ?? "";
+    }
+  };
+  const slide = (mm) => {
+    at("slider").value = mm;
+    at("wanted").value = Math.round(mm);
+    at("slider").setAttribute("aria-valuetext", `${Math.round(mm)} millimetres`);
+  };
+
+  const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
+  const offer = ({ setpoint_mm: { min, max }, controllers, gains, experiments, rig, simulated, version }) => {
+    show("about", `${rig}${simulated ? ", simulated" : ""}, airball ${version}`);
+    for (const input of [at("slider"), at("wanted")]) Object.assign(input, { min, max });
+    show("limits", `${min} to ${max} mm are safe`);
+    at("controller").replaceChildren(...controllers.map((name) => option(name, name.replaceAll("_", " "))));
+    at("experiments").replaceChildren(...experiments.map(({ name, title, duration_s }) => option(name, `${name}: ${title}, ${Math.round(duration_s)} s`)));
+    at("gains").replaceChildren(...gains.map(gain));
+    at("gain-set").hidden = gains.length === 0;
+    if (latest) follow(latest);
+  };
+  const gain = ({ name, symbol, unit, min, max }) => {
+    const label = document.createElement("label");
+    const input = Object.assign(document.createElement("input"), { type: "number", name, min, step: "any", inputMode: "decimal" });
+    if (max !== null) input.max = max;
+    label.append(Object.assign(document.createElement("span"), { textContent: `${symbol}, ${unit}` }), input);
+    label.append(Object.assign(document.createElement("small"), { textContent: max === null ? `at least ${min}` : `${min} to ${max}` }));
+    input.addEventListener("input", () => (input.dataset.edited = ""));
+    return label;
+  };
+
+  // What is asked for. A slider in motion sends ten times a second at most, and where it came to rest.
+  let due = 0;
+  let later;
+  const move = (mm) => {
+    touch();
+    slide(mm);
+    clearTimeout(later);
+    const wait = due - performance.now();
+    if (wait > 0) later = setTimeout(() => move(mm), wait);
+    else {
+      due = performance.now() + 100;
+      send("setpoint_mm", mm);
+    }
+  };
+  at("slider").addEventListener("input", () => move(Number(at("slider").value)));
+  at("setpoint-form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    move(Number(at("wanted").value));
+  });
+  at("wanted").addEventListener("input", touch);
+  for (const mode of ["fly", "programme"]) at(mode).addEventListener("click", () => send("mode", mode));
+  at("controller").addEventListener("change", () => send("controller", at("controller").value));
+  at("gain-form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    const edited = [...at("gains").querySelectorAll("input[data-edited]")].filter((input) => input.value !== "");
+    if (edited.length > 0) send("gains", JSON.stringify(Object.fromEntries(edited.map((input) => [input.name, Number(input.value)]))));
+    edited.forEach((input) => delete input.dataset.edited);
+    touch();
+  });
+  at("experiment-form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    send("experiment", at("experiments").value);
+  });
+  at("connection-form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    connect();
+  });
+
+  // Every cycle, for as long as the box is ticked and the page is looked at: the rig forgets the asking after five seconds.
+  const stream = () => client.connected && send("stream", at("full").checked ? "full" : "off");
+  at("full").addEventListener("change", () => {
+    stream();
+    if (!at("full").checked) show("rate", "");
+  });
+  setInterval(() => at("full").checked && !document.hidden && stream(), 2000);
+
+  connect();
+})();

@@ -1,0 +1,73 @@
+// The stop button. It needs nothing else of this page: every press dials the broker on a connection of its own and says `stop` in four
+// packets of MQTT 3.1.1, until the broker has acknowledged it. Also where broker, rig and login are found, for the rest of the page.
+const airball = (() => {
+  "use strict";
+  const given = document.documentElement.dataset;
+  const asked = new URLSearchParams(location.search);
+  const sameHost = location.protocol.startsWith("http") ? `${location.protocol.replace("http", "ws")}//${location.host}` : "";
+  const broker = () => asked.get("broker") || given.broker || sameHost || given.fallback;
+  const root = `airball/${asked.get("rig") || given.rig}/`;
+  const field = (id) => document.getElementById(id).value;
+  const login = () => ({ user: field("user"), password: field("password") });
+
+  const PAUSE_MS = 500;
+  const TRIES = 20;
+  const word = (text) => {
+    const bytes = new TextEncoder().encode(text);
+    return [bytes.length >> 8, bytes.length & 255, ...bytes];
+  };
+  const packet = (kind, body) => Uint8Array.of(kind, ...(body.length < 128 ? [body.length] : [(body.length & 127) | 128, body.length >> 7]), ...body);
+  const connect = ({ user, password }) => {
+    const flags = 2 | (user ? 0x80 : 0) | (user && password ? 0x40 : 0);
+    const id = `stop-${Math.random().toString(36).slice(2, 12)}`;
+    const names = [id, ...(user ? [user] : []), ...(user && password ? [password] : [])];
+    return packet(0x10, [...word("MQTT"), 4, flags, 0, 10, ...names.flatMap(word)]);
+  };
+  const stop = () => packet(0x32, [...word(`${root}set/mode`), 0, 1, ...new TextEncoder().encode("stop")]);
+
+  const button = document.getElementById("stop");
+  const said = document.getElementById("stop-said");
+  const say = (text) => (said.textContent = text);
+  const SUPPLY = "Switch off the fan's supply.";
+
+  const dial = (left) => {
+    let over = false;
+    const again = (why) => {
+      if (over) return;
+      over = true;
+      if (left > 1) setTimeout(() => dial(left - 1), PAUSE_MS);
+      else say(`The stop did not get through: ${why}. ${SUPPLY}`);
+    };
+    try {
+      const socket = new WebSocket(broker(), "mqtt");
+      socket.binaryType = "arraybuffer";
+      socket.onopen = () => socket.send(connect(login()));
+      socket.onclose = () => again(`no broker at ${broker()}`);
+      let heard = [];
+      socket.onmessage = ({ data }) => {
+        heard.push(...new Uint8Array(data));
+        // Both answers that can come have four bytes.
+        for (; heard.length >= 4; heard = heard.slice(4)) {
+          if (heard[0] === 0x20 && heard[3] === 0) socket.send(stop());
+          else if (heard[0] === 0x40) {
+            over = true;
+            say("Stop sent: the broker has it.");
+            socket.close();
+          } else {
+            over = true;
+            say(`The broker refuses this user: mend it under "Connection". ${SUPPLY}`);
+            socket.close();
+          }
+        }
+      };
+      setTimeout(() => socket.close(), 4 * PAUSE_MS);
+    } catch (why) {
+      again(why.message);
+    }
+  };
+  button.addEventListener("click", () => {
+    say("Stopping…");
+    dial(TRIES);
+  });
+  return { broker, login, root };
+})();

@@ -1,0 +1,70 @@
+//! What a key does.
+
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+
+/// What somebody at the terminal wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Deed {
+    /// Leave; the ball flies on.
+    Quit,
+    /// A word for `set/mode`.
+    Mode(&'static str),
+    /// Move the setpoint by so much, mm.
+    Nudge(f64),
+}
+
+impl Deed {
+    /// Fan off.
+    pub const STOP: Self = Self::Mode("stop");
+}
+
+/// Small and large nudge, mm.
+const NUDGES: (f64, f64) = (5.0, 50.0);
+
+/// The keys in words, for the bottom line.
+pub const HELP: &str = "↑ ↓ 5 mm   PgUp PgDn 50 mm   space STOP   f fly   p programme   q quit";
+
+/// What the key asks for, if anything.
+#[must_use]
+pub fn deed(key: KeyEvent) -> Option<Deed> {
+    if key.kind == KeyEventKind::Release {
+        return None;
+    }
+    match key.code {
+        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Deed::Quit),
+        KeyCode::Char('q') => Some(Deed::Quit),
+        KeyCode::Char(' ' | 's') => Some(Deed::STOP),
+        KeyCode::Char('f') => Some(Deed::Mode("fly")),
+        KeyCode::Char('p') => Some(Deed::Mode("programme")),
+        KeyCode::Up | KeyCode::Char('k') => Some(Deed::Nudge(NUDGES.0)),
+        KeyCode::Down | KeyCode::Char('j') => Some(Deed::Nudge(-NUDGES.0)),
+        KeyCode::PageUp => Some(Deed::Nudge(NUDGES.1)),
+        KeyCode::PageDown => Some(Deed::Nudge(-NUDGES.1)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Deed, deed};
+    use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+
+    fn press(code: KeyCode) -> Option<Deed> {
+        deed(KeyEvent::new(code, KeyModifiers::NONE))
+    }
+
+    #[test]
+    fn space_stops_arrows_nudge_and_other_keys_do_nothing() {
+        assert_eq!(press(KeyCode::Char(' ')), Some(Deed::STOP));
+        assert_eq!(press(KeyCode::Up), Some(Deed::Nudge(5.0)));
+        assert_eq!(press(KeyCode::PageDown), Some(Deed::Nudge(-50.0)));
+        assert_eq!((press(KeyCode::Char('c')), press(KeyCode::Enter), press(KeyCode::Esc)), (None, None, None));
+    }
+
+    #[test]
+    fn control_c_leaves_and_a_key_that_is_let_go_does_nothing() {
+        assert_eq!(deed(KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL)), Some(Deed::Quit));
+        let up = KeyEvent::new_with_kind(KeyCode::Char(' '), KeyModifiers::NONE, KeyEventKind::Release);
+        assert_eq!(deed(up), None);
+    }
+}

@@ -1,0 +1,149 @@
+//! What a rig is and what it may be told: the retained message on `about`, from which any page or monitor learns limits, units and names.
+
+use crate::config::{Safety, Tables};
+use crate::experiment::offers::Offer;
+use control::controller::Kind;
+use control::pid::Pid;
+use serde::{Deserialize, Serialize};
+
+/// The words that this message has.
+const SCHEMA: &str = "airball.about/1";
+
+/// The message.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct About {
+    /// `airball.about/1`.
+    pub schema: String,
+    /// Version of the program that flies.
+    pub version: String,
+    /// The rig's name in topics.
+    pub rig: String,
+    /// Whether it is the simulated rig.
+    pub simulated: bool,
+    /// From cycle to cycle, seconds.
+    pub period_s: f64,
+    /// Where the ball can be, mm.
+    pub position_mm: Range,
+    /// Where it may be sent, mm.
+    pub setpoint_mm: Range,
+    /// What the fan may be given in flight, percent.
+    pub duty_percent: Range,
+    /// The duty that is believed to hold the ball, percent.
+    pub hover_duty_percent: f64,
+    /// The controllers that there are.
+    pub controllers: Vec<String>,
+    /// The gains of the PID; none where there is no PID.
+    pub gains: Vec<Gain>,
+    /// The experiments that may be started.
+    pub experiments: Vec<Offered>,
+}
+
+/// From here to there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Range {
+    /// The smallest.
+    pub min: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+/// A gain that may be set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gain {
+    /// Its key in `set/gains`.
+    pub name: String,
+    /// As people write it.
+    pub symbol: String,
+    /// Its unit.
+    pub unit: String,
+    /// The smallest.
+    pub min: f64,
+    /// The largest; null: there is none.
+    pub max: Option<f64>,
+}
+
+/// An experiment that may be started.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Offered {
+    /// Its name in `set/experiment`.
+    pub name: String,
+    /// What it is for.
+    pub title: String,
+    /// How long it lasts at most, seconds.
+    pub duration_s: f64,
+}
+
+impl About {
+    /// What the tables of a flight and its offers say. `None` where a table is missing that a flight needs.
+    #[must_use]
+    pub fn of(tables: &Tables, offers: &[Offer], simulated: bool) -> Option<Self> {
+        let rig = tables.rig.as_ref()?;
+        let Safety { setpoint_min_mm, setpoint_max_mm, duty_min_percent, duty_max_percent, .. } = tables.safety?;
+        let compensation = tables.compensation.as_ref()?;
+        let controllers = tables.controller.as_ref()?;
+        let there = Kind::ALL.into_iter().filter(|kind| controllers.has(*kind));
+        Some(Self {
+            schema: SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            rig: rig.name.clone(),
+            simulated,
+            period_s: tables.r#loop?.period_s,
+            position_mm: Range { min: 0.0, max: rig.sensor_to_bottom_mm },
+            setpoint_mm: Range { min: setpoint_min_mm, max: setpoint_max_mm },
+            duty_percent: Range { min: duty_min_percent, max: duty_max_percent },
+            hover_duty_percent: compensation.hover_duty_percent,
+            controllers: there.map(|kind| kind.name().to_owned()).collect(),
+            gains: if controllers.pid.is_some() { gains(compensation.predistortion.is_some()) } else { Vec::new() },
+            experiments: offers.iter().map(Offered::from).collect(),
+        })
+    }
+
+    /// As it is published.
+    #[must_use]
+    pub fn json(&self) -> String {
+        // Plain values always serialise.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// Behind predistortion the control value is an acceleration.
+fn gains(predistorted: bool) -> Vec<Gain> {
+    let per_mm = if predistorted { "mm/s² per mm" } else { "%/mm" };
+    let words = [("K_p", per_mm), ("T_i", "s"), ("T_d", "s")];
+    let gain = |((name, min, max), (symbol, unit)): ((&str, f64, f64), (&str, &str))| Gain {
+        name: name.into(),
+        symbol: symbol.into(),
+        unit: unit.into(),
+        min,
+        max: max.is_finite().then_some(max),
+    };
+    Pid::BOUNDS.into_iter().zip(words).map(gain).collect()
+}
+
+impl From<&Offer> for Offered {
+    fn from(Offer { name, experiment }: &Offer) -> Self {
+        Self { name: name.to_string(), title: experiment.title.clone(), duration_s: experiment.duration_s() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::About;
+    use crate::config::Config;
+    use crate::experiment::offers::offers;
+    use std::path::Path;
+
+    #[test]
+    fn it_says_the_limits_of_the_config_the_controllers_and_the_gains_with_their_units() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let tables = Config::read(&root.join("config.toml"), &[]).unwrap().tables;
+        let safety = tables.safety.unwrap();
+        let about = About::of(&tables, &offers(&[], &safety).unwrap(), true).unwrap();
+        assert_eq!((about.setpoint_mm.min, about.setpoint_mm.max), (safety.setpoint_min_mm, safety.setpoint_max_mm));
+        assert_eq!(about.controllers, ["pid", "cascade", "state_feedback", "lqg", "mpc", "open_loop"]);
+        let gains: Vec<_> = about.gains.iter().map(|gain| (gain.name.as_str(), gain.unit.as_str(), gain.max)).collect();
+        assert_eq!(gains, [("kp_per_mm", "%/mm", Some(1e3)), ("ti_s", "s", None), ("td_s", "s", Some(1e3))]);
+        assert_eq!((about.experiments[0].name.as_str(), about.experiments[0].duration_s), ("steps", 60.0));
+        assert_eq!(serde_json::from_str::<About>(&about.json()).unwrap(), about);
+    }
+}

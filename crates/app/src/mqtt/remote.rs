@@ -1,0 +1,156 @@
+//! The other end of a rig's topics: hears what a rig says, and sends it commands. What `airball monitor` stands on.
+//!
+//! As on the rig, a session has a client of its own, so that no command that was meant for one moment arrives at another.
+
+use super::about::About;
+use super::config::{MqttConfig, MqttError};
+use super::network;
+use super::seen::{Said, Seen};
+use super::topics::{Quantity, Topics};
+use crate::last_fault::LastFault;
+use rumqttc::{Client, ConnectionError, Event, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
+use serde::de::DeserializeOwned;
+use std::process;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+/// Messages that wait for whoever looks at them; what does not fit is past anyway.
+const ROOM: usize = 64;
+/// Between two attempts to connect.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// What came from the broker, or became of it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Heard {
+    /// The broker answers.
+    Connected,
+    /// It does not, for this reason.
+    Lost(String),
+    /// Whether the rig's program runs.
+    Online(bool),
+    /// What the rig is.
+    About(Box<About>),
+    /// How things are.
+    State(Box<Seen>),
+    /// The last fault that ended a flight.
+    Fault(LastFault),
+    /// What became of somebody's command.
+    Reply(Said),
+}
+
+/// A connection to the broker that is dialled again for as long as it lives.
+pub struct Remote {
+    topics: Arc<Topics>,
+    client: Arc<Mutex<Option<Client>>>,
+    heard: Receiver<Heard>,
+}
+
+impl Remote {
+    /// Starts dialling and returns at once.
+    ///
+    /// # Errors
+    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a missing broker.
+    pub fn start(config: &MqttConfig, rig: &str) -> Result<Self, MqttError> {
+        let topics = Arc::new(Topics::new(rig)?);
+        let id = format!("airball-monitor-{}", process::id());
+        let options = network::to_broker(config, id)?;
+        let client = Arc::<Mutex<Option<Client>>>::default();
+        let (tell, heard) = sync_channel(ROOM);
+        let session = Session { options, topics: Arc::clone(&topics), client: Arc::clone(&client), tell };
+        let thread = thread::Builder::new().name("mqtt-remote".to_owned());
+        thread.spawn(move || session.run()).map_err(MqttError::Thread)?;
+        Ok(Self { topics, client, heard })
+    }
+
+    /// Waits for the next message. `None`: there was none.
+    #[must_use]
+    pub fn next(&self, patience: Duration) -> Option<Heard> {
+        match self.heard.recv_timeout(patience) {
+            Ok(heard) => Some(heard),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => {
+                thread::sleep(patience);
+                None
+            }
+        }
+    }
+
+    /// Sends a command. False: there is no connection to send it on.
+    #[must_use]
+    pub fn send(&self, quantity: Quantity, payload: &str) -> bool {
+        let client = self.client.lock().unwrap_or_else(PoisonError::into_inner);
+        let topic = self.topics.set(quantity);
+        client.as_ref().is_some_and(|client| client.try_publish(topic, QoS::AtLeastOnce, false, payload).is_ok())
+    }
+}
+
+/// The thread's belongings.
+struct Session {
+    options: MqttOptions,
+    topics: Arc<Topics>,
+    client: Arc<Mutex<Option<Client>>>,
+    tell: SyncSender<Heard>,
+}
+
+impl Session {
+    /// Dials until nobody listens any more.
+    fn run(self) {
+        loop {
+            let cause = self.listen();
+            self.hold(None);
+            if cause.is_none_or(|cause| self.tell.send(Heard::Lost(cause.to_string())).is_err()) {
+                return;
+            }
+            thread::sleep(PAUSE);
+        }
+    }
+
+    fn hold(&self, client: Option<Client>) {
+        *self.client.lock().unwrap_or_else(PoisonError::into_inner) = client;
+    }
+
+    /// One connection, until it fails. `None`: nobody listens.
+    fn listen(&self) -> Option<ConnectionError> {
+        let (client, mut connection) = Client::new(self.options.clone(), ROOM);
+        loop {
+            let heard = match connection.recv() {
+                Ok(Ok(Event::Incoming(Packet::ConnAck(_)))) => {
+                    let Topics { about, status, fault, state, reply, .. } = &*self.topics;
+                    let filters = [about, status, fault, state, reply]
+                        .map(|topic| SubscribeFilter::new(topic.clone(), QoS::AtMostOnce));
+                    if client.try_subscribe_many(filters).is_err() {
+                        return Some(ConnectionError::RequestsDone);
+                    }
+                    self.hold(Some(client.clone()));
+                    Some(Heard::Connected)
+                }
+                Ok(Ok(Event::Incoming(Packet::Publish(message)))) => self.read(&message),
+                Ok(Ok(_)) => None,
+                Ok(Err(cause)) => return Some(cause),
+                Err(_) => return Some(ConnectionError::RequestsDone),
+            };
+            if let Some(heard) = heard {
+                self.tell.send(heard).ok()?;
+            }
+        }
+    }
+
+    /// What a message says. One that is not ours says nothing.
+    fn read(&self, Publish { topic, payload, .. }: &Publish) -> Option<Heard> {
+        let (topics, payload) = (&*self.topics, &payload[..]);
+        match topic {
+            topic if *topic == topics.status => Some(Heard::Online(payload == b"online")),
+            topic if *topic == topics.about => of(payload).map(Box::new).map(Heard::About),
+            topic if *topic == topics.state => of(payload).map(Box::new).map(Heard::State),
+            topic if *topic == topics.fault => of(payload).map(Heard::Fault),
+            topic if *topic == topics.reply => of(payload).map(Heard::Reply),
+            _ => None,
+        }
+    }
+}
+
+fn of<T: DeserializeOwned>(payload: &[u8]) -> Option<T> {
+    serde_json::from_slice(payload).ok()
+}

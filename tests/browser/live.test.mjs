@@ -1,0 +1,208 @@
+// Flies the simulated rig from the live page in Debian's Chromium. tests/tests/live_page.rs starts rig and broker, and says where: URL, the
+// page as its broker serves it; FILE, the same page on the disk; BROKER, the broker's WebSockets; USER_NAME and PASSWORD.
+// SHOTS, a directory: pictures of the page are left there, to be looked at.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+import { DESK, PHONE, complaints, installed, invalid, shoot } from "./browser.mjs";
+
+const { URL: SERVED, FILE, BROKER, USER_NAME, PASSWORD } = process.env;
+const PATIENCE = 30_000;
+
+let browser;
+before(async () => {
+  browser = await chromium.launch({ executablePath: installed(), args: ["--no-sandbox"] });
+});
+after(() => browser.close());
+
+/** Opens the page and collects what it must not have: errors, requests of anybody but the broker, dialogs. */
+async function open({ url = SERVED, ...options } = {}) {
+  const context = await browser.newContext({ viewport: DESK, ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  const wrong = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && wrong.push(message.text()));
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("dialog", (dialog) => wrong.push(dialog.message()) && dialog.dismiss());
+  page.on("request", (request) => !request.isNavigationRequest() && !request.url().startsWith("data:") && wrong.push(request.url()));
+  page.on("websocket", (socket) => new URL(socket.url()).host !== new URL(BROKER).host && wrong.push(socket.url()));
+  await page.goto(url);
+  return { page, wrong };
+}
+
+async function login(page) {
+  await page.locator("#connection").evaluate((details) => (details.open = true));
+  await page.getByLabel("User").fill(USER_NAME);
+  await page.getByLabel("Password").fill(PASSWORD);
+  await page.getByRole("button", { name: "Connect" }).click();
+  await page.getByText("rig online", { exact: true }).waitFor();
+}
+
+async function flying(options) {
+  const opened = await open(options);
+  await login(opened.page);
+  const { page } = opened;
+  await until(page, "a state", async () => (await text(page, "position")) !== "–");
+  if ((await text(page, "mode")) === "stopped") await page.getByRole("button", { name: "Fly again" }).click();
+  await until(page, "flying", async () => (await text(page, "mode")) === "flying");
+  // The broker refused the page before anybody had logged in: that is said, and no fault of the page.
+  opened.wrong.length = 0;
+  return opened;
+}
+
+const text = (page, id) => page.locator(`#${id}`).innerText();
+const position = async (page) => Number(await text(page, "position"));
+
+async function until(page, what, look) {
+  const deadline = Date.now() + PATIENCE;
+  while (!(await look())) {
+    assert.ok(Date.now() < deadline, `still not true after ${PATIENCE} ms: ${what}; ${await page.locator("body").innerText()}`);
+    await page.waitForTimeout(100);
+  }
+}
+
+test("live: is valid HTML, in one small file", async () => {
+  assert.deepEqual(await invalid(FILE), []);
+  assert.ok(readFileSync(FILE).length < 1e6);
+});
+
+test("live: the slider moves the ball, by mouse and by keys, within the rig's limits", async () => {
+  const { page, wrong } = await flying();
+  const slider = page.getByLabel("Height, mm");
+  assert.deepEqual(await slider.evaluate(({ min, max }) => [min, max]), ["30", "550"]);
+  await slider.fill("430");
+  await until(page, "the ball is at 430 mm", async () => Math.abs((await position(page)) - 430) < 25);
+  assert.equal(await text(page, "setpoint"), "430");
+  assert.equal(await slider.getAttribute("aria-valuetext"), "430 millimetres");
+  await slider.focus();
+  await page.keyboard.press("ArrowDown");
+  await until(page, "one millimetre less", async () => (await text(page, "setpoint")) === "429");
+  await page.getByLabel("Number, mm").fill("250");
+  await page.keyboard.press("Enter");
+  await until(page, "the ball is at 250 mm", async () => Math.abs((await position(page)) - 250) < 25);
+  assert.match(await text(page, "reply"), /setpoint_mm: in force/);
+  assert.deepEqual(wrong, []);
+});
+
+test("live: the stop button stops the fan, and the ball is lifted again", async () => {
+  const { page, wrong } = await flying();
+  await page.getByRole("button", { name: "STOP", exact: true }).click();
+  await until(page, "stopped", async () => (await text(page, "mode")) === "stopped" && (await text(page, "duty")) === "0.00");
+  assert.match(await text(page, "stop-said"), /the broker has it/);
+  await shoot(page, "live-stopped");
+  await page.getByRole("button", { name: "Fly again" }).click();
+  await until(page, "flying", async () => (await text(page, "mode")) === "flying");
+  assert.deepEqual(wrong, []);
+});
+
+test("live: the stop button works when every other script has failed and the page's connection is gone", async () => {
+  const { page: witness } = await flying();
+  const { page } = await open();
+  await page.getByLabel("User").waitFor({ state: "attached" });
+  await page.locator("#connection").evaluate((details) => (details.open = true));
+  await page.getByLabel("User").fill(USER_NAME);
+  await page.getByLabel("Password").fill(PASSWORD);
+  await page.evaluate(() => {
+    for (const name of ["mqtt", "uPlot"]) window[name] = undefined;
+    Object.defineProperty(window, "charts", { get: () => { throw new Error("charts are broken"); } });
+    setInterval(() => { throw new Error("and so is the rest"); }, 20);
+  });
+  await page.getByRole("button", { name: "STOP", exact: true }).click();
+  await until(witness, "stopped", async () => (await text(witness, "mode")) === "stopped");
+  await page.getByText("the broker has it").waitFor();
+  await witness.getByRole("button", { name: "Fly again" }).click();
+  await until(witness, "flying", async () => (await text(witness, "mode")) === "flying");
+});
+
+test("live: a page whose other script never ran can still stop", async () => {
+  const { page: witness } = await flying();
+  const broken = readFileSync(FILE, "utf8").replace('"use strict";var mqtt=', '"use strict";throw new Error("broken");var mqtt=');
+  const { page, wrong } = await open({ bypassCSP: true, url: "about:blank" });
+  await page.route(SERVED, (route) => route.fulfill({ body: broken.replace(/<meta http-equiv="Content-Security-Policy"[^>]*>/, ""), contentType: "text/html" }));
+  await page.goto(SERVED);
+  assert.match(wrong.join(), /broken/);
+  await page.locator("#connection").evaluate((details) => (details.open = true));
+  await page.getByLabel("User").fill(USER_NAME);
+  await page.getByLabel("Password").fill(PASSWORD);
+  await page.getByRole("button", { name: "STOP", exact: true }).click();
+  await until(witness, "stopped", async () => (await text(witness, "mode")) === "stopped");
+  await witness.getByRole("button", { name: "Fly again" }).click();
+});
+
+test("live: without a broker the stop button says so, and what to do", async () => {
+  const { page } = await open({ url: `${pathToFileURL(FILE).href}?broker=ws://127.0.0.1:1` });
+  await page.getByRole("button", { name: "STOP", exact: true }).click();
+  await page.getByText("Switch off the fan's supply").waitFor();
+});
+
+test("live: gains, controller and experiment are changed, and a refusal is said with its reason", async () => {
+  const { page, wrong } = await flying();
+  const gain = page.getByLabel("K_p, %/mm");
+  await gain.fill("0.015");
+  await page.getByRole("button", { name: "Change together" }).click();
+  await page.getByText("gains: in force").waitFor();
+  await page.getByRole("combobox", { name: "Flies, from now on" }).selectOption("lqg");
+  await until(page, "lqg flies", async () => (await text(page, "flying-controller")) === "lqg");
+  await page.getByRole("combobox", { name: "Flies, from now on" }).selectOption("pid");
+  await page.getByRole("combobox", { name: "Flown once" }).selectOption("steps");
+  await page.getByRole("button", { name: "Start" }).click();
+  await until(page, "the experiment", async () => (await text(page, "experiment")) === "steps");
+  await page.getByRole("button", { name: "Back to the programme" }).click();
+  await until(page, "no experiment", async () => (await text(page, "experiment")) === "none");
+  assert.deepEqual(wrong, []);
+  await page.evaluate(() => { document.getElementById("setpoint-form").noValidate = true; });
+  await page.getByLabel("Number, mm").evaluate((input) => { input.removeAttribute("max"); input.value = 5000; });
+  await page.getByRole("button", { name: "Send there" }).click();
+  await page.getByText("30 to 550 mm").and(page.locator("#reply")).waitFor();
+});
+
+test("live: every cycle is drawn on demand", async () => {
+  const { page, wrong } = await flying();
+  await page.getByLabel("Draw every cycle").check();
+  await until(page, "batches", async () => /^\d+ cycles in the last batch, 0 dropped$/.test(await text(page, "rate")));
+  const before = await page.evaluate(() => charts.shown());
+  await page.waitForTimeout(2000);
+  const per_second = ((await page.evaluate(() => charts.shown())) - before) / 2;
+  assert.ok(per_second > 20, `${per_second} cycles a second`);
+  await shoot(page, "live-full");
+  await page.getByLabel("Draw every cycle").uncheck();
+  assert.deepEqual(wrong, []);
+});
+
+test("live: opened as a file it finds the broker that it is told", async () => {
+  const { page, wrong } = await flying({ url: `${pathToFileURL(FILE).href}?broker=${BROKER}` });
+  assert.match(await text(page, "link"), /connected/);
+  assert.deepEqual(wrong, []);
+});
+
+test("live: a wrong password is said, and the form to mend it stands open", async () => {
+  const { page } = await open();
+  await page.getByText("the broker refuses").waitFor();
+  assert.ok(await page.getByLabel("Password").isVisible());
+  assert.ok(await page.getByLabel("Height, mm").isDisabled());
+  assert.ok(await page.getByRole("button", { name: "STOP", exact: true }).isEnabled());
+});
+
+for (const colorScheme of ["light", "dark"]) {
+  for (const [size, viewport] of Object.entries({ desk: DESK, phone: PHONE })) {
+    test(`live: axe finds nothing to complain of and nothing scrolls sideways, ${colorScheme}, ${size}`, async () => {
+      const { page } = await flying({ colorScheme, viewport, bypassCSP: true });
+      await page.waitForTimeout(3000);
+      assert.deepEqual(await complaints(page), []);
+      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), viewport.width);
+      await shoot(page, `live-${colorScheme}-${size}`);
+    });
+  }
+}
+
+test("live: the first key reaches the stop button, which stays in sight", async () => {
+  const { page } = await flying({ viewport: PHONE });
+  await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+  assert.ok(await page.getByRole("button", { name: "STOP", exact: true }).evaluate((button) => button.getBoundingClientRect().top >= 0 && button.getBoundingClientRect().bottom < innerHeight));
+  await page.reload();
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "stop");
+});

@@ -67,7 +67,7 @@ fn a_huge_message_that_is_kept_as_the_mode_leaves_a_link_that_stays_and_only_spe
 /// A number, a word, gains, or rubbish, now and then a long one.
 fn payload(random: &mut Pcg64) -> Vec<u8> {
     let draw = random.next_u32();
-    let rubbish = |bytes: usize| (0..bytes).map(|k| (draw >> (k % 24)) as u8).collect();
+    let rubbish = |bytes: usize| draw.to_le_bytes().into_iter().cycle().take(bytes).collect();
     match draw % 8 {
         0 | 1 => format!("{}", draw % 1000).into_bytes(),
         2 => b"stop".to_vec(),

@@ -129,7 +129,7 @@ mod tests {
             }
             for branch in all {
                 let jump = |pair: &[(f64, f64)]| distance(pair[0], pair[1]) / distance(pair[0], (0.0, 0.0)).max(1e-3);
-                assert!(branch.windows(2).all(|pair| jump(pair) < 0.5), "{}", form.label);
+                assert!(branch.windows(2).all(|pair| jump(pair) < 0.2), "{}", form.label);
             }
         }
     }

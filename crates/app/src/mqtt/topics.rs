@@ -119,7 +119,8 @@ mod tests {
         let mut listed: Vec<&str> = page.lines().filter_map(|row| row.strip_prefix("| `")?.split('`').next()).collect();
         let topics = Topics::new("rig1").unwrap();
         let own = [&topics.reply, &topics.state, &topics.status, &topics.fault].map(|topic| topics.short(topic));
-        let mut there: Vec<&str> = Quantity::ALL.into_iter().map(Quantity::topic).chain(own).collect();
+        let mut there = own.to_vec();
+        there.extend(Quantity::ALL.map(Quantity::topic));
         there.extend([ORIGINAL_SETPOINT, ORIGINAL_POSITION]);
         listed.sort_unstable();
         there.sort_unstable();

@@ -1,8 +1,7 @@
 //! The gallery: each effect of the catalogue on a rig that is the believed one otherwise, flown, and diagnosed against the belief.
 //!
 //! One experiment, one controller and one seed for all, so that two exhibits differ by their effects alone. An effect that the
-//! config believes in is shown as what a belief without it lacks. A new effect of the catalogue is a new exhibit. Records begin after take-off,
-//! the first segment of the experiment.
+//! config believes in is shown as what a belief without it lacks. A new effect of the catalogue is a new exhibit.
 
 pub mod page;
 
@@ -10,7 +9,6 @@ use crate::config::ConfigError;
 use crate::desk::{Desk, Flown};
 use crate::experiment::Experiment;
 use crate::log::reader::sample;
-use crate::log::record::Cycle;
 use crate::next::{Advice, advise};
 use control::compensation::Compensation;
 use diagnose::{Diagnosis, Options, Picture, Recording, RecordingError};
@@ -27,9 +25,6 @@ const SIZES: [(&str, &[f64]); 5] = [
     ("sensor_outliers", &[0.02, 60.0]),
     ("spin_asymmetry", &[0.15, 0.40]),
 ];
-
-/// How much of the two flights is drawn, seconds: where they differ most.
-const DRAWN_S: f64 = 20.0;
 
 /// Why an exhibit cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -85,23 +80,6 @@ pub struct Exhibit {
     pub compensation: Compensation,
 }
 
-impl Exhibit {
-    /// The stretch of the flights with the effect and without it in which the positions differ most.
-    #[must_use]
-    pub fn most_different(&self) -> [&[Cycle]; 2] {
-        let flights = [&self.with.cycles, &self.without.cycles];
-        let rows = flights[0].len().min(flights[1].len());
-        let [with, without] = flights.map(|cycles| &cycles[..rows]);
-        let length = with.iter().take_while(|cycle| cycle.time_s < DRAWN_S).count();
-        let square = |(a, b): (&Cycle, &Cycle)| Some((a.position_mm? - b.position_mm?).powi(2));
-        let squares: Vec<f64> = with.iter().zip(without).map(|pair| square(pair).unwrap_or_default()).collect();
-        let starts = (0..=rows - length).step_by((length / 40).max(1));
-        let differ = |from: usize| squares[from..from + length].iter().sum::<f64>();
-        let from = starts.max_by(|a, b| differ(*a).total_cmp(&differ(*b))).unwrap_or_default();
-        [with, without].map(|cycles| &cycles[from..from + length])
-    }
-}
-
 /// Who flies the exhibits.
 #[derive(Clone, Debug)]
 pub struct Gallery {
@@ -133,9 +111,7 @@ impl Gallery {
         for flown in [&with, &without] {
             self.lasted(entry.name, flown)?;
         }
-        let off_s = self.experiment.segments.first().map_or(0.0, |segment| segment.duration_s);
-        let flown = with.cycles.iter().filter(|cycle| cycle.time_s >= off_s);
-        let recording = Recording::new(flown.map(sample).collect())
+        let recording = Recording::new(with.cycles.iter().map(sample).collect())
             .map_err(|source| GalleryError::NoRecord { effect: entry.name, source })?;
         let found = diagnose::diagnose(&belief, &recording, &Options::default());
         let advice = advise(&found, &recording, Some(self.desk.clone()), &belief);

@@ -37,8 +37,7 @@ fn show(gallery: &Gallery, entry: &Entry, out: &Path) -> Result<Exhibit> {
     let exhibit = gallery.exhibit(entry)?;
     let file = |what: &str| out.join(format!("{}{what}", entry.name));
     write_page(file(".md"), &page::page(&exhibit))?;
-    let [with, without] = exhibit.most_different();
-    plot::two_flights(&file("-flight.svg"), with, without)?;
+    plot::two_flights(&file("-flight.svg"), &exhibit.with.cycles, &exhibit.without.cycles)?;
     plot::small_diagnosis(&file("-force.svg"), &exhibit.picture, &regions(&exhibit.found))?;
     Ok(exhibit)
 }

@@ -83,8 +83,7 @@ fn numbers(exhibit: &Exhibit) -> String {
 fn pictures(file: &str, name: &str) -> String {
     format!(
         "![Position and duty of one experiment with {name} and without it]({file}-flight.svg)\n\n\
-         The same experiment, controller and seed on two rigs, with the effect and without it, where the positions differ most; below, the two duties. \
-         Feedback hides much of an effect: compare it with the next picture.\n\n\
+         The same experiment, controller and seed on two rigs: with the effect, and without it. Below, the two duties.\n\n\
          ![Free runs of the belief and of the mended model beside the record, and the missing force]({file}-force.svg)\n\n\
          The recorded duty of the flight with the effect, run through two models that are told the position every 10 s: the belief, which \
          lacks the effect, and the mended one. Below, the missing force: what had to push the ball, beyond the belief with fitted gain, drag \
@@ -101,23 +100,21 @@ fn diagnosis(exhibit: &Exhibit) -> String {
 fn neighbours(exhibit: &Exhibit) -> String {
     let found = &exhibit.found;
     let first = found.rounds.first().map(Vec::as_slice).unwrap_or_default();
-    let mut tried: Vec<_> = first.iter().zip(found.chances(first)).collect();
-    tried.sort_by(|(a, _), (b, _)| b.in_full.cmp(&a.in_full).then(b.gain.total_cmp(&a.gain)));
-    let mut text = String::from(
-        "The effects that explain this record best, each alone beside fitted gain, drag and hover. A gain is in nats, on stretches that were not \
-         fitted to; five are e⁵ to 1. Those that a first look left behind were not fitted in full.\n\n\
-         | effect | stage | gain, nats | probability |\n|---|---|---|---|",
-    );
+    let mut tried: Vec<_> = first.iter().zip(found.chances(first)).filter(|(one, _)| one.in_full).collect();
+    tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    let mut text = String::from("No effect passed the first look at this record.");
+    if !tried.is_empty() {
+        text = "The effects that explain this record best, each alone, on stretches that it was not fitted to. Five nats are e⁵ to 1.\n\n\
+                | effect | stage | gain, nats | probability |\n|---|---|---|---|"
+            .into();
+    }
     for (one, likely) in tried.into_iter().take(NEIGHBOURS) {
-        let likely = likely.map_or_else(|| "left behind".into(), chance);
+        let likely = likely.map_or_else(|| "–".into(), chance);
         let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.gain), 1));
         let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));
     }
     for line in next::words(&exhibit.advice) {
-        // A sentence may begin with a name of the catalogue, which has no capital.
-        let begins_with_name = line.split(' ').next().is_some_and(|word| Effects::entry(word).is_some());
-        let line = line.trim_end_matches('.');
-        let _ = write!(text, "\n\n{}.", if begins_with_name { line.to_owned() } else { capital(line) });
+        let _ = write!(text, "\n\n{}.", capital(line.trim_end_matches('.')));
     }
     text
 }

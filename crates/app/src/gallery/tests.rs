@@ -32,18 +32,3 @@ fn a_config_that_cannot_fly_has_no_gallery() {
     let model = project().plant.unwrap();
     assert!(Gallery::new(None, &model, 1).unwrap_err().to_string().contains("[controller]"));
 }
-
-#[test]
-fn the_two_flights_are_drawn_where_they_differ_most() {
-    let tables = project();
-    let gallery = Gallery::new(Desk::of(&tables), tables.plant.as_ref().unwrap(), 1).unwrap();
-    let mut exhibit = gallery.exhibit(Effects::entry("sensor_noise").unwrap()).unwrap();
-    exhibit.with = exhibit.without.clone();
-    for cycle in exhibit.with.cycles.iter_mut().filter(|cycle| (50.0..60.0).contains(&cycle.time_s)) {
-        cycle.position_mm = cycle.position_mm.map(|mm| mm + 20.0);
-    }
-    for drawn in exhibit.most_different() {
-        let (from_s, to_s) = (drawn[0].time_s, drawn[drawn.len() - 1].time_s);
-        assert!(from_s <= 50.5 && to_s >= 59.5 && to_s - from_s < 20.1, "{from_s} to {to_s} s");
-    }
-}

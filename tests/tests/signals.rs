@@ -1,4 +1,4 @@
-//! A rig with a tachometer and a second sensor, from flight to diagnosis.
+//! A rig with a tachometer and a second sensor, from the command line.
 
 use serde_json::Value;
 use system_tests::Bench;
@@ -19,26 +19,6 @@ disagree_s = 0.5
 [rig.output_enable]
 line = 4
 ";
-
-/// What a diagnosis says of a flight on a rig with `effect` that the belief lacks: the first effect, and what it may be besides.
-fn named(effect: &str) -> (Value, Value) {
-    let bench = Bench::default();
-    bench.write("signals.toml", SIGNALS);
-    bench.write("effect.toml", effect);
-    let patches = ["--patch", "signals.toml", "--patch", "effect.toml"];
-    let _ = bench.output(&[&["simulate", "--duration", "70", "--log", "f.mcap"][..], &patches].concat());
-    let found: Value = serde_json::from_str(&bench.output(&["diagnose", "--json", "f.mcap"])).unwrap();
-    let first = &found["effects"][0];
-    (first["name"].clone(), first["indistinguishable_from"].clone())
-}
-
-#[test]
-fn both_signals_tell_a_delay_of_the_duty_from_one_of_the_reading() {
-    let (name, twins) = named("[plant.effects.transport_delay]\ndelay_s = 0.12\n");
-    assert_eq!((name, twins), (Value::from("transport_delay"), serde_json::json!([])));
-    let (name, twins) = named("[plant.effects.sensor_delay]\ndelay_s = 0.12\n");
-    assert_eq!((name, twins), (Value::from("sensor_delay"), serde_json::json!([])));
-}
 
 #[test]
 fn a_flight_with_all_signals_says_what_they_were_and_exports_them() {

@@ -10,7 +10,7 @@ import { chromium } from "playwright-core";
 import { DESK, PHONE, complaints, installed, invalid, shoot } from "./browser.mjs";
 
 const { URL: SERVED, FILE, BROKER, USER_NAME, PASSWORD } = process.env;
-const PATIENCE = 30_000;
+const PATIENCE = 60_000;
 
 let browser;
 before(async () => {

@@ -18,7 +18,7 @@ use control::dither::Dither;
 use control::feed_forward::FeedForward;
 use control::inputs::Source;
 use control::mpc::Mpc;
-use control::observer::{Gain, Observer};
+use control::observer::{Gain, Observer, Tachometer};
 use control::pid::{DerivativeOn, Pid};
 use control::predistortion::Predistortion;
 use control::regulator::Regulator;
@@ -72,6 +72,8 @@ fn fly() -> Option<f64> {
         disturbance_psd_per_s: Some(1e-3),
         gate_sigma: 5.0,
         gain: Gain::TimeVarying,
+        second_sensor_mm: Some(2.5),
+        tachometer: Some(Tachometer { control: 0.2, psd_per_s: 1e-2 }),
         believed,
     };
     let mut regulator = Regulator::new(controllers(), Some(&observer), PERIOD_S).ok()?;
@@ -82,6 +84,8 @@ fn fly() -> Option<f64> {
         regulator.switch(kind);
         for _ in 0..50 {
             regulator.read(state[0], PERIOD_S);
+            regulator.read_second(state[0]);
+            regulator.read_fan(state[2]);
             let control = regulator.step(300.0, PERIOD_S, limits);
             let duty: Duty = compensator.duty(control, 0.0);
             regulator.pass(control, PERIOD_S);

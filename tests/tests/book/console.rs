@@ -96,7 +96,7 @@ fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item 
     // A loop that waits for what does not come must end.
     let mut shell = Command::new("timeout");
     shell
-        .args(["-c", &script])
+        .args(["600", "bash", "-c", &script])
         .current_dir(bench.path(""))
         .env("PATH", path)
         .env_remove("COLUMNS")

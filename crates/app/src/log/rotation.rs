@@ -81,7 +81,9 @@ impl Rotation {
                 return self.fail(error);
             }
         };
-        self.next_s = time_s + self.limits.part_s;
+        // On a grid, so that late cycles do not make files longer and longer.
+        let parts = (time_s / self.limits.part_s).floor() + 1.0;
+        self.next_s = parts * self.limits.part_s;
         let mut full = std::mem::replace(&mut self.current, Inline::new(writer));
         full.event(&Event { time_s, what: What::End(End::Continued) });
         // The next file may be on a disk with room again.

@@ -28,14 +28,15 @@ pub struct Mailbox {
 pub(super) struct Inbox {
     ring: Producer<Command>,
     stop: Arc<AtomicBool>,
+    counters: Arc<Counters>,
 }
 
 impl Inbox {
     /// Hands a command over. False: it found no room, and is no stop.
     pub(super) fn push(&mut self, command: Command) -> bool {
         let kept = self.ring.push(command).is_ok();
-        if !kept && command == Command::Stop {
-            self.stop.store(true, Relaxed);
+        if !kept && command == Command::Stop && self.stop.swap(true, Relaxed) {
+            forgotten(&self.counters);
         }
         kept || command == Command::Stop
     }
@@ -44,6 +45,12 @@ impl Inbox {
     pub(super) fn is_abandoned(&self) -> bool {
         self.ring.is_abandoned()
     }
+}
+
+/// A command that nobody obeys any more, and the reply that it does not get.
+fn forgotten(counters: &Counters) {
+    count(&counters.busy);
+    count(&counters.dropped);
 }
 
 /// The other ends: commands belong to the network's thread, the rest to the publisher's.
@@ -59,7 +66,7 @@ impl Mailbox {
         let (answers, answer_out) = RingBuffer::new(ROOM);
         let (states, state_out) = RingBuffer::new(ROOM);
         let stop = Arc::<AtomicBool>::default();
-        let inbox = Inbox { ring: command_in, stop: Arc::clone(&stop) };
+        let inbox = Inbox { ring: command_in, stop: Arc::clone(&stop), counters: Arc::clone(&counters) };
         let far = FarEnd { commands: inbox, answers: answer_out, states: state_out };
         (Self { commands, stop, answers, states, counters }, far)
     }
@@ -76,7 +83,7 @@ impl Mailbox {
     pub fn try_command(&mut self) -> Option<Command> {
         if self.stop.swap(false, Relaxed) {
             for _ in (0..ROOM).map_while(|_| self.commands.pop().ok()) {
-                count(&self.counters.busy);
+                forgotten(&self.counters);
             }
             return Some(Command::Stop);
         }

@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn a_flight_in_several_files_is_told_as_one_also_without_those_that_are_gone() {
         let (folder, flown) = (tempfile::tempdir().unwrap(), cycles(600));
-        let files = fly(folder.path(), &flown, 4.0);
+        let files = fly(folder.path(), &flown, 3.99);
         assert_eq!(last_cycles(&files, 1000).unwrap(), (flown.clone(), 3));
         std::fs::remove_file(&files[0]).unwrap();
         assert_eq!(last_cycles(&files, 1000).unwrap(), (flown[200..].to_vec(), 2));
@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn of_a_long_flight_the_end_is_told() {
         let (folder, flown) = (tempfile::tempdir().unwrap(), cycles(600));
-        let files = fly(folder.path(), &flown, 4.0);
+        let files = fly(folder.path(), &flown, 3.99);
         assert_eq!(last_cycles(&files, 450).unwrap(), (flown[200..].to_vec(), 2));
         assert_eq!(last_cycles(&files, 10).unwrap(), (flown[400..].to_vec(), 1));
     }

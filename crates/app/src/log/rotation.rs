@@ -81,9 +81,7 @@ impl Rotation {
                 return self.fail(error);
             }
         };
-        // On a grid, so that late cycles do not make files longer and longer.
-        let parts = (time_s / self.limits.part_s).floor() + 1.0;
-        self.next_s = parts * self.limits.part_s;
+        self.next_s = time_s + self.limits.part_s;
         let mut full = std::mem::replace(&mut self.current, Inline::new(writer));
         full.event(&Event { time_s, what: What::End(End::Continued) });
         // The next file may be on a disk with room again.
@@ -268,8 +266,8 @@ mod tests {
         cycles(300).iter().for_each(|cycle| log.cycle(cycle));
         let (said, files) = (log.failure().unwrap().to_string(), log.files().all());
         assert!(said.contains("f.mcap") && said.contains("not permitted"), "{said}");
-        assert_eq!(flight::read(&files[1]).unwrap().cycles, cycles(300)[200..]);
         assert_eq!(log.finish().unwrap_err().to_string(), said);
+        assert_eq!(flight::read(&files[1]).unwrap().cycles, cycles(300)[200..]);
     }
 
     #[test]

@@ -56,7 +56,10 @@ fn a_huge_message_that_is_kept_as_the_mode_leaves_a_link_that_stays_and_only_spe
     let outside = Outside::on(broker.port);
     outside.say_retained(MODE, vec![b'7'; LARGEST_IN + 1]);
     let (link, mut mailbox) = start(&broker.config());
-    until("the end of two connections", || (link.counts().commands_refused == 2).then_some(()));
+    for _ in 0..2 {
+        until("the end of a connection", || (outside.hear(STATUS) == "offline").then_some(()));
+    }
+    assert_eq!(outside.hear(STATUS), "online");
     mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0) });
     until("the answer", || (outside.json(REPLY)["accepted"] == true).then_some(()));
     assert_eq!(link.counts().commands_refused, 2);

@@ -67,8 +67,8 @@ fn act(monitor: &mut Monitor, remote: &Remote, deed: Deed) {
     }
 }
 
-/// A line a second, or the first one only.
-fn lines(mut monitor: Monitor, remote: &Remote, once: bool) -> Result<()> {
+/// A line a second, or the first one only; an error that begins with `nothing` where no rig is heard.
+fn lines(mut monitor: Monitor, remote: &Remote, once: bool, nothing: &str) -> Result<()> {
     let (mut due, mut deadline) = (Instant::now(), Some(Instant::now() + PATIENCE));
     let mut lost = String::from("the broker answers, the rig does not: is `airball run` on?");
     loop {
@@ -86,7 +86,7 @@ fn lines(mut monitor: Monitor, remote: &Remote, once: bool) -> Result<()> {
             (due, deadline) = (Instant::now() + LINES, None);
         }
         if deadline.is_some_and(|deadline| Instant::now() > deadline) {
-            bail!("{lost}");
+            bail!("{nothing}: {lost}");
         }
     }
 }

@@ -31,9 +31,8 @@ pub fn monitor(args: &MonitorArgs) -> Result<()> {
     let remote = Remote::start(mqtt, &rig.name)?;
     let monitor = Monitor::of(&rig.name);
     if args.once || !stdout().is_terminal() || !stdin().is_terminal() {
-        return lines(monitor, &remote, args.once).with_context(|| {
-            format!("nothing heard of {} from the broker at {}:{}", rig.name, mqtt.host, mqtt.port())
-        });
+        let nothing = format!("nothing heard of {} from the broker at {}:{}", rig.name, mqtt.host, mqtt.port());
+        return lines(monitor, &remote, args.once, &nothing);
     }
     let mut terminal = ratatui::try_init().context("this terminal cannot be drawn on; try `airball monitor --once`")?;
     let watched = watch(&mut terminal, monitor, &remote);

@@ -11,21 +11,24 @@
   let online = false;
   const connect = () => {
     client?.end(true);
+    let met = false;
     const { user, password } = airball.login();
     const login = user ? { username: user, password } : {};
     // Timers of a worker would need one more permission in the page's policy; a slow keep-alive bears a sleeping tab.
     client = mqtt.connect(airball.broker(), { ...login, protocolVersion: 4, reconnectPeriod: 1000, connectTimeout: 5000, keepalive: 120, timerVariant: "native", resubscribe: false });
     client.on("connect", () => {
+      met = true;
       at("connection").open = false;
       link("connected");
       client.subscribe(["about", "status", "fault", "state", "reply", "cycles"].map((name) => airball.root + name));
       if (at("full").checked) stream();
     });
-    client.on("close", () => link(`no broker at ${airball.broker()}, trying again`));
-    client.on("error", (why) => {
-      if (why.code === 4 || why.code === 5) at("connection").open = true;
-      link(`the broker refuses: ${why.message}`);
+    // A broker may refuse a login by closing without a word.
+    client.on("close", () => {
+      if (!met) at("connection").open = true;
+      link(met ? `connection lost to ${airball.broker()}, trying again` : `no answer from ${airball.broker()}: no broker is there, or it refuses this user; trying again`);
     });
+    client.on("error", () => {});
     client.on("message", (topic, payload) => heard[topic.slice(airball.root.length)]?.(decode(payload)));
   };
   const send = (name, payload) => client.publish(`${airball.root}set/${name}`, String(payload), { qos: 1 });

@@ -80,5 +80,5 @@ const charts = (() => {
       redraw();
     }
   }).observe(holders.height);
-  return { add, fit, shown: () => times.length };
+  return { add, fit, times: () => times };
 })();

@@ -4,6 +4,7 @@
 //! forecasts, beside what noise alone would give. Works on the recorded duty and the real time stamps, and
 //! does no file or network access.
 
+mod aloft;
 mod along;
 mod apart;
 mod arrival;
@@ -13,6 +14,7 @@ mod check;
 mod chi_square;
 mod closed;
 mod coarse;
+mod comb;
 mod cursor;
 mod diagnosis;
 mod explain;

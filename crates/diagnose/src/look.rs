@@ -69,7 +69,7 @@ fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Free>)>
 impl Search<'_> {
     /// A few steps of the numbers that matter most from the effect's best starts; the best of them.
     pub(crate) fn look(&self, so_far: &Fit, entry: &Entry) -> Option<Look> {
-        let rated = self.rated_starts(so_far, entry);
+        let (rated, among) = self.rated_starts(so_far, entry);
         let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
         let as_good = |start: &&Start| worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
         // The best from another place is no better at first sight, but may climb higher.
@@ -86,15 +86,15 @@ impl Search<'_> {
         let before = self.problem.total_of(so_far);
         let rivals =
             if rated.len() > MANY_STARTS { rated.iter().map(|start| start.by_fold).collect() } else { Vec::new() };
-        let cost =
-            COST_OF_A_NUMBER * best.free.len().saturating_sub(so_far.free.len() + 1) as f64 + (rated.len() as f64).ln();
+        let cost = COST_OF_A_NUMBER * best.free.len().saturating_sub(so_far.free.len() + 1) as f64
+            + (rated.len().max(among) as f64).ln();
         Some(Look { gain: best.gain - before, rivals, cost, ..best })
     }
 
-    /// Every start of the effect, the one that explains most as it is first.
-    fn rated_starts(&self, so_far: &Fit, entry: &Entry) -> Vec<Start> {
-        let all = starts(entry, &so_far.model, self.problem.recording);
-        let rated = all.into_par_iter().flat_map_iter(|values| {
+    /// Every start of the effect, the one that explains most as it is first, and among how many they were chosen.
+    fn rated_starts(&self, so_far: &Fit, entry: &Entry) -> (Vec<Start>, usize) {
+        let all = starts(entry, so_far, &self.problem);
+        let rated = all.values.into_par_iter().flat_map_iter(|values| {
             let start = added(so_far, entry, &values);
             let models =
                 start.iter().flat_map(|(model, _)| self.places_to_start(model, entry.name)).collect::<Vec<_>>();
@@ -106,7 +106,7 @@ impl Search<'_> {
         });
         let mut rated: Vec<Start> = rated.collect();
         rated.sort_by(|a, b| b.by_fold.iter().sum::<f64>().total_cmp(&a.by_fold.iter().sum()));
-        rated
+        (rated, all.among)
     }
 
     /// The model as it is; or, for an effect that distorts what is fitted without it, with the noise that is believed, and with all

@@ -15,17 +15,20 @@
 //! Source: Engle, "Wald, likelihood ratio, and Lagrange multiplier tests in econometrics", Handbook of Econometrics 2 (1984); Wilson and
 //! Hilferty, "The distribution of chi-square", Proc. Natl. Acad. Sci. 17 (1931).
 
+mod beside;
 mod moments;
 mod scores;
 mod terms;
 mod walk;
+
+pub(crate) use beside::Beside;
+pub(crate) use walk::Walk;
 
 use crate::fit::{Fit, Problem};
 use rayon::prelude::*;
 use scores::{Asked, Scores};
 use serde::Serialize;
 use terms::Term;
-use walk::Walk;
 
 /// Shares of the air's noise, or of its turbulence, at which terms are asked for beside all of it.
 const QUIETER: [f64; 2] = [0.5, 0.2];
@@ -59,7 +62,9 @@ pub(crate) fn omitted(
     let as_fitted = walk(1.0);
     let mut levels = vec![Level::of(&as_fitted, &forces, &shifts)];
     let (spread, variance) = as_fitted.spreads(&spreads);
-    let spread = spread.asked(variance, weight, 0.0);
+    // What a coarse sensor's cells do to a filter that takes its doubt for normal is a spread of its own.
+    let coarse = fit.model.effects.sensor_quantisation.is_some();
+    let spread = if coarse { Vec::new() } else { spread.asked(variance, weight, 0.0) };
     let moments = moments::moments(&fit.model, &as_fitted.steps, weight);
     drop(as_fitted);
     levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&walk(*share), &forces, &shifts)));

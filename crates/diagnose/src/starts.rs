@@ -3,6 +3,8 @@
 //! A limit that the record never reaches, a stop that the ball never meets or a grid that is a little off have no slope to climb:
 //! their searches start where the record says that there is something to find.
 
+use crate::comb;
+use crate::fit::{Fit, Problem};
 use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::recording::Recording;
@@ -14,18 +16,29 @@ const LIMITS: [f64; 3] = [0.9, 0.6, 0.35];
 /// Shares of the readings beyond a place, and how far inside of it a stop is looked for, in deviations of the noise: noise carries readings
 /// beyond a stop.
 const STOPS: [(f64, f64); 6] = [(0.003, 0.0), (0.003, 1.0), (0.003, 2.0), (0.02, 0.0), (0.05, 0.0), (0.15, 0.0)];
-/// Steps of duty that are looked for.
-const FINEST_PERCENT: f64 = 0.3;
-const COARSEST_PERCENT: f64 = 2.5;
 
-/// Values of `entry` to start from, for a record of a rig that so far is `model`.
-pub(crate) fn starts(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
+/// Where to start from, and among how many places those were chosen.
+pub(crate) struct Starts {
+    pub(crate) values: Vec<Vec<f64>>,
+    pub(crate) among: usize,
+}
+
+/// Values of `entry` to start from, for a record of a rig that so far is `fit`.
+pub(crate) fn starts(entry: &Entry, fit: &Fit, problem: &Problem<'_>) -> Starts {
+    if entry.name == "duty_quantisation" {
+        let (steps, among) = comb::steps(problem, fit);
+        return Starts { values: steps.into_iter().map(|step| vec![step]).collect(), among };
+    }
+    let values = by_rule(entry, &fit.model, problem.recording);
+    Starts { among: values.len(), values }
+}
+
+fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     let usual = || entry.sizes.iter().map(|sizes| sizes.to_vec()).collect();
     match entry.name {
         "saturation" => limits(model, recording),
         "end_stop" => stops(model, recording),
         "sensor_quantisation" => coarse_step(recording, model).map(|step| vec![step.mm]).into_iter().collect(),
-        "duty_quantisation" => steps(model).map(|step| vec![step]).collect(),
         "stale_samples" => hold(recording).map(|hold| vec![hold.seconds]).into_iter().collect(),
         "gain_drift" | "hover_drift" => {
             let whole = 0.2 / recording.duration_s().max(1.0);
@@ -37,13 +50,6 @@ pub(crate) fn starts(entry: &Entry, model: &Model, recording: &Recording) -> Vec
         "wall_friction" => [8.0, 20.0, 50.0].map(|friction| vec![friction]).to_vec(),
         _ => usual(),
     }
-}
-
-/// Steps of duty whose grids about hover are a quarter of a step apart: each is a valley of its own.
-fn steps(model: &Model) -> impl Iterator<Item = f64> {
-    let hover = model.hover_duty_percent.abs().max(1.0);
-    let next = move |step: &f64| Some(step + (step * step / (4.0 * hover)).max(0.02 * step));
-    std::iter::successors(Some(FINEST_PERCENT), next).take_while(|step| *step < COARSEST_PERCENT)
 }
 
 /// Sorted values at a share of their order.

@@ -12,7 +12,7 @@ use crate::chi_square::ln_chance;
 use nalgebra::{DMatrix, DVector};
 
 /// What a term must keep of its square once others are swept out, to count as one of its own.
-const OF_ITS_OWN: f64 = 1e-3;
+pub(super) const OF_ITS_OWN: f64 = 1e-3;
 /// Terms at most.
 const MOST: usize = 6;
 

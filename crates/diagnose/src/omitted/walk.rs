@@ -6,8 +6,10 @@ use crate::cursor::{Leg, Nudged};
 use crate::fit::{Fit, Problem};
 use crate::free::Free;
 use crate::likelihood::Surprise;
+use crate::recording::Recording;
 use crate::track::legs;
 use nalgebra::DVector;
+use std::ops::Range;
 
 /// Length of the differences in the scales of the fitted numbers.
 pub(super) const DIFFERENCE: f64 = 0.01;
@@ -17,11 +19,11 @@ const SAYS_NOTHING: f64 = 1e-3;
 const GAP_S: f64 = 1.0;
 
 /// A filter's way along a record: what was known before each reading, and what came.
-pub(super) struct Walk {
-    fit: Fit,
+pub(crate) struct Walk {
+    pub(super) fit: Fit,
     pub(super) steps: Vec<Step>,
     /// By each fitted number: how far the expected readings move, in deviations.
-    own: Vec<Vec<f64>>,
+    pub(super) own: Vec<Vec<f64>>,
 }
 
 /// A reading, the way to it, and what was known before it.
@@ -42,14 +44,14 @@ impl Step {
         self.surprise.weight.max(SAYS_NOTHING).sqrt()
     }
 
-    fn says_something(&self) -> bool {
+    pub(super) fn says_something(&self) -> bool {
         self.surprise.weight > SAYS_NOTHING
     }
 }
 
 impl Walk {
     /// Leads the filter of `fit` along the record. Only rows that are `judged` are scored.
-    pub(super) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
+    pub(crate) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
         let way = legs(&fit.model, problem.recording);
         let own = fit.free.iter().filter(|free| !matches!(free, Free::SensorNoise | Free::AirNoise));
         let own = own.map(|free| moved(problem, &fit, *free, &way)).collect();
@@ -88,6 +90,22 @@ impl Walk {
             }
         }
         scores
+    }
+
+    /// The rows whose duties were in force on the way to each reading.
+    pub(crate) fn rows_on_the_way(&self, recording: &Recording) -> Vec<Range<usize>> {
+        let samples = recording.samples();
+        let delay_s = self.fit.model.effects.transport_delay.map_or(0.0, |delay| delay.delay_s);
+        let (mut before, mut rows) = (0, Vec::with_capacity(self.steps.len()));
+        for step in &self.steps {
+            let flight = recording.flight_of(step.surprise.row);
+            let until_s = samples[flight.start].time_s + step.leg.time_s - delay_s;
+            let from = before.max(flight.start);
+            let end = from + samples[from..flight.end].partition_point(|row| row.time_s < until_s);
+            rows.push(from..end.max(from + 1).min(flight.end));
+            before = end.saturating_sub(1);
+        }
+        rows
     }
 
     /// Scores of spreads beside a noise that is larger everywhere, and the variance of what they are scores of.

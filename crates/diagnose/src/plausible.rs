@@ -6,7 +6,7 @@ use plant::Entry;
 
 /// Effects that make something late, and what the form of a believed lag may be worth to them, nats.
 const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
-const FORM_OF_A_LAG: f64 = 5.0;
+const FORM_OF_A_LAG: f64 = 7.0;
 /// Numbers that are this near to doing nothing, in their own scale, do nothing.
 const NOTHING: f64 = 1e-3;
 /// Effects whose first number is their strength: at 0 the others mean nothing.

@@ -115,6 +115,16 @@ pub enum Finding {
         /// Fitted gain by believed gain.
         ratio: f64,
     },
+    /// Rows before the take-off or after the landing.
+    #[error(
+        "the ball lies at an end of the pipe for {before_s:.2} s before it takes off and {after_s:.2} s after it lands: these rows are left out"
+    )]
+    AtEnd {
+        /// Time before the take-off, seconds.
+        before_s: f64,
+        /// Time after the landing, seconds.
+        after_s: f64,
+    },
     /// The same reading again and again.
     #[error(
         "{percent:.0} % of the readings are repeated, up to {longest} times: the ball stands still, the readings are coarse, or \

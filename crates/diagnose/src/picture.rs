@@ -72,7 +72,7 @@ mod tests {
         assert_eq!(starts(&picture.nominal), starts(&picture.mended));
         let off = |runs: &[crate::FreeRun]| {
             let squares = runs.iter().flat_map(|run| &run.forecasts).map(|forecast| {
-                let real = recording.samples()[forecast.row].position_mm.unwrap();
+                let real = picture.recording.samples()[forecast.row].position_mm.unwrap();
                 (forecast.position_mm - real).powi(2)
             });
             squares.sum::<f64>()

@@ -4,6 +4,7 @@
 //! is of another rig, is left out where there are others. Then they are put into an order of their own, so that the
 //! answer does not depend on the one in which they were named.
 
+use crate::aloft::aloft;
 use crate::check::{Finding, check, is_hopeless, without_codes};
 use crate::grid::coarse_step;
 use crate::recording::{Recording, Sample};
@@ -69,6 +70,13 @@ fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Fin
     let mut findings = check(flight, belief);
     let flight = without_codes(&findings, flight).map_or(Cow::Borrowed(flight), Cow::Owned);
     let answers = !is_hopeless(&findings, &flight, belief);
+    let flight = match aloft(&flight, belief) {
+        Some((finding, aloft)) => {
+            findings.push(finding);
+            Cow::Owned(aloft)
+        }
+        None => flight,
+    };
     let smooth = is_smooth(&findings, &flight, belief);
     let Some((how, thinned)) = thinned(&flight, all, smooth) else { return (findings, flight, answers) };
     findings.push(if how.means {
@@ -151,7 +159,8 @@ mod tests {
 
     #[test]
     fn a_flight_that_says_nothing_is_left_out_by_its_number_and_the_other_is_used() {
-        let good = record(&model(), 4, 60);
+        let whole = record(&model(), 4, 60);
+        let good = Recording::new(whole.samples()[100..].to_vec()).unwrap();
         let still = good.samples().iter().map(|row| Sample { duty_percent: 21.4, ..*row }).collect();
         let still = Recording::new(still).unwrap();
         let found = diagnose(&without_lag(), &[good, still.clone()], &Options::default());

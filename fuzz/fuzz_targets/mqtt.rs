@@ -3,9 +3,9 @@
 
 use airball::config::Tables;
 use airball::experiment::Experiment;
-use airball::mqtt::parse::parse;
+use airball::mqtt::parse::{Asked, parse};
 use airball::mqtt::topics::{ORIGINAL_SETPOINT, Topics};
-use airball::pilot::{Orders, Pilot, Seen};
+use airball::pilot::{Orders, Pilot, Seen, Signals};
 use control::Duty;
 use control::regulator::Regulator;
 use libfuzzer_sys::fuzz_target;
@@ -24,16 +24,19 @@ static PILOT: LazyLock<Pilot> = LazyLock::new(|| {
         safety: tables.safety.expect("limits"),
         experiment: Experiment::of_reference(tables.reference.as_ref().expect("a reference")),
         reading_period_s: 0.02,
+        signals: Signals::default(),
     })
 });
 
-const TOPICS: [&str; 6] = [
+const TOPICS: [&str; 8] = [
     "airball/rig1/set/setpoint_mm",
     "airball/rig1/set/gains",
     "airball/rig1/set/controller",
     "airball/rig1/set/mode",
     ORIGINAL_SETPOINT,
     "airball/rig1/set/\u{7}",
+    "airball/rig1/set/experiment",
+    "airball/rig1/set/stream",
 ];
 
 // One message a line: a character that picks the topic, then the payload.
@@ -44,9 +47,10 @@ fuzz_target!(|bytes: &[u8]| {
         let Some((topic, payload)) = line.split_first() else { continue };
         let time_s = 0.02 * f64::from(k);
         match parse(&topics, TOPICS[usize::from(*topic) % TOPICS.len()], payload) {
-            Ok(command) => {
+            Ok(Asked::Loop(command)) => {
                 let _ = pilot.command(command);
             }
+            Ok(Asked::Stream(_)) => {}
             Err(why) => {
                 let why = why.to_string();
                 assert!(why.len() < 1000 && !why.chars().any(char::is_control), "{why:?}");

@@ -212,9 +212,25 @@ impl Tables {
         if self.mqtt.as_ref().is_some_and(|mqtt| mqtt.port == Some(0)) {
             return Err(("mqtt.port", "no broker listens on port 0; the usual one is 1883, 8883 with TLS".into()));
         }
+        self.check_observed()?;
         self.check_stall().map_err(|message| ("safety.stall_s", message))?;
         self.check_controller().map_err(|message| ("controller", message))?;
         self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))
+    }
+
+    /// Whether what the observer uses is there.
+    fn check_observed(&self) -> Result<(), (&'static str, String)> {
+        let Some((rig, observer)) = self.rig.as_ref().zip(self.observer) else { return Ok(()) };
+        let missing = |table: &str| {
+            format!("there is no [{table}] whose readings it could use; add that table, or leave this key out")
+        };
+        if observer.tachometer.is_some() && rig.tachometer.is_none() {
+            return Err(("observer.tachometer", missing("rig.tachometer")));
+        }
+        if observer.second_sensor_mm.is_some() && rig.second_sensor.is_none() {
+            return Err(("observer.second_sensor_mm", missing("rig.second_sensor")));
+        }
+        Ok(())
     }
 
     /// Whether a flight survives one late cycle.

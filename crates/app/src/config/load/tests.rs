@@ -152,3 +152,14 @@ fn the_config_in_force_reads_back_as_itself() {
     let again = Config::read(&files.write("again.toml", &config.to_toml()), &[]).unwrap();
     assert_eq!(again.tables, config.tables);
 }
+
+#[test]
+fn an_observer_of_a_signal_that_the_rig_does_not_have_is_refused_with_the_table_that_is_missing() {
+    let text = include_str!("../../../../../config.toml");
+    for (key, table) in [("tachometer", "rig.tachometer"), ("second_sensor_mm", "rig.second_sensor")] {
+        let wanting = text.replace(&format!("# {key} = "), &format!("{key} = "));
+        assert_ne!(wanting, text);
+        let said = error_of(&wanting);
+        assert!(said.contains(&format!("observer.{key}: ")) && said.contains(&format!("[{table}]")), "{said}");
+    }
+}

@@ -3,7 +3,8 @@
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
-use std::process::{Child, Stdio};
+use std::io::Write;
+use std::process::{Child, Command, Stdio};
 use system_tests::{Bench, Broker, Ran, collect, eventually};
 
 fn start(bench: &Bench, arguments: &[&str]) -> Child {
@@ -104,6 +105,50 @@ fn stop_turns_the_fan_off_and_fly_lifts_the_ball_again() {
     broker.publish("airball/rig1/set/mode", "fly");
     until("flying");
     assert_eq!(end(flight, Signal::SIGINT).code, Some(0));
+}
+
+#[test]
+fn a_flight_goes_on_under_a_flood_with_rubbish_and_megabytes_in_it_and_every_message_is_counted() {
+    const COMMANDS: u64 = 10_000;
+    const MEGABYTES: u64 = 3;
+    let bench = Bench::default();
+    // What the broker throws away is not ours to count.
+    let unlimited = |port: u16, sockets: u16| {
+        format!(
+            "listener {port} 127.0.0.1\nlistener {sockets} 127.0.0.1\nallow_anonymous true\nmax_queued_messages 0\n"
+        )
+    };
+    let (broker, _) = Broker::configured(&bench.path("mosquitto.conf"), unlimited);
+    with_broker(&bench, &broker);
+    let flight = start(&bench, &["--json"]);
+    eventually("the ball flies", || (state(&broker)["mode"] == "flying").then_some(()));
+
+    let publish = |topic: &str, how: &[&str]| {
+        let mut client = Command::new("mosquitto_pub");
+        client.args(["-p", &broker.port.to_string(), "-q", "0", "-t", topic]).args(how).stdin(Stdio::piped());
+        client.spawn().expect("mosquitto_pub runs; scripts/test installs it")
+    };
+    let mut flood = publish("airball/rig1/set/setpoint_mm", &["-l"]);
+    let mut pipe = flood.stdin.take().unwrap();
+    for k in 0..COMMANDS {
+        // Every eighth is no number.
+        let line = if k % 8 == 0 { "\u{1}\u{7f}nonsense".to_owned() } else { format!("{}", 250 + k % 100) };
+        writeln!(pipe, "{line}").unwrap();
+    }
+    drop(pipe);
+    bench.write("megabyte", "\u{3}".repeat(1_000_000));
+    for _ in 0..MEGABYTES {
+        let huge = publish("airball/rig1/set/gains", &["-f", bench.path("megabyte").to_str().unwrap()]);
+        assert!(huge.wait_with_output().unwrap().status.success());
+    }
+    assert!(flood.wait().unwrap().success());
+    eventually("all are counted", || (state(&broker)["commands_received"] == COMMANDS + MEGABYTES).then_some(()));
+    assert_eq!((&state(&broker)["mode"], &state(&broker)["fault"]), (&Value::from("flying"), &Value::Null));
+
+    let ran = end(flight, Signal::SIGINT);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    let flown: Value = serde_json::from_str(&ran.output).unwrap();
+    assert_eq!(flown["logged_cycles"], flown["cycles"]);
 }
 
 #[test]

@@ -66,6 +66,10 @@ fn designs(bench: &Bench) {
     bench.write("wild.toml", "[controller.pid]\nkp_per_mm = 0.5\n");
     let _ = run(bench, "design loop --config STRANGER.toml --patch wild.toml --html unstable.html");
     assert!(bench.read("unstable.html").contains("This loop is not stable: it must not be flown"));
+    let _ = run(bench, "design observer --config STRANGER.toml --html observer.html --patch-out observer.toml");
+    assert!(bench.read("observer.html").contains("The observer believes "));
+    let _ = run(bench, "design critical-gain --config STRANGER.toml --html models.html --patch-out pole.toml");
+    assert!(bench.read("models.html").contains("2 of the three models are stable at any gain; the rig is not"));
 }
 
 #[test]

@@ -111,6 +111,9 @@ pub struct ObserverArgs {
     /// Write the observer as a config patch for --patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
+    /// Write a report to look at and to print: one page that needs no network (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Write the design as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
@@ -180,6 +183,9 @@ pub struct CriticalGainArgs {
     /// Config file whose model the patch is for
     #[arg(long, value_name = "FILE", default_value = "config.toml")]
     pub config: PathBuf,
+    /// Write a report to look at and to print: one page that needs no network (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Write the table as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,

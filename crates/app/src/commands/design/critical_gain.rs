@@ -6,9 +6,10 @@
 use super::gains::above_zero;
 use super::{NAME, write};
 use crate::cli::CriticalGainArgs;
-use crate::commands::say;
+use crate::commands::{may_write, say};
 use crate::config::Config;
 use crate::report::design::critical_table;
+use crate::report::page::{self, design::critical::Report};
 use anyhow::Result;
 use control::design::critical::{critical_gain as of_gain, critical_integral_time, third_pole};
 use control::design::law::Gains;
@@ -55,20 +56,32 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     {
         above_zero(flag, value)?;
     }
-    if let Some(path) = &args.patch_out {
-        let config = Config::read(&args.config, &[])?;
-        let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?;
-        let pole = third_pole(&model.linear(), args.ti_s, args.measured)?;
-        let origin = format!("# Critical gain {} at T_i = {} s, as measured.\n", args.measured, args.ti_s);
-        let lag_s = 1.0 / pole;
-        write("patch", path, &format!("{origin}[plant.effects.fan_lag]\ntime_constant_s = {lag_s}\n"))?;
+    may_write(None, args.html.as_deref())?;
+    let patch = args.patch_out.as_ref().map(|path| Ok::<_, anyhow::Error>((path, patch(args)?))).transpose()?;
+    if let Some((path, patch)) = &patch {
+        write("patch", path, patch)?;
     }
     let table = table(args)?;
+    let gaps = gap(&table);
+    if let Some(path) = &args.html {
+        let config = args.config.display().to_string();
+        let patch = patch.as_ref().map(|(_, patch)| (config.as_str(), patch.as_str()));
+        page::write(path, &page::design::critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
+    }
     if args.json {
         return say(serde_json::to_string(&table)?);
     }
     say(critical_table(&table))?;
-    gap(&table).into_iter().try_for_each(say)
+    gaps.into_iter().try_for_each(say)
+}
+
+/// The third pole of the config's model, as a patch.
+fn patch(args: &CriticalGainArgs) -> Result<String> {
+    let config = Config::read(&args.config, &[])?;
+    let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?;
+    let lag_s = 1.0 / third_pole(&model.linear(), args.ti_s, args.measured)?;
+    let origin = format!("# Critical gain {} at T_i = {} s, as measured.\n", args.measured, args.ti_s);
+    Ok(format!("{origin}[plant.effects.fan_lag]\ntime_constant_s = {lag_s}\n"))
 }
 
 /// How far each model of the thesis is from the rig, in words.

@@ -6,6 +6,7 @@ mod observer;
 mod patch;
 
 pub use critical_gain::{RIG, Row, Table};
+pub use observer::Document as ObserverDocument;
 
 use super::{may_write, note, say, write};
 use crate::assessment::{Closing, Loop};

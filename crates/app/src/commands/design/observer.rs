@@ -2,8 +2,9 @@
 
 use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
-use crate::commands::say;
+use crate::commands::{may_write, say};
 use crate::config::Config;
+use crate::report::page::{self, design::observer::Report};
 use anyhow::{Result, anyhow, bail};
 use control::believed::Believed;
 use control::design::discretise::discretise;
@@ -18,20 +19,22 @@ const GATE_SIGMA: f64 = 5.0;
 
 /// The document of `airball design observer --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Document {
+pub struct Document {
     schema: &'static str,
-    states: Vec<&'static str>,
-    period_s: f64,
+    /// The states of the model, with their units.
+    pub states: Vec<&'static str>,
+    /// Time between readings, seconds.
+    pub period_s: f64,
     /// V: one reading's variance times the period, as if it were white noise in continuous time, mm²·s.
-    reading_intensity_mm2_s: f64,
+    pub reading_intensity_mm2_s: f64,
     /// L of dx̂/dt = … + L·(y − ŷ).
-    continuous: Vec<f64>,
+    pub continuous: Vec<f64>,
     /// L of x̂ ← x̂ + L·(y − ŷ) at every reading.
-    sampled: Vec<f64>,
+    pub sampled: Vec<f64>,
     /// The observer of the patch.
-    observer: Observer,
+    pub observer: Observer,
     /// Its L: position in mm, velocity in mm/s, fan and hover in control values, for every millimetre of surprise.
-    flown: Vec<f64>,
+    pub flown: Vec<f64>,
 }
 
 impl Ground {
@@ -63,6 +66,7 @@ impl Ground {
 }
 
 pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
+    may_write(None, args.html.as_deref())?;
     let ground = Ground::of(Config::read(&args.config.config, &args.config.patch)?)?;
     let period_s = ground.config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s;
     let (plant, observer) = (ground.plant, ground.observer()?);
@@ -85,8 +89,16 @@ pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
         observer,
         flown: observer.steady_gain(period_s)?.as_slice().to_vec(),
     };
+    let patch = patch::of_observer(observer)?;
     if let Some(path) = &args.patch_out {
-        write("patch", path, &patch::of_observer(observer)?)?;
+        write("patch", path, &patch)?;
+    }
+    if let Some(path) = &args.html {
+        let config = args.config.config.display().to_string();
+        page::write(
+            path,
+            &page::design::observer::page(&Report { config: &config, document: &document, patch: &patch }),
+        )?;
     }
     if args.json { say(serde_json::to_string(&document)?) } else { tell(&document) }
 }

@@ -1,6 +1,8 @@
 //! The page of a design: the law, what its loop bears, its step, its frequencies and its poles.
 
+pub mod critical;
 mod first;
+pub mod observer;
 
 pub(super) use first::step_first;
 

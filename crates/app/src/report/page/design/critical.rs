@@ -43,7 +43,7 @@ fn stable(found: &Table) -> usize {
 }
 
 fn answer(found: &Table) -> String {
-    format!("{} of the three models are stable at any gain; the rig is not", capital(&stable(found).to_string()))
+    format!("In continuous time {} of the three models are stable at any gain; the rig is not", stable(found))
 }
 
 fn first(found: &Table) -> Markup {

@@ -125,6 +125,17 @@ pub enum Fault {
         /// What the sensor reported.
         reported_mm: u16,
     },
+    /// The sensor gave a distance and said that it is none.
+    #[error(
+        "the sensor reported {reported_mm} mm with range status {status}, and 11 is a valid range; such readings are not \
+         flown by: clean its window, and check its supply and what else its beam meets"
+    )]
+    DoubtfulRange {
+        /// What the sensor says of the distance.
+        status: hal::RangeStatus,
+        /// The distance.
+        reported_mm: u16,
+    },
     /// The range sensor could not be read.
     #[error("the range sensor cannot be read: I2C error {kind:?}; check its wiring")]
     SensorBus {
@@ -152,7 +163,8 @@ pub enum Fault {
     },
     /// The fan is driven and does not turn.
     #[error(
-        "the fan got {duty_percent:.1} % and stood for {for_s:.2} s; check its supply, what blocks its rotor, and the wire of          its tachometer"
+        "the fan got {duty_percent:.1} % and stood for {for_s:.2} s; check its supply, what blocks its rotor, and the wire of \
+         its tachometer"
     )]
     FanStalled {
         /// The duty that it got, percent.
@@ -162,7 +174,9 @@ pub enum Fault {
     },
     /// The two range sensors see the ball in two places.
     #[error(
-        "the range sensors have disagreed for {for_s:.2} s: the first sees the ball at {first_mm:.0} mm, the second at          {second_mm:.0} mm; clean their windows, check [rig] sensor_to_bottom_mm and [rig.second_sensor] to_bottom_mm,          or raise disagree_mm"
+        "the range sensors have disagreed for {for_s:.2} s: the first sees the ball at {first_mm:.0} mm, the second at \
+         {second_mm:.0} mm; clean their windows, check [rig] sensor_to_bottom_mm and [rig.second_sensor] to_bottom_mm, \
+         or raise disagree_mm"
     )]
     SensorsDisagree {
         /// Where the first sees it.

@@ -109,7 +109,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         };
         let fan_still_on = self.land();
         let punctuality = self.deadlines.punctuality();
-        if punctuality.worst_s > 0.0 {
+        if punctuality.lateness.says_something() {
             self.event(What::Lateness(punctuality.lateness));
         }
         self.event(What::End(end));

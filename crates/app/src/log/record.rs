@@ -4,7 +4,7 @@
 //! JSON on the writer's side.
 
 use crate::command::{Command, Refusal};
-use crate::lateness::Quantiles;
+use crate::lateness::{Histogram, Lateness};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -104,8 +104,8 @@ pub enum What {
         /// Why it was refused, if it was.
         refused: Option<Refusal>,
     },
-    /// How late the cycles of the flight began.
-    Lateness(Quantiles),
+    /// How late the cycles of the flight began, up to now.
+    Lateness(Histogram),
     /// The flight ended.
     End(End),
 }
@@ -267,6 +267,9 @@ pub struct EventMessage {
     pub kind: String,
     /// What happened, in words.
     pub text: String,
+    /// Of `timing`: how late the cycles began since the start of the flight, counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateness: Option<Lateness>,
 }
 
 impl From<Event> for EventMessage {
@@ -279,7 +282,8 @@ impl From<Event> for EventMessage {
             What::Lateness(lateness) => ("timing", lateness.to_string()),
             What::End(end) => ("end", word(end)),
         };
-        Self { time_s: event.time_s, kind: kind.into(), text }
+        let lateness = if let What::Lateness(counted) = event.what { Some(counted.into()) } else { None };
+        Self { time_s: event.time_s, kind: kind.into(), text, lateness }
     }
 }
 

@@ -150,6 +150,24 @@ impl Broker {
         (broker, sockets)
     }
 
+    /// One that lets in `user` alone; its files are in the folder of `bench`.
+    #[must_use]
+    pub fn with_user(bench: &Bench, user: &str, password: &str) -> Self {
+        let passwords = bench.path("passwords");
+        let made = Command::new("mosquitto_passwd").arg("-b").arg("-c").arg(&passwords).args([user, password]).status();
+        assert!(made.expect("mosquitto_passwd runs; scripts/test installs it").success());
+        let (port, config) = (free_port(), bench.path("mosquitto.conf"));
+        // Started by root it would become another user, who cannot read a test's directory.
+        let text = format!(
+            "user root\nlistener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\n",
+            passwords.display()
+        );
+        std::fs::write(&config, text).expect("the broker's config is written");
+        let broker = Self { process: mosquitto(&["-c", &config.display().to_string()]), port };
+        listens(port);
+        broker
+    }
+
     /// Publishes as `mosquitto_pub` does for a user.
     pub fn publish(&self, topic: &str, message: &str) {
         let port = self.port.to_string();

@@ -7,7 +7,7 @@
 //! Deadlines that have passed when a cycle ends are skipped and counted as missed: a loop that fell behind
 //! does not catch up by cycles without time between them.
 
-use crate::lateness::{Histogram, Quantiles};
+use crate::lateness::Histogram;
 use serde::Serialize;
 
 /// The grid, and what became of it.
@@ -19,7 +19,6 @@ pub struct Deadlines {
     next: f64,
     /// Lateness of the cycles since the last one in time, summed, seconds.
     behind_s: f64,
-    histogram: Histogram,
     punctuality: Punctuality,
 }
 
@@ -34,23 +33,15 @@ pub struct Punctuality {
     pub missed: u64,
     /// Largest lateness, seconds.
     pub worst_s: f64,
-    /// How late most of them began.
-    pub lateness: Quantiles,
+    /// How late they began.
+    pub lateness: Histogram,
 }
 
 impl Deadlines {
     /// A grid whose deadline 0 is `start_s`.
     #[must_use]
     pub fn new(start_s: f64, period_s: f64, late_after_s: f64) -> Self {
-        Self {
-            start_s,
-            period_s,
-            late_after_s,
-            next: 0.0,
-            behind_s: 0.0,
-            histogram: Histogram::default(),
-            punctuality: Punctuality::default(),
-        }
+        Self { start_s, period_s, late_after_s, next: 0.0, behind_s: 0.0, punctuality: Punctuality::default() }
     }
 
     /// The deadline to sleep until, seconds.
@@ -78,7 +69,7 @@ impl Deadlines {
             seen.missed += skipped as u64;
         }
         seen.worst_s = seen.worst_s.max(lateness_s);
-        self.histogram.count(lateness_s);
+        seen.lateness.count(lateness_s);
         lateness_s
     }
 
@@ -91,8 +82,8 @@ impl Deadlines {
 
     /// What became of the deadlines so far.
     #[must_use]
-    pub fn punctuality(&self) -> Punctuality {
-        Punctuality { lateness: self.histogram.quantiles(self.punctuality.worst_s), ..self.punctuality }
+    pub const fn punctuality(&self) -> Punctuality {
+        self.punctuality
     }
 }
 

@@ -109,7 +109,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         };
         let fan_still_on = self.land();
         let punctuality = self.deadlines.punctuality();
-        if punctuality.worst_s > 0.0 {
+        if punctuality.lateness.says_something() {
             self.event(What::Lateness(punctuality.lateness));
         }
         self.event(What::End(end));
@@ -275,6 +275,9 @@ fn seen(answer: Result<Sighting, ErrorKind>) -> Seen {
         Ok(Sighting::Ball(Millimetres(position_mm))) => Seen::Ball(position_mm),
         Ok(Sighting::NotReady) => Seen::Nothing(None),
         Ok(Sighting::NoBall { reported_mm }) => Seen::Nothing(Some(Fault::NoBall { reported_mm })),
+        Ok(Sighting::Doubtful { status, reported_mm }) => {
+            Seen::Nothing(Some(Fault::DoubtfulRange { status, reported_mm }))
+        }
         Err(kind) => Seen::Nothing(Some(Fault::SensorBus { kind })),
     }
 }

@@ -3,9 +3,9 @@
 //! tachometer, and the line that tells two range sensors apart.
 //!
 //! ```text
-//! app → RangeSensor → vl53l0x      → DeadlineI2c → bus   (wire or emulator)
-//! app → Fan         → pwm_pca9685                → bus   (wire or emulator)
-//! app → Tachometer  → Edges                      → line  (GPIO or emulator)
+//! app → RangeSensor → vl53l0x      → WithStatus → DeadlineI2c → bus   (wire or emulator)
+//! app → Fan         → pwm_pca9685                             → bus   (wire or emulator)
+//! app → Tachometer  → Edges                                   → line  (GPIO or emulator)
 //! ```
 //!
 //! This crate reports and obeys. It never decides what to do about a fault.
@@ -15,6 +15,7 @@ mod deadline;
 pub mod emulator;
 mod fan;
 mod range_sensor;
+mod range_status;
 mod read_back;
 mod separate;
 mod tachometer;
@@ -25,5 +26,6 @@ pub use clock::Clock;
 pub use deadline::{Deadline, DeadlineError, DeadlineI2c};
 pub use fan::{Fan, FanError, fan_off, stop as stop_fan};
 pub use range_sensor::{BUDGET_US, Range, RangeError, RangeSensor};
+pub use range_status::RangeStatus;
 pub use separate::{ASIDE, SeparateError, separate};
 pub use tachometer::{Edges, Tachometer};

@@ -8,7 +8,9 @@
 //! (`DeadlineI2c`), numbers that mean "no target", a sensor still busy for a program that was killed.
 //! Its timed mode writes the period byte by byte in the wrong order, so only the back-to-back mode is used.
 //!
-//! Leaves out the range status and the signal strength, which the crate does not read.
+//! The crate does not read the range status either, which says whether the distance is one: `WithStatus` does.
+//!
+//! Leaves out the signal strength.
 
 use control::Millimetres;
 use embedded_hal::i2c::I2c;
@@ -16,6 +18,7 @@ use vl53l0x::VL53L0x;
 
 use crate::clock::Clock;
 use crate::deadline::{Deadline, DeadlineError, DeadlineI2c};
+use crate::range_status::{LastStatus, RangeStatus, WithStatus};
 
 /// Time for one measurement, microseconds: the shortest that the driver accepts, so 50 readings per second.
 pub const BUDGET_US: u32 = 20_000;
@@ -23,7 +26,7 @@ pub const BUDGET_US: u32 = 20_000;
 /// Where every VL53L0X answers after power-on.
 pub(crate) const ADDRESS: u8 = 0x29;
 const MODEL_ID: u8 = 0xEE;
-/// Time for one `poll`. It takes 0.35 ms; after a whole budget the reading would have been overwritten.
+/// Time for one `poll`. It takes 0.6 ms; after a whole budget the reading would have been overwritten.
 const POLL_ALLOWED_S: f64 = 0.020;
 /// Pause between two polls while waiting: short against the budget, long against the 0.1 ms that a poll takes.
 const POLL_EVERY_S: f64 = 0.001;
@@ -44,13 +47,23 @@ pub enum Range {
         /// The number it gave instead of a distance.
         reported_mm: u16,
     },
+    /// The sensor gave a distance and does not vouch for it.
+    Doubtful {
+        /// What it says of it.
+        status: RangeStatus,
+        /// The distance.
+        reported_mm: u16,
+    },
 }
 
-impl From<u16> for Range {
-    fn from(reported_mm: u16) -> Self {
+impl Range {
+    /// What the sensor means by the number `reported_mm` with this status.
+    #[must_use]
+    pub fn reported(reported_mm: u16, status: RangeStatus) -> Self {
         match reported_mm {
             0 | FIRST_CODE_MM.. => Self::NoTarget { reported_mm },
-            _ => Self::Distance(Millimetres(f64::from(reported_mm))),
+            _ if status.is_valid() => Self::Distance(Millimetres(f64::from(reported_mm))),
+            _ => Self::Doubtful { status, reported_mm },
         }
     }
 }
@@ -111,7 +124,8 @@ pub enum RangeError<E> {
 
 /// A VL53L0X that measures back to back.
 pub struct RangeSensor<I: I2c, C: Clock> {
-    driver: VL53L0x<DeadlineI2c<I, C>>,
+    driver: VL53L0x<WithStatus<DeadlineI2c<I, C>>>,
+    status: LastStatus,
     deadline: Deadline,
     clock: C,
     address: u8,
@@ -157,12 +171,14 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
         allowed_s: f64,
     ) -> Result<Self, RangeError<I::Error>> {
         let describe = |error| describe(error, address, allowed_s);
+        let status = LastStatus::default();
+        let bus = WithStatus::new(bus, status.clone());
         let mut driver = VL53L0x::with_address(bus, address).map_err(describe)?;
         let accepted = driver.set_measurement_timing_budget(BUDGET_US).map_err(|error| describe(error.into()))?;
         if !accepted {
             return Err(RangeError::BudgetRefused { asked_us: BUDGET_US });
         }
-        Ok(Self { driver, deadline, clock, address })
+        Ok(Self { driver, status, deadline, clock, address })
     }
 
     /// Lets the sensor range from now on. Takes at most `allowed_s`.
@@ -185,7 +201,7 @@ impl<I: I2c, C: Clock + Clone> RangeSensor<I, C> {
     pub fn poll(&mut self) -> Result<Option<Range>, RangeError<I::Error>> {
         self.deadline.move_to(self.clock.now_s() + POLL_ALLOWED_S);
         match self.driver.read_range_mm() {
-            Ok(reported_mm) => Ok(Some(reported_mm.into())),
+            Ok(reported_mm) => Ok(Some(Range::reported(reported_mm, self.status.get()))),
             Err(nb::Error::WouldBlock) => Ok(None),
             Err(nb::Error::Other(error)) => Err(describe(error, self.address, POLL_ALLOWED_S)),
         }

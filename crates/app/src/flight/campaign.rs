@@ -13,14 +13,14 @@ use crate::config::{Loop, Tables};
 use crate::experiment::{Experiment, Limits, Segment};
 use crate::log::flight as logged;
 use crate::log::header::{Header, SIMULATED_START};
-use crate::log::record::End;
+use crate::log::record::{Cycle, End};
 use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
 use crate::pilot::{Orders, Pilot, Signals};
 use crate::rig::{PlantWorld, WorldClock, start, with_signals};
 use control::regulator::Regulator;
 use control::waveform::Waveform;
-use faults::{Case, FAN, Mishap, cases};
+use faults::{Case, FAN, Mishap, PERIOD_S, cases};
 use hal::emulator::EmulatedBus;
 use hal::stop_fan;
 use rand_core::{Rng, SeedableRng};
@@ -31,8 +31,8 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// Flights of each fault in the quick test; the slow one makes the campaign.
-const QUICK: u64 = 2;
+/// Flights of each fault in the quick test, 2046 in all, which take some seconds; and in the slow one, 7440.
+const QUICK: u64 = 11;
 const SLOW: u64 = 40;
 /// Length of a flight, seconds.
 const FLIGHT_S: f64 = 6.0;
@@ -70,6 +70,8 @@ struct Flown {
     outcome: Outcome,
     bus: Bus,
     struck_s: f64,
+    /// When the last cycle looked.
+    ended_s: f64,
     log: Vec<u8>,
 }
 
@@ -79,23 +81,25 @@ fn fly(tables: &Tables, case: Case, seed: u64) -> Flown {
     let bus = with_signals(EmulatedBus::new(Scene::new(PlantWorld::in_virtual_time(model, rig, seed))), rig);
     let clock = WorldClock(bus.clone());
     let chips = start(&bus, clock, rig).unwrap();
-    let struck_s = 0.2 + 2.5 * f64::from(random.next_u32()) / f64::from(u32::MAX);
+    let at_s = 0.2 + 2.5 * f64::from(random.next_u32()) / f64::from(u32::MAX);
     let skip = u64::from(random.next_u32() % 4);
-    let mut struck = Struck { rig: chips, bus: bus.clone(), case, at_s: struck_s, skip, struck: Cell::new(false) };
+    let (struck_s, looked_s) = (Cell::new(None), Cell::new(0.0));
+    let mut struck = Struck { rig: chips, bus: bus.clone(), case, at_s, skip, struck_s, looked_s };
     let mut log = Vec::new();
     let writer = LogWriter::to(Cursor::new(&mut log), Path::new("campaign.mcap"), &header()).unwrap();
     let mut recorder = Inline::new(writer);
-    let table = Loop { period_s: 0.02, late_after_s: 0.002 };
+    let table = Loop { period_s: PERIOD_S, late_after_s: 0.002 };
     let flight = Flight::new(&mut struck, pilot(tables), &table, &mut recorder, None);
     let outcome = flight.fly(FLIGHT_S, &AtomicBool::new(false));
     recorder.finish().unwrap();
+    let (struck_s, ended_s) = (struck.struck_s.get().unwrap(), struck.looked_s.get());
     // The rig is not dropped: that would turn the fan off once more, and hide what the flight left.
     std::mem::forget(struck);
-    Flown { outcome, bus, struck_s, log }
+    Flown { outcome, bus, struck_s, ended_s, log }
 }
 
 fn check(tables: &Tables, case: Case, seed: u64) {
-    let Flown { outcome, bus, struck_s, log } = fly(tables, case, seed);
+    let Flown { outcome, bus, struck_s, ended_s, log } = fly(tables, case, seed);
     let what = format!("{case:?}, seed {seed}, from {struck_s:.3} s: {outcome:?}");
     let safe = tables.safety.unwrap().duty_max_percent / 100.0 + 1.0 / 4096.0;
     let fan = bus.with_world(|scene| scene.fan.clone());
@@ -103,10 +107,12 @@ fn check(tables: &Tables, case: Case, seed: u64) {
 
     let still_on = bus.with_world(|scene| scene.fan_now()) > 0.0;
     assert!(!still_on || outcome.fan_still_on.is_some(), "{what}: the fan is on and nobody knows");
-    if let Some(bound_s) = case.bound_s() {
+    if let Some(bound_s) = case.bound_s(tables) {
         assert_eq!(outcome.end, End::Fault, "{what}");
+        let after_s = ended_s - struck_s;
+        assert!(after_s <= bound_s, "{what}: ended {after_s} s after the fault, {bound_s} s are allowed");
         let off_s = fan.last().map_or(0.0, |(at_s, _)| at_s - struck_s);
-        assert!(still_on || off_s <= bound_s, "{what}: off {off_s} s after the fault");
+        assert!(still_on || off_s <= bound_s, "{what}: off {off_s} s after the fault, {bound_s} s are allowed");
     }
     // What a guard does when the bus works again.
     bus.repair();
@@ -115,7 +121,28 @@ fn check(tables: &Tables, case: Case, seed: u64) {
 
     let flight = logged::parse(Path::new("campaign.mcap"), &log).unwrap_or_else(|error| panic!("{what}: {error}"));
     assert!(flight.complete && flight.cycles.len() as u64 <= outcome.punctuality.cycles, "{what}");
+    if let Some(bound_s) = case.push_bound_s(tables) {
+        let pushed_s = longest_push_s(&flight.cycles, tables.safety.unwrap().stuck.unwrap().control_percent);
+        assert!(pushed_s <= bound_s, "{what}: pushed for {pushed_s} s, {bound_s} s are allowed");
+    }
     assert!(outcome.fault.is_none() || flight.events.iter().any(|event| event.kind == "fault"), "{what}");
+}
+
+/// For how long the controller asked for `percent` or more, with one sign, of a ball that was seen at exactly one place, seconds.
+fn longest_push_s(cycles: &[Cycle], percent: f64) -> f64 {
+    let push = |cycle: &Cycle| {
+        let control = cycle.control_percent.filter(|control| control.abs() >= percent)?;
+        Some((cycle.position_mm?, control.signum()))
+    };
+    let (mut longest_s, mut since) = (0.0_f64, None);
+    for cycle in cycles {
+        since = push(cycle).map(|push| match since {
+            Some((same, since_s)) if same == push => (push, since_s),
+            _ => (push, cycle.time_s),
+        });
+        longest_s = longest_s.max(since.map_or(0.0, |(_, since_s)| cycle.time_s - since_s));
+    }
+    longest_s
 }
 
 fn campaign(flights: u64) {
@@ -134,7 +161,10 @@ fn the_list_holds_what_can_go_wrong_and_no_entry_twice() {
     for (k, case) in list.iter().enumerate() {
         assert!(!list[..k].contains(case), "{case:?}");
     }
-    assert!(list.iter().filter(|case| case.bound_s().is_some()).count() >= 20);
+    let tables = tables();
+    let (bounded, pushed) =
+        (|case: &&Case| case.bound_s(&tables).is_some(), |case: &&Case| case.push_bound_s(&tables).is_some());
+    assert_eq!((list.iter().filter(bounded).count(), list.iter().filter(pushed).count()), (45, 2));
 }
 
 #[test]
@@ -157,6 +187,7 @@ fn a_stuck_ball_and_a_frozen_sensor_that_the_controller_pushes_end_the_flight() 
     for mishap in [Mishap::BallStuck, Mishap::SensorFrozen] {
         let case = Case { mishap, lasting: faults::Lasting::ForEver };
         let ended = (0..20).filter(|seed| fly(&tables, case, *seed).outcome.end == End::Fault).count();
+        (0..20).for_each(|seed| check(&tables, case, seed));
         assert!(ended >= 5, "{mishap:?}: {ended} of 20");
     }
 }

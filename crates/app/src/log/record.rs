@@ -4,7 +4,7 @@
 //! JSON on the writer's side.
 
 use crate::command::{Command, Refusal};
-use crate::lateness::Quantiles;
+use crate::lateness::{Histogram, Lateness};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -104,8 +104,8 @@ pub enum What {
         /// Why it was refused, if it was.
         refused: Option<Refusal>,
     },
-    /// How late the cycles of the flight began.
-    Lateness(Quantiles),
+    /// How late the cycles of the flight began, up to now.
+    Lateness(Histogram),
     /// The flight ended.
     End(End),
 }
@@ -123,6 +123,17 @@ pub enum Fault {
     #[error("the sensor reported {reported_mm} mm, which is no ball in this pipe; check that the ball is in it")]
     NoBall {
         /// What the sensor reported.
+        reported_mm: u16,
+    },
+    /// The sensor gave a distance and said that it is none.
+    #[error(
+        "the sensor reported {reported_mm} mm with range status {status}, and 11 is a valid range; such readings are not \
+         flown by: clean its window, and check its supply and what else its beam meets"
+    )]
+    DoubtfulRange {
+        /// What the sensor says of the distance.
+        status: hal::RangeStatus,
+        /// The distance.
         reported_mm: u16,
     },
     /// The range sensor could not be read.
@@ -152,7 +163,8 @@ pub enum Fault {
     },
     /// The fan is driven and does not turn.
     #[error(
-        "the fan got {duty_percent:.1} % and stood for {for_s:.2} s; check its supply, what blocks its rotor, and the wire of          its tachometer"
+        "the fan got {duty_percent:.1} % and stood for {for_s:.2} s; check its supply, what blocks its rotor, and the wire of \
+         its tachometer"
     )]
     FanStalled {
         /// The duty that it got, percent.
@@ -162,7 +174,9 @@ pub enum Fault {
     },
     /// The two range sensors see the ball in two places.
     #[error(
-        "the range sensors have disagreed for {for_s:.2} s: the first sees the ball at {first_mm:.0} mm, the second at          {second_mm:.0} mm; clean their windows, check [rig] sensor_to_bottom_mm and [rig.second_sensor] to_bottom_mm,          or raise disagree_mm"
+        "the range sensors have disagreed for {for_s:.2} s: the first sees the ball at {first_mm:.0} mm, the second at \
+         {second_mm:.0} mm; clean their windows, check [rig] sensor_to_bottom_mm and [rig.second_sensor] to_bottom_mm, \
+         or raise disagree_mm"
     )]
     SensorsDisagree {
         /// Where the first sees it.
@@ -253,6 +267,9 @@ pub struct EventMessage {
     pub kind: String,
     /// What happened, in words.
     pub text: String,
+    /// Of `timing`: how late the cycles began since the start of the flight, counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateness: Option<Lateness>,
 }
 
 impl From<Event> for EventMessage {
@@ -265,7 +282,8 @@ impl From<Event> for EventMessage {
             What::Lateness(lateness) => ("timing", lateness.to_string()),
             What::End(end) => ("end", word(end)),
         };
-        Self { time_s: event.time_s, kind: kind.into(), text }
+        let lateness = if let What::Lateness(counted) = event.what { Some(counted.into()) } else { None };
+        Self { time_s: event.time_s, kind: kind.into(), text, lateness }
     }
 }
 

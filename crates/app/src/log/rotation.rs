@@ -13,6 +13,7 @@ use super::{
     recorder::{Inline, Recorder, Sink},
     writer::{LogSummary, LogWriter},
 };
+use crate::lateness::Histogram;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -37,6 +38,8 @@ pub struct Rotation {
     current: Inline,
     part: u32,
     next_s: f64,
+    /// How late the cycles began that came here, since the first.
+    lateness: Histogram,
     /// Of the files that are closed.
     done: LogSummary,
     /// The first failure, of whichever file.
@@ -59,6 +62,7 @@ impl Rotation {
             current,
             part: 1,
             next_s: limits.part_s,
+            lateness: Histogram::default(),
             done,
             failed: None,
         };
@@ -83,6 +87,9 @@ impl Rotation {
         };
         self.next_s = time_s + self.limits.part_s;
         let mut full = std::mem::replace(&mut self.current, Inline::new(writer));
+        if self.lateness.says_something() {
+            full.event(&Event { time_s, what: What::Lateness(self.lateness) });
+        }
         full.event(&Event { time_s, what: What::End(End::Continued) });
         // The next file may be on a disk with room again.
         match full.finish() {
@@ -146,6 +153,7 @@ impl Recorder for Rotation {
         if cycle.time_s >= self.next_s {
             self.turn(cycle.time_s);
         }
+        self.lateness.count(cycle.lateness_s);
         self.current.cycle(cycle);
     }
 
@@ -217,6 +225,20 @@ mod tests {
         assert_eq!(parts[0].events.last().unwrap().text, "continued");
         let read: Vec<Cycle> = parts.into_iter().flat_map(|part| part.cycles).collect();
         assert_eq!(read, flown);
+    }
+
+    #[test]
+    fn each_file_ends_with_how_late_the_cycles_began_so_far() {
+        let folder = tempfile::tempdir().unwrap();
+        fly(&folder.path().join("f.mcap"), PARTS, &cycles(500));
+        let mut so_far = 0;
+        for name in ["f.mcap", "f-2.mcap"] {
+            let flight::Flight { cycles, events, .. } = flight::read(&folder.path().join(name)).unwrap();
+            so_far += cycles.len() as u64;
+            let timing = &events[events.len() - 2];
+            let counted: u64 = timing.lateness.as_ref().unwrap().counts.iter().sum();
+            assert_eq!((timing.kind.as_str(), counted), ("timing", so_far), "{name}");
+        }
     }
 
     #[test]

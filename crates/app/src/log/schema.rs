@@ -1,7 +1,7 @@
 //! The JSON Schema of a channel, in the words that viewers understand.
 //!
 //! Foxglove's reader of JSON channels accepts properties with one plain `type` only: a list of types, a `$ref` or a
-//! `oneOf` of words makes it refuse the whole channel. So an optional quantity is a plain number that may be absent,
+//! `oneOf` of words makes it refuse the whole channel; an object of plain properties and a list of numbers it takes. So an optional quantity is a plain number that may be absent,
 //! and a word is a string with an `enum`.
 //! Source: `parseJsonSchema.ts` of Foxglove Studio, package `mcap-support`.
 
@@ -39,14 +39,22 @@ mod tests {
     use crate::log::record::{Cycle, EventMessage};
     use serde_json::{Value, json};
 
+    /// Whether a viewer takes it: a plain type, an object of such, or a list of numbers.
+    fn is_plain(property: &Value) -> bool {
+        let one_of = |kinds: &[&str], of: &Value| kinds.iter().any(|kind| of["type"] == **kind);
+        let inside = || property["properties"].as_object().is_some_and(|inner| inner.values().all(is_plain));
+        let nested = property["type"] == "object" && inside();
+        let list = property["type"] == "array" && one_of(&["number", "integer"], &property["items"]);
+        property.get("oneOf").is_none() && (one_of(&["number", "string", "boolean"], property) || nested || list)
+    }
+
     #[test]
     fn every_property_has_one_plain_type() {
         for bytes in [of::<Cycle>(), of::<EventMessage>()] {
             let schema: Value = serde_json::from_slice(&bytes).unwrap();
             assert_eq!(schema["type"], "object");
             for (name, property) in schema["properties"].as_object().unwrap() {
-                let plain = ["number", "string", "boolean"].iter().any(|kind| property["type"] == **kind);
-                assert!(plain && property.get("oneOf").is_none(), "{name}: {property}");
+                assert!(is_plain(property), "{name}: {property}");
             }
         }
     }

@@ -8,7 +8,7 @@ use super::message::{Answer, Gains, InForce, State};
 use super::test_broker::{Broker, Cable, Outside, config, until};
 use super::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
 use crate::command::{Command, Refusal};
-use crate::lateness::Quantiles;
+use crate::lateness::Histogram;
 use crate::log::record::{Cycle, Mode};
 use control::controller::Kind;
 use serde_json::json;
@@ -80,7 +80,7 @@ pub(super) fn state(time_s: f64) -> State {
         gains,
         experiment,
         late_cycles: 2,
-        lateness: Quantiles::default(),
+        lateness: Histogram::default(),
         dropped_log_messages: 0,
         fault: None,
     }

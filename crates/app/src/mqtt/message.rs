@@ -4,7 +4,7 @@ use super::count::Counts;
 use super::topics::Quantity;
 use crate::command::{Command, Refusal};
 use crate::experiment::offers::Name;
-use crate::lateness::Quantiles;
+use crate::lateness::Histogram;
 use crate::log::record::{Cycle, Fault, Mode};
 use control::controller::Kind;
 use control::pid::Pid;
@@ -69,8 +69,8 @@ pub struct State {
     pub experiment: Option<Name>,
     /// Cycles that began too late, since the start.
     pub late_cycles: u64,
-    /// How late most of them began, since the start.
-    pub lateness: Quantiles,
+    /// How late they began, since the start.
+    pub lateness: Histogram,
     /// Messages that the log had no room for, since the start.
     pub dropped_log_messages: u64,
     /// What is wrong now, in words; null where nothing is.

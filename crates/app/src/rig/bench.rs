@@ -70,7 +70,8 @@ pub enum BenchError {
     },
     /// A GPIO line cannot be taken.
     #[error(
-        "cannot take line {line} of {chip} for [{table}]: {source}; see with `gpioinfo` which lines there are and who holds          them, join the group gpio, name another chip in [rig] gpio_chip, or delete the table"
+        "cannot take line {line} of {chip} for [{table}]: {source}; see with `gpioinfo` which lines there are and who holds \
+         them, join the group gpio, name another chip in [rig] gpio_chip, or delete the table"
     )]
     Line {
         /// The chip's device file.

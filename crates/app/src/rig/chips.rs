@@ -117,6 +117,7 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Rig for Chips<S, P, C> {
         Ok(match range {
             None => Sighting::NotReady,
             Some(Range::NoTarget { reported_mm }) => Sighting::NoBall { reported_mm },
+            Some(Range::Doubtful { status, reported_mm }) => Sighting::Doubtful { status, reported_mm },
             Some(Range::Distance(Millimetres(reported))) => {
                 let distance = self.sensor_scale * reported;
                 if distance > self.sensor_to_bottom_mm + BEYOND_PIPE_MM {

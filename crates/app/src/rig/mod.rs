@@ -46,6 +46,7 @@ pub use wire::{Wire, WireError};
 
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
+use hal::RangeStatus;
 
 /// What the sensor said when asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +58,13 @@ pub enum Sighting {
     /// A reading without a ball: no target, or one beyond the pipe.
     NoBall {
         /// What the sensor reported, mm from its window.
+        reported_mm: u16,
+    },
+    /// A distance that the sensor does not vouch for.
+    Doubtful {
+        /// What it says of it.
+        status: RangeStatus,
+        /// What it reported, mm from its window.
         reported_mm: u16,
     },
 }

@@ -50,6 +50,7 @@ impl<S: I2c, C: Clock + Clone> Second<S, C> {
         Ok(match self.sensor.poll().map_err(kind)? {
             None => Sighting::NotReady,
             Some(Range::NoTarget { reported_mm }) => Sighting::NoBall { reported_mm },
+            Some(Range::Doubtful { status, reported_mm }) => Sighting::Doubtful { status, reported_mm },
             Some(Range::Distance(Millimetres(reported))) => {
                 let position_mm = self.table.position_mm(reported);
                 if (-BEYOND_PIPE_MM..=self.pipe_mm + BEYOND_PIPE_MM).contains(&position_mm) {

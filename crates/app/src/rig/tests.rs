@@ -110,6 +110,23 @@ fn no_target_and_a_target_beyond_the_pipe_are_no_ball() {
 }
 
 #[test]
+fn a_plausible_distance_with_a_bad_status_is_no_ball_and_one_with_a_valid_status_is() {
+    let bus = bus(Some(283.0));
+    let mut rig = start(&bus).unwrap();
+    for (code, is_ball) in [(4, false), (11, true)] {
+        bus.doubt(SENSOR, Some(code));
+        rig.sleep_until_s(rig.now_s() + 0.041);
+        match rig.position().unwrap() {
+            Sighting::Ball(position) => assert!(is_ball && position == Millimetres(300.0), "{code}: {position:?}"),
+            Sighting::Doubtful { status, reported_mm } => {
+                assert_eq!((is_ball, status.code(), reported_mm), (false, code, 283));
+            }
+            other => panic!("{code}: {other:?}"),
+        }
+    }
+}
+
+#[test]
 fn a_sensor_that_does_not_acknowledge_is_a_bus_error_and_the_fan_still_obeys() {
     let bus = bus(Some(283.0));
     let mut rig = flying(&bus);

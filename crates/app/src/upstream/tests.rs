@@ -59,7 +59,7 @@ fn an_unknown_excitation_is_not_blamed_on_the_controller() {
 fn a_law_that_was_retuned_in_flight_is_followed_up_to_there() {
     let mut log = flight(&project(), |_, _| {});
     let text = "gains kp 0.02: accepted".to_owned();
-    log.events.push(crate::log::record::EventMessage { time_s: 20.0, kind: "command".into(), text });
+    log.events.push(crate::log::record::EventMessage { time_s: 20.0, kind: "command".into(), text, lateness: None });
     assert!((990..1010).contains(&super::under_the_law(&log).len()));
 }
 

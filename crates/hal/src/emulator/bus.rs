@@ -109,6 +109,14 @@ impl<W: World> EmulatedBus<W> {
         }
     }
 
+    /// The range sensor at `address` gives every distance with this range status (0 to 15; 11 is valid) from now on, as one
+    /// does that gets too little light back; `None`: with its own. Where no range sensor is, nothing happens.
+    pub fn doubt(&self, address: u8, status: Option<u8>) {
+        if let Some(socket) = self.lock().socket(address) {
+            socket.chip.doubt(status);
+        }
+    }
+
     /// Takes the power of all chips away for a moment: their registers are as after power-on.
     pub fn power_cycle(&self) {
         let mut shared = self.lock();

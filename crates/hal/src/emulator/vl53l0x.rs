@@ -32,8 +32,8 @@ const SPAD_READY: u8 = 0x83;
 
 const NEW_SAMPLE: u8 = 0x04;
 /// Range status, in bits 6 to 3 of its register: 11 is a good range, 4 is too little signal.
-const GOOD: u8 = 11 << 3;
-const NO_TARGET: u8 = 4 << 3;
+const GOOD: u8 = 11;
+const NO_TARGET: u8 = 4;
 const NO_TARGET_MM: u16 = 8190;
 
 const BOOT_S: f64 = 0.0012;
@@ -72,6 +72,8 @@ pub(super) struct Vl53l0x {
     beam: Beam,
     /// XSHUT is low.
     shut: bool,
+    /// The status of every distance, whatever it is; it lies in the light and not in the chip, so no reset ends it.
+    doubt: Option<u8>,
     registers: BTreeMap<(u8, u8), u8>,
     page: u8,
     index: u8,
@@ -98,6 +100,7 @@ impl Vl53l0x {
         Self {
             beam,
             shut: false,
+            doubt: None,
             registers,
             page: 0,
             index: 0,
@@ -106,6 +109,11 @@ impl Vl53l0x {
             spads_s: f64::INFINITY,
             task: None,
         }
+    }
+
+    /// The same chip with its registers as after power-on.
+    fn emptied(&self) -> Self {
+        Self { shut: self.shut, doubt: self.doubt, ..Self::fresh(self.beam) }
     }
 
     fn register(&self, page: u8, register: u8) -> u8 {
@@ -121,7 +129,7 @@ impl Vl53l0x {
         let release = byte & 0x01 != 0;
         if !release {
             let address = self.register(0, DEVICE_ADDRESS);
-            *self = Self { in_reset: true, ..Self::fresh(self.beam) };
+            *self = Self { in_reset: true, ..self.emptied() };
             self.set(DEVICE_ADDRESS, address);
         } else if self.in_reset {
             self.in_reset = false;
@@ -157,7 +165,7 @@ impl Vl53l0x {
             _ => (NO_TARGET, NO_TARGET_MM),
         };
         let [high, low] = mm.to_be_bytes();
-        self.set(RANGE_STATUS, status);
+        self.set(RANGE_STATUS, self.doubt.unwrap_or(status) << 3);
         self.set(RANGE_MM, high);
         self.set(RANGE_MM + 1, low);
     }
@@ -202,11 +210,15 @@ impl Chip for Vl53l0x {
         if high == was_high {
             return;
         }
-        *self = Self { shut: !high, booted_s: world.now_s() + BOOT_S, ..Self::fresh(self.beam) };
+        *self = Self { shut: !high, booted_s: world.now_s() + BOOT_S, ..self.emptied() };
     }
 
     fn power_cycle(&mut self) {
-        *self = Self { shut: self.shut, ..Self::fresh(self.beam) };
+        *self = self.emptied();
+    }
+
+    fn doubt(&mut self, status: Option<u8>) {
+        self.doubt = status;
     }
 
     fn ends_s(&self) -> Option<f64> {

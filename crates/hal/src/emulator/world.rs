@@ -39,6 +39,11 @@ pub(super) trait Chip: Send {
     /// Its supply was gone for a moment; what its pin is wired to was not.
     fn power_cycle(&mut self);
 
+    /// From now on every distance it measures comes with this range status; `None`: with the one that belongs to it.
+    fn doubt(&mut self, status: Option<u8>) {
+        let _ = status;
+    }
+
     /// When the measurement that runs will end.
     fn ends_s(&self) -> Option<f64> {
         None

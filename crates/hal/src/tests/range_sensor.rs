@@ -8,6 +8,9 @@ use super::{SENSOR, START_S, Sensor, ball_mm, bench, start_sensor};
 use crate::clock::Clock;
 use crate::emulator::Fault;
 use crate::range_sensor::{Range, RangeError};
+use crate::range_status::RangeStatus;
+
+const VALID: RangeStatus = RangeStatus::of_register(11 << 3);
 
 /// The sensor, or the error it did not start with.
 fn error<T>(result: Result<T, RangeError<ErrorKind>>) -> RangeError<ErrorKind> {
@@ -59,9 +62,43 @@ fn an_empty_pipe_is_no_target_and_not_a_distance_of_eight_metres() {
 #[test]
 fn codes_are_not_distances() {
     for reported_mm in [0, 8190, 8191, 65535] {
-        assert_eq!(Range::from(reported_mm), Range::NoTarget { reported_mm });
+        assert_eq!(Range::reported(reported_mm, VALID), Range::NoTarget { reported_mm });
     }
-    assert_eq!(Range::from(8189), Range::Distance(Millimetres(8189.0)));
+    assert_eq!(Range::reported(8189, VALID), Range::Distance(Millimetres(8189.0)));
+}
+
+#[test]
+fn a_distance_with_any_status_but_valid_is_doubtful_and_says_why() {
+    let (bus, _) = bench();
+    let mut sensor = start_sensor(&bus, START_S).unwrap();
+    for code in 0..16 {
+        bus.doubt(SENSOR, Some(code));
+        let range = sensor.wait(0.1).unwrap();
+        let at_s = bus.with_world(|world| *world.measured_s.last().unwrap());
+        let mm = ball_mm(at_s).round();
+        if code == 11 {
+            assert_eq!(range, Range::Distance(Millimetres(mm)));
+            continue;
+        }
+        let Range::Doubtful { status, reported_mm } = range else { panic!("status {code}: {range:?}") };
+        assert_eq!((status.code(), f64::from(reported_mm)), (code, mm));
+    }
+    bus.doubt(SENSOR, None);
+    assert!(matches!(sensor.wait(0.1), Ok(Range::Distance(_))));
+    assert_eq!(RangeStatus::of_register(0xA7).to_string(), "4 (too little light came back)");
+}
+
+#[test]
+fn a_reading_and_its_status_come_in_one_transaction() {
+    let (bus, clock) = bench();
+    let mut sensor = start_sensor(&bus, START_S).unwrap();
+    clock.sleep_until_s(clock.now_s() + 0.021);
+    let (before, from_s) = (bus.transactions(SENSOR), clock.now_s());
+    assert!(matches!(sensor.poll(), Ok(Some(Range::Distance(_)))));
+    // Ready, the burst, and the interrupt cleared.
+    assert_eq!(bus.transactions(SENSOR) - before, 3);
+    let took_s = clock.now_s() - from_s;
+    assert!((took_s - (39.0 + 138.0 + 48.0) / 400_000.0).abs() < 1e-9, "{took_s} s");
 }
 
 #[test]

@@ -44,6 +44,17 @@ fn each_of_two_sensors_sees_by_its_own_beam_at_about_the_same_time() {
 }
 
 #[test]
+fn each_of_two_sensors_has_its_own_status() {
+    let (bus, clock, mut xshut) = two();
+    let (mut first, mut second) = start_both(&bus, &clock, &mut xshut).unwrap();
+    bus.doubt(MOVED, Some(4));
+    assert!(matches!((first.wait(0.1), second.wait(0.1)), (Ok(Range::Distance(_)), Ok(Range::Doubtful { .. }))));
+    bus.doubt(MOVED, None);
+    bus.doubt(SENSOR, Some(4));
+    assert!(matches!((first.wait(0.1), second.wait(0.1)), (Ok(Range::Doubtful { .. }), Ok(Range::Distance(_)))));
+}
+
+#[test]
 fn sensors_that_nobody_told_apart_answer_together_and_wrong() {
     let (bus, clock, _xshut) = two();
     let mut sensor = super::start_sensor(&bus, START_S).unwrap();

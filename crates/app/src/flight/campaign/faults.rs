@@ -1,14 +1,25 @@
 //! The faults of the campaign: what is spoilt, how, at which registers and for how long.
 
+use crate::config::{Safety, Tables};
+use crate::flight::FAN_FAILURES;
 use hal::emulator::{EmulatedBus, Fault, World};
+
+/// The period of a cycle and of the readings, seconds.
+pub(super) const PERIOD_S: f64 = 0.02;
+/// How late each cycle of a slow processor begins, seconds.
+pub(super) const SLOW_BY_S: f64 = 0.03;
+/// Two cycles of docs/rig.md, and one for the moment in a cycle.
+const CYCLES: f64 = 3.0;
+/// Without an edge for so long the tachometer's speed is 0, seconds.
+const STANDS_AFTER_S: f64 = 0.25;
 
 pub(super) const SENSOR: u8 = 0x29;
 pub(super) const FAN: u8 = 0x40;
 /// Of the rig that has one.
 pub(super) const SECOND: u8 = 0x30;
 
-/// Registers of which a cycle makes use: status, distance and interrupt of the sensor; the fan's channel and its off-bit.
-const REGISTERS: [(u8, u8); 5] = [(SENSOR, 0x13), (SENSOR, 0x1E), (SENSOR, 0x0B), (FAN, 0x06), (FAN, 0x09)];
+/// Registers of which a cycle makes use: ready, range status with distance, and interrupt of the sensor; the fan's channel and its off-bit.
+const REGISTERS: [(u8, u8); 5] = [(SENSOR, 0x13), (SENSOR, 0x14), (SENSOR, 0x0B), (FAN, 0x06), (FAN, 0x09)];
 
 /// What happens to the rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +30,8 @@ pub(super) enum Mishap {
     Power,
     /// The ball leaves the pipe.
     BallLost,
+    /// These sensors see the ball and do not vouch for it: too little light.
+    Doubtful { sensors: &'static [u8] },
     /// The ball jams where it is.
     BallStuck,
     /// The sensor gives its last reading for ever, as if it were new.
@@ -34,6 +47,9 @@ pub(super) enum Mishap {
     /// The processor is taken away in every cycle, for longer than the cycle lasts.
     Slow,
 }
+
+/// Of each sensor that there is.
+pub(super) const DOUBTFUL: Mishap = Mishap::Doubtful { sensors: &[SENSOR, SECOND] };
 
 /// For how long.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,33 +84,61 @@ impl Case {
         }
     }
 
-    /// Seconds from the fault to fan off, where the loop loses its sight or its hands for good: `[safety] coast_s` or
-    /// `stall_s`, and what hangs meanwhile. `None`: the flight may go on.
-    pub(super) fn bound_s(&self) -> Option<f64> {
-        const COAST_OR_STALL_S: f64 = 0.5;
-        const CYCLES_S: f64 = 0.1;
-        let held_up_s = match self.mishap {
-            Mishap::Wires { register, fault, .. } => {
-                let blinds = match (register, fault) {
-                    (_, Fault::Noise { .. } | Fault::Flips { .. }) => false,
-                    // The status shows old readings as new; an interrupt that stays does so too; the off-bit is not in use.
-                    (Some(0x13), Fault::StuckHigh) | (Some(0x0B | 0x09), _) => false,
-                    _ => self.lasting == Lasting::ForEver,
-                };
-                let hangs_s = if let Fault::Timeout { seconds } = fault { 2.0 * seconds } else { 0.0 };
-                blinds.then_some(hangs_s)?
+    /// Seconds from the fault to the end of the flight, where the loop loses its sight or its hands for good: what docs/rig.md
+    /// states, from the config, and a cycle more, because the cycle that it happens in may be past what it spoils. `None`: the
+    /// flight may go on.
+    pub(super) fn bound_s(&self, tables: &Tables) -> Option<f64> {
+        let (safety, rig) = (tables.safety?, tables.rig.as_ref()?);
+        let within = |watched_s: f64| Some(watched_s + CYCLES * PERIOD_S);
+        match self.mishap {
+            Mishap::Wires { chips, register, fault } if self.lasting == Lasting::ForEver => {
+                wires_bound_s(chips, register, fault, &safety)
             }
-            Mishap::Power | Mishap::BallLost => 0.0,
-            // A cycle of 20 ms takes 40.
-            Mishap::Slow => COAST_OR_STALL_S,
-            Mishap::BallStuck | Mishap::SensorFrozen => return None,
-            // After 0.25 s without an edge the speed is 0.
-            Mishap::FanStalled | Mishap::TachometerCut => 0.25,
-            Mishap::SecondOff { .. } => 0.0,
-            Mishap::Pause { seconds } => (seconds >= COAST_OR_STALL_S).then_some(seconds)?,
-        };
-        Some(COAST_OR_STALL_S + CYCLES_S + held_up_s)
+            Mishap::Wires { .. } => None,
+            // The fan's chip lost its power too, and that shows first.
+            Mishap::Power => Some(f64::from(FAN_FAILURES + 1) * PERIOD_S),
+            Mishap::BallLost | Mishap::Doubtful { .. } => within(safety.coast_s),
+            // Of each cycle so much is late, and the next deadline is missed.
+            Mishap::Slow => {
+                let cycle_s = (SLOW_BY_S / PERIOD_S).ceil() * PERIOD_S;
+                Some((safety.stall_s / SLOW_BY_S + CYCLES) * cycle_s)
+            }
+            Mishap::Pause { seconds } => within((seconds >= safety.stall_s).then_some(seconds)?),
+            Mishap::FanStalled | Mishap::TachometerCut => within(STANDS_AFTER_S + rig.tachometer?.stalled_after_s),
+            Mishap::SecondOff { .. } => within(rig.second_sensor?.disagree_s),
+            // As long as the controller is content with what it sees; see `push_bound_s`.
+            Mishap::BallStuck | Mishap::SensorFrozen => None,
+        }
     }
+
+    /// Seconds for which the controller may push a ball that does not move, or does not seem to.
+    pub(super) fn push_bound_s(&self, tables: &Tables) -> Option<f64> {
+        let stuck = tables.safety?.stuck?;
+        matches!(self.mishap, Mishap::BallStuck | Mishap::SensorFrozen).then_some(stuck.after_s + CYCLES * PERIOD_S)
+    }
+}
+
+/// The same of wires that stay broken: whichever shows first of no sight for `coast_s`, writes that fail, and a cycle that hangs
+/// for `stall_s`.
+fn wires_bound_s(chips: &[u8], register: Option<u8>, fault: Fault, safety: &Safety) -> Option<f64> {
+    // The driver returns the first error it meets, so that a cycle hangs once for each chip.
+    let hangs_s = if let Fault::Timeout { seconds } = fault { seconds * chips.len() as f64 } else { 0.0 };
+    let cycle_s = PERIOD_S + hangs_s;
+    let says_nothing = matches!(fault, Fault::StuckHigh | Fault::StuckLow);
+    let unseen = match (register, fault) {
+        (_, Fault::Noise { .. } | Fault::Flips { .. }) => true,
+        // "Ready" that is always set, and an interrupt that is never cleared, show old readings as new.
+        (Some(0x13), Fault::StuckHigh) => true,
+        (Some(0x0B), _) => says_nothing,
+        // The off-bit is not in use.
+        (Some(0x09), _) => true,
+        _ => false,
+    };
+    let blind_s = (!chips.contains(&FAN) || chips.contains(&SENSOR)).then_some(safety.coast_s + CYCLES * cycle_s);
+    let helpless_s = chips.contains(&FAN).then_some(f64::from(FAN_FAILURES + 1) * cycle_s);
+    let stalled_s = (hangs_s >= safety.stall_s).then_some(2.0 * cycle_s);
+    let first_s = [blind_s, helpless_s, stalled_s].into_iter().flatten().reduce(f64::min);
+    first_s.filter(|_| !unseen)
 }
 
 fn kinds(seed: u64) -> [Fault; 8] {
@@ -126,7 +170,7 @@ pub(super) fn cases(seed: u64) -> Vec<Case> {
             }
         }
     }
-    let others = [Mishap::Power, Mishap::BallLost, Mishap::BallStuck, Mishap::SensorFrozen, Mishap::Slow];
+    let others = [Mishap::Power, Mishap::BallLost, DOUBTFUL, Mishap::BallStuck, Mishap::SensorFrozen, Mishap::Slow];
     let pauses = [0.015, 0.1, 0.6, 3.0].map(|seconds| Mishap::Pause { seconds });
     cases.extend(others.into_iter().chain(pauses).map(|mishap| Case { mishap, lasting: Lasting::ForEver }));
     cases

@@ -1,10 +1,11 @@
 //! The world of the campaign: the plant behind emulated chips, a ball that can be lost or jam, and a memory of the fan.
 
-use super::faults::{Case, Mishap};
+use super::faults::{Case, Mishap, SLOW_BY_S};
 use crate::rig::{Chips, PlantWorld, Rig, Sighting, WorldClock};
 use control::Duty;
 use embedded_hal::i2c::ErrorKind;
 use hal::emulator::{EmulatedBus, EmulatedI2c, World};
+use std::cell::Cell;
 
 /// The plant, as long as nothing happens to it.
 pub(super) struct Scene {
@@ -77,7 +78,10 @@ pub(super) struct Struck {
     pub(super) at_s: f64,
     /// Transactions from there to the first that is spoilt, so that it may be any of a cycle.
     pub(super) skip: u64,
-    pub(super) struck: std::cell::Cell<bool>,
+    /// When it happened.
+    pub(super) struck_s: Cell<Option<f64>>,
+    /// When the latest cycle looked.
+    pub(super) looked_s: Cell<f64>,
 }
 
 impl Struck {
@@ -85,6 +89,9 @@ impl Struck {
         self.case.spoil(&self.bus, self.skip);
         if self.case.mishap == Mishap::Power {
             self.bus.power_cycle();
+        }
+        if let Mishap::Doubtful { sensors } = self.case.mishap {
+            sensors.iter().for_each(|sensor| self.bus.doubt(*sensor, Some(4)));
         }
         self.bus.with_world(|scene| scene.mishap = Some(self.case.mishap));
         if self.case.mishap == Mishap::FanStalled {
@@ -103,11 +110,12 @@ impl Rig for Struck {
 
     fn sleep_until_s(&self, t_s: f64) {
         self.rig.sleep_until_s(t_s);
-        if t_s >= self.at_s && !self.struck.replace(true) {
+        if t_s >= self.at_s && self.struck_s.get().is_none() {
+            self.struck_s.set(Some(self.rig.now_s()));
             self.strike();
         }
-        if self.struck.get() && self.case.mishap == Mishap::Slow {
-            self.bus.with_world(|scene| scene.elapse_s(0.03));
+        if self.struck_s.get().is_some() && self.case.mishap == Mishap::Slow {
+            self.bus.with_world(|scene| scene.elapse_s(SLOW_BY_S));
         }
     }
 
@@ -116,6 +124,7 @@ impl Rig for Struck {
     }
 
     fn position(&mut self) -> Result<Sighting, ErrorKind> {
+        self.looked_s.set(self.rig.now_s());
         self.rig.position()
     }
 

@@ -1,7 +1,7 @@
 //! The campaign of the optional signals: what a tachometer and a second sensor see that a rig without them does not, and what
 //! a flight survives with them.
 
-use super::faults::{Case, FAN, Lasting, Mishap, SECOND, SENSOR};
+use super::faults::{Case, DOUBTFUL, FAN, Lasting, Mishap, SECOND, SENSOR};
 use super::{check, fly, logged};
 use crate::config::Tables;
 use crate::log::record::{Cycle, End, Fault as Ended, Mode};
@@ -43,6 +43,7 @@ fn a_fan_that_stalls_sensors_that_disagree_and_the_faults_of_any_rig_end_the_fli
         // The other way a ball near the bottom would be beyond the pipe, which is no ball.
         lasting(Mishap::SecondOff { mm: -60.0 }),
         lasting(Mishap::BallLost),
+        lasting(DOUBTFUL),
         lasting(Mishap::Power),
         lasting(Mishap::Pause { seconds: 0.6 }),
         wires(&[SENSOR, SECOND], Fault::Nack),
@@ -85,6 +86,35 @@ fn a_flight_goes_on_by_the_other_sensor_when_one_is_silent_and_says_so_once() {
             assert!(last.iter().all(|cycle| cycle.position_mm.is_some_and(off)), "{name} {fault:?}");
         }
     }
+}
+
+/// Positions that were flown by after the fault, where a sensor does not vouch for its readings.
+fn doubted(case: Case) -> (super::Flown, Vec<Cycle>) {
+    let flown = fly(&rich(), case, 3);
+    let cycles = logged::parse(Path::new("f.mcap"), &flown.log).unwrap().cycles;
+    (flown, cycles)
+}
+
+#[test]
+fn readings_of_either_sensor_that_it_does_not_vouch_for_are_not_fresh_and_not_flown_by() {
+    let last = |cycles: &[Cycle]| cycles[cycles.len() - 50..].to_vec();
+    let (first, cycles) = doubted(lasting(Mishap::Doubtful { sensors: &[SENSOR] }));
+    assert_eq!(first.outcome.end, End::Finished);
+    assert!(
+        last(&cycles).iter().all(|cycle| !cycle.fresh && cycle.mode == Mode::Flying && cycle.position2_mm.is_some())
+    );
+    let (second, cycles) = doubted(lasting(Mishap::Doubtful { sensors: &[SECOND] }));
+    assert_eq!(second.outcome.end, End::Finished);
+    assert!(last(&cycles).iter().all(|cycle| cycle.fresh && cycle.position2_mm.is_none()));
+    let (both, cycles) = doubted(lasting(DOUBTFUL));
+    assert!(matches!(both.outcome.fault, Some(Ended::DoubtfulRange { .. })), "{:?}", both.outcome);
+    assert!(!cycles.last().unwrap().fresh);
+    let log = logged::parse(Path::new("f.mcap"), &both.log).unwrap();
+    assert!(
+        log.events.iter().any(|event| event.kind == "fault" && event.text.contains("range status 4")),
+        "{:?}",
+        log.events
+    );
 }
 
 #[test]

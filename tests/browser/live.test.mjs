@@ -33,11 +33,15 @@ async function open({ url = SERVED, ...options } = {}) {
   return { page, wrong };
 }
 
-async function login(page) {
+async function connect(page) {
   await page.locator("#connection").evaluate((details) => (details.open = true));
   await page.getByLabel("User").fill(USER_NAME);
   await page.getByLabel("Password").fill(PASSWORD);
   await page.getByRole("button", { name: "Connect" }).click();
+}
+
+async function login(page) {
+  await connect(page);
   await page.getByText("rig online", { exact: true }).waitFor();
 }
 
@@ -162,6 +166,9 @@ test("live: gains, controller and experiment are changed, and a refusal is said 
 
 test("live: every cycle is drawn on demand", async () => {
   const { page, wrong } = await flying();
+  const span = () => page.evaluate(() => charts.times().at(-1) - charts.times()[0]);
+  await until(page, "three seconds of states", async () => (await span()) > 3);
+  const first = await page.evaluate(() => charts.times()[0]);
   await page.getByLabel("Draw every cycle").check();
   await until(page, "batches", async () => /^\d+ cycles in the last batch, 0 dropped$/.test(await text(page, "rate")));
   // By the rig's clock: the newest drawn are the loop's cycles, not ten states a second.
@@ -169,9 +176,56 @@ test("live: every cycle is drawn on demand", async () => {
     const times = await page.evaluate(() => charts.times().slice(-20));
     return times.length === 20 && times.at(-1) - times[0] < 19.5 * 0.02;
   });
+  // What was drawn stays; half a minute later its beginning may have left the chart.
+  const [kept, shown] = [await page.evaluate(() => charts.times()[0]), await span()];
+  assert.ok(kept === first || shown > 29, `drawn from ${first} s before, from ${kept} s after, ${shown} s in all`);
   await shoot(page, "live-full");
   await page.getByLabel("Draw every cycle").uncheck();
   assert.deepEqual(wrong, []);
+});
+
+test("live: a batch that began before the last state is drawn once, and a new flight begins a new chart", async () => {
+  const { page } = await open();
+  const drawn = (from, to) => page.evaluate(([from, to]) => {
+    const cycles = Array.from({ length: Math.round((to - from) / 0.02) + 1 }, (_, k) => ({ time_s: from + 0.02 * k, setpoint_mm: 300, position_mm: 300, duty_percent: 21 }));
+    charts.add(cycles);
+    return [charts.times()[0], Math.round(100 * charts.times().at(-1)) / 100, charts.times().every((time, k, all) => k === 0 || time > all[k - 1])];
+  }, [from, to]);
+  assert.deepEqual(await drawn(100, 120), [100, 120, true]);
+  assert.deepEqual(await drawn(119.89, 120.09), [100, 120.09, true]);
+  assert.deepEqual(await drawn(118, 119), [100, 120.09, true]);
+  assert.deepEqual(await drawn(0, 1), [0, 1, true]);
+});
+
+test("live: lateness and losses of a flight are said", async () => {
+  const { page } = await flying();
+  await until(page, "the lateness", async () => /^half within \d+ µs, 99 % within \d+ µs, 99\.9 % within \d+ µs, all within \d+ µs$/.test(await text(page, "lateness")));
+  assert.match(await text(page, "late"), /^\d+ late cycles; lost: \d+ log messages, \d+ MQTT messages$/);
+  assert.equal(await text(page, "fault"), "");
+});
+
+test("live: a fault that lasts and the last one of earlier flights are shown, and go when they are over", async () => {
+  const { page: speaker } = await flying();
+  // A rig of its own says what rig1 says, with a fault.
+  const says = (fault) => speaker.evaluate(async ([fault, username, password]) => {
+    const client = mqtt.connect(airball.broker(), { username, password, protocolVersion: 4, timerVariant: "native" });
+    const state = await new Promise((heard) => {
+      client.on("message", (_, payload) => heard(JSON.parse(new TextDecoder().decode(payload))));
+      client.on("connect", () => client.subscribe(`${airball.root}state`));
+    });
+    const say = (name, payload) => client.publishAsync(`airball/faulty/${name}`, payload, { qos: 1, retain: true });
+    await say("status", "online");
+    await say("state", JSON.stringify({ ...state, fault }));
+    await say("fault", JSON.stringify({ at: "2026-01-01T12:00:00Z", fault: "the ball does not move", log: null }));
+    client.end();
+  }, [fault, USER_NAME, PASSWORD]);
+  await says("no new range for 300 ms");
+  const { page } = await open({ url: `${SERVED}?rig=faulty` });
+  await connect(page);
+  await until(page, "the fault", async () => (await text(page, "fault")) === "no new range for 300 ms");
+  await until(page, "the last fault", async () => (await text(page, "last-fault")) === "Last fault, 2026-01-01T12:00:00Z: the ball does not move");
+  await says(null);
+  await until(page, "no fault", async () => (await text(page, "fault")) === "");
 });
 
 test("live: opened as a file it finds the broker that it is told", async () => {

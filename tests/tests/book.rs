@@ -1,10 +1,12 @@
 //! The book: what it shows is what the program says, and its links lead somewhere.
 //!
-//! With `AIRBALL_BOOK=write` in the environment, shown output, the reference of commands and the gallery are written anew instead of being
+//! With `AIRBALL_BOOK=write` in the environment, shown output, the references of commands and keys and the gallery are written anew instead of being
 //! compared; `scripts/book --update` does that.
 
 #[path = "book/console.rs"]
 mod console;
+#[path = "book/keys.rs"]
+mod keys;
 #[path = "book/pages.rs"]
 mod pages;
 
@@ -78,6 +80,11 @@ fn the_reference_of_commands_is_what_help_says() {
     is_or_write(&book().join("reference/commands.md"), &page);
 }
 
+#[test]
+fn the_reference_of_keys_is_what_the_program_expects() {
+    is_or_write(&book().join("reference/keys.md"), &keys::page(&Bench::default()));
+}
+
 /// The help of a command, and of those below it.
 fn help_of(bench: &Bench, command: &[&str], page: &mut String) {
     let help = bench.output(&[command, &["--help"]].concat());
@@ -138,6 +145,50 @@ fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_oth
         let rows = part.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
         assert_eq!(rows.map(str::to_owned).collect::<BTreeSet<_>>(), keys, "{schema}");
     }
+}
+
+#[test]
+fn the_table_of_schemas_is_what_the_program_writes() {
+    let mut written = BTreeSet::new();
+    let mut folders = vec![root().join("crates/app/src")];
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let source = fs::read_to_string(&path).unwrap();
+            let strings = source.split('"').filter(|string| string.starts_with("airball."));
+            let versioned =
+                |string: &&str| string.split_once('/').is_some_and(|(_, version)| version.parse::<u32>().is_ok());
+            written.extend(strings.filter(versioned).map(str::to_owned));
+        }
+    }
+    let page = read("reference/documents.md");
+    let rows =
+        page.split("\n## ").next().unwrap().lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+    assert_eq!(rows.map(str::to_owned).collect::<BTreeSet<_>>(), written);
+}
+
+#[test]
+fn what_is_built_for_a_block_that_is_not_run_is_made_by_a_script() {
+    let name = |letter: char| letter.is_ascii_alphanumeric() || "._-".contains(letter);
+    let scripts = fs::read_dir(root().join("scripts")).unwrap();
+    let scripts: String = scripts.map(|entry| fs::read_to_string(entry.unwrap().path()).unwrap()).collect();
+    let mut seen = 0;
+    for page in pages() {
+        let text = read(page.to_str().unwrap());
+        let blocks = text.split("```sh\n").skip(1).map(|rest| rest.split("\n```").next().unwrap());
+        for block in blocks {
+            for rest in block.split("target/").skip(1) {
+                let path = format!("target/{}", rest.split(|letter| !name(letter) && letter != '/').next().unwrap());
+                let made = scripts.split(&path).skip(1).any(|after| !after.starts_with(name));
+                assert!(made, "{}: no script makes {path}", page.display());
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 1, "{seen} paths");
 }
 
 /// Paths of the values of a document: `a.b` in an object, `a[]` in a list; `*` for a number of a model or of an effect.

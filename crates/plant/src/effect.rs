@@ -40,6 +40,15 @@ pub enum Neutral {
     PipeLength,
 }
 
+/// What an effect is easily taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Neighbour {
+    /// The other effect's name.
+    pub name: &'static str,
+    /// How a log shows that it is not the other one, and what to fly for it.
+    pub told_by: &'static str,
+}
+
 /// An effect's line in the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
@@ -55,6 +64,8 @@ pub struct Entry {
     pub in_a_log: &'static str,
     /// How to mend it on a rig.
     pub mend: &'static str,
+    /// Its nearest neighbours, the nearest first.
+    pub told_from: &'static [Neighbour],
 }
 
 impl Entry {

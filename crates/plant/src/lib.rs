@@ -27,7 +27,7 @@ mod simulator;
 mod unsound;
 
 pub use actuator::Actuator;
-pub use effect::{Effect, Entry, Neutral, Param, Stage};
+pub use effect::{Effect, Entry, Neighbour, Neutral, Param, Stage};
 pub use effects::Effects;
 pub use model::{Model, Noise};
 pub use motion::Motion;

@@ -2,6 +2,8 @@
 const charts = (() => {
   "use strict";
   const SPAN_S = 30;
+  // States and batches of cycles come on two topics: a batch may begin before the state that was drawn last. No further back than this.
+  const OVERLAP_S = 5;
   // Pixels, on a wide screen and on a phone.
   const HEIGHTS = { height: [280, 210], duty: [150, 120] };
   const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -48,14 +50,14 @@ const charts = (() => {
     drawn[1]?.setData([times, columns[2]]);
   };
 
-  /** Takes cycles in the order of their time. One from before the last is of a new flight. */
+  /** Takes cycles that are newer than the last. One from long before the last is of a new flight. */
   const add = (cycles) => {
     for (const cycle of cycles) {
-      if (cycle.time_s === times.at(-1)) continue;
-      if (cycle.time_s < times.at(-1)) {
+      if (cycle.time_s < times.at(-1) - OVERLAP_S) {
         times = [];
         columns = KEYS.map(() => []);
       }
+      if (cycle.time_s <= times.at(-1)) continue;
       times.push(cycle.time_s);
       KEYS.forEach((key, k) => columns[k].push(cycle[key]));
     }

@@ -1,5 +1,5 @@
 // The stop button. It needs nothing else of this page: every press dials the broker on a connection of its own and says `stop` in four
-// packets of MQTT 3.1.1, until the broker has acknowledged it. Also where broker, rig and login are found, for the rest of the page.
+// packets of MQTT 3.1.1, until the broker has acknowledged it. It shares the tab's thread: a tab that hangs takes it along. Also where broker, rig and login are found, for the rest of the page.
 const airball = (() => {
   "use strict";
   const given = document.documentElement.dataset;

@@ -5,13 +5,13 @@ use crate::report::diagnosis::words;
 use crate::report::next;
 use crate::report::page::parts::{chance, number, spoken, stage};
 use diagnose::Verdict;
-use plant::{Effects, Neutral, Param};
+use plant::{Effects, Entry, Neighbour, Neutral, Param};
 use std::fmt::Write;
 
 /// The first line of every page, by which an older one may be replaced.
 pub const MARK: &str = "<!-- Made by `airball gallery` from the catalogue of effects; change it there. -->";
-/// Effects that came near, shown at most.
-const NEIGHBOURS: usize = 4;
+/// Effects that came near on this record, shown at most.
+const COMPETITORS: usize = 4;
 
 /// The list of all exhibits.
 #[must_use]
@@ -62,7 +62,7 @@ pub fn page(exhibit: &Exhibit) -> String {
         format!("Stage: {}. Config table: `[plant.effects.{key}]`.\n\n{}", stage(key), numbers(exhibit)),
         format!("## In a log\n\n{}.\n\n{}", capital(exhibit.entry.in_a_log), pictures(key, &name)),
         format!("## What a diagnosis says\n\n{}", diagnosis(exhibit)),
-        format!("## Its neighbours\n\n{}", neighbours(exhibit)),
+        format!("## Its neighbours\n\n{}\n\n{}", told_from(&exhibit.entry), competitors(exhibit)),
         format!("## To mend it\n\n{}", mend(exhibit)),
     ];
     sections.join("\n\n") + "\n"
@@ -96,8 +96,17 @@ fn diagnosis(exhibit: &Exhibit) -> String {
     format!("```text\n{}\n```", words(&exhibit.found, Some(&exhibit.compensation)))
 }
 
+/// What the effect is easily taken for, and how it is told from it.
+fn told_from(entry: &Entry) -> String {
+    let mut text = String::from("What it is easily taken for, and how to tell:\n");
+    for Neighbour { name, told_by } in entry.told_from {
+        let _ = write!(text, "\n- {}: {told_by}.", link(name, entry.name));
+    }
+    text
+}
+
 /// What else was tried on this record, and what would tell apart what it does not.
-fn neighbours(exhibit: &Exhibit) -> String {
+fn competitors(exhibit: &Exhibit) -> String {
     let found = &exhibit.found;
     let first = found.rounds.first().map(Vec::as_slice).unwrap_or_default();
     let mut tried: Vec<_> = first.iter().zip(found.chances(first)).filter(|(one, _)| one.in_full).collect();
@@ -108,7 +117,7 @@ fn neighbours(exhibit: &Exhibit) -> String {
                 | effect | stage | gain, nats | probability |\n|---|---|---|---|"
             .into();
     }
-    for (one, likely) in tried.into_iter().take(NEIGHBOURS) {
+    for (one, likely) in tried.into_iter().take(COMPETITORS) {
         let likely = likely.map_or_else(|| "–".into(), chance);
         let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.gain), 1));
         let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));

@@ -10,7 +10,7 @@
 //! that only the width is certain from a log.
 //! Source: the thesis, section 3.2.1, whose rig has 21.1 to 21.7 % about a hover of 21.4 %.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// No force between the edges; outside, force is measured from the edge.
@@ -34,6 +34,20 @@ impl Effect for DeadZone {
         sizes: &[&[-0.15, 0.15], &[-0.4, 0.4]],
         in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop hunts",
         mend: "correct it in [compensation.dead_zone] with the same two numbers, or fan and driver with finer steps",
+        told_from: &[
+            Neighbour {
+                name: "wall_friction",
+                told_by: "within the zone a moving ball drifts on, where friction stops it dead and holds it: fly a slow ramp of duty through hover",
+            },
+            Neighbour {
+                name: "hysteresis",
+                told_by: "the flat place stays at hover, and a slow ramp down takes the same way back as the ramp up; play moves with each reversal",
+            },
+            Neighbour {
+                name: "duty_quantisation",
+                told_by: "one flat place, at hover; steps of duty come again and again: fly a slow ramp over several percent",
+            },
+        ],
     };
 
     values_in_order!(lower_percent, upper_percent);

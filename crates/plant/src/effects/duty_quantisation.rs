@@ -7,7 +7,7 @@
 //! The grid starts at duty 0. Leaves out that a real fan's steps differ in height and in the way up and down.
 //! Source: the thesis, section 3.2.2: the force has steps of about 0.8 % of duty, whatever drives the fan.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use libm::round;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,16 @@ impl Effect for DutyQuantisation {
         sizes: &[&[0.4], &[0.8]],
         in_a_log: "the force jumps at certain duties and is flat between them, and the loop cycles between two of its levels",
         mend: "dither the duty so that its mean falls between the steps, or take a driver with finer steps",
+        told_from: &[
+            Neighbour {
+                name: "dead_zone",
+                told_by: "the force is flat again and again, every step of duty; a dead zone is one flat place, at hover: fly a slow ramp of duty",
+            },
+            Neighbour {
+                name: "hysteresis",
+                told_by: "the force hangs on the duty alone: a slow ramp up and the same ramp down meet the jumps at the same duties",
+            },
+        ],
     };
 
     values_in_order!(step_percent);

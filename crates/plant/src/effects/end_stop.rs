@@ -9,7 +9,7 @@
 //! Source: Newton's law of restitution; a table tennis ball dropped 305 mm on steel comes back
 //! 240 to 260 mm (ITTF), e = 0.89 to 0.92.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order, within_bounds};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order, within_bounds};
 use crate::unsound::Unsound;
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +37,16 @@ impl Effect for EndStop {
         sizes: &[&[20.0, 560.0, 0.3]],
         in_a_log: "the position never passes a certain height, and the speed turns round there",
         mend: "keep the setpoints away from the ends ([safety]); a soft pad at the end that is hit",
+        told_from: &[
+            Neighbour {
+                name: "saturation",
+                told_by: "the ball is held at one height whatever the duty, and moves as believed elsewhere; a limited force is short at any height",
+            },
+            Neighbour {
+                name: "height_dependent_flow",
+                told_by: "nothing is missing until the ball touches, and then its speed turns round: hold heights far from the ends as well",
+            },
+        ],
     };
 
     values_in_order!(bottom_mm, top_mm, restitution);

@@ -8,7 +8,7 @@
 //! Source: linearised momentum balance of the rotor; the thesis, equation 3.1.1.12, and its model G_c with
 //! τ = 1/3.896 s.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use crate::lag::decay;
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +28,20 @@ impl Effect for FanLag {
         sizes: &[&[0.05], &[0.2]],
         in_a_log: "the ball answers late to every change of duty, and oscillates at gains that the simulator calls safe",
         mend: "a lighter rotor or a fan with active braking; in the controller, more derivative action or less gain",
+        told_from: &[
+            Neighbour {
+                name: "transport_delay",
+                told_by: "the answer to a step of duty begins at once and grows; after a dead time it is whole at once: fly steps of duty",
+            },
+            Neighbour {
+                name: "sensor_lag",
+                told_by: "duty and position hardly tell: a recorded fan speed lags here and not there, a second sensor is late here as well",
+            },
+            Neighbour {
+                name: "spin_asymmetry",
+                told_by: "rises and falls of duty take equally long: fly equal steps up and down",
+            },
+        ],
     };
 
     values_in_order!(time_constant_s);

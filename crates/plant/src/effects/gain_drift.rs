@@ -7,7 +7,7 @@
 //! A straight line: warming up, which levels off, is one only over a short record.
 //! Source: supply voltage and air density enter the gain as factors; a battery falls about linearly.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The gain grows or falls linearly with time.
@@ -26,6 +26,10 @@ impl Effect for GainDrift {
         sizes: &[&[0.002], &[-0.002]],
         in_a_log: "the same step of duty moves the ball further, or less far, late in the log than early",
         mend: "regulate the fan's supply, let the rig warm up first, or identify the gain again before a flight",
+        told_from: &[Neighbour {
+            name: "hover_drift",
+            told_by: "the duty that holds the ball stays, its steps move the ball more or less: fly the same steps about hover early and late",
+        }],
     };
 
     values_in_order!(fraction_per_s);

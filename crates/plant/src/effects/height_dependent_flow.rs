@@ -8,7 +8,7 @@
 //! measured: moving it is the same as moving hover, so that a log cannot tell it and no diagnosis varies it.
 //! Source: leaks and wall drag take pressure along the pipe, Bernoulli's equation with losses.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, within_bounds};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, within_bounds};
 use crate::unsound::Unsound;
 use control::check::within;
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,16 @@ impl Effect for HeightDependentFlow {
         sizes: &[&[0.5], &[-0.5]],
         in_a_log: "the duty that holds the ball depends on the height, and a released ball drifts back to one height",
         mend: "seal the pipe and its joints; identify hover at the height of the flight; an integral term in the controller",
+        told_from: &[
+            Neighbour {
+                name: "hover_drift",
+                told_by: "the duty that holds the ball is the same at each visit to one height: hold several heights, the first again at the end",
+            },
+            Neighbour {
+                name: "end_stop",
+                told_by: "the pull grows evenly along the pipe; an end acts at its height alone: hold several heights far from the ends",
+            },
+        ],
     };
 
     fn values(&self) -> Vec<f64> {

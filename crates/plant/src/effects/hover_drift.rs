@@ -7,7 +7,7 @@
 //! A straight line: warming up, which levels off, is one only over a short record.
 //! Source: motor temperature and supply voltage shift the speed at a given duty.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The duty at hover grows or falls linearly with time.
@@ -26,6 +26,20 @@ impl Effect for HoverDrift {
         sizes: &[&[0.002], &[-0.002]],
         in_a_log: "the mean duty of a held ball climbs or falls over the log, and an open-loop flight bends away",
         mend: "let the rig warm up first, regulate the fan's supply, and give the controller an integral term",
+        told_from: &[
+            Neighbour {
+                name: "gain_drift",
+                told_by: "the duty that holds the ball moves, its steps about that duty do what they did: fly the same steps early and late",
+            },
+            Neighbour {
+                name: "height_dependent_flow",
+                told_by: "the duty that holds the ball differs between two visits to one height: come back to the first height at the end",
+            },
+            Neighbour {
+                name: "turbulence",
+                told_by: "it goes one way at one pace through the whole log; turbulence comes back: hold one height for minutes",
+            },
+        ],
     };
 
     values_in_order!(percent_per_s);

@@ -9,7 +9,7 @@
 //! Starts centred, p = u. Leaves out minor loops of any other shape: everything inside the play is lost.
 //! Source: the play operator, Krasnosel'skii and Pokrovskii, *Systems with Hysteresis*, chapter 1.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The force follows the duty only when it has pushed through the play.
@@ -28,6 +28,20 @@ impl Effect for Hysteresis {
         sizes: &[&[0.1], &[0.3]],
         in_a_log: "the same duty holds the ball or lifts it, by where the duty came from; small reversals of duty do nothing",
         mend: "a fan driver that regulates the speed by the tachometer; dither wider than the play",
+        told_from: &[
+            Neighbour {
+                name: "dead_zone",
+                told_by: "the flat place follows each reversal of the duty, wherever it is: ramp the duty slowly up and down, and compare the two ways",
+            },
+            Neighbour {
+                name: "wall_friction",
+                told_by: "what is lost hangs on the way of the duty: reverse it while the ball moves on, and at first nothing happens; friction lets it act",
+            },
+            Neighbour {
+                name: "fan_lag",
+                told_by: "the force stays behind by the same duty however slowly that moves; a lag vanishes in a slow ramp",
+            },
+        ],
     };
 
     values_in_order!(half_width_percent);

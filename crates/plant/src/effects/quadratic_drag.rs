@@ -8,7 +8,7 @@
 //! of which the linear drag is the first term.
 //! Source: the thesis, equation 3.1.1.3, the square of its relative speed.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Drag that grows with the square of the speed.
@@ -27,6 +27,20 @@ impl Effect for QuadraticDrag {
         sizes: &[&[0.002], &[0.006]],
         in_a_log: "slow moves fit the drag, fast ones are braked harder than the simulator says",
         mend: "nothing to mend: it is the physics of a sphere. Limit the speed of the setpoint, or put it into the simulator",
+        told_from: &[
+            Neighbour {
+                name: "saturation",
+                told_by: "what is missing grows with the speed, also at small duties: compare a slow and a fast passage at the same duty",
+            },
+            Neighbour {
+                name: "wall_friction",
+                told_by: "a slow ball is braked hardly at all and never held; friction takes the same at any speed: fly a slow ramp and large steps",
+            },
+            Neighbour {
+                name: "thrust_curve",
+                told_by: "it brakes both ways alike and only once the ball is fast; a bend pushes from the first moment: fly steps up and down",
+            },
+        ],
     };
 
     values_in_order!(coefficient_per_mm);

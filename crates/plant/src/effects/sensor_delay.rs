@@ -7,7 +7,7 @@
 //! From a log alone it is the same as a delay of the duty, but for the rows at the very ends of the record.
 //! Source: a VL53L0X gives the mean over its timing budget, 20 ms at least, after the budget has passed.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The reading is where the ball was a fixed time ago.
@@ -26,6 +26,20 @@ impl Effect for SensorDelay {
         sizes: &[&[0.03], &[0.1]],
         in_a_log: "everything that the duty does shows a fixed time late, and the loop oscillates at gains called safe",
         mend: "a shorter timing budget, reading right after the measurement is ready; a filter that predicts over the delay",
+        told_from: &[
+            Neighbour {
+                name: "transport_delay",
+                told_by: "duty and position alone cannot tell: a second sensor shows the ball earlier than this one; a late duty is late for both",
+            },
+            Neighbour {
+                name: "sensor_lag",
+                told_by: "fast reversals come late but whole; a lag makes them smaller and rounder: move the ball back and forth fast",
+            },
+            Neighbour {
+                name: "stale_samples",
+                told_by: "every reading is equally old and none repeats while the ball moves: look at neighbouring readings of a fast ball",
+            },
+        ],
     };
 
     values_in_order!(delay_s);

@@ -10,7 +10,7 @@
 //! and stable for any τ. Starts at its input. Leaves out that a sensor averages over a window, not for ever.
 //! Source: Hochbruck and Ostermann, *Exponential Integrators*, Acta Numerica 19 (2010).
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use libm::expm1;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +30,20 @@ impl Effect for SensorLag {
         sizes: &[&[0.03], &[0.1]],
         in_a_log: "the reading turns round after the ball does, and its noise is no larger for it",
         mend: "a shorter timing budget, less averaging in the sensor; a Kalman filter that knows the lag",
+        told_from: &[
+            Neighbour {
+                name: "sensor_delay",
+                told_by: "fast reversals come out smaller and rounder; a delay shifts them whole: move the ball back and forth fast",
+            },
+            Neighbour {
+                name: "fan_lag",
+                told_by: "duty and position hardly tell: a second sensor is ahead of this one, and a recorded fan speed follows the duty as believed",
+            },
+            Neighbour {
+                name: "stale_samples",
+                told_by: "the reading changes with every cycle and never jumps to where the ball is: look at neighbouring readings of a fast ball",
+            },
+        ],
     };
 
     values_in_order!(time_constant_s);

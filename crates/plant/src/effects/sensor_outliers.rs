@@ -8,7 +8,7 @@
 //! Independent from reading to reading, and all of one size; real ones come in runs and sizes.
 //! Source: a time-of-flight sensor sees the wall or a second path instead of the ball.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Some readings are off by a fixed amount, up or down.
@@ -32,6 +32,16 @@ impl Effect for SensorOutliers {
         sizes: &[&[0.01, 30.0]],
         in_a_log: "single readings jump away and back faster than a ball can move, and the duty answers with spikes",
         mend: "narrow the sensor's view, darken the pipe; refuse readings that no ball could have reached",
+        told_from: &[
+            Neighbour {
+                name: "sensor_noise",
+                told_by: "most readings scatter as believed and a few lie far off, all as far: look at a ball at rest",
+            },
+            Neighbour {
+                name: "turbulence",
+                told_by: "the next reading is back where the ball was: nothing that pushes a ball is gone after one reading",
+            },
+        ],
     };
 
     values_in_order!(probability, size_mm);

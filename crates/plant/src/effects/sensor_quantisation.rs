@@ -7,7 +7,7 @@
 //! The grid starts at the bottom of the pipe.
 //! Source: a VL53L0X reports whole millimetres; other sensors, and logs that were rounded, are coarser.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use libm::round;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,16 @@ impl Effect for SensorQuantisation {
         sizes: &[&[3.0], &[8.0]],
         in_a_log: "only certain positions occur, and the speed from one reading to the next is zero or a jump",
         mend: "a sensor or a log format with finer steps; a filter in place of bare differences",
+        told_from: &[
+            Neighbour {
+                name: "sensor_noise",
+                told_by: "only multiples of a step occur, and a ball at rest gives one or two of them: `airball measure noise-floor`",
+            },
+            Neighbour {
+                name: "stale_samples",
+                told_by: "a value lasts until the ball has gone a step, so that a fast ball repeats none; a stale one lasts until the clock says so",
+            },
+        ],
     };
 
     values_in_order!(step_mm);

@@ -8,7 +8,7 @@
 //! times depend on the speed.
 //! Source: motor torque spins the rotor up, only drag slows it down.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use crate::lag::decay;
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,16 @@ impl Effect for SpinAsymmetry {
         sizes: &[&[0.1, 0.25], &[0.25, 0.1]],
         in_a_log: "the ball answers a rise of duty sooner than a fall, and rides higher when the duty moves fast about hover",
         mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); less gain for moves down",
+        told_from: &[
+            Neighbour {
+                name: "fan_lag",
+                told_by: "a fall of duty takes longer than a rise: fly equal steps up and down; a fast square wave about hover lifts the ball",
+            },
+            Neighbour {
+                name: "force_asymmetry",
+                told_by: "steps that are held long end in equal forces up and down: hold each for several time constants of the fan",
+            },
+        ],
     };
 
     values_in_order!(up_s, down_s);

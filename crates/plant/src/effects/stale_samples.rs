@@ -7,7 +7,7 @@
 //! The sensor's clock starts with the record. Leaves out that it runs a little off the loop's.
 //! Source: a VL53L0X keeps its last range until the next timing budget has passed.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use libm::floor;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +30,20 @@ impl Effect for StaleSamples {
         sizes: &[&[0.04], &[0.1]],
         in_a_log: "readings repeat to the last digit, several in a row, while the ball moves",
         mend: "a shorter timing budget, or a longer period of the loop; use only readings that are marked as fresh",
+        told_from: &[
+            Neighbour {
+                name: "sensor_lag",
+                told_by: "the reading stands and then jumps to where the ball is; a lag never jumps: look at neighbouring readings of a fast ball",
+            },
+            Neighbour {
+                name: "sensor_quantisation",
+                told_by: "values repeat for a fixed time, also of a fast ball, and any value occurs: move the ball fast and slowly",
+            },
+            Neighbour {
+                name: "sensor_delay",
+                told_by: "the age of the reading grows until it is refreshed, which repeats show; a delay is one age without repeats",
+            },
+        ],
     };
 
     values_in_order!(hold_s);

@@ -20,6 +20,19 @@ fn the_catalogue_follows_the_signal_path_and_explains_every_entry() {
 }
 
 #[test]
+fn every_effect_has_neighbours_of_the_catalogue_and_is_told_from_each() {
+    for entry in Effects::CATALOGUE {
+        assert!((1..=3).contains(&entry.told_from.len()), "{} has {}", entry.name, entry.told_from.len());
+        for (k, neighbour) in entry.told_from.iter().enumerate() {
+            let pair = format!("{} beside {}", entry.name, neighbour.name);
+            assert!(neighbour.name != entry.name && Effects::entry(neighbour.name).is_some(), "{pair}");
+            assert!(entry.told_from[..k].iter().all(|other| other.name != neighbour.name), "{pair}: twice");
+            assert!(neighbour.told_by.len() > 40 && !neighbour.told_by.ends_with('.'), "{pair}");
+        }
+    }
+}
+
+#[test]
 fn every_effect_is_set_read_and_removed_by_the_name_of_its_entry() {
     for entry in Effects::CATALOGUE {
         let mut effects = Effects::default();

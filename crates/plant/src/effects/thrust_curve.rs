@@ -9,7 +9,7 @@
 //! duty. Leaves out everything of third order and above.
 //! Source: affinity laws of fans, thrust ∝ speed².
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The force is a parabola of the duty about hover, held beyond its vertex.
@@ -28,6 +28,20 @@ impl Effect for ThrustCurve {
         sizes: &[&[0.05], &[-0.05]],
         in_a_log: "small steps of duty fit the gain, large ones overshoot it on one side and fall short on the other",
         mend: "invert the measured force curve between controller and fan (predistortion)",
+        told_from: &[
+            Neighbour {
+                name: "force_asymmetry",
+                told_by: "the smaller the steps, the more equal are up and down; here they become equal: fly pairs of steps of several sizes",
+            },
+            Neighbour {
+                name: "saturation",
+                told_by: "the curve bends from hover on; a limit leaves it straight as far as its edge and flat beyond: fly steps of several sizes",
+            },
+            Neighbour {
+                name: "quadratic_drag",
+                told_by: "the error is there right after a step, while the ball is still slow, and differs between up and down",
+            },
+        ],
     };
 
     values_in_order!(curvature_per_percent);

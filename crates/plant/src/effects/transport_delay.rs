@@ -8,7 +8,7 @@
 //! a delay of the sensor, but for the rows at the very ends of the record.
 //! Source: PWM period, driver and the way of the air from fan to ball, as one dead time.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The duty acts a fixed time after it was written.
@@ -27,6 +27,16 @@ impl Effect for TransportDelay {
         sizes: &[&[0.03], &[0.1]],
         in_a_log: "nothing happens for a fixed time after every change of duty, then the answer is as it should be",
         mend: "write the duty right after the reading, raise the PWM frequency, shorten the way from fan to ball; or less gain",
+        told_from: &[
+            Neighbour {
+                name: "sensor_delay",
+                told_by: "duty and position alone cannot tell: a second sensor shows the ball late as well here, and on time there",
+            },
+            Neighbour {
+                name: "fan_lag",
+                told_by: "the answer to a step of duty begins after a pause and is whole at once; a lag begins at once and grows: fly steps",
+            },
+        ],
     };
 
     values_in_order!(delay_s);

@@ -9,7 +9,7 @@
 //! Source: Uhlenbeck and Ornstein, *On the Theory of the Brownian Motion*, Phys. Rev. 36 (1930); the update is
 //! Gillespie's, Phys. Rev. E 54 (1996).
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use crate::lag;
 use libm::sqrt;
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,16 @@ impl Effect for Turbulence {
         sizes: &[&[100.0, 0.5]],
         in_a_log: "the ball wanders slowly and never twice the same way, whatever the duty, height, speed or time",
         mend: "a flow straightener above the fan (a bundle of straws), a smoother inlet, no draught in the room",
+        told_from: &[
+            Neighbour {
+                name: "sensor_noise",
+                told_by: "the ball really moves, and neighbouring readings agree: with the fan off and the ball at rest, only noise of the sensor is left",
+            },
+            Neighbour {
+                name: "hover_drift",
+                told_by: "it turns back and is another in the next flight: repeat the flight, and a ramp repeats only if the rig drifts",
+            },
+        ],
     };
 
     values_in_order!(sigma_mm_per_s2, correlation_s);

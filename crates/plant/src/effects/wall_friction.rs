@@ -9,7 +9,7 @@
 //! Source: Karnopp, *Computer Simulation of Stick-Slip Friction in Mechanical Dynamic Systems*, J. Dyn. Sys.,
 //! Meas., Control 107 (1985); without its band of low speed, because the instant of standstill is solved for.
 
-use crate::effect::{Effect, Entry, Neutral, Param, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Dry friction against the pipe.
@@ -28,6 +28,20 @@ impl Effect for WallFriction {
         sizes: &[&[20.0], &[60.0]],
         in_a_log: "the ball stands still while the duty changes, then breaks away with a jump; it stops dead at reversals",
         mend: "set the pipe upright, clean pipe and ball, earth them against static charge; dither the duty",
+        told_from: &[
+            Neighbour {
+                name: "dead_zone",
+                told_by: "a ball that rests is held and one that moves is stopped dead; in a dead zone it drifts on: fly a slow ramp through hover",
+            },
+            Neighbour {
+                name: "hysteresis",
+                told_by: "it hangs on the way of the ball: while the ball moves on, a reversal of the duty acts at once; play swallows it",
+            },
+            Neighbour {
+                name: "quadratic_drag",
+                told_by: "slow moves suffer most, and reversals stop; drag leaves slow moves alone: fly a slow ramp and large steps",
+            },
+        ],
     };
 
     values_in_order!(acceleration_mm_per_s2);

@@ -118,6 +118,12 @@ fn mosquitto(arguments: &[&str]) -> Child {
     command.spawn().expect("mosquitto starts; scripts/test installs it")
 }
 
+/// Writes the file of a broker's users, of whom there is one.
+pub fn password_file(path: &Path, user: &str, password: &str) {
+    let made = Command::new("mosquitto_passwd").args(["-b", "-c"]).arg(path).args([user, password]).status();
+    assert!(made.expect("mosquitto_passwd runs; scripts/test installs it").success());
+}
+
 fn listens(port: u16) {
     eventually("the broker listens", || TcpStream::connect(("127.0.0.1", port)).is_ok().then_some(()));
 }
@@ -138,14 +144,22 @@ impl Broker {
         listens(self.port);
     }
 
-    /// One with the config that `config` makes of two free ports, written to `path`: for MQTT, and for WebSockets, which is returned.
+    /// One with the config that `config` makes of a free port, written to `path`.
     #[must_use]
-    pub fn configured(path: &Path, config: impl Fn(u16, u16) -> String) -> (Self, u16) {
-        let (port, sockets) = (free_port(), free_port());
+    pub fn with_config(path: &Path, config: impl Fn(u16) -> String) -> Self {
+        let port = free_port();
         // Started by root it would become another user, who cannot read a test's directory.
-        std::fs::write(path, format!("user root\n{}", config(port, sockets))).expect("the broker's config is written");
+        std::fs::write(path, format!("user root\n{}", config(port))).expect("the broker's config is written");
         let broker = Self { process: mosquitto(&["-c", &path.display().to_string()]), port };
         listens(port);
+        broker
+    }
+
+    /// The same of two free ports: for MQTT, and for WebSockets, which is returned.
+    #[must_use]
+    pub fn configured(path: &Path, config: impl Fn(u16, u16) -> String) -> (Self, u16) {
+        let sockets = free_port();
+        let broker = Self::with_config(path, |port| config(port, sockets));
         listens(sockets);
         (broker, sockets)
     }
@@ -154,18 +168,9 @@ impl Broker {
     #[must_use]
     pub fn with_user(bench: &Bench, user: &str, password: &str) -> Self {
         let passwords = bench.path("passwords");
-        let made = Command::new("mosquitto_passwd").arg("-b").arg("-c").arg(&passwords).args([user, password]).status();
-        assert!(made.expect("mosquitto_passwd runs; scripts/test installs it").success());
-        let (port, config) = (free_port(), bench.path("mosquitto.conf"));
-        // Started by root it would become another user, who cannot read a test's directory.
-        let text = format!(
-            "user root\nlistener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\n",
-            passwords.display()
-        );
-        std::fs::write(&config, text).expect("the broker's config is written");
-        let broker = Self { process: mosquitto(&["-c", &config.display().to_string()]), port };
-        listens(port);
-        broker
+        password_file(&passwords, user, password);
+        let access = format!("allow_anonymous false\npassword_file {}\n", passwords.display());
+        Self::with_config(&bench.path("mosquitto.conf"), |port| format!("listener {port} 127.0.0.1\n{access}"))
     }
 
     /// Publishes as `mosquitto_pub` does for a user.

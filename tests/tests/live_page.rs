@@ -4,7 +4,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
 use std::process::{Child, Command, Stdio};
-use system_tests::{Bench, Broker, Ran, collect, eventually, root};
+use system_tests::{Bench, Broker, Ran, collect, eventually, password_file, root};
 
 const LOGIN: (&str, &str) = ("pilot", "up and away");
 
@@ -33,8 +33,7 @@ impl Drop for Flight {
 /// The broker of `packaging/mosquitto.conf`, with ports and paths of its own.
 fn shipped(bench: &Bench) -> (Broker, u16) {
     let users = bench.path("airball.users");
-    let made = Command::new("mosquitto_passwd").args(["-b", "-c"]).arg(&users).args([LOGIN.0, LOGIN.1]).status();
-    assert!(made.expect("mosquitto_passwd runs; scripts/test installs it").success());
+    password_file(&users, LOGIN.0, LOGIN.1);
     let config = std::fs::read_to_string(root().join("packaging/mosquitto.conf")).unwrap();
     Broker::configured(&bench.path("mosquitto.conf"), |port, sockets| {
         let changes = [

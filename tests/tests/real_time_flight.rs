@@ -113,12 +113,8 @@ fn a_flight_goes_on_under_a_flood_with_rubbish_and_megabytes_in_it_and_every_mes
     const MEGABYTES: u64 = 3;
     let bench = Bench::default();
     // What the broker throws away is not ours to count.
-    let unlimited = |port: u16, sockets: u16| {
-        format!(
-            "listener {port} 127.0.0.1\nlistener {sockets} 127.0.0.1\nallow_anonymous true\nmax_queued_messages 0\n"
-        )
-    };
-    let (broker, _) = Broker::configured(&bench.path("mosquitto.conf"), unlimited);
+    let unlimited = |port: u16| format!("listener {port} 127.0.0.1\nallow_anonymous true\nmax_queued_messages 0\n");
+    let broker = Broker::with_config(&bench.path("mosquitto.conf"), unlimited);
     with_broker(&bench, &broker);
     let flight = start(&bench, &["--json"]);
     eventually("the ball flies", || (state(&broker)["mode"] == "flying").then_some(()));

@@ -5,7 +5,7 @@ use super::config::MqttConfig;
 use super::link::Link;
 use super::mailbox::{Mailbox, ROOM};
 use super::message::{Answer, Gains, InForce, State};
-use super::test_broker::{Broker, Cable, Outside, config, until};
+use super::test_broker::{Broker, Cable, Outside, PATIENCE, config, until};
 use super::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
 use crate::command::{Command, Refusal};
 use crate::lateness::Histogram;
@@ -243,11 +243,12 @@ fn a_broker_that_hangs_up_is_not_hammered() {
     let _link = start(&config(port));
     let began = Instant::now();
     let mut calls = 0;
-    while began.elapsed() < Duration::from_millis(1200) {
+    // For as long as it takes until it calls again, which a busy machine puts off.
+    while began.elapsed() < Duration::from_millis(1200) || (calls < 2 && began.elapsed() < PATIENCE) {
         calls += usize::from(listener.accept().is_ok());
         thread::sleep(Duration::from_millis(5));
     }
-    assert!((1..=3).contains(&calls), "{calls} calls, expected them at 0, 0.2 and 0.6 s");
+    assert!((2..=3).contains(&calls), "{calls} calls, expected them at 0, 0.2 and 0.6 s");
 }
 
 #[test]

@@ -57,15 +57,15 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
         above_zero(flag, value)?;
     }
     may_write(None, args.html.as_deref())?;
-    let patch = args.patch_out.as_ref().map(|path| Ok::<_, anyhow::Error>((path, patch(args)?))).transpose()?;
-    if let Some((path, patch)) = &patch {
+    let patch = args.patch_out.as_ref().map(|_| patch(args)).transpose()?;
+    if let Some((path, patch)) = args.patch_out.as_ref().zip(patch.as_ref()) {
         write("patch", path, patch)?;
     }
     let table = table(args)?;
     let gaps = gap(&table);
     if let Some(path) = &args.html {
         let config = args.config.display().to_string();
-        let patch = patch.as_ref().map(|(_, patch)| (config.as_str(), patch.as_str()));
+        let patch = patch.as_ref().map(|patch| (config.as_str(), patch.as_str()));
         page::write(path, &page::design::critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
     }
     if args.json {

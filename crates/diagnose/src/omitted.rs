@@ -7,6 +7,7 @@
 //! spread           the same of ∛e², which is nearly normal, against φ
 //! noise            Λ = max over c of L(c) + ½·Σ z²(c) − max L        L: ln p of the readings with c of the air's noise
 //! moments          a slip of the readings or a push at a moment of its own: see `moments`
+//! bursts           pushes that come and go: see `bursts`
 //! ```
 //!
 //! The score (Lagrange multiplier) test: z is normal with variance 1 under a right model, whatever the loop does, because φ is known
@@ -16,6 +17,7 @@
 //! Hilferty, "The distribution of chi-square", Proc. Natl. Acad. Sci. 17 (1931).
 
 mod beside;
+mod bursts;
 mod moments;
 mod scores;
 mod terms;
@@ -25,6 +27,7 @@ pub(crate) use beside::Beside;
 pub(crate) use walk::Walk;
 
 use crate::fit::{Fit, Problem};
+use moments::Moments;
 use rayon::prelude::*;
 use scores::{Asked, Scores};
 use serde::Serialize;
@@ -50,13 +53,18 @@ pub(crate) struct Question {
     pub(crate) terms: Vec<Omitted>,
 }
 
-/// What the innovations ask for among the terms, and among the moments. A `weight` below 1 counts each reading for less.
-pub(crate) fn omitted(
-    problem: &Problem<'_>,
-    fit: &Fit,
-    judged: &(dyn Fn(usize) -> bool + Sync),
-    weight: f64,
-) -> [Question; 2] {
+/// What a model omits.
+pub(crate) struct Found {
+    /// Among the terms.
+    pub(crate) terms: Question,
+    /// Among the moments.
+    pub(crate) moments: Question,
+    /// How much the pushes come in bursts, deviations.
+    pub(crate) bursts: f64,
+}
+
+/// What the innovations ask for. A `weight` below 1 counts each reading for less.
+pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) -> bool + Sync), weight: f64) -> Found {
     let (forces, shifts, spreads) = (terms::forces(), terms::shifts(), terms::spreads());
     let walk = |share: f64| Walk::of(problem, quieter(fit, share), judged);
     let as_fitted = walk(1.0);
@@ -65,7 +73,8 @@ pub(crate) fn omitted(
     // What a coarse sensor's cells do to a filter that takes its doubt for normal is a spread of its own.
     let coarse = fit.model.effects.sensor_quantisation.is_some();
     let spread = if coarse { Vec::new() } else { spread.asked(variance, weight, 0.0) };
-    let moments = moments::moments(&fit.model, &as_fitted.steps, weight);
+    let pushed = Moments::of(&fit.model, &as_fitted.steps);
+    let (moments, bursts) = (pushed.happened(&as_fitted.steps, weight), pushed.bursts(weight));
     drop(as_fitted);
     levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&walk(*share), &forces, &shifts)));
     let best = levels.iter().map(|level| level.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
@@ -82,7 +91,7 @@ pub(crate) fn omitted(
     let all = levels.into_iter().map(of_level).chain([together(&spread, in_spread)]);
     let nothing = Question { nats: 0.0, terms: Vec::new() };
     let terms = all.fold(nothing, |most, other| if other.nats > most.nats { other } else { most });
-    [terms, moments]
+    Found { terms, moments, bursts }
 }
 
 /// `fit` with a share of the air's noise: of the coloured one, where there is one.
@@ -121,7 +130,7 @@ impl Level {
 #[cfg(test)]
 mod tests {
     use super::walk::DIFFERENCE;
-    use super::{Question, omitted};
+    use super::{Found, Question, omitted};
     use crate::cursor::Nudged;
     use crate::fit::Problem;
     use crate::folds::Folds;
@@ -169,12 +178,16 @@ mod tests {
         Recording::new(rows.collect()).unwrap()
     }
 
-    /// Nats and words: terms, moments.
-    fn asked(recording: &Recording) -> [(f64, Vec<String>); 2] {
+    fn found(recording: &Recording) -> Found {
         let folds = Folds::new(&model(), recording);
         let problem = Problem { recording, belief: &model(), folds: &folds, prior: Prior::Belief };
         let fit = problem.fit(&model(), &BASE);
-        let [terms, moments] = omitted(&problem, &fit, &|row| folds.counts(row), 1.0);
+        omitted(&problem, &fit, &|row| folds.counts(row), 1.0)
+    }
+
+    /// Nats and words: terms, moments.
+    fn asked(recording: &Recording) -> [(f64, Vec<String>); 2] {
+        let Found { terms, moments, .. } = found(recording);
         let words = |question: &Question| question.terms.iter().map(|term| term.words.clone()).collect();
         [(terms.nats, words(&terms)), (moments.nats, words(&moments))]
     }
@@ -188,6 +201,32 @@ mod tests {
             for (nats, words) in asked(&with_force(|_, _| 0.0, seed)) {
                 assert!(nats < 6.5, "seed {seed}: {nats} nats for {words:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_gain_that_swings_is_asked_for_by_its_period() {
+        let mut rows = with_force(|_, _| 0.0, 5).samples().to_vec();
+        let hover = model().hover_duty_percent;
+        // The logged duty is what acted, over a gain that swings: 10 periods of the flight.
+        for row in &mut rows {
+            let swing = 1.0 + 0.5 * (std::f64::consts::TAU * row.time_s / 8.0).sin();
+            row.duty_percent = hover + (row.duty_percent - hover) / swing;
+        }
+        let [(nats, words), _] = asked(&Recording::new(rows).unwrap());
+        let by_period = words.iter().any(|words| words.contains("u times") && words.contains(" 10 periods"));
+        assert!(nats > 12.0 && by_period, "{nats} nats for {words:?}");
+    }
+
+    #[test]
+    fn gusts_come_in_bursts_and_what_blows_all_the_time_does_not() {
+        let gust =
+            |_, time_s: f64| if time_s % 7.0 < 0.5 { 250.0 * (time_s / 7.0).floor().sin().signum() } else { 0.0 };
+        let bursts = found(&with_force(gust, 6)).bursts;
+        assert!(bursts > 4.0, "{bursts}");
+        for seed in 0..10 {
+            let bursts = found(&with_force(|_, _| 0.0, seed)).bursts;
+            assert!(bursts < 3.3, "seed {seed}: {bursts}");
         }
     }
 

@@ -5,7 +5,7 @@
 //! colour    Q = n(n+2)·Σ r_l²/(n−l), l ≤ L            Ljung and Box: (Q − L)/√(2L)
 //! line      g = max_f |Σ e_k·exp(−2πi·f·t_k)|²/n      exponential with mean 1 at each frequency
 //! energy    the largest |z| of mean e² in sixths of duty, height, speed and time
-//! omitted   the terms that e_k ask for, and the moments at which something happened: see `omitted`
+//! omitted   the terms that e_k ask for, the moments at which something happened, and bursts of pushes: see `omitted`
 //! air       (d + g·σ²)/σ: how far the noise of the air had to grow, in deviations, its prior taken away
 //! ```
 //!
@@ -14,7 +14,7 @@
 use crate::fit::Fit;
 use crate::fit::Problem;
 use crate::free::Free;
-use crate::omitted::{Omitted, omitted};
+use crate::omitted::{Found, Omitted, omitted};
 use crate::places::{Row, Spot, rows, spots};
 use crate::spectrum::periodogram;
 use plant::Model;
@@ -39,6 +39,8 @@ pub struct Residue {
     pub moments: f64,
     /// What happened.
     pub happened: Vec<Omitted>,
+    /// How much the pushes that it leaves come in bursts, deviations: a turbulence pushes all the time.
+    pub bursts: f64,
     /// Nats of it that the form of what was found may leave, which is never quite that of the catalogue.
     pub of_form: f64,
     /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
@@ -59,6 +61,8 @@ const MOMENTS: f64 = 6.5;
 const OMITTED_OF_CELLS: f64 = 30.0;
 /// The same beside a turbulence, which follows most of what is missing.
 const OMITTED_BESIDE_TURBULENCE: f64 = 4.5;
+/// Pushes in bursts, deviations: the largest of three lengths.
+const BURSTS: f64 = 3.3;
 /// Share of what effects explain that their form may leave.
 const SHARE_OF_FORM: f64 = 0.02;
 const AIR: f64 = 4.0;
@@ -105,11 +109,12 @@ impl Residue {
     }
 
     /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
-    /// coloured force follows whatever is missing, but it does so at the cost of the white noise, or leaves a trace of what it follows.
+    /// coloured force follows whatever is missing, but it does so at the cost of the white noise, or leaves a trace of what it follows,
+    /// or has nothing to follow in between.
     #[must_use]
     pub fn allows_turbulence(&self) -> bool {
         let untouched = UNTOUCHED.contains(&self.air_ratio) || self.air.abs() < TOUCHED;
-        !self.is_significant() && self.omitted < OMITTED_BESIDE_TURBULENCE && untouched
+        !self.is_significant() && self.omitted < OMITTED_BESIDE_TURBULENCE && self.bursts < BURSTS && untouched
     }
 
     /// Judges the innovations of `fit`, whose effects explain so many nats.
@@ -121,7 +126,7 @@ impl Residue {
         let (air, air_ratio) = air(problem, fit);
         let judged: Vec<usize> = rows.iter().map(|row| row.row).collect();
         let long = (LONG / rows.len().max(1) as f64).min(1.0);
-        let [terms, moments] = omitted(problem, fit, &|row| judged.binary_search(&row).is_ok(), long);
+        let Found { terms, moments, bursts } = omitted(problem, fit, &|row| judged.binary_search(&row).is_ok(), long);
         Self {
             colour: long * colour(&e, lags(&rows)),
             line: long * line(&periodogram(&rows)),
@@ -132,6 +137,7 @@ impl Residue {
             asked_for: terms.terms,
             moments: moments.nats,
             happened: moments.terms,
+            bursts,
             coarse: fit.model.effects.sensor_quantisation.is_some(),
             air: long.sqrt() * air,
             air_ratio,

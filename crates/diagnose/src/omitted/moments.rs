@@ -8,6 +8,7 @@
 //! Source: Willsky and Jones, "A generalized likelihood ratio approach to the detection and estimation of jumps in linear systems",
 //! IEEE Transactions on Automatic Control 21 (1976).
 
+use super::bursts::bursts;
 use super::walk::Step;
 use super::{Omitted, Question};
 use crate::chi_square::ln_chance;
@@ -26,6 +27,10 @@ const OTHER_SHARE: f64 = 0.2;
 const MOST: usize = 12;
 const MOST_STARTS: usize = 20_000;
 
+/// What may have happened.
+const SHAPES: [Shape; 1 + PUSHES_S.len()] =
+    [Shape::Slip, Shape::Push(PUSHES_S[0]), Shape::Push(PUSHES_S[1]), Shape::Push(PUSHES_S[2])];
+
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
@@ -36,10 +41,6 @@ enum Shape {
 }
 
 impl Shape {
-    fn all() -> impl Iterator<Item = Self> {
-        std::iter::once(Self::Slip).chain(PUSHES_S.map(Self::Push))
-    }
-
     /// Push and shift, both of 1, so long after the moment.
     fn after(self, since_s: f64) -> (f64, f64) {
         match self {
@@ -64,44 +65,73 @@ impl Shape {
     }
 }
 
-/// What happened at the moments that together are least by chance. A `weight` below 1 counts each reading for less.
-pub(super) fn moments(model: &Model, steps: &[Step], weight: f64) -> Question {
-    let starts: Vec<usize> =
-        (0..steps.len()).step_by(steps.len() / MOST_STARTS + 1).filter(|k| steps[*k].judged).collect();
-    let best = |k: &usize| {
-        let rated = Shape::all().map(|shape| (*k, shape, weight.sqrt() * score(model, &steps[*k..], shape)));
-        rated.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))
-    };
-    let mut rated: Vec<(usize, Shape, f64)> = starts.par_iter().filter_map(best).collect();
-    rated.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
-    let looks = looks(steps);
-    let (mut times_s, mut terms, mut total, mut ways) = (Vec::<f64>::new(), Vec::new(), 0.0, 0.0);
-    let mut most = (0.0, 0);
-    for (k, shape, z) in rated {
-        let time_s = steps[k].time_s;
-        if times_s.iter().any(|other| (other - time_s).abs() < REACH_S) {
-            continue;
-        }
-        total += z * z;
-        ways += ((looks - terms.len() as f64).max(1.0) / (terms.len() as f64 + 1.0)).ln();
-        times_s.push(time_s);
-        terms.push(Omitted { words: shape.words(time_s), z });
-        let nats = -ln_chance(total.max(f64::MIN_POSITIVE), terms.len()) - ways;
-        if nats > most.0 {
-            most = (nats, terms.len());
-        }
-        if terms.len() == MOST {
-            break;
-        }
+/// What is looked for at every moment, and what was found.
+pub(super) struct Moments {
+    /// Where it would begin: the first step that it moves.
+    starts: Vec<usize>,
+    /// The scores of each shape there, deviations.
+    scores: Vec<[f64; SHAPES.len()]>,
+}
+
+impl Moments {
+    /// Looks for every shape at every moment that is judged.
+    pub(super) fn of(model: &Model, steps: &[Step]) -> Self {
+        let every = steps.len() / MOST_STARTS + 1;
+        let starts: Vec<usize> = (0..steps.len()).step_by(every).filter(|k| steps[*k].judged).collect();
+        let scores = starts.par_iter().map(|k| SHAPES.map(|shape| score(model, &steps[*k..], shape))).collect();
+        Self { starts, scores }
     }
-    terms.truncate(most.1);
-    Question { nats: most.0, terms }
+
+    /// What happened at the moments that together are least by chance. A `weight` below 1 counts each reading for less.
+    pub(super) fn happened(&self, steps: &[Step], weight: f64) -> Question {
+        let rated = self.rated(weight);
+        let looks = looks(steps);
+        let (mut times_s, mut terms, mut total, mut ways) = (Vec::<f64>::new(), Vec::new(), 0.0, 0.0);
+        let mut most = (0.0, 0);
+        for (k, shape, z) in rated {
+            let time_s = steps[k].time_s;
+            if times_s.iter().any(|other| (other - time_s).abs() < REACH_S) {
+                continue;
+            }
+            total += z * z;
+            ways += ((looks - terms.len() as f64).max(1.0) / (terms.len() as f64 + 1.0)).ln();
+            times_s.push(time_s);
+            terms.push(Omitted { words: shape.words(time_s), z });
+            let nats = -ln_chance(total.max(f64::MIN_POSITIVE), terms.len()) - ways;
+            if nats > most.0 {
+                most = (nats, terms.len());
+            }
+            if terms.len() == MOST {
+                break;
+            }
+        }
+        terms.truncate(most.1);
+        Question { nats: most.0, terms }
+    }
+
+    /// How much the pushes come in bursts, deviations: the most of any length.
+    pub(super) fn bursts(&self, weight: f64) -> f64 {
+        let of = |at: usize| bursts(&self.scores.iter().map(|scores| scores[at]).collect::<Vec<_>>());
+        let pushes = (0..SHAPES.len()).filter(|at| matches!(SHAPES[*at], Shape::Push(_)));
+        weight.sqrt() * pushes.map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// By each moment the shape that says most there; the most first.
+    fn rated(&self, weight: f64) -> Vec<(usize, Shape, f64)> {
+        let best = |(k, scores): (&usize, &[f64; SHAPES.len()])| {
+            let rated = SHAPES.iter().zip(scores).map(|(shape, z)| (*k, *shape, weight.sqrt() * z));
+            rated.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))
+        };
+        let mut rated: Vec<_> = self.starts.iter().zip(&self.scores).filter_map(best).collect();
+        rated.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        rated
+    }
 }
 
 /// How many looks there are that are not the same as another.
 fn looks(steps: &[Step]) -> f64 {
     let judged_s: f64 = steps.iter().filter(|step| step.judged).filter_map(|step| step.dt).sum();
-    Shape::all().map(|shape| judged_s / shape.other_s()).sum()
+    SHAPES.iter().map(|shape| judged_s / shape.other_s()).sum()
 }
 
 /// The score of a shape that begins with the first of these steps, deviations.

@@ -10,6 +10,8 @@ const MEMORIES_S: [f64; 5] = [0.1, 0.3, 1.0, 3.0, 10.0];
 /// Waves along the path that the ball covers, and over the time of the flight.
 const WAVES_OF_HEIGHT: u32 = 5;
 const WAVES_OF_TIME: u32 = 4;
+/// The same of a gain that swings: the duty tells it from other slow forces.
+const WAVES_OF_GAIN: u32 = 16;
 /// The longest wave of height: its angle for a deviation.
 const ANGLE: f64 = 1.2;
 /// How steep the step of a sign is, for a deviation.
@@ -63,10 +65,17 @@ fn step(value: f64) -> f64 {
 
 /// Forces.
 pub(super) fn forces() -> Vec<Term> {
-    [of_duty(), of_motion(), of_time(), waves_of_height(), (0..MEMORIES_S.len()).flat_map(of_memory).collect()]
-        .into_iter()
-        .flatten()
-        .collect()
+    [
+        of_duty(),
+        of_motion(),
+        of_time(),
+        of_gain_over_time(),
+        waves_of_height(),
+        (0..MEMORIES_S.len()).flat_map(of_memory).collect(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 fn of_duty() -> Vec<Term> {
@@ -106,10 +115,22 @@ fn of_time() -> Vec<Term> {
     ];
     let waves = (1..=WAVES_OF_TIME).flat_map(|n| {
         let angle = f64::from(n) * PI;
-        let words = |which| format!("{which} wave of time, {n} half periods a flight");
+        let words = |which| format!("{which} wave of time, {n} periods a flight");
         [term(words("an even"), move |k| (angle * k.t).cos()), term(words("an odd"), move |k| (angle * k.t).sin())]
     });
     products.into_iter().chain(waves).collect()
+}
+
+fn of_gain_over_time() -> Vec<Term> {
+    let waves = (1..=WAVES_OF_GAIN).flat_map(|n| {
+        let angle = f64::from(n) * PI;
+        let words = |which| format!("u times {which} wave of time, {n} periods a flight");
+        [
+            term(words("an even"), move |k| k.u * (angle * k.t).cos()),
+            term(words("an odd"), move |k| k.u * (angle * k.t).sin()),
+        ]
+    });
+    waves.collect()
 }
 
 fn waves_of_height() -> Vec<Term> {

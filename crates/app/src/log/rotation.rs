@@ -242,6 +242,16 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_is_closed_leaves_no_memory_behind_but_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let flown = cycles(40_000);
+        let mut log = Rotation::create(&folder.path().join("f.mcap"), &header(), PARTS).unwrap();
+        let held = allocation_counter::measure(|| flown.iter().for_each(|cycle| log.cycle(cycle))).bytes_current;
+        let files = i64::try_from(log.files().all().len()).unwrap();
+        assert!(files > 150 && held < 200 * files, "{held} bytes for {files} files");
+    }
+
+    #[test]
     fn a_name_that_is_taken_is_passed_over_and_kept() {
         let folder = tempfile::tempdir().unwrap();
         let theirs = folder.path().join("f-2.mcap");

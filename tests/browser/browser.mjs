@@ -24,6 +24,20 @@ export function installed() {
   return found ?? assert.fail("no Chromium on the path; scripts/setup browser installs it");
 }
 
+/** Opens a page and collects what it must not have: errors, dialogs, requests of anybody but its `broker`. */
+export async function open(browser, url, { broker, ...options } = {}) {
+  const context = await browser.newContext({ viewport: DESK, ...options });
+  const page = await context.newPage();
+  const wrong = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && wrong.push(message.text()));
+  page.on("pageerror", (error) => wrong.push(String(error)));
+  page.on("dialog", (dialog) => wrong.push(dialog.message()) && dialog.dismiss());
+  page.on("request", (request) => !request.isNavigationRequest() && !request.url().startsWith("data:") && wrong.push(request.url()));
+  page.on("websocket", (socket) => !(broker && new URL(socket.url()).host === new URL(broker).host) && wrong.push(socket.url()));
+  await page.goto(url);
+  return { page, wrong };
+}
+
 /** What axe complains of. The page needs a context that bypasses its policy. */
 export async function complaints(page) {
   await page.evaluate(AXE);

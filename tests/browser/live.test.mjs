@@ -7,7 +7,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
-import { DESK, PHONE, complaints, installed, invalid, shoot } from "./browser.mjs";
+import { DESK, PHONE, complaints, installed, invalid, open as openPage, shoot } from "./browser.mjs";
 
 const { URL: SERVED, FILE, BROKER, USER_NAME, PASSWORD } = process.env;
 const PATIENCE = 60_000;
@@ -18,19 +18,10 @@ before(async () => {
 });
 after(() => browser.close());
 
-/** Opens the page and collects what it must not have: errors, requests of anybody but the broker, dialogs. */
 async function open({ url = SERVED, ...options } = {}) {
-  const context = await browser.newContext({ viewport: DESK, ...options });
-  const page = await context.newPage();
-  page.setDefaultTimeout(PATIENCE);
-  const wrong = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && wrong.push(message.text()));
-  page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("dialog", (dialog) => wrong.push(dialog.message()) && dialog.dismiss());
-  page.on("request", (request) => !request.isNavigationRequest() && !request.url().startsWith("data:") && wrong.push(request.url()));
-  page.on("websocket", (socket) => new URL(socket.url()).host !== new URL(BROKER).host && wrong.push(socket.url()));
-  await page.goto(url);
-  return { page, wrong };
+  const opened = await openPage(browser, url, { broker: BROKER, ...options });
+  opened.page.setDefaultTimeout(PATIENCE);
+  return opened;
 }
 
 async function connect(page) {

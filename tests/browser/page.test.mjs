@@ -2,15 +2,13 @@
 // SHOTS, a directory: pictures of the pages are left there, to be looked at.
 
 import assert from "node:assert/strict";
-import { accessSync, constants, readFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { createRequire } from "node:module";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { FileSystemConfigLoader, HtmlValidate } from "html-validate";
 import { chromium } from "playwright-core";
+import { DESK, PHONE, complaints, installed, invalid, open as openPage, shoot } from "./browser.mjs";
 
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 /** Each page, with how many figures it has at least, and the ink of a line that is both in a figure and in a chart that zooms, if it has one. */
 const PAGES = {
   report: { figures: 8, ink: "nominal" },
@@ -21,6 +19,9 @@ const PAGES = {
   "dead-zone": { figures: 3, ink: "recorded" },
   "critical-gain": { figures: 3, ink: "recorded" },
   steps: { figures: 3, ink: "recorded" },
+  square: { figures: 3, ink: "recorded" },
+  "force-curve": { figures: 3, ink: "recorded" },
+  "noise-floor": { figures: 3, ink: "recorded" },
   calibration: { figures: 3, ink: "recorded" },
   design: { figures: 6, ink: "nominal" },
   unstable: { figures: 5 },
@@ -29,9 +30,7 @@ const PAGES = {
 };
 const path = (name) => join(process.env.PAGES, `${name}.html`);
 /** How the patches begin that pages offer to copy. */
-const PATCHES = { report: /^\[plant\]\ngain_mm_per_s2_per_percent = /, "grey-box": /\n\[plant\]\n/, "dead-zone": /^\[/, design: /^\[controller/, observer: /^\[observer\]/, models: /^# Critical gain/ };
-const DESK = { width: 1280, height: 900 };
-const PHONE = { width: 390, height: 844 };
+const PATCHES = { report: /^\[plant\]\ngain_mm_per_s2_per_percent = /, "grey-box": /\n\[plant\]\n/, "dead-zone": /^\[/, "force-curve": /^\[/, "noise-floor": /^\[/, design: /^\[controller/, observer: /^\[observer\]/, models: /^# Critical gain/ };
 
 let browser;
 before(async () => {
@@ -39,33 +38,7 @@ before(async () => {
 });
 after(() => browser.close());
 
-function installed() {
-  const names = ["chromium", "chromium-browser", "google-chrome"];
-  const paths = process.env.PATH.split(":").flatMap((directory) => names.map((name) => join(directory, name)));
-  const found = paths.find((path) => {
-    try {
-      accessSync(path, constants.X_OK);
-      return true;
-    } catch {
-      return false;
-    }
-  });
-  return found ?? assert.fail("no Chromium on the path; scripts/setup browser installs it");
-}
-
-/** Opens a page and collects what it must not have: errors, requests, dialogs. */
-async function open(name, options = {}) {
-  const context = await browser.newContext({ viewport: DESK, ...options });
-  const page = await context.newPage();
-  const wrong = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && wrong.push(message.text()));
-  page.on("pageerror", (error) => wrong.push(String(error)));
-  page.on("dialog", (dialog) => wrong.push(dialog.message()) && dialog.dismiss());
-  page.on("request", (request) => request.url() !== page.url() && request.isNavigationRequest() === false && wrong.push(request.url()));
-  await page.goto(pathToFileURL(path(name)).href);
-  return { page, wrong };
-}
-
+const open = (name, options) => openPage(browser, pathToFileURL(path(name)).href, options);
 const shown = (page) => page.locator("#record-charts").evaluate((place) => [place.dataset.from, place.dataset.to].map(Number));
 
 for (const [name, { figures: fewest, ink }] of Object.entries(PAGES)) {
@@ -79,20 +52,14 @@ for (const [name, { figures: fewest, ink }] of Object.entries(PAGES)) {
   });
 
   test(`${name}: is valid HTML`, async () => {
-    const rules = { "no-inline-style": "off", "long-title": "off", "no-trailing-whitespace": "off", "wcag/h32": "off" };
-    const loader = new FileSystemConfigLoader({ root: true, extends: ["html-validate:recommended"], rules });
-    const report = await new HtmlValidate(loader).validateFile(path(name));
-    const said = report.results.flatMap((result) => result.messages.map((at) => `${at.line}:${at.column} ${at.ruleId}: ${at.message}`));
-    assert.deepEqual(said.slice(0, 20), []);
+    assert.deepEqual(await invalid(path(name)), []);
   });
 
   for (const colorScheme of ["light", "dark"]) {
     for (const [size, viewport] of Object.entries({ desk: DESK, phone: PHONE })) {
       test(`${name}: axe finds nothing to complain of, ${colorScheme}, ${size}`, async () => {
         const { page } = await open(name, { colorScheme, viewport, bypassCSP: true });
-        await page.evaluate(AXE);
-        const { violations } = await page.evaluate(() => axe.run({ runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"] }));
-        assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes.slice(0, 3).map((node) => node.html.slice(0, 160)).join(" | ")}`), []);
+        assert.deepEqual(await complaints(page), []);
         await shoot(page, `${name}-${colorScheme}-${size}`);
       });
     }
@@ -133,7 +100,7 @@ for (const [name, { figures: fewest, ink }] of Object.entries(PAGES)) {
     const zoomed = await shown(page);
     const expected = [0.25, 0.5].map((share) => from + share * (to - from));
     zoomed.forEach((end, k) => assert.ok(Math.abs(end - expected[k]) < 0.02 * (to - from), `${zoomed} s, ${expected} s`));
-    await shoot(page, `${name}-zoomed`);
+    await shoot(page, `${name}-zoomed`, false);
     await page.mouse.dblclick(...at(0.5));
     assert.deepEqual(await shown(page), [from, to]);
     await page.locator(".chart").first().focus();
@@ -185,8 +152,4 @@ for (const [name, beginning] of Object.entries(PATCHES)) {
     await page.getByRole("button", { name: "Copied" }).waitFor();
     assert.equal(await page.evaluate(() => navigator.clipboard.readText()), `${patch}\n`);
   });
-}
-
-async function shoot(page, name) {
-  if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, `${name}.png`), fullPage: !name.endsWith("zoomed") });
 }

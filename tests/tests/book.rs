@@ -3,6 +3,8 @@
 //! With `AIRBALL_BOOK=write` in the environment, shown output, the references of commands and keys and the gallery are written anew instead of being
 //! compared; `scripts/book --update` does that.
 
+#[path = "book/bounds.rs"]
+mod bounds;
 #[path = "book/console.rs"]
 mod console;
 #[path = "book/keys.rs"]
@@ -10,12 +12,23 @@ mod keys;
 #[path = "book/pages.rs"]
 mod pages;
 
+use bounds::Bounds;
+use keys::Key;
 use pages::{anchors, book, expanded, links, pages, read};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 use system_tests::{Bench, root};
+
+/// The keys of a config and the bounds of their numbers, asked once for all tests.
+static KEYS: LazyLock<(Vec<Key>, Bounds)> = LazyLock::new(|| {
+    let bench = Bench::default();
+    let keys = keys::keys(&bench);
+    let bounds = Bounds::ask(&bench, &keys);
+    (keys, bounds)
+});
 
 /// Whether the pages are to be written anew.
 fn writes() -> bool {
@@ -82,7 +95,30 @@ fn the_reference_of_commands_is_what_help_says() {
 
 #[test]
 fn the_reference_of_keys_is_what_the_program_expects() {
-    is_or_write(&book().join("reference/keys.md"), &keys::page(&Bench::default()));
+    let (keys, bounds) = &*KEYS;
+    is_or_write(&book().join("reference/keys.md"), &keys::page(keys, bounds));
+}
+
+#[test]
+fn a_number_just_within_its_bounds_is_accepted_and_one_just_beyond_is_refused_by_its_key() {
+    let bench = Bench::default();
+    let mut seen = 0;
+    for probe in KEYS.1.probes() {
+        let (key, step) = probe.key();
+        let (min, max) = probe.common();
+        let [below, above] = match step {
+            Some(step) => [min - step, max + step],
+            None => [min.next_down(), max.next_up()],
+        };
+        for within in [min, max].into_iter().filter(|end| end.is_finite()) {
+            assert!(!probe.refuses(&bench, within), "{key} = {within} is refused within {min} to {max}");
+        }
+        for beyond in [below, above].into_iter().filter(|end| end.is_finite()) {
+            assert!(probe.refuses(&bench, beyond), "{key} = {beyond} is not refused beyond {min} to {max}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 200, "{seen} ends");
 }
 
 /// The help of a command, and of those below it.

@@ -56,6 +56,9 @@ fn measurements(bench: &Bench) {
     of("dead-zone", "--patch docs/dead-zone.toml", "of duty the ball neither rises nor falls: a dead zone");
     of("critical-gain", "", "the loop no longer comes to rest");
     of("steps", "", "The ball overshoots a step by");
+    of("square", "", "The ball overshoots a step by");
+    of("force-curve", "", "A percent of duty gives ");
+    of("noise-floor", "", "One reading of the sensor errs by ");
     of("calibration", "", "zero passes, and its scale cannot be told");
 }
 

@@ -3,7 +3,7 @@
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
     Usage, blind, config, design, diagnose, emulate, fan_off, gallery, guard, identify, live, log, measure, monitor,
-    note, reader_is_gone, replay, run, simulate,
+    note, reader_is_gone, replay, run, simulate, with_causes,
 };
 use airball::config::ConfigError;
 use clap::Parser;
@@ -38,7 +38,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if reader_is_gone(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            note(&error);
+            note(with_causes(&error));
             // 2 is wrong usage, which clap answers too; a config is part of the usage.
             if error.is::<ConfigError>() || error.is::<Usage>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }

@@ -1,5 +1,6 @@
 //! The reference of the config's keys, made by asking the program: under a key that cannot be there it says what it expects.
 
+use super::bounds::Bounds;
 use super::pages::read;
 use std::fmt::Write;
 use system_tests::Bench;
@@ -7,85 +8,131 @@ use system_tests::Bench;
 /// No table, no choice and no value is called so.
 const NOBODY: &str = "nosuch";
 /// Their numbers have bounds, which the gallery's pages say.
-const EFFECTS: &str = "plant.effects";
+const EFFECTS: &str = "plant.effects.";
+
+/// A key that the program knows, or a word of a choice.
+#[derive(Clone)]
+pub(crate) struct Key {
+    /// Dotted.
+    pub(crate) path: String,
+    /// What the program expects there.
+    pub(crate) holds: Holds,
+    /// Whether it is a word.
+    is_word: bool,
+}
 
 /// What the program expects at a key.
-enum Holds {
+#[derive(Clone)]
+pub(crate) enum Holds {
     /// A table with these keys.
     Table(Vec<String>),
     /// One of these words; some are tables.
     OneOf(Vec<String>),
+    /// A number.
+    Number,
+    /// A whole number.
+    Whole,
+    /// A list of numbers.
+    Numbers,
+    /// Text, or the name of a file.
+    Words(&'static str),
     /// A value of this kind.
-    Value(&'static str),
+    Other(&'static str),
     /// Nothing: the key is a word of the choice above it.
-    Word,
+    Nothing,
 }
 
 /// The page, from the program's answers.
-pub(crate) fn page(bench: &Bench) -> String {
+pub(crate) fn page(keys: &[Key], bounds: &Bounds) -> String {
     let mut page = String::from(
-        "<!-- Made from what `airball config check` expects by `scripts/book --update`. -->\n\n# Every table and key\n\n\
+        "<!-- Made from what `airball config check` expects and refuses by `scripts/book --update`. -->\n\n# Every table and key\n\n\
          What a config may hold; what it means stands in the comments of [config.toml](config.md). `a.b` is the key `b` of the table `[a]`. Which keys a \
-         table needs depends on the command; one that lacks a key says so.\n\n| key | holds |\n|---|---|\n",
+         table needs depends on the command; one that lacks a key says so. A number may be as small and as large as its bounds; a bound that is a key is \
+         the number that this key holds. What else has to fit is said where it does not.\n\n| key | holds |\n|---|---|\n",
     );
-    let mut effects = String::new();
-    keys_of(bench, "", holds(bench, ""), &mut page, &mut effects);
-    page + "\n## Effects\n\nA key of an effect is needed, unless it may be absent.\n\n| key | accepted | does nothing at |\n|---|---|---|\n"
-        + &effects
+    let mut effects = String::from(
+        "\n## Effects\n\nA key of an effect is needed, unless it may be absent.\n\n| key | accepted | does nothing at |\n|---|---|---|\n",
+    );
+    for Key { path, holds, is_word } in keys {
+        match (path.strip_prefix(EFFECTS), holds) {
+            (Some(effect), Holds::Table(keys)) => {
+                for key in keys {
+                    let _ = writeln!(effects, "| `{path}.{key}` | {} |", of_effect(effect, key));
+                }
+            }
+            // A choice without keys of its own stands in the line of the key that it is for.
+            (_, holds) if !is_word || matches!(holds, Holds::Table(_)) => {
+                let _ = writeln!(page, "| `{path}` | {} |", words(holds, bounds.words(path)));
+            }
+            _ => {}
+        }
+    }
+    page + &effects
 }
 
-/// Writes the keys of a table that holds these, and of those within it.
-fn keys_of(bench: &Bench, table: &str, held: Holds, page: &mut String, effects: &mut String) {
-    let (keys, of_table) = match held {
-        Holds::Table(keys) => (keys, true),
-        Holds::OneOf(words) => (words, false),
-        Holds::Value(_) | Holds::Word => return,
+/// What a key holds, in words.
+fn words(holds: &Holds, bounds: Option<String>) -> String {
+    let bounded = |number: &str, joint: &str| match &bounds {
+        Some(bounds) => format!("{number}{joint} {bounds}"),
+        None => number.to_owned(),
     };
-    for key in keys {
-        let path = if table.is_empty() { key.clone() } else { format!("{table}.{key}") };
-        if let Some(effect) = table.strip_prefix(EFFECTS).and_then(|name| name.strip_prefix('.')) {
-            let _ = writeln!(effects, "| `{path}` | {} |", bounds(effect, &key));
-            continue;
-        }
-        let held = holds(bench, &path);
-        let what = match &held {
-            Holds::Table(_) if table == EFFECTS => None,
-            Holds::Table(_) => Some("a table".to_owned()),
-            Holds::OneOf(words) => Some(format!("one of `{}`", words.join("`, `"))),
-            Holds::Value(kind) => Some((*kind).to_owned()),
-            Holds::Word => None,
-        };
-        // A choice without keys of its own stands in the line of the key that it is for.
-        if let Some(what) = what.filter(|what| of_table || what == "a table") {
-            let _ = writeln!(page, "| `{path}` | {what} |");
-        }
-        keys_of(bench, &path, held, page, effects);
+    match holds {
+        Holds::Table(_) => "a table".into(),
+        Holds::OneOf(words) => format!("one of `{}`", words.join("`, `")),
+        Holds::Number => bounded("a number", ","),
+        Holds::Whole => bounded("a whole number", ","),
+        Holds::Numbers => bounded("a list of numbers", ", each"),
+        Holds::Words(kind) | Holds::Other(kind) => (*kind).into(),
+        Holds::Nothing => String::new(),
+    }
+}
+
+/// All keys but those of effects, each table before what is in it.
+pub(crate) fn keys(bench: &Bench) -> Vec<Key> {
+    let mut keys = Vec::new();
+    keys_below(bench, "", &holds(bench, ""), &mut keys);
+    keys
+}
+
+fn keys_below(bench: &Bench, table: &str, held: &Holds, keys: &mut Vec<Key>) {
+    let (Holds::Table(names) | Holds::OneOf(names)) = held else { return };
+    for name in names.iter().filter(|_| !table.starts_with(EFFECTS)) {
+        let path = if table.is_empty() { name.clone() } else { format!("{table}.{name}") };
+        let holds = holds(bench, &path);
+        keys.push(Key { path: path.clone(), holds: holds.clone(), is_word: matches!(held, Holds::OneOf(_)) });
+        keys_below(bench, &path, &holds, keys);
     }
 }
 
 /// Asks the program what it expects at a key.
 fn holds(bench: &Bench, key: &str) -> Holds {
     let table = if key.is_empty() { String::new() } else { format!("[{key}]\n") };
-    bench.write("keys.toml", format!("{table}{NOBODY} = 1\n"));
-    let said = bench.run(&["config", "check", "--config", "keys.toml"]).errors;
+    let said = answer(bench, format!("{table}{NOBODY} = 1\n"));
     let expected = said.split("expected ").nth(1).unwrap_or_else(|| panic!("[{key}]: {said}")).trim();
     let names = || expected.split('`').skip(1).step_by(2).map(str::to_owned).collect();
     match expected {
         _ if said.contains("unknown field") => Holds::Table(names()),
         _ if said.contains("unknown variant") => Holds::OneOf(names()),
-        "empty table" => Holds::Word,
-        "f64" => Holds::Value("a number"),
-        "u8" | "u16" | "u32" | "u64" => Holds::Value("a whole number"),
-        "a string" => Holds::Value("text"),
-        "path string" => Holds::Value("a path"),
-        "a sequence" => Holds::Value("a list"),
-        "a boolean" => Holds::Value("`true` or `false`"),
+        "empty table" => Holds::Nothing,
+        "f64" => Holds::Number,
+        "u8" | "u16" | "u32" | "u64" => Holds::Whole,
+        "a string" => Holds::Words("text"),
+        "path string" => Holds::Words("a path"),
+        "a sequence" if answer(bench, format!("{key} = [\"{NOBODY}\"]\n")).contains("expected f64") => Holds::Numbers,
+        "a sequence" => Holds::Other("a list"),
+        "a boolean" => Holds::Other("`true` or `false`"),
         other => panic!("[{key}]: {other} is new here; give it words"),
     }
 }
 
+/// What the program says of a config.
+pub(crate) fn answer(bench: &Bench, config: String) -> String {
+    bench.write("asked.toml", config);
+    bench.run(&["config", "check", "--config", "asked.toml"]).errors
+}
+
 /// What is accepted of a number of an effect and where it does nothing, as the gallery's page has it from the catalogue.
-fn bounds(effect: &str, key: &str) -> String {
+fn of_effect(effect: &str, key: &str) -> String {
     let page = read(&format!("gallery/{effect}.md"));
     let row = page.lines().find_map(|line| line.strip_prefix(&format!("| `{key}` | ")));
     // Its first cell is the size that is shown. A number that no log can tell is not in the catalogue.

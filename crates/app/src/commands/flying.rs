@@ -1,6 +1,6 @@
 //! What `run` and `simulate` share: orders from the config, the log's header and name, and the end of a flight.
 
-use super::{note, say};
+use super::{note, say, with_causes};
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
 use crate::experiment::Experiment;
@@ -147,7 +147,7 @@ pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()>
         return log.map(drop).map_err(Into::into).and(told);
     }
     for lesser in [log.err().map(anyhow::Error::from), told.err()].into_iter().flatten() {
-        note(lesser);
+        note(with_causes(&lesser));
     }
     worst
 }

@@ -20,5 +20,5 @@ pub mod replay;
 pub mod run;
 pub mod simulate;
 
-pub use output::{Usage, note, reader_is_gone};
+pub use output::{Usage, note, reader_is_gone, with_causes};
 use output::{may_write, say, write};

@@ -16,6 +16,15 @@ pub fn note(line: impl Display) {
     let _ = writeln!(stderr().lock(), "airball: {line}");
 }
 
+/// An error, with those of its causes that its own words do not name.
+#[must_use]
+pub fn with_causes(error: &anyhow::Error) -> String {
+    let in_a_line = |words: &str| words.split_whitespace().collect::<Vec<_>>().join(" ");
+    error.chain().skip(1).map(|cause| in_a_line(&cause.to_string())).fold(error.to_string(), |said, cause| {
+        if in_a_line(&said).contains(&cause) { said } else { format!("{said}; the cause: {cause}") }
+    })
+}
+
 /// Flags that do not go together: wrong usage, and not a command that failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
@@ -44,4 +53,21 @@ pub(super) fn write(what: &str, path: &Path, text: &str) -> Result<()> {
 pub fn reader_is_gone(error: &anyhow::Error) -> bool {
     let broken = |error: &std::io::Error| error.kind() == ErrorKind::BrokenPipe;
     error.chain().any(|cause| cause.downcast_ref().is_some_and(broken))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_causes;
+    use anyhow::anyhow;
+
+    #[test]
+    fn causes_that_an_error_does_not_name_follow_it_in_its_line_and_others_are_not_said_twice() {
+        let innermost = anyhow!("no such\n  device");
+        assert_eq!(
+            with_causes(&innermost.context("bus 1 does not open").context("no flight; check the bus")),
+            "no flight; check the bus; the cause: bus 1 does not open; the cause: no such device"
+        );
+        let named = anyhow!("no such\n  device").context("bus 1: no such device; check the wires");
+        assert_eq!(with_causes(&named), "bus 1: no such device; check the wires");
+    }
 }

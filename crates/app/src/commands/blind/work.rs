@@ -4,7 +4,7 @@ use super::folder::Folder;
 use super::sealed::Sealed;
 use crate::cli::BlindArgs;
 use crate::commands::diagnosing::Asked;
-use crate::commands::note;
+use crate::commands::{note, with_causes};
 use anyhow::{Context, Result};
 use diagnose::Options;
 use diagnose::blind::{Answer, closed_of_truth};
@@ -67,7 +67,7 @@ impl<'a> Work<'a> {
         let work = |&(case, record): &(&String, &PathBuf)| {
             let done = self.one(case, record);
             if let Err(error) = &done.answer {
-                bar.suspend(|| note(format_args!("{case}: {error:#}")));
+                bar.suspend(|| note(format_args!("{case}: {}", with_causes(error))));
             }
             bar.inc(1);
             done

@@ -15,6 +15,8 @@ use crate::report::measure_plot;
 use crate::report::page;
 use crate::report::page::measure::{Patch, Report};
 use anyhow::{Result, anyhow, bail};
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use std::path::{Path, PathBuf};
 
 /// The command that configs and errors are told.
@@ -97,7 +99,9 @@ fn page(
         Ok(None) => Patch::None,
         Err(_) => Patch::Refused(why.as_deref().unwrap_or_default()),
     };
+    let what = args.what.to_possible_value();
     page::measure::page(&Report {
+        what: what.as_ref().map_or("", PossibleValue::get_name),
         log: &path.display().to_string(),
         config: &args.flight.config.config.display().to_string(),
         tables: &config.tables,

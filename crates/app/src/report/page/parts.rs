@@ -11,7 +11,7 @@ pub(super) fn table(caption: &str, heads: &[&str], rows: &[(Markup, Vec<Markup>)
     html! {
         section.scroll tabindex="0" aria-label=(caption) {
             table {
-                caption { (caption) }
+                caption { span { (caption) } }
                 thead { tr { @for head in heads { th scope="col" { (head) } } } }
                 tbody {
                     @for (head, cells) in rows {
@@ -98,14 +98,24 @@ pub(super) fn capital(words: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// A number in words with a minus sign, which is longer than a hyphen.
+/// Words whose numbers have a minus sign, which is longer than a hyphen; hyphens within words stay.
 pub(super) fn minus(words: &str) -> String {
-    words.replace('-', "−")
+    let mut before = ' ';
+    let mut letters = words.chars().peekable();
+    let mut signed = String::with_capacity(words.len());
+    while let Some(letter) = letters.next() {
+        let is_sign = letter == '-' && !before.is_alphanumeric() && letters.peek().is_some_and(char::is_ascii_digit);
+        signed.push(if is_sign { '−' } else { letter });
+        before = letter;
+    }
+    signed
 }
 
-/// A command to type.
+/// A command to type. It may be broken between its words: broken after a hyphen, a flag would read as two.
 pub(super) fn command(line: &str) -> Markup {
-    html! { code { (line) } }
+    html! {
+        code.typed { @for (k, word) in line.split(' ').enumerate() { @if k > 0 { " " } span { (word) } } }
+    }
 }
 
 /// Words that stand on a page, and what they mean.

@@ -39,3 +39,16 @@ fn nothing_in_a_page_is_asked_of_a_network() {
         assert!(!page.contains(word), "{word}");
     }
 }
+
+#[test]
+fn a_sign_becomes_a_minus_and_a_hyphen_within_words_stays() {
+    let words = super::parts::minus("steady-state, -0.2 to 1e-6, (-3), 2026-01-02, --patch");
+    assert_eq!(words, "steady-state, −0.2 to 1e-6, (−3), 2026-01-02, --patch");
+}
+
+#[test]
+fn a_command_is_broken_between_its_words_alone() {
+    let typed = super::parts::command("airball run --log").into_string();
+    assert_eq!(typed, "<code class=\"typed\"><span>airball</span> <span>run</span> <span>--log</span></code>");
+    assert!(super::STYLE.contains(".typed span { display: inline-block;"));
+}

@@ -30,6 +30,8 @@ const BETWEEN: (u32, u32) = (90, 42);
 const NARROW: u32 = 620;
 /// Points to a pixel that a line is drawn with at most: more cannot be seen.
 const MOST_POINTS_A_PIXEL: usize = 2;
+/// More crosses than this touch each other on a phone.
+const CROWDED: usize = 40;
 
 /// A line of a picture.
 #[derive(Clone)]
@@ -227,6 +229,10 @@ fn axes(chart: &mut Chart<'_, '_>, panel: &Panel<'_>, (width, height): (u32, u32
 
 fn lines(chart: &mut Chart<'_, '_>, panel: &Panel<'_>) -> Result<(), PlotError> {
     let pixels = chart.plotting_area().dim_in_pixel().0 / FINE;
+    // Below the lines, which many crosses would hide; where they are crowded, in less ink.
+    let (size, width) = if panel.marks.len() > CROWDED { (3, FINE) } else { (6, 2 * FINE) };
+    let cross = |at: &(f64, f64)| Cross::new(*at, fine(size), NOMINAL.stroke_width(width));
+    chart.draw_series(panel.marks.iter().map(cross)).map_err(failed)?;
     for line in panel.lines {
         let all = line.points.len();
         for piece in line.points.split(|(t, y)| !is_there(*t, *y)) {
@@ -237,7 +243,6 @@ fn lines(chart: &mut Chart<'_, '_>, panel: &Panel<'_>) -> Result<(), PlotError> 
         }
     }
     let outline = NOMINAL.stroke_width(2 * FINE);
-    chart.draw_series(panel.marks.iter().map(|at| Cross::new(*at, fine(6), outline))).map_err(failed)?;
     chart.draw_series(panel.rings.iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
     chart.draw_series(panel.dots.iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
     Ok(())

@@ -1,6 +1,6 @@
 //! What to do: the patch for the simulator, the mend on the rig, and the next flight.
 
-use super::super::parts::{spoken, to_copy};
+use super::super::parts::{command, spoken, to_copy};
 use super::Report;
 use crate::next::Advice;
 use crate::report::diagnosis::patch;
@@ -16,8 +16,8 @@ pub(super) fn simulator(found: &Diagnosis) -> Markup {
         } @else {
             p { "The mended model as a patch. Later patches win over the config, and the rest of it stays as it is:" }
             (to_copy("patch", "mended.toml", &patch))
-            p { "It is tried with " code { "airball simulate --patch mended.toml" } ", and on another record with "
-                code { "airball replay LOG --patch mended.toml" } "." }
+            p { "It is tried with " (command("airball simulate --patch mended.toml")) ", and on another record with "
+                (command("airball replay LOG --patch mended.toml")) "." }
         }
     }
 }
@@ -51,8 +51,8 @@ pub(super) fn next(advice: &Advice) -> Markup {
                 }
             }
             (to_copy("next-file", "next.toml", &next.file))
-            p { "It is flown with " code { "airball run --experiment next.toml" } ", or first with "
-                code { "airball simulate --experiment next.toml" } "." }
+            p { "It is flown with " (command("airball run --experiment next.toml")) ", or first with "
+                (command("airball simulate --experiment next.toml")) "." }
         } @else {
             p { "No further experiment is called for." }
         }

@@ -18,6 +18,8 @@ use maud::{Markup, html};
 /// Everything that the page tells.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// What was measured, in the command's word.
+    pub what: &'a str,
     /// The log, by its name.
     pub log: &'a str,
     /// The config that was in force, by its name.
@@ -80,7 +82,7 @@ fn first(report: &Report<'_>) -> Markup {
     let diagram = result(report.recording, report.found);
     let words = said::figure(report.found);
     html! {
-        p.lede { (said::lede(report.found)) }
+        p.lede { (minus(&said::lede(report.found))) }
         h2.unseen { "The result, and the picture that it was read off" }
         div.first {
             (values(&numbers))

@@ -130,7 +130,7 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
                     (line("Design with a margin to it", "airball design pid --patch measured.toml"))
                 }
                 Found::Steps(_) => {
-                    (line("Set the simulator beside it", "airball measure steps --virtual"))
+                    (line("Set the simulator beside it", &format!("airball measure {} --virtual", report.what)))
                     (line("Ask what separates the two", &format!("airball diagnose {} --html report.html", shell_word(report.log))))
                     (line("Design another loop", "airball design pid --patch-out gains.toml"))
                 }

@@ -131,14 +131,18 @@ impl<'a, R: Rig> Flight<'a, R> {
         if let Some(pulse) = self.pulse {
             pulse.fetch_add(1, Ordering::Relaxed);
         }
-        if let Some(fault) = self.behind() {
+        if let Some(fault) = self.behind(0.0) {
             return Some(fault);
         }
         let before = self.pilot.mode();
         self.take_commands();
 
         let senses = self.observe();
-        let time_s = self.rig.now_s() - self.start_s;
+        let observed_s = self.rig.now_s();
+        if let Some(fault) = self.behind(observed_s - woke_s) {
+            return Some(fault);
+        }
+        let time_s = observed_s - self.start_s;
         let decision = self.pilot.decide(time_s, senses);
         let fan_fault = self.act(decision.duty);
 
@@ -168,9 +172,10 @@ impl<'a, R: Rig> Flight<'a, R> {
         fan_fault.or(self.pilot.fault())
     }
 
-    /// A loop that cannot keep up no longer controls the ball.
-    fn behind(&mut self) -> Option<Fault> {
-        let behind_s = self.deadlines.behind_s();
+    /// A loop that cannot keep up no longer controls the ball. `running_s` is how long the cycle has run: one that hangs
+    /// in it must not act on what it saw before, nor take its own hole for a ball that stood still.
+    fn behind(&mut self, running_s: f64) -> Option<Fault> {
+        let behind_s = self.deadlines.behind_s() + running_s;
         let fault = (behind_s >= self.pilot.stall_s()).then_some(Fault::Late { behind_s })?;
         self.note(fault);
         Some(fault)

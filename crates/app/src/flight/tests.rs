@@ -128,38 +128,49 @@ fn a_short_hiccup_of_the_fan_is_survived() {
     assert_eq!((outcome.end, outcome.fan_still_on), (End::Finished, None));
 }
 
-#[test]
-fn a_cycle_that_hangs_ends_the_flight_with_the_fan_off_before_another_duty_is_written() {
-    static DRIVEN: AtomicBool = AtomicBool::new(false);
-    let mut rig = Script { now_s: Cell::new(5.0), position: HERE, drive: WORKS, duty: Duty::OFF };
-    struct Hangs<'a>(&'a mut Script);
-    impl Rig for Hangs<'_> {
-        fn now_s(&self) -> f64 {
-            self.0.now_s()
-        }
-        fn sleep_until_s(&self, t_s: f64) {
-            // Once, for 0.6 s, after a second.
-            let late_s = if (6.0..6.02).contains(&t_s) { 0.6 } else { 0.0 };
-            self.0.sleep_until_s(t_s + late_s);
-        }
-        fn align(&mut self) -> Result<(), ErrorKind> {
-            Ok(())
-        }
-        fn position(&mut self) -> Result<Sighting, ErrorKind> {
-            self.0.position()
-        }
-        fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
-            DRIVEN.fetch_or(self.now_s() > 6.5 && duty != Duty::OFF, Ordering::Relaxed);
-            self.0.drive(duty)
-        }
+/// A rig that hangs once, a second into the flight: before a cycle or in the reading of its sensor.
+struct Hangs {
+    rig: Script,
+    in_reading: bool,
+    driven_after: bool,
+}
+
+impl Rig for Hangs {
+    fn now_s(&self) -> f64 {
+        self.rig.now_s()
     }
-    let (mut memory, table) = (Memory::default(), Loop { period_s: 0.02, late_after_s: 0.002 });
-    let mut hangs = Hangs(&mut rig);
-    let flight = Flight::new(&mut hangs, pilot_holding(300.0, 60.0), &table, &mut memory, None);
-    let outcome = flight.fly(5.0, &AtomicBool::new(false));
-    assert!(matches!(outcome.fault, Some(Fault::Late { behind_s }) if (0.5..0.7).contains(&behind_s)), "{outcome:?}");
-    assert_eq!((rig.duty, DRIVEN.load(Ordering::Relaxed)), (Duty::OFF, false));
-    assert!(memory.events.iter().any(|what| matches!(what, What::Fault(Fault::Late { .. }))));
+    fn sleep_until_s(&self, t_s: f64) {
+        let late_s = if !self.in_reading && (6.0..6.02).contains(&t_s) { 0.6 } else { 0.0 };
+        self.rig.sleep_until_s(t_s + late_s);
+    }
+    fn align(&mut self) -> Result<(), ErrorKind> {
+        Ok(())
+    }
+    fn position(&mut self) -> Result<Sighting, ErrorKind> {
+        if self.in_reading && (6.0..6.02).contains(&self.now_s()) {
+            self.rig.sleep_until_s(self.now_s() + 0.6);
+        }
+        self.rig.position()
+    }
+    fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
+        self.driven_after |= self.now_s() > 6.5 && duty != Duty::OFF;
+        self.rig.drive(duty)
+    }
+}
+
+#[test]
+fn a_cycle_that_hangs_before_or_in_its_reading_ends_the_flight_with_the_fan_off_before_another_duty_is_written() {
+    for in_reading in [false, true] {
+        let rig = Script { now_s: Cell::new(5.0), position: HERE, drive: WORKS, duty: Duty::OFF };
+        let (mut memory, table) = (Memory::default(), Loop { period_s: 0.02, late_after_s: 0.002 });
+        let mut hangs = Hangs { rig, in_reading, driven_after: false };
+        let flight = Flight::new(&mut hangs, pilot_holding(300.0, 60.0), &table, &mut memory, None);
+        let outcome = flight.fly(5.0, &AtomicBool::new(false));
+        let late = matches!(outcome.fault, Some(Fault::Late { behind_s }) if (0.5..0.7).contains(&behind_s));
+        assert!(late, "{in_reading}: {outcome:?}");
+        assert_eq!((hangs.rig.duty, hangs.driven_after), (Duty::OFF, false), "{in_reading}");
+        assert!(memory.events.iter().any(|what| matches!(what, What::Fault(Fault::Late { .. }))));
+    }
 }
 
 #[test]

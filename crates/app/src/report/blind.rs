@@ -138,11 +138,11 @@ fn numbers(numbers: &Numbers) -> String {
 }
 
 fn losses(losses: &[Loss]) -> String {
-    let mut table = table(&["case", "kind", "loss", "truth", "answer", "nats"]);
+    let mut table = table(&["case", "kind", "loss", "truth", "answer", "nats at best", "nats shown"]);
     for loss in losses {
         let kind = if loss.left_out { "left out" } else { loss.kind.word() };
-        let nats = number(loss.nats, 1);
-        table.add_row([loss.case.as_str(), kind, loss.outcome.word(), &loss.truth, &loss.answer, &nats]);
+        let (nats, shown) = (number(loss.nats, 1), number(loss.shown, 1));
+        table.add_row([loss.case.as_str(), kind, loss.outcome.word(), &loss.truth, &loss.answer, &nats, &shown]);
     }
     table.to_string()
 }

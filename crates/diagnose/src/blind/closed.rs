@@ -26,7 +26,7 @@ pub fn closed_of_truth(belief: &Model, truth: &CaseTruth, recording: &Recording)
 }
 
 /// The rig in terms of the catalogue, if it can be written so.
-fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
+pub(super) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
     let mut model = Model {
         gain_mm_per_s2_per_percent: *truth.base.get("gain_mm_per_s2_per_percent")?,
         drag_per_s: *truth.base.get("drag_per_s")?,
@@ -48,45 +48,22 @@ fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
 #[cfg(test)]
 mod tests {
     use super::closed_of_truth;
-    use crate::blind::truth::{CaseTruth, Kind, TrueEffect};
+    use crate::blind::truth::tests::lag_of_a_rig;
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
-
-    fn truth(effect: &str) -> CaseTruth {
-        let rig = model();
-        let base = [
-            ("gain_mm_per_s2_per_percent", rig.gain_mm_per_s2_per_percent),
-            ("drag_per_s", rig.drag_per_s),
-            ("hover_duty_percent", rig.hover_duty_percent),
-        ];
-        let lag = TrueEffect {
-            name: effect.into(),
-            change: "added".into(),
-            parameters: [("time_constant_s".to_owned(), 0.2)].into(),
-            stage: "actuator".into(),
-        };
-        CaseTruth {
-            case: "case-000".into(),
-            kind: Kind::Single,
-            effects: vec![lag.clone()],
-            moved: Vec::new(),
-            base: base.map(|(key, value)| (key.to_owned(), value)).into(),
-            rig_effects: vec![lag],
-        }
-    }
 
     #[test]
     fn the_true_effects_close_the_whole_gap_of_a_rig_that_the_catalogue_can_write() {
         let belief = Model { effects: Effects::default(), ..model() };
-        let closed = closed_of_truth(&belief, &truth("fan_lag"), &record(&model(), 3, 80)).unwrap();
+        let closed = closed_of_truth(&belief, &lag_of_a_rig("fan_lag"), &record(&model(), 3, 80)).unwrap();
         assert!((closed - 1.0).abs() < 0.1, "{closed}");
     }
 
     #[test]
     fn nothing_is_closed_where_nothing_is_open_or_the_catalogue_has_no_word() {
         let recording = record(&model(), 3, 80);
-        assert_eq!(closed_of_truth(&model(), &truth("fan_lag"), &recording), None);
+        assert_eq!(closed_of_truth(&model(), &lag_of_a_rig("fan_lag"), &recording), None);
         let belief = Model { effects: Effects::default(), ..model() };
-        assert_eq!(closed_of_truth(&belief, &truth("gusts"), &recording), None);
+        assert_eq!(closed_of_truth(&belief, &lag_of_a_rig("gusts"), &recording), None);
     }
 }

@@ -8,6 +8,7 @@
 //! - `intervals`: whether 90 % intervals hold the truth, and how wide they are beside the Cramér–Rao bound.
 //! - `calibration`: whether what was 80 % sure is right in 80 of 100.
 //! - `closed`: the share of the gap that the true effects close, to hold the claimed one against.
+//! - `shown`: how much a record shows of what is missing: the true model beside its best rival.
 //! - `proportion`: every share comes with its Wilson interval.
 //!
 //! Does no file and no network access; what reads and prints is the command `airball blind`.
@@ -20,6 +21,7 @@ mod names;
 mod outcome;
 mod proportion;
 mod score;
+mod shown;
 mod truth;
 
 #[cfg(test)]
@@ -32,6 +34,7 @@ pub use intervals::{Numbers, ParameterScore};
 pub use outcome::Outcome;
 pub use proportion::Proportion;
 pub use score::{Loss, Score, Share, score};
+pub use shown::shown;
 pub use truth::{Bounds, CaseTruth, Kind, TrueEffect, Truth, Values};
 
 /// Everything that is known of a case: what was withheld, and what was answered.
@@ -47,6 +50,8 @@ pub struct Case {
     pub left_out: Option<Answer>,
     /// The share of the gap at 1 s that the true effects close.
     pub closed_of_truth: Option<f64>,
+    /// Nats by which the true model beats its best rival, where that was worked out.
+    pub shown: Option<f64>,
     /// Length of the pipe, mm; an end stop there is none.
     pub pipe_length_mm: f64,
 }

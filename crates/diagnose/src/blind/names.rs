@@ -34,8 +34,12 @@ pub(super) fn names(entry: &NamedEffect, effect: &str) -> bool {
 
 /// Whether the entry names something that imitates the effect.
 pub(super) fn names_stand_in(entry: &NamedEffect, effect: &str) -> bool {
-    let imitators = STAND_INS.iter().find(|(name, _)| *name == effect).map_or(&[][..], |(_, imitators)| imitators);
-    set(entry).any(|name| imitators.contains(&name))
+    set(entry).any(|name| imitators(effect).contains(&name))
+}
+
+/// The names that imitate an effect.
+pub(super) fn imitators(effect: &str) -> &'static [&'static str] {
+    STAND_INS.iter().find(|(name, _)| *name == effect).map_or(&[], |(_, imitators)| imitators)
 }
 
 /// How many different things an entry says: its names, a class of twins counted once.

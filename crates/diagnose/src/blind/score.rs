@@ -65,6 +65,8 @@ pub struct Loss {
     pub answer: String,
     /// Nats that the record holds at best, where known.
     pub nats: Option<f64>,
+    /// Nats by which the true model beats its best rival, where known.
+    pub shown: Option<f64>,
 }
 
 /// Scores the answers about a set of cases.
@@ -101,6 +103,11 @@ fn detectable(case: &Case) -> Option<bool> {
     case.nats().map(|nats| nats >= DETECTABLE)
 }
 
+/// Whether the true model is the best by enough, and so is each of its effects.
+fn beats_rivals(case: &Case) -> bool {
+    case.shown.is_some_and(|nats| nats >= DETECTABLE)
+}
+
 /// Whether each of the true effects can be seen beside the others.
 fn each_detectable(case: &Case) -> bool {
     let each = case.bounds.as_ref().map(|bounds| &bounds.each);
@@ -135,9 +142,18 @@ fn about_singles(cases: &[Case]) -> Vec<Share> {
     let singles = || of_kind(cases, Kind::Single);
     let shown = || singles().filter(|case| detectable(case) == Some(true));
     let unknown = singles().filter(|case| detectable(case).is_none());
+    let beats = || singles().filter(|case| beats_rivals(case));
     let right = || singles().filter(|case| is(Outcome::Right)(case));
     vec![
         share("top_1", "single: the first entry names it", singles(), is(Outcome::Right)),
+        share(
+            "top_1_shown",
+            "single, 5 nats above its best rival: the first entry names it",
+            beats(),
+            is(Outcome::Right),
+        ),
+        share("silent_shown", "single, 5 nats above its best rival: silent", beats(), is(Outcome::Silent)),
+        share("wrong_shown", "single, 5 nats above its best rival: a wrong name", beats(), is(Outcome::Wrong)),
         share("top_1_detectable", "single, 5 nats or more: the first entry names it", shown(), is(Outcome::Right)),
         share("top_1_no_bound", "single, no bound known: the first entry names it", unknown, is(Outcome::Right)),
         share("exact_single", "single: nothing else named, nothing left", singles(), exact),
@@ -152,9 +168,11 @@ fn about_singles(cases: &[Case]) -> Vec<Share> {
 fn about_pairs(cases: &[Case]) -> Vec<Share> {
     let pairs = || of_kind(cases, Kind::Pair);
     let shown = pairs().filter(|case| each_detectable(case));
+    let beat = pairs().filter(|case| beats_rivals(case));
     let one_named = |case: &Case| case.answer.as_ref().is_some_and(|answer| named(answer, &case.truth.effects) > 0);
     vec![
         share("pair_both", "pair: both named", pairs(), is(Outcome::Right)),
+        share("pair_both_shown", "pair, each 5 nats above its best rival: both named", beat, is(Outcome::Right)),
         share(
             "pair_both_detectable",
             "pair, each 5 nats or more beside the other: both named",
@@ -236,6 +254,7 @@ fn losses(cases: &[Case]) -> Vec<Loss> {
                 truth: truth_in_words(case),
                 answer: answer.as_ref().map_or_else(|| "not read".to_owned(), answer_in_words),
                 nats: case.nats(),
+                shown: case.shown,
             });
         }
     }

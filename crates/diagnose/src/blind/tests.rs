@@ -34,7 +34,8 @@ fn case(kind: Kind, effects: &[&str], answer: Answer) -> Case {
         base: [("drag_per_s".to_owned(), 2.0)].into(),
         rig_effects: Vec::new(),
     };
-    Case { truth, bounds: None, answer: Some(answer), left_out: None, closed_of_truth: None, pipe_length_mm: 600.0 }
+    let answer = Some(answer);
+    Case { truth, bounds: None, answer, left_out: None, closed_of_truth: None, shown: None, pipe_length_mm: 600.0 }
 }
 
 fn single(truth: &str, entries: Vec<NamedEffect>) -> Case {

@@ -103,3 +103,33 @@ pub struct Bounds {
     #[serde(default)]
     pub sigma: Values,
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::{CaseTruth, Kind, TrueEffect};
+    use crate::tests_support::model;
+
+    /// The rig of the tests, whose lag bears this name.
+    pub(crate) fn lag_of_a_rig(effect: &str) -> CaseTruth {
+        let rig = model();
+        let base = [
+            ("gain_mm_per_s2_per_percent", rig.gain_mm_per_s2_per_percent),
+            ("drag_per_s", rig.drag_per_s),
+            ("hover_duty_percent", rig.hover_duty_percent),
+        ];
+        let lag = TrueEffect {
+            name: effect.into(),
+            change: "added".into(),
+            parameters: [("time_constant_s".to_owned(), 0.2)].into(),
+            stage: "actuator".into(),
+        };
+        CaseTruth {
+            case: "case-000".into(),
+            kind: Kind::Single,
+            effects: vec![lag.clone()],
+            moved: Vec::new(),
+            base: base.map(|(key, value)| (key.to_owned(), value)).into(),
+            rig_effects: vec![lag],
+        }
+    }
+}

@@ -72,6 +72,7 @@ impl Sealed {
                 answer: done.answer.ok(),
                 left_out: done.left_out,
                 closed_of_truth: done.closed_of_truth,
+                shown: done.shown,
                 pipe_length_mm: done.pipe_length_mm,
             });
         }

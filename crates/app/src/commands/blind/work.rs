@@ -7,7 +7,7 @@ use crate::commands::diagnosing::Asked;
 use crate::commands::{note, with_causes};
 use anyhow::{Context, Result};
 use diagnose::Options;
-use diagnose::blind::{Answer, closed_of_truth};
+use diagnose::blind::{Answer, closed_of_truth, shown};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -40,6 +40,8 @@ pub(super) struct Done {
     pub(super) left_out: Option<Answer>,
     /// The share of the gap that the true effects close.
     pub(super) closed_of_truth: Option<f64>,
+    /// Nats by which the true model beats its best rival.
+    pub(super) shown: Option<f64>,
     /// Length of the pipe that the owner believes in, mm.
     pub(super) pipe_length_mm: f64,
 }
@@ -83,6 +85,7 @@ impl<'a> Work<'a> {
             answer: Err(error),
             left_out: None,
             closed_of_truth: None,
+            shown: None,
             pipe_length_mm: f64::INFINITY,
         };
         match Asked::read("blind", &[record.to_path_buf()], &self.folder.belief(case), &[]) {
@@ -92,14 +95,13 @@ impl<'a> Work<'a> {
     }
 
     fn asked(&self, case: &str, asked: &Asked) -> Result<Done> {
-        let truth = self.sealed.and_then(|sealed| sealed.truth(case));
+        let truth = self.sealed.and_then(|sealed| sealed.truth(case)).zip(asked.recordings.first());
         Ok(Done {
             case: case.to_owned(),
             answer: Ok(self.answer(case, asked)?),
             left_out: self.left_out(case, asked)?,
-            closed_of_truth: truth
-                .zip(asked.recordings.first())
-                .and_then(|(truth, recording)| closed_of_truth(&asked.belief, truth, recording)),
+            closed_of_truth: truth.and_then(|(truth, recording)| closed_of_truth(&asked.belief, truth, recording)),
+            shown: truth.and_then(|(truth, recording)| shown(&asked.belief, truth, recording)),
             pipe_length_mm: asked.belief.pipe_length_mm,
         })
     }

@@ -2,11 +2,15 @@
 
 use crate::free::is_read_off;
 use crate::which::{Candidate, Search};
-use plant::Entry;
+use plant::{Effects, Entry};
 
-/// Effects that make something late, and what the form of a believed lag may be worth to them, nats.
+/// Effects that make something late, and those of them that do it by a lag.
 const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
+const LAGS: [&str; 3] = ["fan_lag", "spin_asymmetry", "sensor_lag"];
+/// What the form of a believed lag may be worth to an effect that makes something late, nats.
 const FORM_OF_A_LAG: f64 = 7.0;
+/// What is late by less than this share of it and of the lag beside it is that lag's form: of two lags in series, the small one.
+const SHARE_OF_A_LAG: f64 = 0.16;
 /// Numbers that are this near to doing nothing, in their own scale, do nothing.
 const NOTHING: f64 = 1e-3;
 /// Effects whose first number is their strength: at 0 the others mean nothing.
@@ -22,7 +26,10 @@ const DRIFTS_S: f64 = 5.0;
 impl Search<'_> {
     /// Whether an effect was found, and not just noise or other base parameters under its name.
     pub(crate) fn is_plausible(&self, candidate: &Candidate) -> bool {
-        self.does_something(candidate) && self.is_wild_enough(candidate) && self.is_coloured(candidate)
+        self.does_something(candidate)
+            && self.is_wild_enough(candidate)
+            && self.is_coloured(candidate)
+            && !is_form_of_a_lag(candidate.entry.name, &candidate.fit.model.effects)
     }
 
     /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
@@ -58,5 +65,45 @@ impl Search<'_> {
         let believed = &self.problem.belief.effects;
         let lag = believed.fan_lag.is_some() || believed.spin_asymmetry.is_some() || believed.sensor_lag.is_some();
         if lag && LATE.contains(&entry.name) { FORM_OF_A_LAG } else { 0.0 }
+    }
+}
+
+/// Whether effect `name` is late by so little beside a lag that it may be the rest of that lag, which is never quite of first order.
+fn is_form_of_a_lag(name: &str, effects: &Effects) -> bool {
+    let late_s = |name: &str| effects.values(name).map_or(0.0, |numbers| mean(&numbers));
+    let beside_s: f64 = LAGS.iter().filter(|lag| **lag != name).map(|lag| late_s(lag)).sum();
+    LATE.contains(&name) && late_s(name) < SHARE_OF_A_LAG * (late_s(name) + beside_s)
+}
+
+fn mean(numbers: &[f64]) -> f64 {
+    numbers.iter().sum::<f64>() / numbers.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_form_of_a_lag;
+    use plant::Effects;
+
+    /// Effects with these first numbers, the second of two the same.
+    fn with(lates: &[(&str, f64)]) -> Effects {
+        let mut effects = Effects::default();
+        for (name, seconds) in lates {
+            effects.set(name, &vec![*seconds; Effects::entry(name).unwrap().params.len()]);
+        }
+        effects
+    }
+
+    #[test]
+    fn what_is_late_by_little_beside_a_lag_is_its_form() {
+        let lag = ("fan_lag", 0.2);
+        for late in ["transport_delay", "sensor_delay", "sensor_lag"] {
+            assert!(is_form_of_a_lag(late, &with(&[lag, (late, 0.03)])), "{late}");
+            assert!(!is_form_of_a_lag(late, &with(&[lag, (late, 0.05)])), "{late}");
+            assert!(!is_form_of_a_lag(late, &with(&[(late, 0.03)])), "{late} alone");
+        }
+        assert!(is_form_of_a_lag("fan_lag", &with(&[("fan_lag", 0.02), ("sensor_lag", 0.2)])));
+        assert!(is_form_of_a_lag("sensor_delay", &with(&[("sensor_delay", 0.02), ("spin_asymmetry", 0.2)])));
+        assert!(!is_form_of_a_lag("spin_asymmetry", &with(&[("spin_asymmetry", 0.02)])));
+        assert!(!is_form_of_a_lag("dead_zone", &with(&[lag, ("dead_zone", 0.01)])));
     }
 }

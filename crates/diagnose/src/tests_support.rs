@@ -32,3 +32,18 @@ pub(crate) fn record(rig: &Model, seed: u64, seconds: u32) -> Recording {
     });
     Recording::new(samples.collect()).unwrap()
 }
+
+/// The same with a duty that is shaken by four sines, which shows what is late.
+pub(crate) fn shaken(rig: &Model, seed: u64, seconds: u32) -> Recording {
+    let mut simulator = Simulator::new(rig.clone(), seed);
+    let rows = (0..seconds * 50).map(|k| {
+        let time_s = 0.02 * f64::from(k);
+        simulator.advance_to(time_s);
+        let reading = simulator.reading_mm();
+        let shake: f64 = [3.1_f64, 5.3, 8.9, 13.7].iter().map(|turns| (turns * time_s).sin()).sum();
+        let duty_percent = rig.hover_duty_percent + 0.01 * (300.0 - reading) + 1.2 * shake;
+        simulator.drive(duty_percent);
+        Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
+    });
+    Recording::new(rows.collect()).unwrap()
+}

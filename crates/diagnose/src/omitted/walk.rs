@@ -9,6 +9,7 @@ use crate::likelihood::Surprise;
 use crate::recording::Recording;
 use crate::track::legs;
 use nalgebra::DVector;
+use plant::Model;
 use std::ops::Range;
 
 /// Length of the differences in the scales of the fitted numbers.
@@ -17,6 +18,10 @@ pub(super) const DIFFERENCE: f64 = 0.01;
 const SAYS_NOTHING: f64 = 1e-3;
 /// Readings further apart than this are no part of one walk, seconds.
 const GAP_S: f64 = 1.0;
+/// Lags, what else is late on their side of the ball, and the share of a lag that its form is known to within.
+const LAGS: [(&str, &str); 3] =
+    [("fan_lag", "transport_delay"), ("spin_asymmetry", "transport_delay"), ("sensor_lag", "sensor_delay")];
+const FORM_OF_A_LAG: f64 = 0.1;
 
 /// A filter's way along a record: what was known before each reading, and what came.
 pub(crate) struct Walk {
@@ -24,6 +29,8 @@ pub(crate) struct Walk {
     pub(super) steps: Vec<Step>,
     /// By each fitted number: how far the expected readings move, in deviations.
     pub(super) own: Vec<Vec<f64>>,
+    /// The same by the form of each of its lags, in the scale within which that is known.
+    forms: Vec<Vec<f64>>,
 }
 
 /// A reading, the way to it, and what was known before it.
@@ -54,21 +61,23 @@ impl Walk {
     pub(crate) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
         let way = legs(&fit.model, problem.recording);
         let own = fit.free.iter().filter(|free| !matches!(free, Free::SensorNoise | Free::AirNoise));
-        let own = own.map(|free| moved(problem, &fit, *free, &way)).collect();
+        let own = own.map(|free| moved(problem, &fit.model, *free, &way)).collect();
+        let forms = forms_of_lags(&fit.model).map(|(model, late)| moved(problem, &model, late, &way)).collect();
         let known = known(problem, &fit, &way);
         let steps = way.into_iter().zip(known).map(|((surprise, leg), (dt, known))| {
             let judged = dt.is_some() && judged(surprise.row);
             Step { time_s: problem.recording.samples()[surprise.row].time_s, leg, surprise, dt, known, judged }
         });
-        Self { fit, steps: steps.collect(), own }
+        Self { fit, steps: steps.collect(), own, forms }
     }
 
     /// Scores of forces and shifts, in this order, beside what the fitted numbers do.
     pub(super) fn motions(&self, forces: &[Term], shifts: &[Term]) -> Scores {
-        let (own, terms) = (self.own.len(), forces.len() + shifts.len());
-        let mut scores = Scores::new(own, terms);
+        let terms = forces.len() + shifts.len();
+        let mut scores = Scores::new(self.own.len(), self.forms.len(), terms);
+        let before = self.own.len() + self.forms.len();
         let mut nudged = vec![Nudged::nowhere(); terms];
-        let mut row = DVector::zeros(own + terms);
+        let mut row = DVector::zeros(before + terms);
         for (k, step) in self.steps.iter().enumerate() {
             let Some(dt) = step.dt else {
                 nudged.fill(Nudged::nowhere());
@@ -80,9 +89,9 @@ impl Walk {
                 let value = (term.of)(&step.known);
                 let (push, shift_mm) = if at < forces.len() { (value, 0.0) } else { (0.0, value) };
                 let moved_mm = nudged.go(&self.fit.model, &step.leg, (dt, push, shift_mm), surprise);
-                row[own + at] = says * moved_mm / deviation;
+                row[before + at] = says * moved_mm / deviation;
             }
-            for (at, own) in self.own.iter().enumerate() {
+            for (at, own) in self.own.iter().chain(&self.forms).enumerate() {
                 row[at] = says * own[k];
             }
             if step.judged && step.says_something() && row.iter().all(|value| value.is_finite()) {
@@ -110,7 +119,7 @@ impl Walk {
 
     /// Scores of spreads beside a noise that is larger everywhere, and the variance of what they are scores of.
     pub(super) fn spreads(&self, terms: &[Term]) -> (Scores, f64) {
-        let mut scores = Scores::new(1, terms.len());
+        let mut scores = Scores::new(1, 0, terms.len());
         let judged = || self.steps.iter().filter(|step| step.judged && step.says_something());
         // A square is far from normal, and its third root is near: a few large ones are no spread.
         let size = |step: &Step| step.surprise.pull.abs().powf(2.0 / 3.0);
@@ -129,10 +138,25 @@ impl Walk {
     }
 }
 
+/// For each lag of `model`, the model with a place for something else that is late, and that number: no lag is quite of first order, and what
+/// it lacks, of two lags in series the small one, comes to that.
+fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Free)> + '_ {
+    LAGS.iter().filter_map(|(lag, late)| {
+        let numbers = model.effects.values(lag)?;
+        if model.effects.values(late).is_some() {
+            return None;
+        }
+        let mut with_late = model.clone();
+        with_late.effects.set(late, &[0.0]);
+        let lag_s = numbers.iter().sum::<f64>() / numbers.len().max(1) as f64;
+        Some((with_late, Free::Effect { name: late, index: 0, size: FORM_OF_A_LAG * lag_s }))
+    })
+}
+
 /// How far each expected reading moves with a fitted number, in deviations by the number's scale.
-fn moved(problem: &Problem<'_>, fit: &Fit, free: Free, way: &[(Surprise, Leg)]) -> Vec<f64> {
+fn moved(problem: &Problem<'_>, model: &Model, free: Free, way: &[(Surprise, Leg)]) -> Vec<f64> {
     let mut there = vec![None; problem.recording.samples().len()];
-    for (surprise, _) in legs(&free.moved(&fit.model, DIFFERENCE), problem.recording) {
+    for (surprise, _) in legs(&free.moved(model, DIFFERENCE), problem.recording) {
         there[surprise.row] = Some(surprise.expected_mm);
     }
     let shift = |(surprise, _): &(Surprise, Leg)| {

@@ -46,6 +46,17 @@ fn withheld_cases_are_diagnosed_and_scored() {
     let (alarms, quiet) = share(&document, "false_alarm");
     assert!(quiet >= 2 && 2 * alarms <= quiet, "{alarms} false alarms in {quiet}: {document}");
 
+    // What a record shows of an effect decides which cases count: those that are lost of them are among the losses.
+    let losses = document["score"]["losses"].as_array().unwrap();
+    for (kind, row) in [("single", "top_1_shown"), ("pair", "pair_both_shown")] {
+        let (right, shown) = share(&document, row);
+        let all = document["score"]["cases"][kind].as_u64().unwrap();
+        let of_kind = losses.iter().filter(|loss| loss["kind"] == kind && loss["left_out"] == false);
+        let lost = of_kind.filter(|loss| loss["shown"].as_f64().is_some_and(|nats| nats >= 5.0)).count() as u64;
+        assert!(shown <= all && shown - right == lost, "{kind}: {right} of {shown} of {all}, {lost} lost");
+        assert!(kind == "pair" || shown > 0, "no single of the sample is shown: {document}");
+    }
+
     // The answer about a case is that of the command for one log, to the letter.
     let alone = bench.output(&["diagnose", "--json", "cases/case-003.csv", "--config", "cases/case-003.toml"]);
     assert_eq!(bench.read("verdicts/case-003.json"), alone);

@@ -29,7 +29,7 @@ impl Search<'_> {
         self.does_something(candidate)
             && self.is_wild_enough(candidate)
             && self.is_coloured(candidate)
-            && !is_form_of_a_lag(candidate.entry.name, &candidate.fit.model.effects)
+            && self.is_more_than_form(candidate)
     }
 
     /// A fit that switched its effect off again has found better numbers for the rest, and no effect.
@@ -58,6 +58,11 @@ impl Search<'_> {
         let coloured = few_s.min(FORGETS_S)..DRIFTS_S;
         candidate.fit.model.effects.turbulence.is_none_or(|air| coloured.contains(&air.correlation_s))
             || self.problem.belief.effects.turbulence.is_some()
+    }
+
+    /// Where the speed of the fan is recorded, its lag is seen as it is, and has no form to be mistaken.
+    fn is_more_than_form(&self, candidate: &Candidate) -> bool {
+        self.problem.recording.has_fan_speed() || !is_form_of_a_lag(candidate.entry.name, &candidate.fit.model.effects)
     }
 
     /// A rig's lag is never quite of first order: where one is believed, another thing that is late may only mend its form.

@@ -6,8 +6,8 @@
 //!
 //! The true model has the rig's own numbers; only the two noises are fitted, as those of the rivals are. Rivals, fitted whole to the record
 //! with no prior: the belief, its other effects refitted and that one left as believed, and the same with each effect of the
-//! catalogue that is neither the true one nor a twin of it. Of two effects, each is so left out while the other is there. A perfect diagnosis names what is shown by some nats; what a chance of the
-//! noise hides is not shown, whatever the Cramér–Rao bound expects.
+//! catalogue that is neither the true one nor a twin of it. Of two effects, each is so left out while the other is there. A perfect
+//! diagnosis names what is shown by some nats; what a chance of the noise hides is not shown, whatever the Cramér–Rao bound expects.
 
 use super::closed::true_model;
 use super::names::imitators;

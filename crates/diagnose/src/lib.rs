@@ -28,6 +28,7 @@ mod grey_box;
 mod grid;
 mod held_out;
 mod hold;
+mod lag;
 mod leftover;
 mod likelihood;
 mod look;

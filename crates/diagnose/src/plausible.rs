@@ -1,14 +1,14 @@
 //! Whether what a fit found is what its name says, and what that name costs on a rig that is believed to be as it is.
 
 use crate::free::is_read_off;
+use crate::lag::{LAGS, late_s};
 use crate::which::{Candidate, Search};
 use plant::{Effects, Entry};
 
-/// Effects that make something late, and those of them that do it by a lag.
+/// Effects that make something late.
 const LATE: [&str; 5] = ["transport_delay", "sensor_delay", "sensor_lag", "fan_lag", "spin_asymmetry"];
-const LAGS: [&str; 3] = ["fan_lag", "spin_asymmetry", "sensor_lag"];
 /// What the form of a believed lag may be worth to an effect that makes something late, nats.
-const FORM_OF_A_LAG: f64 = 7.0;
+const COST_BESIDE_A_LAG: f64 = 7.0;
 /// What is late by less than this share of it and of the lag beside it is that lag's form: of two lags in series, the small one.
 const SHARE_OF_A_LAG: f64 = 0.16;
 /// Numbers that are this near to doing nothing, in their own scale, do nothing.
@@ -68,20 +68,16 @@ impl Search<'_> {
     /// A rig's lag is never quite of first order: where one is believed, another thing that is late may only mend its form.
     pub(crate) fn cost_of_form(&self, entry: &Entry) -> f64 {
         let believed = &self.problem.belief.effects;
-        let lag = believed.fan_lag.is_some() || believed.spin_asymmetry.is_some() || believed.sensor_lag.is_some();
-        if lag && LATE.contains(&entry.name) { FORM_OF_A_LAG } else { 0.0 }
+        let lag = LAGS.iter().any(|(lag, _)| believed.values(lag).is_some());
+        if lag && LATE.contains(&entry.name) { COST_BESIDE_A_LAG } else { 0.0 }
     }
 }
 
 /// Whether effect `name` is late by so little beside a lag that it may be the rest of that lag, which is never quite of first order.
 fn is_form_of_a_lag(name: &str, effects: &Effects) -> bool {
-    let late_s = |name: &str| effects.values(name).map_or(0.0, |numbers| mean(&numbers));
-    let beside_s: f64 = LAGS.iter().filter(|lag| **lag != name).map(|lag| late_s(lag)).sum();
-    LATE.contains(&name) && late_s(name) < SHARE_OF_A_LAG * (late_s(name) + beside_s)
-}
-
-fn mean(numbers: &[f64]) -> f64 {
-    numbers.iter().sum::<f64>() / numbers.len().max(1) as f64
+    let own_s = late_s(effects, name);
+    let beside_s: f64 = LAGS.iter().filter(|(lag, _)| *lag != name).map(|(lag, _)| late_s(effects, lag)).sum();
+    LATE.contains(&name) && own_s < SHARE_OF_A_LAG * (own_s + beside_s)
 }
 
 #[cfg(test)]

@@ -24,6 +24,9 @@ use plant::Model;
 /// the catalogue can write.
 #[must_use]
 pub fn shown(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<f64> {
+    if truth.effects.is_empty() {
+        return None;
+    }
     let model = true_model(belief, truth)?;
     let (_, recording) = prepared(std::slice::from_ref(recording), belief);
     let folds = Folds::new(belief, &recording);

@@ -27,7 +27,7 @@ fn answer(verdict: Verdict, effects: Vec<NamedEffect>) -> Answer {
 
 fn case(kind: Kind, effects: &[&str], answer: Answer) -> Case {
     let truth = CaseTruth {
-        case: "case-000".into(),
+        case: "made-up".into(),
         kind,
         effects: effects.iter().map(|name| effect(name, &[])).collect(),
         moved: Vec::new(),
@@ -148,7 +148,7 @@ fn an_effect_left_out_is_unexplained_or_its_twin() {
 #[test]
 fn what_a_record_cannot_show_is_scored_apart() {
     let bounded = |nats| {
-        let bounds = Bounds { case: "case-000".into(), nats, each: [].into(), sigma: [].into() };
+        let bounds = Bounds { case: "made-up".into(), nats, each: [].into(), sigma: [].into() };
         Case { bounds: Some(bounds), ..single("dead_zone", vec![entry("dead_zone", 0.9, &[])]) }
     };
     let score = score(&[bounded(Some(5.0)), bounded(Some(4.9)), bounded(None)]);
@@ -160,7 +160,7 @@ fn what_a_record_cannot_show_is_scored_apart() {
 fn a_pair_is_scored_apart_where_each_can_be_seen_beside_the_other() {
     let pair = |each: &[(&str, f64)]| {
         let each = each.iter().map(|(name, nats)| ((*name).to_owned(), *nats)).collect();
-        let bounds = Bounds { case: "case-000".into(), nats: None, each, sigma: [].into() };
+        let bounds = Bounds { case: "made-up".into(), nats: None, each, sigma: [].into() };
         let entries = ["dead_zone", "wall_friction"].map(|name| entry(name, 0.9, &[])).to_vec();
         let case = case(Kind::Pair, &["dead_zone", "wall_friction"], answer(Verdict::Effect, entries));
         Case { bounds: Some(bounds), ..case }
@@ -210,7 +210,7 @@ fn estimated(half: f64) -> Case {
     ];
     answered.parameters = [("drag_per_s".to_owned(), about(2.1))].into();
     let sigma = [("drag_per_s".to_owned(), 0.05), ("dead_zone.upper_percent".to_owned(), 0.01)].into();
-    case.bounds = Some(Bounds { case: "case-000".into(), nats: None, each: [].into(), sigma });
+    case.bounds = Some(Bounds { case: "made-up".into(), nats: None, each: [].into(), sigma });
     case
 }
 

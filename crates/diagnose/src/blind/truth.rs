@@ -124,7 +124,7 @@ pub(crate) mod tests {
             stage: "actuator".into(),
         };
         CaseTruth {
-            case: "case-000".into(),
+            case: "made-up".into(),
             kind: Kind::Single,
             effects: vec![lag.clone()],
             moved: Vec::new(),

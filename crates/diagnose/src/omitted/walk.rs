@@ -5,6 +5,7 @@ use super::terms::{Known, Term};
 use crate::cursor::{Leg, Nudged};
 use crate::fit::{Fit, Problem};
 use crate::free::Free;
+use crate::lag::{LAGS, late_s};
 use crate::likelihood::Surprise;
 use crate::recording::Recording;
 use crate::track::legs;
@@ -18,9 +19,7 @@ pub(super) const DIFFERENCE: f64 = 0.01;
 const SAYS_NOTHING: f64 = 1e-3;
 /// Readings further apart than this are no part of one walk, seconds.
 const GAP_S: f64 = 1.0;
-/// Lags, what else is late on their side of the ball, and the share of a lag that its form is known to within.
-const LAGS: [(&str, &str); 3] =
-    [("fan_lag", "transport_delay"), ("spin_asymmetry", "transport_delay"), ("sensor_lag", "sensor_delay")];
+/// The share of a lag that its form is known to within.
 const FORM_OF_A_LAG: f64 = 0.1;
 
 /// A filter's way along a record: what was known before each reading, and what came.
@@ -138,18 +137,16 @@ impl Walk {
     }
 }
 
-/// For each lag of `model`, the model with a place for something else that is late, and that number: no lag is quite of first order, and what
-/// it lacks, of two lags in series the small one, comes to that.
+/// For each lag of `model`, the model with a place for what stands for its form, and that number.
 fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Free)> + '_ {
     LAGS.iter().filter_map(|(lag, late)| {
-        let numbers = model.effects.values(lag)?;
-        if model.effects.values(late).is_some() {
+        if model.effects.values(lag).is_none() || model.effects.values(late).is_some() {
             return None;
         }
         let mut with_late = model.clone();
         with_late.effects.set(late, &[0.0]);
-        let lag_s = numbers.iter().sum::<f64>() / numbers.len().max(1) as f64;
-        Some((with_late, Free::Effect { name: late, index: 0, size: FORM_OF_A_LAG * lag_s }))
+        let size = FORM_OF_A_LAG * late_s(&model.effects, lag);
+        Some((with_late, Free::Effect { name: late, index: 0, size }))
     })
 }
 

@@ -28,9 +28,9 @@ fn begins_with(found: &[String], wanted: &[&[&str]]) {
 //
 // From a linear belief gravity that changes with the angle is missing most, and in the catalogue that is a lift that falls with
 // height. Fitted by free runs, the error 1 s ahead on this record is 17.9 degrees as believed, 9.1 with the height term, 17.8 with friction
-// alone, 7.8 with both: the height term comes first, and friction, worth nothing without it, second.
+// alone, 7.8 with both: the height term comes first, and friction, worth nothing without it, second. What is left of the makers' model is the
+// square of the input: a curve of the thrust may come third.
 #[test]
-#[ignore = "it names wall_friction first, then dead_zone, and height_dependent_flow third: forecasts of one step hardly see gravity"]
 fn gravity_then_dry_friction_are_missing_from_a_linear_belief_about_the_propeller_arm() {
     let found = effects("quarter_drone/swept_sine.csv", "quarter_drone/linear.toml");
     begins_with(&found, &[&["height_dependent_flow"], &["wall_friction"]]);
@@ -69,13 +69,11 @@ fn a_flattening_curve_and_no_delay(record: &str) {
 }
 
 #[test]
-#[ignore = "it names sensor_lag first, then saturation: the integrated speed lags by half a row"]
 fn the_hoop_lacks_a_curve_that_flattens_on_fixed_steps() {
     a_flattening_curve_and_no_delay("hoop_motor/fixed_steps.csv");
 }
 
 #[test]
-#[ignore = "it takes more than five minutes, and its answer is not known yet"]
 fn the_hoop_lacks_a_curve_that_flattens_on_random_steps() {
     a_flattening_curve_and_no_delay("hoop_motor/random_steps.csv");
 }

@@ -18,7 +18,6 @@ use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::places::{Place, places_of, rows};
 use crate::prepare::{Noted, Prepared};
-use crate::profile::OF_90_PERCENT;
 use crate::recording::Recording;
 use crate::residue::Residue;
 use crate::spectrum::{Band, band, periodogram};
@@ -34,13 +33,6 @@ const ENOUGH_READINGS: usize = 300;
 /// something is left over, what was named is mostly just what came nearest. Shares of right names among withheld rigs.
 const TRUST: f64 = 0.96;
 const TRUST_BESIDE_A_REST: f64 = 0.15;
-/// How much wider intervals are than those of the likelihood: where a ball bounces, and a filter takes its state for normal all the same; of
-/// other effects, whose form is never quite that of the catalogue; and of the base parameters, which suffer less from that. Of withheld rigs
-/// some 90 % lie within.
-const WIDER_AT_STOPS: f64 = 3.5;
-const WIDER: f64 = 1.35;
-const WIDER_OF_BASE: f64 = 1.25;
-
 /// What is wrong, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -62,7 +54,7 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
-    /// What was found, in the order it was found.
+    /// What was found, the most important first.
     pub effects: Vec<Named>,
     /// What each effect gained that was tried, search by search.
     pub rounds: Vec<Vec<Tried>>,
@@ -83,7 +75,7 @@ pub struct Diagnosis {
     /// What the record cannot answer, flight by flight.
     pub findings: Vec<Noted>,
     /// What was read off the readings, and its standard deviation in its own scale.
-    read_off: Vec<(Free, f64)>,
+    pub(crate) read_off: Vec<(Free, f64)>,
 }
 
 /// How to search.
@@ -130,7 +122,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     };
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows), band(&periodogram(&rows)));
-    let Explanation { mut effects, rounds, fit: mended, residue } = found;
+    let Explanation { mut effects, rounds, fit: mended, residue, .. } = found;
     effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
     let read_off = read_off(&mended.model, recording);
     Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, read_off }
@@ -180,29 +172,6 @@ impl Diagnosis {
     #[must_use]
     pub fn chances(&self, tried: &[Tried]) -> Vec<Option<f64>> {
         chances(tried).into_iter().map(|chance| Some(trust(self.verdict) * chance?)).collect()
-    }
-
-    /// The 90 % intervals of the numbers that the mended model moved, in the units of the config. None of a number that the record
-    /// does not determine, nor of a step of duty, where each valley is a grid of its own.
-    /// They are wider than the likelihood's own, which takes the form of an effect for exact.
-    #[must_use]
-    pub fn intervals(&self) -> Vec<(Free, f64, f64)> {
-        let wider = |(free, deviation): (Free, f64)| (free, deviation * wider(free));
-        let moved = self.mended.free.iter().copied().zip(self.mended.deviations()).map(wider);
-        let moved = moved.chain(self.read_off.iter().copied());
-        let known = moved.filter(|(free, deviation)| deviation.is_finite() && !free.is_of("duty_quantisation"));
-        let end = |free: Free, by: f64| free.value(&free.moved(&self.mended.model, by));
-        let ends = |free: Free, half: f64| Some((free, end(free, -half)?, end(free, half)?));
-        known.filter_map(|(free, deviation)| ends(free, OF_90_PERCENT * deviation)).collect()
-    }
-}
-
-/// How much wider the interval of a number is than that of the likelihood.
-fn wider(free: Free) -> f64 {
-    match free {
-        Free::Effect { name: "end_stop", .. } => WIDER_AT_STOPS,
-        Free::Effect { .. } => WIDER,
-        _ => WIDER_OF_BASE,
     }
 }
 

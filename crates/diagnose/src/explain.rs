@@ -1,4 +1,4 @@
-//! The effects that explain a record: the best first, then what is best with that known, as long as each gains enough.
+//! The effects that explain a record: what is best is found first, then what is best with that known, as long as each gains enough.
 
 use crate::fit::Fit;
 use crate::free::COARSE;
@@ -15,6 +15,8 @@ pub(crate) const NAMED: f64 = 6.0;
 const NAMED_SECOND: f64 = 5.5;
 const NAMED_FURTHER: f64 = 16.0;
 const SHARE_OF_FORM: f64 = 0.005;
+/// The same as a share of what the innovations ask for without it: where much more is missing than it explains, it is not what is missing.
+const SHARE_OF_THE_REST: f64 = 0.25;
 /// Effects that change the density of a reading by thousands of nats, and leave no such share.
 const OF_THE_DENSITY: [&str; 3] = ["sensor_quantisation", "stale_samples", "sensor_outliers"];
 /// The same for turbulence: what the noise of the air grew by counts against it already, and what is left over is judged strictly.
@@ -60,12 +62,14 @@ pub struct Named {
     pub rivals: Vec<Model>,
 }
 
-/// The effects that explain a record, one after another.
+/// The effects that explain a record, the most important first.
 pub(crate) struct Explanation {
     pub(crate) effects: Vec<Named>,
     pub(crate) rounds: Vec<Vec<Tried>>,
     pub(crate) fit: Fit,
     pub(crate) residue: Residue,
+    /// The fits that led to it.
+    on_the_way: Vec<Fit>,
 }
 
 impl Explanation {
@@ -78,34 +82,37 @@ impl Explanation {
     /// No effect at all.
     pub(crate) fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
         let residue = Residue::of(&search.problem, refitted, 0.0);
-        Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), residue }
+        Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), residue, on_the_way: Vec::new() }
     }
 }
 
 /// Finds effects until none explains more. Where a turbulence was found that cannot be one, the search is made without it:
 /// what it followed is missing, and better left unexplained.
 pub(crate) fn explain(search: &Search<'_>, refitted: &Fit) -> Explanation {
-    let found = explain_by(search, refitted);
+    let mut found = explain_by(search, refitted);
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
     let after = added.map(|named| named.candidate.entry.name).skip_while(|name| *name != TURBULENCE).count();
     // Nothing may come after it: what is found beside it, it would have followed as well.
     if after > 1 || (after == 1 && !found.residue.allows_turbulence()) {
-        explain_by(&search.without_too(TURBULENCE), refitted)
-    } else {
-        found
+        found = explain_by(&search.without_too(TURBULENCE), refitted);
     }
+    search.most_important_first(&mut found.effects, &found.fit, &found.on_the_way);
+    found
 }
 
 fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let mut fit = refitted.clone();
-    let (mut effects, mut rounds): (Vec<Named>, _) = (Vec::new(), Vec::new());
+    let (mut effects, mut rounds, mut on_the_way): (Vec<Named>, _, _) = (Vec::new(), Vec::new(), Vec::new());
     // What so small a misfit gains on a long record needs more than chance would: nobody's form is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
     while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_ROUNDS {
         let (named, tried) = next_effect(search, &fit, long * needed_beside(&effects));
         rounds.push(tried);
         let Some(named) = named else { break };
-        fit = named.candidate.fit.clone();
+        if named.candidate.gain < SHARE_OF_THE_REST * long.powi(2) * rest_beside(search, &fit, &effects) {
+            break;
+        }
+        on_the_way.push(std::mem::replace(&mut fit, named.candidate.fit.clone()));
         if DISTORT.contains(&named.candidate.entry.name) {
             fit = search.with_other_sizes(fit);
         }
@@ -129,7 +136,7 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
             });
         }
     }
-    Explanation { effects, rounds, fit, residue }
+    Explanation { effects, rounds, fit, residue, on_the_way }
 }
 
 /// Nats that these effects explain by what the rig does; those that change the density of a reading explain thousands, and leave no form.
@@ -147,6 +154,11 @@ fn needed_beside(effects: &[Named]) -> f64 {
         1 if !coarse => NAMED_SECOND.max(form),
         _ => NAMED_FURTHER.max(form),
     }
+}
+
+/// What the innovations ask for beside these effects, nats of a record that is not long; 0 where nothing was found yet.
+fn rest_beside(search: &Search<'_>, fit: &Fit, effects: &[Named]) -> f64 {
+    if effects.is_empty() { 0.0 } else { Residue::of(&search.problem, fit, explained(effects)).omitted }
 }
 
 /// Drops what stood in for an effect that was found after it.

@@ -15,14 +15,18 @@ use crate::folds::Folds;
 use crate::free::{Free, Prior, prior};
 use crate::likelihood::Surprise;
 use crate::recording::Recording;
+use crate::residue::LONG;
 use crate::track::surprises;
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
+use std::ops::Range;
 
 /// Scoring steps at most; a fit that needs more creeps along a valley that the record cannot resolve.
 const MOST_STEPS: usize = 15;
 /// A step that gains less than this, nats, is the last.
 const GAIN_ENOUGH: f64 = 0.05;
+/// A step that gains more than this, nats of a record that is not long, is on a slope that is worth climbing on.
+const STEEP: f64 = 20.0;
 /// Information below which a record says nothing of a number.
 const NOTHING_TOLD: f64 = 1e-6;
 /// Length of the differences in scaled parameters.
@@ -108,7 +112,7 @@ impl Problem<'_> {
     /// Moves the numbers `free` of `start` to where the readings that count are most likely.
     #[must_use]
     pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
-        let (best, slope) = self.climb(start, free, MOST_STEPS);
+        let (best, slope) = self.climb(start, free, MOST_STEPS..MOST_STEPS);
         let slope = slope.unwrap_or_else(|| self.slope(&best, free));
         let log_prior = self.log_prior(free, &best.model);
         Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
@@ -117,12 +121,12 @@ impl Problem<'_> {
     /// The model after so many steps at most.
     #[must_use]
     pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Model {
-        self.climb(start, free, most_steps).0.model
+        self.climb(start, free, most_steps..most_steps).0.model
     }
 
-    /// A first look: the model after so many steps, and its likelihood and prior, nats.
+    /// A first look: the model after so many steps, and as many more as the slope is steep; its likelihood and prior, nats.
     pub(crate) fn look(&self, start: &Model, free: &[Free], steps: usize) -> (Model, f64) {
-        let (best, _) = self.climb(start, free, steps);
+        let (best, _) = self.climb(start, free, steps..MOST_STEPS);
         (best.model, best.total)
     }
 
@@ -136,16 +140,21 @@ impl Problem<'_> {
         self.point(model.clone(), free).total
     }
 
-    /// Climbs so many steps at most. The slope is that of the last step's start, if that step hardly moved.
-    fn climb(&self, start: &Model, free: &[Free], most_steps: usize) -> (Point, Option<Slope>) {
+    /// Climbs as many steps as `steps` begins with, and on to its end as long as the slope is steep. The slope is that of the last step's start,
+    /// if that step hardly moved.
+    fn climb(&self, start: &Model, free: &[Free], steps: Range<usize>) -> (Point, Option<Slope>) {
         let mut best = self.point(start.clone(), free);
-        let mut damping = 1e-3;
-        for _ in 0..most_steps {
+        let steep = STEEP * (self.recording.readings() as f64 / LONG).max(1.0);
+        let (mut damping, mut gain) = (1e-3, f64::INFINITY);
+        for taken in 0..steps.end {
+            if taken >= steps.start && gain < steep {
+                break;
+            }
             let slope = self.slope(&best, free);
             let Some(next) = self.step(&best, free, &slope.total(None), &mut damping) else {
                 return (best, Some(slope));
             };
-            let gain = next.total - best.total;
+            gain = next.total - best.total;
             best = next;
             if gain < GAIN_ENOUGH {
                 return (best, Some(slope));

@@ -12,3 +12,36 @@ pub(crate) const LAGS: [(&str, &str); 3] =
 pub(crate) fn late_s(effects: &Effects, name: &str) -> f64 {
     effects.values(name).map_or(0.0, |numbers| numbers.iter().sum::<f64>() / numbers.len().max(1) as f64)
 }
+
+/// The share of a lag that its form is known to within: of two lags in series, a small one is late by about as much as it is long.
+const FORM_OF_A_LAG: f64 = 0.05;
+
+/// How far the form of lag `name` may make things late beyond its first order, seconds: a standard deviation.
+pub(crate) fn form_s(effects: &Effects, name: &str) -> f64 {
+    FORM_OF_A_LAG * late_s(effects, name)
+}
+
+/// How far a delay may stand for the forms of the lags beside it, seconds: a standard deviation; 0 of what is no delay.
+pub(crate) fn forms_beside_s(effects: &Effects, name: &str) -> f64 {
+    let is_delay = LAGS.iter().any(|(_, late)| *late == name);
+    if is_delay { LAGS.iter().map(|(lag, _)| form_s(effects, lag).powi(2)).sum::<f64>().sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::forms_beside_s;
+    use plant::Effects;
+
+    #[test]
+    fn a_delay_may_stand_for_the_form_of_any_lag_and_nothing_else_does() {
+        let mut effects = Effects::default();
+        effects.set("fan_lag", &[0.2]);
+        effects.set("sensor_lag", &[0.1]);
+        let both_s = 0.05 * 0.2_f64.hypot(0.1);
+        for delay in ["transport_delay", "sensor_delay"] {
+            assert!((forms_beside_s(&effects, delay) - both_s).abs() < 1e-12, "{delay}");
+            assert_eq!(forms_beside_s(&Effects::default(), delay), 0.0);
+        }
+        assert_eq!(forms_beside_s(&effects, "dead_zone"), 0.0);
+    }
+}

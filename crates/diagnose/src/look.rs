@@ -2,7 +2,7 @@
 
 use crate::fit::{Fit, Worth};
 use crate::free::{Free, free_of_effect, prior};
-use crate::starts::starts;
+use crate::starts::{balancing, starts};
 use crate::which::{CONTAINS, Search};
 use plant::{Entry, Model};
 use rayon::prelude::*;
@@ -11,6 +11,8 @@ use rayon::prelude::*;
 const STEPS: usize = 2;
 const STARTS: usize = 2;
 const AS_GOOD: f64 = 10.0;
+/// A gain or a drag is far where the fit has moved it by more than this, ln of the ratio.
+const FAR: f64 = 1.0;
 /// With more starts than this the choice among them is part of what is scored.
 const MANY_STARTS: usize = 4;
 /// What each number of an effect beyond the first may gain by chance, nats.
@@ -74,7 +76,8 @@ impl Search<'_> {
         let as_good = |start: &&Start| worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
         // The best from another place is no better at first sight, but may climb higher.
         let other = rated.iter().find(|start| rated.first().is_some_and(|best| best.place != start.place));
-        let looks = rated.iter().take(STARTS).filter(as_good).chain(other).map(|start| {
+        let balanced = self.balanced_start(so_far, entry);
+        let looks = rated.iter().take(STARTS).filter(as_good).chain(other).chain(&balanced).map(|start| {
             let own = start.free.iter().filter(|free| !so_far.free.contains(free));
             let few: Vec<Free> = FIRST.into_iter().chain(own.copied()).collect();
             let (model, total) = self.problem.look(&start.model, &few, STEPS);
@@ -107,6 +110,17 @@ impl Search<'_> {
         let mut rated: Vec<Start> = rated.collect();
         rated.sort_by(|a, b| b.by_fold.iter().sum::<f64>().total_cmp(&a.by_fold.iter().sum()));
         (rated, all.among)
+    }
+
+    /// The effect as it would balance the duty of a rig that else is what is believed, where the fit so far has gone far from that: what
+    /// gain and drag became to follow the record without the effect is no place to start from.
+    fn balanced_start(&self, so_far: &Fit, entry: &Entry) -> Option<Start> {
+        let belief = self.problem.belief;
+        let is_far = |free: Free| free.distance(&so_far.model, belief).abs() > FAR;
+        let values = balancing(entry, &self.problem).filter(|_| is_far(Free::Gain) || is_far(Free::Drag))?;
+        let (model, free) = added(so_far, entry, &values)?;
+        let model = Model { noise: model.noise, effects: model.effects, ..belief.clone() };
+        Some(Start { place: 0, by_fold: self.problem.by_fold(&model), model, free })
     }
 
     /// The model as it is; or, for an effect that distorts what is fitted without it, with the noise that is believed, and with all

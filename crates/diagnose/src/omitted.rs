@@ -4,7 +4,7 @@
 //! force θ·φ        δ ← Φ·δ + g·φ,  s = ∂ŷ/∂θ = H·δ,  δ ← (I − K·H)·δ        what it would do to each expected reading
 //! shift θ·φ        s = H·δ + φ, and the filter takes it for motion
 //! z                Σ e·r/√Σ r²      r: s/√S without what the fitted numbers of the model can do themselves, and the form of each lag
-//! form             something late on a lag's side of the ball, normal with a deviation of a tenth of that lag
+//! form             something late on a lag's side of the ball, normal with a deviation of a twentieth of that lag
 //! spread           the same of ∛e², which is nearly normal, against φ
 //! noise            Λ = max over c of L(c) + ½·Σ z²(c) − max L        L: ln p of the readings with c of the air's noise
 //! moments          a slip of the readings or a push at a moment of its own: see `moments`

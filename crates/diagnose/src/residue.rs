@@ -56,7 +56,9 @@ const COLOUR: f64 = 5.5;
 const CHANCE: f64 = 7.0;
 /// Tails of the noise that are not normal make these two less certain.
 const CHANCE_OF_POWER: f64 = 9.0;
-const OMITTED: f64 = 7.5;
+const OMITTED: f64 = 6.5;
+/// The same beside a name: what it stands for may be outside the catalogue, and to doubt it costs less than an alarm where nothing is wrong.
+const OMITTED_BESIDE_A_NAME: f64 = 4.5;
 const MOMENTS: f64 = 6.5;
 const OMITTED_OF_CELLS: f64 = 30.0;
 /// The same beside a turbulence, which follows most of what is missing.
@@ -99,7 +101,8 @@ impl Residue {
     #[must_use]
     pub fn omitted_is_significant(&self) -> bool {
         // Within a cell nothing is normal, and what follows from that is no residue.
-        self.omitted > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { OMITTED }
+        let limit = if self.of_form > 0.0 { OMITTED_BESIDE_A_NAME } else { OMITTED };
+        self.omitted > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { limit }
     }
 
     /// Whether something happened at moments of its own.

@@ -52,6 +52,22 @@ fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>>
     }
 }
 
+/// Values of `entry` that would balance the duty as it was flown, if the record suggests any: a lift that falls with height, whose gradient is the
+/// believed gain times the slope of duty over height.
+pub(crate) fn balancing(entry: &Entry, problem: &Problem<'_>) -> Option<Vec<f64>> {
+    if entry.name != "height_dependent_flow" {
+        return None;
+    }
+    let rows = problem.recording.samples().iter().enumerate().filter(|(row, _)| problem.folds.counts(*row));
+    let pairs: Vec<(f64, f64)> = rows.filter_map(|(_, s)| Some((s.position_mm?, s.duty_percent))).collect();
+    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len().max(1) as f64;
+    let (x, u) = (mean(|pair| pair.0), mean(|pair| pair.1));
+    let square: f64 = pairs.iter().map(|pair| (pair.0 - x).powi(2)).sum();
+    let slope = pairs.iter().map(|pair| (pair.0 - x) * (pair.1 - u)).sum::<f64>() / square;
+    let gradient = problem.belief.gain_mm_per_s2_per_percent * slope;
+    gradient.is_finite().then(|| vec![gradient])
+}
+
 /// Sorted values at a share of their order.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]

@@ -7,8 +7,7 @@ const MOST_TERMS: usize = 3;
 /// Growth of the air's noise that is worth a word, as a ratio.
 const RESTLESS: f64 = 1.3;
 /// What the letters of a term mean.
-const LETTERS: &str =
-    "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ";
+const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
 
 /// What is left of an unexplained gap; `None` where nothing is, or where it has no shape.
 #[must_use]

@@ -1,17 +1,22 @@
 //! The dictionary: forces, shifts of readings and spreads that a model may omit, each a function of what was known before a reading.
 //!
 //! u: duty about hover, x: height, v: speed, each over its own deviation; ~τ: as it was over the last τ seconds (first order); ⁺: the part above 0; t: -1 at
-//! the start of the flight, 1 at its end.
+//! the start of the flight, 1 at its end; u≈f: as a resonance of f Hz swings with it, z ← z·exp((−ζ + i)·2πf·dt) + u·2πf·dt.
 
 use std::f64::consts::PI;
 
 /// Memories, seconds.
 const MEMORIES_S: [f64; 5] = [0.1, 0.3, 1.0, 3.0, 10.0];
+/// Resonances, Hz, and their damping ratio, with which each covers the way to the next.
+const RESONANCES_HZ: [f64; 7] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
+const DAMPING: f64 = 0.2;
 /// Waves along the path that the ball covers, and over the time of the flight.
 const WAVES_OF_HEIGHT: u32 = 5;
 const WAVES_OF_TIME: u32 = 4;
 /// The same of a gain that swings: the duty tells it from other slow forces.
 const WAVES_OF_GAIN: u32 = 16;
+/// The same of a friction that some heights have more of.
+const WAVES_OF_FRICTION: u32 = 3;
 /// The longest wave of height: its angle for a deviation.
 const ANGLE: f64 = 1.2;
 /// How steep the step of a sign is, for a deviation.
@@ -25,6 +30,8 @@ pub(super) struct Known {
     pub(super) v: f64,
     pub(super) t: f64,
     memory: [Memory; MEMORIES_S.len()],
+    /// Real and imaginary part of each resonance.
+    swings: [(f64, f64); RESONANCES_HZ.len()],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,6 +52,11 @@ impl Known {
             memory.above += share * (u.max(0.0) - memory.above);
             memory.square_of_u += share * (u * u - memory.square_of_u);
             memory.v += share * (v - memory.v);
+        }
+        for ((re, im), hz) in self.swings.iter_mut().zip(RESONANCES_HZ) {
+            let angle = 2.0 * PI * hz * dt;
+            let (decay, (sin, cos)) = ((-DAMPING * angle).exp(), angle.sin_cos());
+            (*re, *im) = (decay * (*re * cos - *im * sin) + angle * u, decay * (*re * sin + *im * cos));
         }
     }
 }
@@ -71,6 +83,8 @@ pub(super) fn forces() -> Vec<Term> {
         of_time(),
         of_gain_over_time(),
         waves_of_height(),
+        waves_of_friction(),
+        (0..RESONANCES_HZ.len()).flat_map(of_resonance).collect(),
         (0..MEMORIES_S.len()).flat_map(of_memory).collect(),
     ]
     .into_iter()
@@ -142,6 +156,24 @@ fn waves_of_height() -> Vec<Term> {
     waves.collect()
 }
 
+fn waves_of_friction() -> Vec<Term> {
+    let waves = (1..=WAVES_OF_FRICTION).flat_map(|n| {
+        let angle = f64::from(n) * ANGLE;
+        let words =
+            |which| format!("the sign of v times {which} wave of height, {:.1} deviations long", 2.0 * PI / angle);
+        [
+            term(words("an even"), move |k| step(k.v) * (angle * k.x).cos()),
+            term(words("an odd"), move |k| step(k.v) * (angle * k.x).sin()),
+        ]
+    });
+    waves.collect()
+}
+
+fn of_resonance(at: usize) -> Vec<Term> {
+    let words = |which| format!("u≈{} Hz, {which}", RESONANCES_HZ[at]);
+    vec![term(words("in step"), move |k| k.swings[at].0), term(words("a quarter late"), move |k| k.swings[at].1)]
+}
+
 fn of_memory(at: usize) -> Vec<Term> {
     let of = |words: &str, of: fn(&Known, &Memory) -> f64| {
         term(words.replace('~', &format!("~{} s", MEMORIES_S[at])), move |k: &Known| of(k, &k.memory[at]))
@@ -197,4 +229,62 @@ pub(super) fn spreads() -> Vec<Term> {
         term("(u − u~)² of 0.3 s", |k| (k.u - k.memory[1].u).powi(2)),
     ];
     spreads.into_iter().chain(of_time().into_iter().skip(5)).chain(waves_of_height()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Known, forces};
+    use nalgebra::{DMatrix, DVector};
+    use plant::Normal;
+
+    const DT_S: f64 = 0.02;
+
+    /// What is known along 80 s of a duty that is white noise through a lag of 0.2 s, over heights and speeds of their own.
+    fn way() -> Vec<Known> {
+        let (mut normal, mut known, mut u, mut x, mut v) = (Normal::new(1, 9), Known::default(), 0.0, 0.0, 0.0);
+        let step = |_| {
+            u += 0.1 * (4.4 * normal.draw() - u);
+            v += 0.05 * (6.3 * normal.draw() - v);
+            x += 0.02 * (10.0 * normal.draw() - x);
+            known.go_on(DT_S, [u, x, v, 0.0]);
+            known
+        };
+        (0..4000).map(step).collect()
+    }
+
+    /// How much of a force along the way those forces explain together that a word is in: a share of its square.
+    fn share(force: &[f64], way: &[Known], word: &str) -> f64 {
+        let terms: Vec<_> = forces().into_iter().filter(|term| term.words.contains(word)).collect();
+        let columns = DMatrix::from_fn(way.len(), terms.len(), |row, at| (terms[at].of)(&way[row]));
+        let force = DVector::from_column_slice(force);
+        let weights = columns.clone().svd(true, true).solve(&force, 1e-9).unwrap();
+        1.0 - (&force - columns * weights).norm_squared() / force.norm_squared()
+    }
+
+    #[test]
+    fn a_resonance_between_two_of_the_dictionary_is_followed_by_them() {
+        let way = way();
+        // z″ + 2ζω·z′ + ω²·z = ω²·u, by small steps.
+        let (w, mut z, mut speed) = (2.0 * std::f64::consts::PI * 1.2, 0.0, 0.0);
+        let mut swings = Vec::new();
+        for known in &way {
+            for _ in 0..100 {
+                speed += DT_S / 100.0 * (w * w * (known.u - z) - 0.3 * w * speed);
+                z += DT_S / 100.0 * speed;
+            }
+            swings.push(z);
+        }
+        assert!(share(&swings, &way, "u≈") > 0.95, "{}", share(&swings, &way, "u≈"));
+        assert!(share(&swings, &way, "u~") < 0.8, "{}", share(&swings, &way, "u~"));
+    }
+
+    #[test]
+    fn friction_in_one_part_of_the_pipe_is_followed_by_its_waves() {
+        let way = way();
+        let stuck = |known: &Known| if (known.x - 0.3).abs() < 0.7 { known.v.signum() } else { 0.0 };
+        let stuck: Vec<f64> = way.iter().map(stuck).collect();
+        let everywhere: Vec<f64> = way.iter().map(|known| known.v.signum()).collect();
+        assert!(share(&stuck, &way, "the sign of v times") > 0.5, "{}", share(&stuck, &way, "the sign of v times"));
+        assert!(share(&everywhere, &way, "the sign of v") > 0.8, "{}", share(&everywhere, &way, "the sign of v"));
+    }
 }

@@ -5,7 +5,7 @@ use super::terms::{Known, Term};
 use crate::cursor::{Leg, Nudged};
 use crate::fit::{Fit, Problem};
 use crate::free::Free;
-use crate::lag::{LAGS, late_s};
+use crate::lag::{LAGS, form_s};
 use crate::likelihood::Surprise;
 use crate::recording::Recording;
 use crate::track::legs;
@@ -19,8 +19,6 @@ pub(super) const DIFFERENCE: f64 = 0.01;
 const SAYS_NOTHING: f64 = 1e-3;
 /// Readings further apart than this are no part of one walk, seconds.
 const GAP_S: f64 = 1.0;
-/// The share of a lag that its form is known to within.
-const FORM_OF_A_LAG: f64 = 0.1;
 
 /// A filter's way along a record: what was known before each reading, and what came.
 pub(crate) struct Walk {
@@ -145,7 +143,7 @@ fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Free)> + '_ {
         }
         let mut with_late = model.clone();
         with_late.effects.set(late, &[0.0]);
-        let size = FORM_OF_A_LAG * late_s(&model.effects, lag);
+        let size = form_s(&model.effects, lag);
         Some((with_late, Free::Effect { name: late, index: 0, size }))
     })
 }

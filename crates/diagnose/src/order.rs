@@ -1,0 +1,97 @@
+//! The order of what was found: first that without which the forecasts err most.
+//!
+//! ```text
+//! a before b:  E²(1 s) without a > 2·E²(1 s) without b        E as in `gap`; else as they were found
+//! ```
+//!
+//! A search finds first what one step ahead shows best, which on a rig of low noise is the quick and the small. What matters to whoever
+//! mends a simulator is what leads its forecasts astray.
+
+use crate::explain::{Change, Named};
+use crate::fit::Fit;
+use crate::gap::{Tally, tallies};
+use crate::which::Search;
+use plant::Model;
+use rayon::prelude::*;
+
+/// Mean squares are no other where neither is so many times the other.
+const TWICE: f64 = 2.0;
+
+impl Search<'_> {
+    /// Puts the effects that were added to `fit` in order; what became of those that were believed comes after them. `on_the_way`: other fits of
+    /// the same search, one of which may be the best without an effect.
+    pub(crate) fn most_important_first(&self, effects: &mut [Named], fit: &Fit, on_the_way: &[Fit]) {
+        let added = effects.iter().position(|named| named.change != Change::Added).unwrap_or(effects.len());
+        let added = &mut effects[..added];
+        if added.len() < 2 {
+            return;
+        }
+        let without =
+            |named: &Named| self.square_at_1_s(&self.best_without(named.candidate.entry.name, fit, on_the_way));
+        let without: Vec<f64> = added.par_iter().map(without).collect();
+        let mut order: Vec<usize> = Vec::with_capacity(added.len());
+        for (at, square) in without.iter().enumerate() {
+            let behind = order.iter().rposition(|before| *square <= TWICE * without[*before]);
+            order.insert(behind.map_or(0, |behind| behind + 1), at);
+        }
+        let in_order: Vec<Named> = order.iter().map(|at| added[*at].clone()).collect();
+        added.clone_from_slice(&in_order);
+    }
+
+    /// The most likely model without an effect.
+    fn best_without(&self, name: &str, fit: &Fit, on_the_way: &[Fit]) -> Model {
+        let removed = self.removed(fit, name);
+        let others = on_the_way.iter().filter(|other| other.model.effects.values(name).is_none());
+        let best = others.fold(&removed, |best, other| {
+            if self.problem.total_of(other) > self.problem.total_of(best) { other } else { best }
+        });
+        best.model.clone()
+    }
+
+    /// Mean square of the forecasts 1 s ahead, mm²; NaN where the record is too short to say.
+    fn square_at_1_s(&self, model: &Model) -> f64 {
+        let folds = self.problem.folds;
+        let all = tallies(model, self.problem.recording, &|row| folds.counts(row).then_some(0));
+        Tally::sum(all.iter()).squares_at_1_s().map_or(f64::NAN, |(square, _)| square)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::explain::{Change, Named};
+    use crate::fit::Problem;
+    use crate::folds::Folds;
+    use crate::free::{BASE, Prior, free_of_effect};
+    use crate::tests_support::{model, record};
+    use crate::which::{Candidate, Search};
+    use plant::{Effects, Model};
+
+    #[test]
+    fn what_leads_the_forecasts_astray_comes_before_what_hardly_does_and_alike_stay_as_they_were_found() {
+        let belief = Model { effects: Effects::default(), ..model() };
+        let mut rig = belief.clone();
+        for (name, value) in [("quadratic_drag", 1e-5), ("wall_friction", 0.01), ("height_dependent_flow", 12.0)] {
+            rig.effects.set(name, &[value]);
+        }
+        let recording = record(&rig, 2, 60);
+        let folds = Folds::new(&belief, &recording);
+        let search =
+            Search::of(Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief });
+        let of_effect = |name| free_of_effect(name, &rig.effects.values(name).unwrap());
+        let found = ["quadratic_drag", "wall_friction", "height_dependent_flow"];
+        let fit = search
+            .problem
+            .fit(&rig, &BASE.into_iter().chain(found.into_iter().flat_map(of_effect)).collect::<Vec<_>>());
+        let named = |name| Named {
+            change: Change::Added,
+            candidate: Candidate { entry: *Effects::entry(name).unwrap(), fit: fit.clone(), gain: 0.0, evidence: 0.0 },
+            probability: 1.0,
+            indistinguishable_from: Vec::new(),
+            rivals: Vec::new(),
+        };
+        let mut effects = found.map(named);
+        search.most_important_first(&mut effects, &fit, &[]);
+        let order = effects.map(|named| named.candidate.entry.name);
+        assert_eq!(order, ["height_dependent_flow", "quadratic_drag", "wall_friction"]);
+    }
+}

@@ -146,6 +146,10 @@ fn a_recorded_fan_speed_names_one_of_two_twins_and_says_so() {
         (&effect["name"], &effect["indistinguishable_from"]),
         (&Value::from("transport_delay"), &serde_json::json!([]))
     );
+    // Alone, and in its own valley: beside it lies one of 0.03 s with another lag and another gain.
+    let delay_s = effect["parameters"]["delay_s"]["value"].as_f64().unwrap();
+    assert!((delay_s - 0.12).abs() < 0.005, "{effect}");
+    assert_eq!((&found["verdict"], found["effects"].as_array().unwrap().len()), (&Value::from("effect"), 1), "{found}");
     let findings = found["check"]["findings"].to_string();
     assert!(findings.contains("the recorded `fan_rpm` tells that it is transport_delay"), "{findings}");
 }

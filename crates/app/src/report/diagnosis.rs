@@ -268,14 +268,23 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
         at(mended)
     );
     if let Some(Closed { value, low, high }) = found.closed {
-        let percent = |share: f64| 100.0 * share;
-        let _ = write!(
-            words,
-            "\n{:.0} % of the gap is closed ({:.0} to {:.0} %)",
-            percent(value),
-            percent(low),
-            percent(high)
-        );
+        let [value, low, high] = [value, low, high].map(whole_percent);
+        let _ = write!(words, "\n{value} % of the gap is closed ({low} to {high} %)");
     }
     words
+}
+
+/// A share in whole percent; what rounds to 0 has no sign.
+pub(crate) fn whole_percent(share: f64) -> String {
+    format!("{:.0}", (100.0 * share).round() + 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole_percent;
+
+    #[test]
+    fn a_share_that_rounds_to_nothing_has_no_sign() {
+        assert_eq!([-0.004, 0.004, -0.006, 0.996].map(whole_percent), ["0", "0", "-1", "100"]);
+    }
 }

@@ -5,6 +5,7 @@ use super::super::parts::{self, bars, chance, spoken};
 use super::super::stretch::worst;
 use super::Report;
 use super::answer::with_its_like;
+use crate::report::diagnosis::whole_percent;
 use crate::report::plot::{Diagram, commanded, runs};
 use crate::report::stages::stages;
 use diagnose::{Closed, Picture, Verdict};
@@ -115,8 +116,8 @@ fn gap(report: &Report<'_>) -> Markup {
             (bars("Error of the position 1 s ahead, rms, held out", "mm", &rows, floor))
             @if let Some(Closed { value, low, high }) = found.closed {
                 p.closed {
-                    strong { (format!("{:.0} %", 100.0 * value)) } " of the gap is closed"
-                    span { (format!("{:.0} to {:.0} %", 100.0 * low, 100.0 * high)) }
+                    strong { (whole_percent(value)) " %" } " of the gap is closed"
+                    span { (whole_percent(low)) " to " (whole_percent(high)) " %" }
                 }
             } @else { p.closed { "There is too little gap to close." } }
         }

@@ -6,7 +6,7 @@
 use serde_json::Value;
 use system_tests::{Bench, root};
 
-/// The names of what `diagnose` adds to close the gap between a record and a belief under `data/`, in the order in which it found them.
+/// The names of what `diagnose` adds to close the gap between a record and a belief under `data/`, the most important first.
 fn effects(record: &str, belief: &str) -> Vec<String> {
     let data = root().join("data");
     let path = |file: &str| data.join(file).to_str().unwrap().to_owned();

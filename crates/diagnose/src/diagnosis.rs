@@ -33,6 +33,7 @@ const ENOUGH_READINGS: usize = 300;
 /// something is left over, what was named is mostly just what came nearest. Shares of right names among withheld rigs.
 const TRUST: f64 = 0.96;
 const TRUST_BESIDE_A_REST: f64 = 0.15;
+
 /// What is wrong, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -54,7 +55,7 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
-    /// What was found, the most important first.
+    /// What was found: what is to be added, the most important first, then what became of the believed.
     pub effects: Vec<Named>,
     /// What each effect gained that was tried, search by search.
     pub rounds: Vec<Vec<Tried>>,

@@ -29,7 +29,7 @@ const TWINS: [&[&str]; 2] = [&["transport_delay", "sensor_delay"], &["fan_lag", 
 /// Nats that count as one: likelihoods take the model for right, and no model is.
 pub(crate) const DOUBT: f64 = 2.5;
 /// The effect that can follow any missing force.
-const TURBULENCE: &str = "turbulence";
+pub(crate) const TURBULENCE: &str = "turbulence";
 /// Effects at most that a record can name; if there are more, the answer is not to be trusted.
 const MOST_EFFECTS: usize = 2;
 /// Searches at most: what was found may be dropped again.
@@ -62,7 +62,7 @@ pub struct Named {
     pub rivals: Vec<Model>,
 }
 
-/// The effects that explain a record, the most important first.
+/// The effects that explain a record: those to add, the most important first, then what became of the believed.
 pub(crate) struct Explanation {
     pub(crate) effects: Vec<Named>,
     pub(crate) rounds: Vec<Vec<Tried>>,
@@ -109,7 +109,7 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
         let (named, tried) = next_effect(search, &fit, long * needed_beside(&effects));
         rounds.push(tried);
         let Some(named) = named else { break };
-        if named.candidate.gain < SHARE_OF_THE_REST * long.powi(2) * rest_beside(search, &fit, &effects) {
+        if !effects.is_empty() && named.candidate.gain < SHARE_OF_THE_REST * rest(search, &fit) {
             break;
         }
         on_the_way.push(std::mem::replace(&mut fit, named.candidate.fit.clone()));
@@ -156,9 +156,10 @@ fn needed_beside(effects: &[Named]) -> f64 {
     }
 }
 
-/// What the innovations ask for beside these effects, nats of a record that is not long; 0 where nothing was found yet.
-fn rest_beside(search: &Search<'_>, fit: &Fit, effects: &[Named]) -> f64 {
-    if effects.is_empty() { 0.0 } else { Residue::of(&search.problem, fit, explained(effects)).omitted }
+/// What the innovations of a fit ask for, nats of all its readings.
+fn rest(search: &Search<'_>, fit: &Fit) -> f64 {
+    let residue = Residue::of(&search.problem, fit, 0.0);
+    residue.omitted / residue.weight
 }
 
 /// Drops what stood in for an effect that was found after it.

@@ -19,7 +19,6 @@ use crate::residue::LONG;
 use crate::track::surprises;
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
-use std::ops::Range;
 
 /// Scoring steps at most; a fit that needs more creeps along a valley that the record cannot resolve.
 const MOST_STEPS: usize = 15;
@@ -112,7 +111,7 @@ impl Problem<'_> {
     /// Moves the numbers `free` of `start` to where the readings that count are most likely.
     #[must_use]
     pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
-        let (best, slope) = self.climb(start, free, MOST_STEPS..MOST_STEPS);
+        let (best, slope) = self.climb(start, free, MOST_STEPS, MOST_STEPS);
         let slope = slope.unwrap_or_else(|| self.slope(&best, free));
         let log_prior = self.log_prior(free, &best.model);
         Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
@@ -121,12 +120,12 @@ impl Problem<'_> {
     /// The model after so many steps at most.
     #[must_use]
     pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Model {
-        self.climb(start, free, most_steps..most_steps).0.model
+        self.climb(start, free, most_steps, most_steps).0.model
     }
 
     /// A first look: the model after so many steps, and as many more as the slope is steep; its likelihood and prior, nats.
     pub(crate) fn look(&self, start: &Model, free: &[Free], steps: usize) -> (Model, f64) {
-        let (best, _) = self.climb(start, free, steps..MOST_STEPS);
+        let (best, _) = self.climb(start, free, steps, MOST_STEPS);
         (best.model, best.total)
     }
 
@@ -140,14 +139,14 @@ impl Problem<'_> {
         self.point(model.clone(), free).total
     }
 
-    /// Climbs as many steps as `steps` begins with, and on to its end as long as the slope is steep. The slope is that of the last step's start,
+    /// Climbs `steps`, and on to `most` as long as the slope is steep. The slope is that of the last step's start,
     /// if that step hardly moved.
-    fn climb(&self, start: &Model, free: &[Free], steps: Range<usize>) -> (Point, Option<Slope>) {
+    fn climb(&self, start: &Model, free: &[Free], steps: usize, most: usize) -> (Point, Option<Slope>) {
         let mut best = self.point(start.clone(), free);
         let steep = STEEP * (self.recording.readings() as f64 / LONG).max(1.0);
         let (mut damping, mut gain) = (1e-3, f64::INFINITY);
-        for taken in 0..steps.end {
-            if taken >= steps.start && gain < steep {
+        for taken in 0..most {
+            if taken >= steps && gain < steep {
                 break;
             }
             let slope = self.slope(&best, free);

@@ -22,7 +22,7 @@ use serde::Serialize;
 
 /// Lags of the fan from which a fit of three poles begins, seconds; the best wins.
 const LAGS_S: [f64; 3] = [0.05, 0.2, 0.6];
-/// Steps of the first look from each.
+/// Steps of the first look from each, at least.
 const FIRST_LOOK: usize = 4;
 /// Readings in free flight that an identification needs.
 const ENOUGH_READINGS: usize = 300;

@@ -1,7 +1,7 @@
 //! The 90 % intervals of the numbers that a diagnosis found.
 //!
 //! ```text
-//! half = 1.645·√( (w·σ)² + f² )        σ: of the likelihood at its best; w: how much wider; f: what a delay may stand for of the lags beside it
+//! half = 1.645·√( (w·σ)² + f² )        σ: of the likelihood at its best; w: how much wider, 1 of what is read off; f: what a delay may stand for of all lags
 //! ```
 
 use crate::diagnosis::Diagnosis;
@@ -19,8 +19,8 @@ const WIDER_OF_BASE: f64 = 1.25;
 impl Diagnosis {
     /// The 90 % intervals of the numbers that the mended model moved, in the units of the config. None of a number that the record
     /// does not determine, nor of a step of duty, where each valley is a grid of its own.
-    /// They are wider than the likelihood's own, which takes the form of an effect for exact; that of a delay beside a lag by what it may stand
-    /// for of that lag's form.
+    /// They are wider than the likelihood's own, which takes the form of an effect for exact; that of a delay also by what it may stand for
+    /// of the forms of the lags.
     #[must_use]
     pub fn intervals(&self) -> Vec<(Free, f64, f64)> {
         let wider = |(free, deviation): (Free, f64)| (free, (deviation * wider(free)).hypot(self.form_beside(free)));

@@ -13,7 +13,7 @@ pub(crate) fn late_s(effects: &Effects, name: &str) -> f64 {
     effects.values(name).map_or(0.0, |numbers| numbers.iter().sum::<f64>() / numbers.len().max(1) as f64)
 }
 
-/// The share of a lag that its form is known to within: of two lags in series, a small one is late by about as much as it is long.
+/// The share of a lag that its form is known to within: rotor and column of air are two lags in series, and the small one is late by its length.
 const FORM_OF_A_LAG: f64 = 0.05;
 
 /// How far the form of lag `name` may make things late beyond its first order, seconds: a standard deviation.

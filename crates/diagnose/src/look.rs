@@ -1,4 +1,4 @@
-//! A first look at an effect: its starts are rated as they are, and a few steps of few numbers are made from the best.
+//! A first look at an effect: its starts are rated as they are, and a few steps of few numbers are made from the best, more while the slope is steep.
 
 use crate::fit::{Fit, Worth};
 use crate::free::{Free, free_of_effect, prior};
@@ -7,7 +7,7 @@ use crate::which::{CONTAINS, Search};
 use plant::{Entry, Model};
 use rayon::prelude::*;
 
-/// Scoring steps, from how many starts, and how far behind the best of them a start may be, nats.
+/// Scoring steps at least, from how many starts, and how far behind the best of them a start may be, nats.
 const STEPS: usize = 2;
 const STARTS: usize = 2;
 const AS_GOOD: f64 = 10.0;
@@ -75,18 +75,18 @@ impl Search<'_> {
         let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
         // A recorded speed of the fan shows the timing to a hair: its valleys are narrow, and nothing says at first sight which is near.
         let narrow = self.problem.recording.has_fan_speed();
-        let starts = if narrow { MANY_STARTS } else { STARTS };
         let as_good = |start: &&Start| narrow || worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
         // The best from another place is no better at first sight, but may climb higher.
         let other = rated.iter().find(|start| rated.first().is_some_and(|best| best.place != start.place));
         let balanced = self.balanced_start(so_far, entry);
-        let looks = rated.iter().take(starts).filter(as_good).chain(other).chain(&balanced).map(|start| {
-            let own = start.free.iter().filter(|free| !so_far.free.contains(free));
+        let from = rated.iter().take(STARTS).filter(as_good).chain(other).map(|start| (&start.model, &start.free));
+        let looks = from.chain(balanced.iter().map(|(model, free)| (model, free))).map(|(start, free)| {
+            let own = free.iter().filter(|free| !so_far.free.contains(free));
             let few: Vec<Free> = FIRST.into_iter().chain(own.copied()).collect();
-            let (model, total) = self.problem.look(&start.model, &few, STEPS);
+            let (model, total) = self.problem.look(start, &few, STEPS);
             let of = |free: &[Free]| prior(free, &model, self.problem.belief);
-            let gain = total - of(&few) + of(&start.free);
-            Look { entry: *entry, model, free: start.free.clone(), gain, cost: 0.0, rivals: Vec::new() }
+            let gain = total - of(&few) + of(free);
+            Look { entry: *entry, model, free: free.clone(), gain, cost: 0.0, rivals: Vec::new() }
         });
         let best = looks.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
         let before = self.problem.total_of(so_far);
@@ -115,15 +115,14 @@ impl Search<'_> {
         (rated, all.among)
     }
 
-    /// The effect as it would balance the duty of a rig that else is what is believed, where the fit so far has gone far from that: what
-    /// gain and drag became to follow the record without the effect is no place to start from.
-    fn balanced_start(&self, so_far: &Fit, entry: &Entry) -> Option<Start> {
+    /// The effect as it would balance the duty at the believed gain, drag and hover, where the fit so far has gone far from those: what they
+    /// became to follow the record without the effect is no place to start from. All else is as it was fitted so far.
+    fn balanced_start(&self, so_far: &Fit, entry: &Entry) -> Option<(Model, Vec<Free>)> {
         let belief = self.problem.belief;
         let is_far = |free: Free| free.distance(&so_far.model, belief).abs() > FAR;
         let values = balancing(entry, &self.problem).filter(|_| is_far(Free::Gain) || is_far(Free::Drag))?;
         let (model, free) = added(so_far, entry, &values)?;
-        let model = Model { noise: model.noise, effects: model.effects, ..belief.clone() };
-        Some(Start { place: 0, by_fold: self.problem.by_fold(&model), model, free })
+        Some((Model { noise: model.noise, effects: model.effects, ..belief.clone() }, free))
     }
 
     /// The model as it is; or, for an effect that distorts what is fitted without it, with the noise that is believed, and with all

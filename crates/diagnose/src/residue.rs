@@ -49,15 +49,19 @@ pub struct Residue {
     pub air: f64,
     /// The same as a ratio of the believed one.
     pub air_ratio: f64,
+    /// What each reading counts: of a long record less than 1.
+    #[serde(skip)]
+    pub(crate) weight: f64,
 }
 
-/// What is no chance: each limit is passed by about one right model in a thousand.
+/// What is no chance: each limit is passed by about one right model in a thousand, but where it says otherwise.
 const COLOUR: f64 = 5.5;
 const CHANCE: f64 = 7.0;
 /// Tails of the noise that are not normal make these two less certain.
 const CHANCE_OF_POWER: f64 = 9.0;
-const OMITTED: f64 = 6.5;
-/// The same beside a name: what it stands for may be outside the catalogue, and to doubt it costs less than an alarm where nothing is wrong.
+pub(crate) const OMITTED: f64 = 6.5;
+/// The same beside a name of something that the rig does, passed by about one right name in ninety: what it stands for may be outside the
+/// catalogue, and to doubt it costs less than an alarm where nothing is wrong. A density of readings is no such thing.
 const OMITTED_BESIDE_A_NAME: f64 = 4.5;
 const MOMENTS: f64 = 6.5;
 const OMITTED_OF_CELLS: f64 = 30.0;
@@ -144,6 +148,7 @@ impl Residue {
             coarse: fit.model.effects.sensor_quantisation.is_some(),
             air: long.sqrt() * air,
             air_ratio,
+            weight: long,
         }
     }
 }

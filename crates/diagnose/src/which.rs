@@ -33,7 +33,7 @@ pub(crate) const ALIKE: f64 = 2.0;
 const AIR_ORDERS: [f64; 5] = [0.1, 1.0, 10.0, 100.0, 1000.0];
 const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
 const OTHER_ORDER: f64 = 50.0;
-/// Sizes of a believed effect, beside the one that was fitted, from which it is fitted again, and how far.
+/// Sizes of a believed effect, beside the one that was fitted, from which it is fitted again, and how many steps at least.
 const OTHER_SIZES: [f64; 4] = [0.35, 0.6, 1.7, 2.8];
 const STEPS_FROM_OTHER_SIZES: usize = 4;
 /// What it may be worth at most that gain, drag and hover need not move, nats.

@@ -55,6 +55,10 @@ impl Known {
         }
         for ((re, im), hz) in self.swings.iter_mut().zip(RESONANCES_HZ) {
             let angle = 2.0 * PI * hz * dt;
+            // Readings that are so far apart show another frequency in its place.
+            if angle > PI {
+                continue;
+            }
             let (decay, (sin, cos)) = ((-DAMPING * angle).exp(), angle.sin_cos());
             (*re, *im) = (decay * (*re * cos - *im * sin) + angle * u, decay * (*re * sin + *im * cos));
         }
@@ -127,46 +131,50 @@ fn of_time() -> Vec<Term> {
         term("t²·u", |k| k.t * k.t * k.u),
         term("t·v", |k| k.t * k.v),
     ];
-    let waves = (1..=WAVES_OF_TIME).flat_map(|n| {
-        let angle = f64::from(n) * PI;
-        let words = |which| format!("{which} wave of time, {n} periods a flight");
-        [term(words("an even"), move |k| (angle * k.t).cos()), term(words("an odd"), move |k| (angle * k.t).sin())]
-    });
+    let waves = waves(WAVES_OF_TIME, "", |_| 1.0, over_time);
     products.into_iter().chain(waves).collect()
 }
 
 fn of_gain_over_time() -> Vec<Term> {
-    let waves = (1..=WAVES_OF_GAIN).flat_map(|n| {
-        let angle = f64::from(n) * PI;
-        let words = |which| format!("u times {which} wave of time, {n} periods a flight");
-        [
-            term(words("an even"), move |k| k.u * (angle * k.t).cos()),
-            term(words("an odd"), move |k| k.u * (angle * k.t).sin()),
-        ]
-    });
-    waves.collect()
+    waves(WAVES_OF_GAIN, "u times ", |k| k.u, over_time)
 }
 
 fn waves_of_height() -> Vec<Term> {
-    let waves = (1..=WAVES_OF_HEIGHT).flat_map(|n| {
-        let angle = f64::from(n) * ANGLE;
-        let words = |which| format!("{which} wave of height, {:.1} deviations long", 2.0 * PI / angle);
-        [term(words("an even"), move |k| (angle * k.x).cos()), term(words("an odd"), move |k| (angle * k.x).sin())]
-    });
-    waves.collect()
+    waves(WAVES_OF_HEIGHT, "", |_| 1.0, over_height)
 }
 
 fn waves_of_friction() -> Vec<Term> {
-    let waves = (1..=WAVES_OF_FRICTION).flat_map(|n| {
-        let angle = f64::from(n) * ANGLE;
-        let words =
-            |which| format!("the sign of v times {which} wave of height, {:.1} deviations long", 2.0 * PI / angle);
+    waves(WAVES_OF_FRICTION, "the sign of v times ", |k| step(k.v), over_height)
+}
+
+/// A wave: over what, its angle there for 1, and what follows "wave" in its words.
+struct Wave {
+    over: fn(&Known) -> f64,
+    angle: f64,
+    words: String,
+}
+
+/// Wave number `n` over the time of the flight.
+fn over_time(n: u32) -> Wave {
+    Wave { over: |k| k.t, angle: f64::from(n) * PI, words: format!("of time, {n} periods a flight") }
+}
+
+/// The same over the height.
+fn over_height(n: u32) -> Wave {
+    let angle = f64::from(n) * ANGLE;
+    Wave { over: |k| k.x, angle, words: format!("of height, {:.1} deviations long", 2.0 * PI / angle) }
+}
+
+/// So many even and odd waves, each times a factor that has words of its own.
+fn waves(count: u32, words: &str, factor: fn(&Known) -> f64, wave: fn(u32) -> Wave) -> Vec<Term> {
+    let both = |n: u32| {
+        let Wave { over, angle, words: after } = wave(n);
         [
-            term(words("an even"), move |k| step(k.v) * (angle * k.x).cos()),
-            term(words("an odd"), move |k| step(k.v) * (angle * k.x).sin()),
+            term(format!("{words}an even wave {after}"), move |k| factor(k) * (angle * over(k)).cos()),
+            term(format!("{words}an odd wave {after}"), move |k| factor(k) * (angle * over(k)).sin()),
         ]
-    });
-    waves.collect()
+    };
+    (1..=count).flat_map(both).collect()
 }
 
 fn of_resonance(at: usize) -> Vec<Term> {

@@ -103,14 +103,19 @@ pub(crate) fn explain(search: &Search<'_>, refitted: &Fit) -> Explanation {
 fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds, mut on_the_way): (Vec<Named>, _, _) = (Vec::new(), Vec::new(), Vec::new());
+    let mut residue = None;
     // What so small a misfit gains on a long record needs more than chance would: nobody's form is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
     while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_ROUNDS {
         let (named, tried) = next_effect(search, &fit, long * needed_beside(&effects));
         rounds.push(tried);
         let Some(named) = named else { break };
-        if !effects.is_empty() && named.candidate.gain < SHARE_OF_THE_REST * rest(search, &fit) {
-            break;
+        if !effects.is_empty() {
+            let left = Residue::of(&search.problem, &fit, explained(&effects));
+            if named.candidate.gain < SHARE_OF_THE_REST * (left.omitted / left.weight) {
+                residue = Some(left);
+                break;
+            }
         }
         on_the_way.push(std::mem::replace(&mut fit, named.candidate.fit.clone()));
         if DISTORT.contains(&named.candidate.entry.name) {
@@ -122,7 +127,7 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
         }
         drop_the_needless(search, &mut effects, &mut fit);
     }
-    let residue = Residue::of(&search.problem, &fit, explained(&effects));
+    let residue = residue.unwrap_or_else(|| Residue::of(&search.problem, &fit, explained(&effects)));
     for (change, candidate, without) in search.changed(&fit) {
         if candidate.gain > NAMED {
             fit = without.unwrap_or(fit);
@@ -154,12 +159,6 @@ fn needed_beside(effects: &[Named]) -> f64 {
         1 if !coarse => NAMED_SECOND.max(form),
         _ => NAMED_FURTHER.max(form),
     }
-}
-
-/// What the innovations of a fit ask for, nats of all its readings.
-fn rest(search: &Search<'_>, fit: &Fit) -> f64 {
-    let residue = Residue::of(&search.problem, fit, 0.0);
-    residue.omitted / residue.weight
 }
 
 /// Drops what stood in for an effect that was found after it.

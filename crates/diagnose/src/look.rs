@@ -77,7 +77,9 @@ impl Search<'_> {
         let narrow = self.problem.recording.has_fan_speed();
         let as_good = |start: &&Start| narrow || worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
         // The best from another place is no better at first sight, but may climb higher.
-        let other = rated.iter().find(|start| rated.first().is_some_and(|best| best.place != start.place));
+        let elsewhere = |start: &Start| rated.first().is_some_and(|best| best.place != start.place);
+        let other = rated.iter().enumerate().find(|(_, start)| elsewhere(start));
+        let other = other.filter(|(at, start)| *at >= STARTS || !as_good(start)).map(|(_, start)| start);
         let balanced = self.balanced_start(so_far, entry);
         let from = rated.iter().take(STARTS).filter(as_good).chain(other).map(|start| (&start.model, &start.free));
         let looks = from.chain(balanced.iter().map(|(model, free)| (model, free))).map(|(start, free)| {

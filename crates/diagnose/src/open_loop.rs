@@ -87,8 +87,8 @@ fn detrended(rows: &[Sample], belief: &Model) -> Option<Recording> {
     Recording::new(rows.iter().map(flat).collect()).ok()
 }
 
-/// Slope and offset of the line nearest to the points.
-fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+/// Slope and offset of the line nearest to the points. `None`: they set no slope.
+pub(crate) fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let (t, y) = (mean(|p| p.0), mean(|p| p.1));

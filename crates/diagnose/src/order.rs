@@ -9,7 +9,7 @@
 
 use crate::explain::{Change, Named, TURBULENCE};
 use crate::fit::Fit;
-use crate::gap::{Tally, tallies};
+use crate::gap::Gap;
 use crate::which::Search;
 use plant::Model;
 use rayon::prelude::*;
@@ -54,9 +54,8 @@ impl Search<'_> {
 
     /// Mean square of the forecasts 1 s ahead, mm²; 0, so that all are alike, where the record is too short to say.
     fn square_at_1_s(&self, model: &Model) -> f64 {
-        let folds = self.problem.folds;
-        let all = tallies(model, self.problem.recording, &|row| folds.counts(row).then_some(0));
-        Tally::sum(all.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
+        let gap = Gap::measure_where(model, self.problem.recording, &|row| self.problem.folds.counts(row));
+        gap.error_mm[2].map_or(0.0, |error_mm| error_mm.powi(2))
     }
 }
 

@@ -7,6 +7,7 @@ use crate::comb;
 use crate::fit::{Fit, Problem};
 use crate::grid::coarse_step;
 use crate::hold::hold;
+use crate::open_loop::line;
 use crate::recording::Recording;
 use plant::{Actuator, Entry, Model};
 
@@ -60,12 +61,8 @@ pub(crate) fn balancing(entry: &Entry, problem: &Problem<'_>) -> Option<Vec<f64>
     }
     let rows = problem.recording.samples().iter().enumerate().filter(|(row, _)| problem.folds.counts(*row));
     let pairs: Vec<(f64, f64)> = rows.filter_map(|(_, s)| Some((s.position_mm?, s.duty_percent))).collect();
-    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len().max(1) as f64;
-    let (x, u) = (mean(|pair| pair.0), mean(|pair| pair.1));
-    let square: f64 = pairs.iter().map(|pair| (pair.0 - x).powi(2)).sum();
-    let slope = pairs.iter().map(|pair| (pair.0 - x) * (pair.1 - u)).sum::<f64>() / square;
-    let gradient = problem.belief.gain_mm_per_s2_per_percent * slope;
-    gradient.is_finite().then(|| vec![gradient])
+    let (slope, _) = line(&pairs)?;
+    Some(vec![problem.belief.gain_mm_per_s2_per_percent * slope])
 }
 
 /// Sorted values at a share of their order.

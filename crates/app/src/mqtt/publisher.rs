@@ -58,14 +58,22 @@ impl Publisher {
         if let Some(state) = newest {
             self.in_force = Some(state.in_force());
         }
-        for _ in 0..ROOM {
-            let Ok(answer) = self.answers.pop() else { break };
-            self.in_force = Some(answer.in_force);
-            if answer.refused.is_some() {
-                count(&self.counters.refused);
-            }
-            self.send_json(&self.topics.reply, QoS::AtLeastOnce, &Reply::from(answer));
+        for reply in self.replies(now) {
+            self.send_json(&self.topics.reply, QoS::AtLeastOnce, &reply);
         }
+        if let Some(state) = newest {
+            self.send_state(state);
+        }
+    }
+
+    /// What is to be replied. A message that never reached the loop is answered before a later one that the loop obeyed: its refusal was here
+    /// before that one's answer, so that it is looked for after the answers are taken and told before them.
+    fn replies(&mut self, now: Instant) -> Vec<Reply> {
+        let answers: Vec<_> = (0..ROOM).map_while(|_| self.answers.pop().ok()).collect();
+        if let Some(newest) = answers.last() {
+            self.in_force = Some(newest.in_force);
+        }
+        let mut replies = Vec::new();
         for _ in 0..ROOM {
             let Ok(Aside { topic, what }) = self.asides.try_recv() else { break };
             let reason = match what {
@@ -75,12 +83,11 @@ impl Publisher {
                     None
                 }
             };
-            let reply = Reply { topic, accepted: reason.is_none(), in_force: self.in_force, reason };
-            self.send_json(&self.topics.reply, QoS::AtLeastOnce, &reply);
+            replies.push(Reply { topic, accepted: reason.is_none(), in_force: self.in_force, reason });
         }
-        if let Some(state) = newest {
-            self.send_state(state);
-        }
+        answers.iter().filter(|answer| answer.refused.is_some()).for_each(|_| count(&self.counters.refused));
+        replies.extend(answers.into_iter().map(Reply::from));
+        replies
     }
 
     /// Publishes the state if it is time.
@@ -134,13 +141,40 @@ fn next(due: Instant, now: Instant) -> Instant {
 
 #[cfg(test)]
 mod tests {
-    use super::{STATE_PERIOD, next};
-    use std::time::{Duration, Instant};
+    use super::super::link_tests::{about, in_force};
+    use super::super::mailbox::Mailbox;
+    use super::{Arc, Aside, Duration, Instant, Line, Publisher, ROOM, STATE_PERIOD, Stream, Topics, What, next};
+    use crate::command::Command;
+    use crate::mqtt::message::Answer;
+    use std::sync::mpsc::sync_channel;
 
     #[test]
     fn a_late_state_does_not_shift_the_next_and_a_silence_is_not_made_up_for() {
         let due = Instant::now();
         assert_eq!(next(due, due + Duration::from_millis(19)), due + STATE_PERIOD);
         assert_eq!(next(due, due + Duration::from_secs(60)), due + Duration::from_secs(60));
+    }
+
+    #[test]
+    fn a_refusal_without_the_loop_is_told_before_what_the_loop_obeyed_after_it() {
+        let (mut mailbox, far) = Mailbox::new(Arc::default());
+        let (aside, asides) = sync_channel(ROOM);
+        let mut publisher = Publisher {
+            topics: Arc::new(Topics::new("rig1").unwrap()),
+            answers: far.answers,
+            states: far.states,
+            asides,
+            line: Arc::new(Line::new(&about())),
+            counters: Arc::default(),
+            in_force: None,
+            due: Instant::now(),
+            stream: Stream::default(),
+        };
+        aside.send(Aside { topic: "set/#".into(), what: What::Refused("too large".into()) }).unwrap();
+        mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0) });
+        let replies = publisher.replies(Instant::now());
+        let told: Vec<_> = replies.iter().map(|reply| (reply.topic.as_str(), reply.accepted)).collect();
+        assert_eq!(told, [("set/#", false), ("set/mode", true)]);
+        assert!(replies.iter().all(|reply| reply.in_force == Some(in_force(1.0))));
     }
 }

@@ -16,7 +16,7 @@ mod doubt;
 
 pub(crate) use back::{Back, Leg, Nudged, Smoothed, smoothed};
 pub(crate) use doubt::Steps;
-use doubt::{derivative, process_noise, remembered, vector};
+use doubt::{derivative, grown, process_noise, remembered, vector};
 
 use crate::likelihood::{Reading, Surprise};
 use crate::recording::{Sample, duration_s};
@@ -58,8 +58,8 @@ pub(crate) struct Cursor<'a> {
     chatters: bool,
     /// Variance of a reading, mm².
     reading_mm2: f64,
-    /// What the way back needs; `None`: nobody goes back.
-    back: Option<Back>,
+    /// What the way back needs, apart because most filters lack it; `None`: nobody goes back.
+    back: Option<Box<Back>>,
 }
 
 /// Duties on their way to be flown as their mean.
@@ -253,15 +253,15 @@ impl<'a> Cursor<'a> {
         } else {
             motion.step(self.model, commanded, dt)
         };
-        let (transition, noise) = known.doubt(dt, || {
+        let doubt = known.doubt(dt, || {
             let transition = derivative(self.model, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
         });
         if let Some(back) = &mut self.back {
-            back.go(&transition);
+            back.go(&doubt.0);
         }
         self.state = vector(&next);
-        self.covariance = transition * self.covariance * transition.transpose() + noise;
+        self.covariance = grown(self.model, &doubt, &self.covariance);
     }
 }
 

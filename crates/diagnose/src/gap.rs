@@ -162,12 +162,15 @@ fn horizons(
     show: &mut dyn FnMut(usize, [Errors; 3]),
 ) {
     let samples = recording.samples();
+    let (mut flight, mut half_period_s) = (0..0, 0.0);
     for from in starts(track, recording) {
         let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
         let Some(group) = group(row) else { continue };
+        if !flight.contains(&row) {
+            flight = recording.flight_of(row);
+            half_period_s = reading_period_s(&samples[flight.clone()]) / 2.0;
+        }
         // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
-        let flight = &samples[recording.flight_of(row)];
-        let half_period_s = reading_period_s(flight) / 2.0;
         let mut errors = [Errors::default(); 3];
         let mut horizon = 0;
         for forecast in track.forecasts(from) {

@@ -46,6 +46,13 @@ pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
     all
 }
 
+/// What is expected of each row's reading, mm; `None` where there is none, or the model says that the sensor only repeated itself.
+pub(crate) fn expected_mm(model: &Model, recording: &Recording) -> Vec<Option<f64>> {
+    let mut all = vec![None; recording.samples().len()];
+    along(model, recording, None, None, |row, surprise, cursor| all[row] = cursor.map(|_| surprise.expected_mm));
+    all
+}
+
 /// The way from reading to reading, and how each was seen coming.
 pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)> {
     let mut all = Vec::with_capacity(recording.samples().len());

@@ -10,6 +10,7 @@
 //! position does without a lag, are left out of the inverse.
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
+use super::doubt::NO_DOUBT;
 use super::{Cursor, Square, State, remembered, seen_state};
 use crate::likelihood::Surprise;
 use plant::Model;
@@ -71,12 +72,12 @@ pub(crate) struct Smoothed {
 impl Cursor<'_> {
     /// The same filter, which remembers what the way back needs.
     pub(crate) fn remembering(self, back: Option<Back>) -> Self {
-        Self { back, ..self }
+        Self { back: back.map(Box::new), ..self }
     }
 
     /// The way to the reading that was taken last. `None`: this filter does not remember.
     pub(crate) fn leg(&self) -> Option<Leg> {
-        let (transition, expected) = self.back?.leg;
+        let (transition, expected) = self.back.as_ref()?.leg;
         Some(Leg { time_s: self.time_s, transition, expected, filtered: (self.state, self.covariance) })
     }
 }
@@ -108,6 +109,8 @@ impl Nudged {
         let moved_mm = self.0[seen] + shift_mm;
         let towards = leg.expected.1.column(seen);
         self.0 -= towards * (taken.weight * moved_mm / taken.variance_mm2);
+        // What is forgotten is forgotten for good: see `NO_DOUBT`.
+        self.0.apply(|moved| *moved = if moved.abs() < NO_DOUBT { 0.0 } else { *moved });
         moved_mm
     }
 }

@@ -7,12 +7,17 @@
 //! ```
 
 use super::{STATES, Square, State};
+use nalgebra::SMatrix;
 use plant::{Model, Motion};
 
 /// Steps of the differences, each small beside a flight and large beside rounding.
 const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3];
 /// Lengths of steps that are remembered: a clock of whole milliseconds has few.
 const STEPS_KNOWN: usize = 16;
+
+/// Doubt that is none, in any unit. What nothing disturbs, as a fan's lag, is known ever better, and numbers so small that a processor has no
+/// normal form for them make a step ten times as slow.
+pub(super) const NO_DOUBT: f64 = 1e-100;
 
 /// How a step of a certain length moves doubt: Φ and Q.
 pub(super) type Doubt = (Square, Square);
@@ -50,6 +55,38 @@ impl Steps {
         }
         doubt
     }
+}
+
+/// P ← Φ·P·Φᵀ + Q, in the states that `model` remembers alone: what follows from them or from the command is never asked for its doubt. Most models
+/// remember two of five, and this product is most of what a search takes.
+pub(super) fn grown(model: &Model, (transition, noise): &Doubt, covariance: &Square) -> Square {
+    let mut own = [0; STATES];
+    let mut count = 0;
+    for (i, _) in remembered(model).iter().enumerate().filter(|(_, remembered)| **remembered) {
+        own[count] = i;
+        count += 1;
+    }
+    let [a, b, c, d, e] = own;
+    match count {
+        2 => grown_in([a, b], transition, noise, covariance),
+        3 => grown_in([a, b, c], transition, noise, covariance),
+        4 => grown_in([a, b, c, d], transition, noise, covariance),
+        _ => grown_in([a, b, c, d, e], transition, noise, covariance),
+    }
+}
+
+fn grown_in<const N: usize>(own: [usize; N], transition: &Square, noise: &Square, covariance: &Square) -> Square {
+    let of = |all: &Square| SMatrix::<f64, N, N>::from_fn(|i, j| all[(own[i], own[j])]);
+    let transition = of(transition);
+    let known = transition * of(covariance) * transition.transpose() + of(noise);
+    let mut all = Square::zeros();
+    for (i, at) in own.iter().enumerate() {
+        for (j, and) in own.iter().enumerate() {
+            let doubt = known[(i, j)];
+            all[(*at, *and)] = if doubt.abs() < NO_DOUBT { 0.0 } else { doubt };
+        }
+    }
+    all
 }
 
 /// The covariance that the air gathers over a step with this `transition`.
@@ -102,4 +139,47 @@ pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion
         transition.set_column(i, &((nudged(NUDGE[i]) - nudged(-NUDGE[i])) / (2.0 * NUDGE[i])));
     }
     transition
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Square, grown};
+    use crate::tests_support::model;
+    use plant::{Effects, Model};
+
+    /// Any matrix: entries of both signs that follow no rule that a product would share.
+    fn any(seed: f64) -> Square {
+        Square::from_fn(|i, j| (seed + 7.1 * i as f64 + 3.3 * j as f64).sin())
+    }
+
+    #[test]
+    fn doubt_grows_as_the_whole_product_says_in_the_states_that_are_remembered() {
+        let none = Model { effects: Effects::default(), ..model() };
+        let mut all = model();
+        all.effects.set("turbulence", &[300.0, 0.5]);
+        let mut two = all.clone();
+        all.effects.set("sensor_lag", &[0.1]);
+        two.effects.remove("fan_lag");
+        for (model, own) in [(none, &[0, 1][..]), (model(), &[0, 1, 2]), (two, &[0, 1, 3]), (all, &[0, 1, 2, 3, 4])] {
+            let is_own = |i: usize| own.contains(&i);
+            let of_own = |m: Square| Square::from_fn(|i, j| if is_own(i) && is_own(j) { m[(i, j)] } else { 0.0 });
+            let [transition, noise, before] = [1.0, 2.0, 3.0].map(|seed| of_own(any(seed)));
+            let whole = transition * before * transition.transpose() + noise;
+            let grown = grown(&model, &(transition, noise), &before);
+            assert!((grown - whole).abs().max() < 1e-14, "{grown} for {whole}");
+            // What the others have is not asked for.
+            let spoilt = Square::from_fn(|i, j| if is_own(i) && is_own(j) { before[(i, j)] } else { f64::NAN });
+            assert_eq!(super::grown(&model, &(transition, noise), &spoilt), grown);
+        }
+    }
+
+    #[test]
+    fn doubt_that_fades_becomes_none_and_no_number_too_small_for_the_processor() {
+        let (mut doubt, halve) = (any(1.0), Square::identity() * 0.5);
+        for _ in 0..600 {
+            doubt = grown(&model(), &(halve, Square::zeros()), &doubt);
+            assert!(doubt.iter().all(|number| *number == 0.0 || number.is_normal()), "{doubt}");
+        }
+        assert_eq!(doubt, Square::zeros());
+    }
 }

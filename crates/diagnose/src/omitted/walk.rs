@@ -8,7 +8,7 @@ use crate::free::Free;
 use crate::lag::{LAGS, form_s};
 use crate::likelihood::Surprise;
 use crate::recording::Recording;
-use crate::track::legs;
+use crate::track::{expected_mm, legs};
 use nalgebra::DVector;
 use plant::Model;
 use std::ops::Range;
@@ -150,12 +150,9 @@ fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Free)> + '_ {
 
 /// How far each expected reading moves with a fitted number, in deviations by the number's scale.
 fn moved(problem: &Problem<'_>, model: &Model, free: Free, way: &[(Surprise, Leg)]) -> Vec<f64> {
-    let mut there = vec![None; problem.recording.samples().len()];
-    for (surprise, _) in legs(&free.moved(model, DIFFERENCE), problem.recording) {
-        there[surprise.row] = Some(surprise.expected_mm);
-    }
+    let there = expected_mm(&free.moved(model, DIFFERENCE), problem.recording);
     let shift = |(surprise, _): &(Surprise, Leg)| {
-        let moved_mm = there[surprise.row].map_or(0.0, |there: f64| there - surprise.expected_mm);
+        let moved_mm = there[surprise.row].map_or(0.0, |there| there - surprise.expected_mm);
         moved_mm / DIFFERENCE / surprise.variance_mm2.sqrt()
     };
     way.iter().map(shift).collect()

@@ -14,7 +14,7 @@
 mod back;
 mod doubt;
 
-pub(crate) use back::{Back, Leg, Nudged, Smoothed, smoothed};
+pub(crate) use back::{Back, Leg, Nudged, Smoothed, Trace, smoothed};
 pub(crate) use doubt::Steps;
 use doubt::{derivative, grown, process_noise, remembered, vector};
 

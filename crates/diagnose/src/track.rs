@@ -1,7 +1,7 @@
 //! A model's filter along a whole recording, and forecasts from any of its readings.
 
 use crate::along::along;
-use crate::cursor::{Back, Cursor, Leg, Smoothed, Steps, smoothed};
+use crate::cursor::{Back, Cursor, Leg, Smoothed, Steps, Trace, smoothed};
 use crate::likelihood::Surprise;
 use crate::recording::Recording;
 use crate::rotor;
@@ -55,7 +55,7 @@ pub(crate) fn expected_mm(model: &Model, recording: &Recording) -> Vec<Option<f6
 
 /// The way from reading to reading, and how each was seen coming.
 pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)> {
-    let mut all = Vec::with_capacity(recording.samples().len());
+    let mut all = Vec::with_capacity(recording.readings());
     along(model, recording, Some(Back::default()), None, |_, surprise, cursor| {
         all.extend(cursor.and_then(Cursor::leg).map(|leg| (surprise, leg)));
     });
@@ -64,11 +64,11 @@ pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)>
 
 /// What the whole flight, before and after it, says of each reading's moment: the row and the states.
 pub(crate) fn hindsight(model: &Model, recording: &Recording) -> Vec<(usize, Smoothed)> {
-    let (mut rows, mut legs) = (Vec::new(), Vec::new());
+    let (mut rows, mut traces) = (Vec::new(), Vec::<Trace>::new());
     along(model, recording, Some(Back::default()), None, |row, _, cursor| {
-        if let Some(leg) = cursor.and_then(Cursor::leg) {
+        if let Some(trace) = cursor.and_then(Cursor::trace) {
             rows.push(row);
-            legs.push(leg);
+            traces.push(trace);
         }
     });
     let flights = recording.flights().iter();
@@ -77,7 +77,7 @@ pub(crate) fn hindsight(model: &Model, recording: &Recording) -> Vec<(usize, Smo
     };
     let known = flights.flat_map(|flight| {
         let own = of(flight);
-        rows[own.clone()].iter().copied().zip(smoothed(model, &legs[own])).collect::<Vec<_>>()
+        rows[own.clone()].iter().copied().zip(smoothed(model, &traces[own])).collect::<Vec<_>>()
     });
     known.collect()
 }

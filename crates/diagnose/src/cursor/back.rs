@@ -47,10 +47,20 @@ impl Back {
     }
 }
 
-/// The way from one reading to the next.
+/// The way from one reading to the next, as it matters to those who follow it on.
 pub(crate) struct Leg {
     /// The moment of the reading, seconds since the start of the flight.
     pub(crate) time_s: f64,
+    transition: Square,
+    /// How far the reading moves each state, but for its surprise over its variance.
+    towards: State,
+    /// Height and velocity, as they are known after the reading, mm and mm/s.
+    pub(crate) known: (f64, f64),
+}
+
+/// The same as it matters to those who come back along it.
+pub(crate) struct Trace {
+    time_s: f64,
     transition: Square,
     expected: Known,
     filtered: Known,
@@ -77,8 +87,15 @@ impl Cursor<'_> {
 
     /// The way to the reading that was taken last. `None`: this filter does not remember.
     pub(crate) fn leg(&self) -> Option<Leg> {
+        let (transition, (_, expected)) = &self.back.as_ref()?.leg;
+        let towards = expected.column(seen_state(self.model)).into_owned();
+        Some(Leg { time_s: self.time_s, transition: *transition, towards, known: self.position_and_velocity() })
+    }
+
+    /// The same for the way back.
+    pub(crate) fn trace(&self) -> Option<Trace> {
         let (transition, expected) = self.back.as_ref()?.leg;
-        Some(Leg { time_s: self.time_s, transition, expected, filtered: (self.state, self.covariance) })
+        Some(Trace { time_s: self.time_s, transition, expected, filtered: (self.state, self.covariance) })
     }
 }
 
@@ -107,25 +124,17 @@ impl Nudged {
         pushed[1] += 0.5 * dt * push;
         self.0 = leg.transition * self.0 + pushed;
         let moved_mm = self.0[seen] + shift_mm;
-        let towards = leg.expected.1.column(seen);
-        self.0 -= towards * (taken.weight * moved_mm / taken.variance_mm2);
+        self.0 -= leg.towards * (taken.weight * moved_mm / taken.variance_mm2);
         // What is forgotten is forgotten for good: see `NO_DOUBT`.
         self.0.apply(|moved| *moved = if moved.abs() < NO_DOUBT { 0.0 } else { *moved });
         moved_mm
     }
 }
 
-impl Leg {
-    /// Height and velocity, as they are known after the reading, mm and mm/s.
-    pub(crate) fn known(&self) -> (f64, f64) {
-        (self.filtered.0[0], self.filtered.0[1])
-    }
-}
-
 /// What is known in hindsight at the end of each leg.
-pub(crate) fn smoothed(model: &Model, legs: &[Leg]) -> Vec<Smoothed> {
+pub(crate) fn smoothed(model: &Model, legs: &[Trace]) -> Vec<Smoothed> {
     let mut all = Vec::with_capacity(legs.len());
-    let mut later: Option<(Known, &Leg)> = None;
+    let mut later: Option<(Known, &Trace)> = None;
     for leg in legs.iter().rev() {
         let known = later.map_or(leg.filtered, |(known, next)| back(model, leg.filtered, next, known));
         let (state, covariance) = known;
@@ -142,7 +151,7 @@ pub(crate) fn smoothed(model: &Model, legs: &[Leg]) -> Vec<Smoothed> {
 }
 
 /// What is known of a moment, `filtered` so far, once `later` is known of the end of the leg that follows.
-fn back(model: &Model, filtered: Known, next: &Leg, later: Known) -> Known {
+fn back(model: &Model, filtered: Known, next: &Trace, later: Known) -> Known {
     let (state, covariance) = filtered;
     let Some(gain) = gain(model, &covariance, next) else { return filtered };
     let (expected, spread) = next.expected;
@@ -150,7 +159,7 @@ fn back(model: &Model, filtered: Known, next: &Leg, later: Known) -> Known {
 }
 
 /// G. `None`: the covariance has no inverse, and nothing is learnt from later.
-fn gain(model: &Model, covariance: &Square, next: &Leg) -> Option<Square> {
+fn gain(model: &Model, covariance: &Square, next: &Trace) -> Option<Square> {
     let spread = next.expected.1;
     let own = remembered(model);
     // In units of each state's own deviation: positions and accelerations differ by orders of magnitude.

@@ -171,8 +171,8 @@ fn known(problem: &Problem<'_>, fit: &Fit, way: &[(Surprise, Leg)]) -> Vec<(Opti
     let samples = problem.recording.samples();
     let u = |at: usize| samples[way[at].0.row].duty_percent - fit.model.hover_duty_percent;
     let scale_u = spread((0..way.len()).map(u)).1;
-    let (middle, scale_x) = spread(way.iter().map(|(_, leg)| leg.known().0));
-    let scale_v = spread(way.iter().map(|(_, leg)| leg.known().1)).1;
+    let (middle, scale_x) = spread(way.iter().map(|(_, leg)| leg.known.0));
+    let scale_v = spread(way.iter().map(|(_, leg)| leg.known.1)).1;
     let mut known = Known::default();
     let step = |k: usize| {
         let flight = problem.recording.flight_of(way[k].0.row);
@@ -183,7 +183,7 @@ fn known(problem: &Problem<'_>, fit: &Fit, way: &[(Surprise, Leg)]) -> Vec<(Opti
         };
         let length_s = samples[flight.end - 1].time_s - samples[flight.start].time_s;
         let dt = (way[k].1.time_s - way[before].1.time_s).clamp(0.0, GAP_S);
-        let (x, v) = way[before].1.known();
+        let (x, v) = way[before].1.known;
         let t = 2.0 * way[k].1.time_s / length_s.max(f64::MIN_POSITIVE) - 1.0;
         known.go_on(dt, [u(before) / scale_u, (x - middle) / scale_x, v / scale_v, t]);
         (Some(dt), known)

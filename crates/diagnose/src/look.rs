@@ -2,7 +2,7 @@
 
 use crate::fit::{Fit, Worth};
 use crate::free::{Free, free_of_effect, prior};
-use crate::starts::{balancing, starts};
+use crate::starts::{Starts, balancing, starts};
 use crate::which::{CONTAINS, Search};
 use plant::{Entry, Model};
 use rayon::prelude::*;
@@ -17,6 +17,10 @@ const FAR: f64 = 1.0;
 const MANY_STARTS: usize = 4;
 /// What each number of an effect beyond the first may gain by chance, nats.
 const COST_OF_A_NUMBER: f64 = 1.5;
+/// A look that ends so much below nothing, nats, is stuck: no step leads from so large an effect to a small one, or to none. It is made again
+/// from these shares of its starts.
+const STUCK: f64 = 10.0;
+const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
 /// What moves at a first look beside the effect's own numbers.
 const FIRST: [Free; 4] = [Free::Gain, Free::Drag, Free::Hover, Free::AirNoise];
 /// Effects without which the noise, or all numbers, must be far from the belief to follow the record.
@@ -69,9 +73,22 @@ fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Free>)>
 }
 
 impl Search<'_> {
-    /// A few steps of the numbers that matter most from the effect's best starts; the best of them.
+    /// A few steps of the numbers that matter most from the effect's best starts; the best of them. Readings of little noise show an effect
+    /// of another size from so far off that a start nearer to nothing is needed.
     pub(crate) fn look(&self, so_far: &Fit, entry: &Entry) -> Option<Look> {
-        let (rated, among) = self.rated_starts(so_far, entry);
+        let all = starts(entry, so_far, &self.problem);
+        let nearer = all.nearer(&entry.neutral(&so_far.model), &NEARER);
+        let look = self.look_from(so_far, entry, all)?;
+        if look.gain > -STUCK {
+            return Some(look);
+        }
+        // Small sizes share one valley: the choice among them is none that other folds would make otherwise.
+        let small = self.look_from(so_far, entry, nearer).map(|small| Look { rivals: Vec::new(), ..small });
+        small.filter(|small| small.gain > look.gain).or(Some(look))
+    }
+
+    fn look_from(&self, so_far: &Fit, entry: &Entry, all: Starts) -> Option<Look> {
+        let (rated, among) = self.rated(so_far, entry, all);
         let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
         // A recorded speed of the fan shows the timing to a hair: its valleys are narrow, and nothing says at first sight which is near.
         let narrow = self.problem.recording.has_fan_speed();
@@ -99,9 +116,8 @@ impl Search<'_> {
         Some(Look { gain: best.gain - before, rivals, cost, ..best })
     }
 
-    /// Every start of the effect, the one that explains most as it is first, and among how many they were chosen.
-    fn rated_starts(&self, so_far: &Fit, entry: &Entry) -> (Vec<Start>, usize) {
-        let all = starts(entry, so_far, &self.problem);
+    /// These starts of the effect, the one that explains most as it is first, and among how many they were chosen.
+    fn rated(&self, so_far: &Fit, entry: &Entry, all: Starts) -> (Vec<Start>, usize) {
         let rated = all.values.into_par_iter().flat_map_iter(|values| {
             let start = added(so_far, entry, &values);
             let models =

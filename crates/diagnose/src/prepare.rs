@@ -78,7 +78,7 @@ fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Fin
         None => flight,
     };
     let smooth = is_smooth(&findings, &flight, belief);
-    let Some((how, thinned)) = thinned(&flight, all, smooth) else { return (findings, flight, answers) };
+    let Some((how, thinned)) = thinned(&flight, all, belief, smooth) else { return (findings, flight, answers) };
     findings.push(if how.means {
         Finding::Averaged { merged: how.merged }
     } else {

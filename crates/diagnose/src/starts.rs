@@ -24,6 +24,18 @@ pub(crate) struct Starts {
     pub(crate) among: usize,
 }
 
+impl Starts {
+    /// These shares of the way from `neutral`, where the effect does nothing, to each of the starts.
+    pub(crate) fn nearer(&self, neutral: &[f64], shares: &[f64]) -> Self {
+        let at = |values: &[f64], share: f64| {
+            values.iter().zip(neutral).map(|(v, none)| none + share * (v - none)).collect()
+        };
+        let values: Vec<_> =
+            shares.iter().flat_map(|share| self.values.iter().map(|values| at(values, *share))).collect();
+        Self { among: self.among + values.len(), values }
+    }
+}
+
 /// Values of `entry` to start from, for a record of a rig that so far is `fit`.
 pub(crate) fn starts(entry: &Entry, fit: &Fit, problem: &Problem<'_>) -> Starts {
     if entry.name == "duty_quantisation" {

@@ -3,9 +3,11 @@
 //! Every duty is kept, since what a fan makes of a duty that chatters is not what it makes of its mean. Readings are merged to some that are a
 //! hundredth of a second apart: a ball in a pipe, or an arm, does not show more than that. Each is the mean of the readings about it, and
 //! as much surer: the controller saw them all, and a filter that left some out would take what the controller makes of them for
-//! something that the rig does. Readings whose mean is no reading (coarse, held, wild, without noise) are picked, one in so many.
+//! something that the rig does. Readings whose mean is no reading (coarse, held, wild, with less noise than their path bends) are picked, one in
+//! so many.
 
 use crate::recording::{Recording, Sample};
+use plant::Model;
 
 /// Recordings with fewer rows together are taken as they are.
 const MANY_ROWS: usize = 20_000;
@@ -14,6 +16,8 @@ const ENOUGH_HZ: f64 = 100.0;
 /// The same where rows are many even so, and how many that is.
 const FEWER_HZ: f64 = 50.0;
 const VERY_MANY_ROWS: f64 = 400_000.0;
+/// What a path bends by within a block moves its mean off the middle; it may do so by this share of the mean's own noise.
+const BENT: f64 = 0.3;
 /// Share of the blocks of readings that must be whole.
 const ENOUGH_WHOLE: f64 = 0.9;
 
@@ -26,8 +30,14 @@ pub(crate) struct Thinned {
     pub(crate) means: bool,
 }
 
-/// The thinned flight, one of `all`, and how; `None` where it is used as it is. `smooth`: a mean of its readings is a reading.
-pub(crate) fn thinned(flight: &Recording, all: &[Recording], smooth: bool) -> Option<(Thinned, Recording)> {
+/// The thinned flight, one of `all`, of a rig that is believed to be `belief`, and how; `None` where it is used as it is. `smooth`: the
+/// mean of readings of a ball at rest is a reading.
+pub(crate) fn thinned(
+    flight: &Recording,
+    all: &[Recording],
+    belief: &Model,
+    smooth: bool,
+) -> Option<(Thinned, Recording)> {
     let samples = flight.samples();
     let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
     let (all_rows, all_s) =
@@ -40,13 +50,23 @@ pub(crate) fn thinned(flight: &Recording, all: &[Recording], smooth: bool) -> Op
     }
     // An odd number has a row in the middle.
     let count = merged | 1;
-    let means = if smooth { means(samples, count) } else { None };
+    let straight =
+        bend_mm(samples, belief, count as f64 / rate_hz) < BENT * belief.noise.sensor_mm / (count as f64).sqrt();
+    let means = if smooth && straight { means(samples, count) } else { None };
     if let Some(rows) = means {
         let recording = Recording::new(rows).ok()?.of_means(count);
         return Some((Thinned { merged: count, means: true }, recording));
     }
     let rows = samples.iter().enumerate().map(|(k, row)| if k.is_multiple_of(merged) { *row } else { unread(row) });
     Recording::new(rows.collect()).ok().map(|recording| (Thinned { merged, means: false }, recording))
+}
+
+/// How far the mean of a block of so many seconds lies off its middle, mm: a·T²/24 for the acceleration that the duty's spread gives the ball.
+fn bend_mm(samples: &[Sample], belief: &Model, seconds: f64) -> f64 {
+    let count = samples.len().max(1) as f64;
+    let mean = samples.iter().map(|row| row.duty_percent).sum::<f64>() / count;
+    let spread = (samples.iter().map(|row| (row.duty_percent - mean).powi(2)).sum::<f64>() / count).sqrt();
+    belief.gain_mm_per_s2_per_percent.abs() * spread * seconds * seconds / 24.0
 }
 
 /// The rows, of each `count` the middle one with the mean of their readings, where none of them lacks one. `None`: too many do.
@@ -90,10 +110,10 @@ mod tests {
     #[test]
     fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_every_duty_and_some_readings() {
         let slow = record(&model(), 1, 20);
-        assert!(thinned(&slow, slow.as_ref(), true).is_none());
+        assert!(thinned(&slow, slow.as_ref(), &model(), true).is_none());
         let fast = fast(|_| true);
         for (smooth, merged) in [(false, 10), (true, 11)] {
-            let (how, thin) = thinned(&fast, fast.as_ref(), smooth).unwrap();
+            let (how, thin) = thinned(&fast, fast.as_ref(), &model(), smooth).unwrap();
             assert_eq!(how, Thinned { merged, means: smooth });
             assert_eq!((thin.samples().len(), thin.readings()), (40_000, 40_000 / merged));
             assert_eq!(thin.mean_of(0), if smooth { merged } else { 1 });
@@ -106,9 +126,21 @@ mod tests {
     }
 
     #[test]
+    fn readings_whose_path_bends_more_than_their_noise_are_picked() {
+        let mut quiet = model();
+        let fast = fast(|_| true);
+        // 254.6 mm/s² per percent, a duty that spreads by 2.87 %, blocks of 11 ms: 0.0037 mm.
+        for (sensor_mm, means) in [(0.05, true), (0.03, false)] {
+            quiet.noise.sensor_mm = sensor_mm;
+            let (how, _) = thinned(&fast, fast.as_ref(), &quiet, true).unwrap();
+            assert_eq!(how.means, means, "{sensor_mm} mm");
+        }
+    }
+
+    #[test]
     fn readings_with_too_many_holes_are_picked() {
         let holes = fast(|k| k % 12 != 5);
-        let (how, thin) = thinned(&holes, holes.as_ref(), true).unwrap();
+        let (how, thin) = thinned(&holes, holes.as_ref(), &model(), true).unwrap();
         assert!(!how.means && thin.mean_of(0) == 1, "{how:?}");
     }
 }

@@ -220,7 +220,7 @@ mod tests {
     use super::{Candidate, Search};
     use crate::diagnosis::Options;
     use crate::folds::Folds;
-    use crate::tests_support::{model, record};
+    use crate::tests_support::{model, record, shaken};
     use plant::effects::DeadZone;
     use plant::{Effects, Model};
 
@@ -253,6 +253,27 @@ mod tests {
             let found = candidates(&model(), &record(&rig, seed, 60));
             let width = found[0].fit.model.effects.dead_zone.map(|z| z.upper_percent - z.lower_percent).unwrap();
             assert!(found[0].gain > 5.0 && (0.3..0.9).contains(&width), "{} nats, {width} %", found[0].gain);
+        }
+    }
+
+    #[test]
+    fn finds_an_effect_far_smaller_than_usual_where_readings_have_almost_no_noise() {
+        let quiet = plant::Noise { sensor_mm: 0.005, acceleration_psd_mm2_per_s3: 20.0 };
+        let belief = Model { effects: Effects::default(), noise: quiet, ..model() };
+        for (name, value) in [("fan_lag", 0.012), ("transport_delay", 0.006)] {
+            let mut rig = belief.clone();
+            rig.effects.set(name, &[value]);
+            let found = candidates(&belief, &shaken(&rig, 1, 40));
+            let own = found.iter().find(|candidate| candidate.entry.name == name).unwrap();
+            assert!(
+                own.gain > 10.0 && own.gain > found[0].gain - 3.0,
+                "{name} {}, {} {}",
+                own.gain,
+                found[0].entry.name,
+                found[0].gain
+            );
+            let value_found = own.fit.model.effects.values(name).unwrap()[0];
+            assert!((value_found / value - 1.0).abs() < 0.1, "{name}: {value_found} of {value}");
         }
     }
 

@@ -13,6 +13,7 @@
 
 mod back;
 mod doubt;
+mod friction;
 
 pub(crate) use back::{Back, Leg, Nudged, Smoothed, Trace, smoothed};
 pub(crate) use doubt::Steps;
@@ -33,8 +34,6 @@ const MAX_STEP_S: f64 = 0.02;
 pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
 /// Duties that follow each other faster than this are flown as their mean, seconds.
 const CHATTER_S: f64 = 0.005;
-/// Below this speed friction is smoothed, whatever the filter knows.
-const SLOWEST_MM_PER_S: f64 = 1.0;
 /// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
 const WILD_IN_A_ROW: u32 = 2;
 /// The same for a sensor that is believed to have wild readings: they may come in bursts.
@@ -243,14 +242,8 @@ impl<'a> Cursor<'a> {
         // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
         let endless = |nudged: &Motion| match &self.model.effects.wall_friction {
             Some(friction) => {
-                let (full, before) = (friction.acceleration_mm_per_s2, nudged.velocity_mm_per_s);
-                let slid = nudged.slide(self.model, commanded, mean_friction(full, before, roughness), dt);
-                let after = slid.velocity_mm_per_s;
-                if (after - before).abs() <= roughness {
-                    return slid;
-                }
-                // The velocity is known better than it changes.
-                nudged.slide(self.model, commanded, friction_on_the_way(full, (before, after), roughness), dt)
+                let full = friction.acceleration_mm_per_s2;
+                friction::slide(self.model, nudged, (commanded, full), roughness, dt)
             }
             None => nudged.step_in_endless_pipe(self.model, commanded, dt),
         };
@@ -269,19 +262,6 @@ impl<'a> Cursor<'a> {
         self.state = vector(&next);
         self.covariance = grown(self.model, &doubt, &self.covariance);
     }
-}
-
-/// What friction does on average to a ball whose velocity is known to `roughness` mm/s only, mm/s²: −f·E sign(v). Without it a
-/// filter would take a ball that creeps for one that sticks, and be sure of it.
-fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
-    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness.max(SLOWEST_MM_PER_S)))
-}
-
-/// The mean of [`mean_friction`] over velocities that change evenly: ∫ erf(z) dz = z·erf(z) + e^(−z²)/√π.
-fn friction_on_the_way(friction: f64, (before, after): (f64, f64), roughness: f64) -> f64 {
-    let scale = std::f64::consts::SQRT_2 * roughness.max(SLOWEST_MM_PER_S);
-    let integral = |z: f64| z * libm::erf(z) + libm::exp(-z * z) / std::f64::consts::PI.sqrt();
-    -friction * (integral(after / scale) - integral(before / scale)) * scale / (after - before)
 }
 
 /// When the reading of `row` was taken, seconds since the start of the flight. `None`: there is no such row.
@@ -310,24 +290,8 @@ const fn seen_state(model: &Model) -> usize {
 }
 
 /// A reading's variance, never quite 0: a sensor without noise still leaves the filter a division.
-fn reading_variance(model: &Model) -> f64 {
+pub(crate) fn reading_variance(model: &Model) -> f64 {
     let believed = model.noise.sensor_mm;
     let sigma = model.effects.sensor_noise.map_or(believed, |noise| noise.total_mm(believed));
     sigma.powi(2).max(1e-9)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{friction_on_the_way, mean_friction};
-
-    #[test]
-    fn friction_on_the_way_is_the_mean_of_friction_over_its_velocities() {
-        const PARTS: u32 = 10_000;
-        for (before, after, roughness) in [(-3.0, 9.0, 0.2), (-5.0, 5.0, 2.0), (40.0, 20.0, 10.0), (1.0, -30.0, 4.0)] {
-            let at = |part: u32| before + (after - before) * (f64::from(part) + 0.5) / f64::from(PARTS);
-            let mean = (0..PARTS).map(|part| mean_friction(8.0, at(part), roughness)).sum::<f64>() / f64::from(PARTS);
-            let closed = friction_on_the_way(8.0, (before, after), roughness);
-            assert!((closed - mean).abs() < 1e-5, "{closed} for {mean}");
-        }
-    }
 }

@@ -170,12 +170,12 @@ fn horizons(
             flight = recording.flight_of(row);
             half_period_s = reading_period_s(&samples[flight.clone()]) / 2.0;
         }
-        // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
         let mut errors = [Errors::default(); 3];
         let mut horizon = 0;
         for forecast in track.forecasts(from) {
             let ahead_s = samples[forecast.row].time_s - start_s;
             while horizon < HORIZONS_S.len() && ahead_s >= HORIZONS_S[horizon] - half_period_s {
+                // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
                 let slack_s = half_period_s.max(0.02 * HORIZONS_S[horizon]) + 1e-9;
                 if ahead_s <= HORIZONS_S[horizon] + slack_s {
                     errors[horizon].add(samples[forecast.row].position_mm, start_mm, forecast);

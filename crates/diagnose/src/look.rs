@@ -17,8 +17,7 @@ const FAR: f64 = 1.0;
 const MANY_STARTS: usize = 4;
 /// What each number of an effect beyond the first may gain by chance, nats.
 const COST_OF_A_NUMBER: f64 = 1.5;
-/// A look that ends so much below nothing, nats, is stuck: no step leads from so large an effect to a small one, or to none. It is made again
-/// from these shares of its starts.
+/// A look that ends so much below nothing, nats, is stuck. It is made again from these shares of its starts.
 const STUCK: f64 = 10.0;
 const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
 /// What moves at a first look beside the effect's own numbers.
@@ -73,20 +72,19 @@ fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Free>)>
 }
 
 impl Search<'_> {
-    /// A few steps of the numbers that matter most from the effect's best starts; the best of them. Readings of little noise show an effect
-    /// of another size from so far off that a start nearer to nothing is needed.
+    /// A first look at an effect. Where readings have little noise, a start far larger than the effect is thousands of nats below nothing, and no
+    /// step leads back: then it is looked for again from smaller ones.
     pub(crate) fn look(&self, so_far: &Fit, entry: &Entry) -> Option<Look> {
-        let all = starts(entry, so_far, &self.problem);
-        let nearer = all.nearer(&entry.neutral(&so_far.model), &NEARER);
-        let look = self.look_from(so_far, entry, all)?;
-        if look.gain > -STUCK {
-            return Some(look);
-        }
-        // Small sizes share one valley: the choice among them is none that other folds would make otherwise.
+        let usual = starts(entry, so_far, &self.problem);
+        let nearer = usual.nearer(entry, &so_far.model, &NEARER);
+        let look = self.look_from(so_far, entry, usual)?;
+        let Some(nearer) = nearer.filter(|_| look.gain < -STUCK) else { return Some(look) };
+        // Sizes of one effect share a valley: the choice among them is none that other folds would make otherwise.
         let small = self.look_from(so_far, entry, nearer).map(|small| Look { rivals: Vec::new(), ..small });
         small.filter(|small| small.gain > look.gain).or(Some(look))
     }
 
+    /// A few steps of the numbers that matter most from the best of these starts; the best of them.
     fn look_from(&self, so_far: &Fit, entry: &Entry, all: Starts) -> Option<Look> {
         let (rated, among) = self.rated(so_far, entry, all);
         let worth = |start: &Start| start.by_fold.iter().sum::<f64>();

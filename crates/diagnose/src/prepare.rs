@@ -6,6 +6,7 @@
 
 use crate::aloft::aloft;
 use crate::check::{Finding, check, is_hopeless, without_codes};
+use crate::cursor::reading_variance;
 use crate::grid::coarse_step;
 use crate::recording::{Recording, Sample};
 use crate::thin::thinned;
@@ -54,7 +55,7 @@ fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
     let effects = &belief.effects;
     let believed =
         effects.sensor_quantisation.is_some() || effects.stale_samples.is_some() || effects.sensor_outliers.is_some();
-    let noisy = belief.noise.sensor_mm > flight.resolution_mm();
+    let noisy = reading_variance(belief).sqrt() > flight.resolution_mm();
     noisy && !believed && !findings.iter().any(odd) && coarse_step(flight, belief).is_none()
 }
 

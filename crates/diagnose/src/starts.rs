@@ -24,15 +24,22 @@ pub(crate) struct Starts {
     pub(crate) among: usize,
 }
 
+/// Effects whose starts the record suggests: others would be no nearer to it.
+const SUGGESTED: [&str; 5] = ["saturation", "end_stop", "duty_quantisation", "sensor_quantisation", "stale_samples"];
+
 impl Starts {
-    /// These shares of the way from `neutral`, where the effect does nothing, to each of the starts.
-    pub(crate) fn nearer(&self, neutral: &[f64], shares: &[f64]) -> Self {
+    /// These shares of the way from where `entry` does nothing to each of the starts; `None` where the record suggested them.
+    pub(crate) fn nearer(&self, entry: &Entry, model: &Model, shares: &[f64]) -> Option<Self> {
+        if SUGGESTED.contains(&entry.name) {
+            return None;
+        }
+        let neutral = entry.neutral(model);
         let at = |values: &[f64], share: f64| {
-            values.iter().zip(neutral).map(|(v, none)| none + share * (v - none)).collect()
+            values.iter().zip(&neutral).map(|(value, none)| none + share * (value - none)).collect()
         };
-        let values: Vec<_> =
-            shares.iter().flat_map(|share| self.values.iter().map(|values| at(values, *share))).collect();
-        Self { among: self.among + values.len(), values }
+        let nearer = |share: &f64| self.values.iter().map(|values| at(values, *share)).collect::<Vec<_>>();
+        let values: Vec<_> = shares.iter().flat_map(nearer).collect();
+        Some(Self { among: self.among + values.len(), values })
     }
 }
 

@@ -13,7 +13,6 @@
 
 mod back;
 mod doubt;
-mod friction;
 
 pub(crate) use back::{Back, Leg, Nudged, Smoothed, Trace, smoothed};
 pub(crate) use doubt::Steps;
@@ -34,6 +33,8 @@ const MAX_STEP_S: f64 = 0.02;
 pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
 /// Duties that follow each other faster than this are flown as their mean, seconds.
 const CHATTER_S: f64 = 0.005;
+/// Below this speed friction is smoothed, whatever the filter knows.
+const SLOWEST_MM_PER_S: f64 = 1.0;
 /// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
 const WILD_IN_A_ROW: u32 = 2;
 /// The same for a sensor that is believed to have wild readings: they may come in bursts.
@@ -242,8 +243,8 @@ impl<'a> Cursor<'a> {
         // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
         let endless = |nudged: &Motion| match &self.model.effects.wall_friction {
             Some(friction) => {
-                let full = friction.acceleration_mm_per_s2;
-                friction::slide(self.model, nudged, (commanded, full), roughness, dt)
+                let mean = mean_friction(friction.acceleration_mm_per_s2, nudged.velocity_mm_per_s, roughness);
+                nudged.slide(self.model, commanded, mean, dt)
             }
             None => nudged.step_in_endless_pipe(self.model, commanded, dt),
         };
@@ -262,6 +263,12 @@ impl<'a> Cursor<'a> {
         self.state = vector(&next);
         self.covariance = grown(self.model, &doubt, &self.covariance);
     }
+}
+
+/// What friction does on average to a ball whose velocity is known to `roughness` mm/s only, mm/s²: −f·E sign(v). Without it a
+/// filter would take a ball that creeps for one that sticks, and be sure of it.
+fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
+    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness.max(SLOWEST_MM_PER_S)))
 }
 
 /// When the reading of `row` was taken, seconds since the start of the flight. `None`: there is no such row.

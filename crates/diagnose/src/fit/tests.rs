@@ -3,8 +3,8 @@
 use super::Problem;
 use crate::folds::Folds;
 use crate::free::{BASE, Free, Prior};
-use crate::tests_support::{model, record, shaken};
-use plant::{Effects, Model, Noise};
+use crate::tests_support::{model, record};
+use plant::Model;
 
 #[test]
 fn a_fit_recovers_the_numbers_of_the_rig_within_their_own_deviations() {
@@ -30,20 +30,4 @@ fn a_fit_recovers_the_numbers_of_the_rig_within_their_own_deviations() {
     }
     // 90 % of 32 is 28.8; fewer than 24 has a chance of 1 %.
     assert!(inside >= 24, "{inside} of {all} within their 90 % intervals");
-}
-
-#[test]
-fn friction_is_recovered_where_the_velocity_is_known_better_than_it_changes_between_readings() {
-    let noise = Noise { sensor_mm: 0.005, acceleration_psd_mm2_per_s3: 20.0 };
-    let mut rig = Model { noise, effects: Effects::default(), ..model() };
-    rig.effects.set("wall_friction", &[60.0]);
-    let recording = shaken(&rig, 1, 40);
-    let folds = Folds::new(&rig, &recording);
-    let problem = Problem { recording: &recording, belief: &rig, folds: &folds, prior: Prior::Nothing };
-    let friction = Free::Effect { name: "wall_friction", index: 0, size: 20.0 };
-    let fitted = problem.fit(&friction.moved(&rig, -1.0), &[&BASE[..], &[friction]].concat()).model;
-    let found = friction.value(&fitted).unwrap();
-    assert!((found / 60.0 - 1.0).abs() < 0.05, "{found} of 60 mm/s²");
-    let psd = fitted.noise.acceleration_psd_mm2_per_s3;
-    assert!(psd < 40.0, "what friction does is no noise of the air: {psd} of 20 mm²/s³");
 }

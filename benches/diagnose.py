@@ -32,8 +32,9 @@ SIZES = {
     "1h-55hz": (3600.0, 55.0),
     "1h-1khz": (3600.0, 1000.0),
 }
+# Faster than this no loop of `airball` flies.
 FASTEST_HZ = 200.0
-"""Faster than this no loop of `airball` flies."""
+# One run of the filter in Python takes seconds even so.
 MOST_ROWS_FOR_SCIPY = 250_000
 
 
@@ -41,18 +42,17 @@ def make_record(airball, folder, duration_s, rate_hz):
     """Flies a rig with a fan lag; returns the record (CSV) and the belief, which lacks it."""
     if rate_hz > FASTEST_HZ:
         return fly_fast(folder, duration_s, rate_hz)
-    base, parsed = config_without_lag(rate_hz)
-    (folder / "belief.toml").write_text(base, encoding="utf-8")
+    plant = write_belief(folder, rate_hz)
     (folder / "rig.toml").write_text(f"[plant.effects.fan_lag]\ntime_constant_s = {LAG_S}\n", encoding="utf-8")
     flags = ["--config", "belief.toml", "--patch", "rig.toml", "--duration", str(duration_s), "--seed", "5"]
     subprocess.run([airball, "simulate", *flags, "--log", "f.mcap"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
     with open(folder / "f.csv", "wb") as file:
         subprocess.run([airball, "log", "export", "f.mcap"], cwd=folder, check=True, stdout=file)
-    return parsed["plant"]
+    return plant
 
 
-def config_without_lag(rate_hz):
-    """config.toml without its fan lag, at this rate: its text, and what it says."""
+def write_belief(folder, rate_hz):
+    """Writes config.toml without its fan lag, at this rate; returns the plant in it."""
     config = (ROOT / "config.toml").read_text(encoding="utf-8")
     base, found, _ = config.partition("[plant.effects.fan_lag]")
     assert found, "config.toml has no table [plant.effects.fan_lag]"
@@ -61,14 +61,13 @@ def config_without_lag(rate_hz):
     base = base.replace("late_after_s = 0.002 ", f"late_after_s = {late} ", 1)
     parsed = tomllib.loads(base)
     assert parsed["loop"]["period_s"] == 1 / rate_hz, "config.toml has another [loop]"
-    return base, parsed
+    (folder / "belief.toml").write_text(base, encoding="utf-8")
+    return parsed["plant"]
 
 
 def fly_fast(folder, duration_s, rate_hz):
     """Record and belief for a clock that no loop of `airball` has: the rig in small steps under a PD law, between two heights."""
-    base, parsed = config_without_lag(FASTEST_HZ)
-    (folder / "belief.toml").write_text(base, encoding="utf-8")
-    plant = parsed["plant"]
+    plant = write_belief(folder, FASTEST_HZ)
     gain, drag, hover = (plant[key] for key in ("gain_mm_per_s2_per_percent", "drag_per_s", "hover_duty_percent"))
     dt, random = 1 / rate_hz, np.random.default_rng(5)
     count = round(duration_s * rate_hz)

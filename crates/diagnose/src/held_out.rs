@@ -87,9 +87,9 @@ fn late(recording: &Recording) -> Vec<bool> {
     recording.flights().iter().flat_map(|flight| of_flight(&recording.samples()[flight.clone()])).collect()
 }
 
-/// The standard deviation of the readings, mm.
-fn spread(readings: impl Iterator<Item = f64>) -> Option<f64> {
-    let all: Vec<f64> = readings.collect();
+/// The standard deviation of some values, in their unit; `None` where they do not differ.
+pub(crate) fn spread(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let all: Vec<f64> = values.collect();
     let n = all.len() as f64;
     let mean = all.iter().sum::<f64>() / n;
     let spread = (all.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();

@@ -76,16 +76,18 @@ impl Search<'_> {
     /// step leads back: then it is looked for again from smaller ones.
     pub(crate) fn look(&self, so_far: &Fit, entry: &Entry) -> Option<Look> {
         let usual = starts(entry, so_far, &self.problem);
-        let nearer = usual.nearer(entry, &so_far.model, &NEARER);
-        let look = self.look_from(so_far, entry, usual)?;
-        let Some(nearer) = nearer.filter(|_| look.gain < -STUCK) else { return Some(look) };
+        let look = self.look_from(so_far, entry, &usual)?;
+        if look.gain >= -STUCK {
+            return Some(look);
+        }
+        let Some(nearer) = usual.nearer(entry, &so_far.model, &NEARER) else { return Some(look) };
         // Sizes of one effect share a valley: the choice among them is none that other folds would make otherwise.
-        let small = self.look_from(so_far, entry, nearer).map(|small| Look { rivals: Vec::new(), ..small });
+        let small = self.look_from(so_far, entry, &nearer).map(|small| Look { rivals: Vec::new(), ..small });
         small.filter(|small| small.gain > look.gain).or(Some(look))
     }
 
     /// A few steps of the numbers that matter most from the best of these starts; the best of them.
-    fn look_from(&self, so_far: &Fit, entry: &Entry, all: Starts) -> Option<Look> {
+    fn look_from(&self, so_far: &Fit, entry: &Entry, all: &Starts) -> Option<Look> {
         let (rated, among) = self.rated(so_far, entry, all);
         let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
         // A recorded speed of the fan shows the timing to a hair: its valleys are narrow, and nothing says at first sight which is near.
@@ -115,9 +117,9 @@ impl Search<'_> {
     }
 
     /// These starts of the effect, the one that explains most as it is first, and among how many they were chosen.
-    fn rated(&self, so_far: &Fit, entry: &Entry, all: Starts) -> (Vec<Start>, usize) {
-        let rated = all.values.into_par_iter().flat_map_iter(|values| {
-            let start = added(so_far, entry, &values);
+    fn rated(&self, so_far: &Fit, entry: &Entry, all: &Starts) -> (Vec<Start>, usize) {
+        let rated = all.values.par_iter().flat_map_iter(|values| {
+            let start = added(so_far, entry, values);
             let models =
                 start.iter().flat_map(|(model, _)| self.places_to_start(model, entry.name)).collect::<Vec<_>>();
             let free = start.map(|(_, free)| free).unwrap_or_default();

@@ -7,6 +7,7 @@
 //! so many.
 
 use crate::cursor::reading_variance;
+use crate::held_out::spread;
 use crate::recording::{Recording, Sample};
 use plant::Model;
 
@@ -51,7 +52,7 @@ pub(crate) fn thinned(
     }
     // An odd number has a row in the middle.
     let count = merged | 1;
-    let sigma_mm = reading_variance(belief).sqrt() / (count as f64).sqrt();
+    let sigma_mm = (reading_variance(belief) / count as f64).sqrt();
     let straight = bend_mm(samples, belief, count, count as f64 / rate_hz) < BENT * sigma_mm;
     let means = if smooth && straight { means(samples, count) } else { None };
     if let Some(rows) = means {
@@ -67,11 +68,7 @@ pub(crate) fn thinned(
 fn bend_mm(samples: &[Sample], belief: &Model, count: usize, seconds: f64) -> f64 {
     let blocks =
         samples.chunks_exact(count).map(|block| block.iter().map(|row| row.duty_percent).sum::<f64>() / count as f64);
-    let blocks: Vec<f64> = blocks.collect();
-    let of = blocks.len().max(1) as f64;
-    let mean = blocks.iter().sum::<f64>() / of;
-    let spread = (blocks.iter().map(|duty| (duty - mean).powi(2)).sum::<f64>() / of).sqrt();
-    belief.gain_mm_per_s2_per_percent.abs() * spread * seconds * seconds / 24.0
+    belief.gain_mm_per_s2_per_percent.abs() * spread(blocks).unwrap_or(0.0) * seconds * seconds / 24.0
 }
 
 /// The rows, of each `count` the middle one with the mean of their readings, where none of them lacks one. `None`: too many do.

@@ -10,7 +10,7 @@
 //! position does without a lag, are left out of the inverse.
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
-use super::doubt::NO_DOUBT;
+use super::doubt::unless_faded;
 use super::{Cursor, Square, State, remembered, seen_state};
 use crate::likelihood::Surprise;
 use plant::Model;
@@ -125,26 +125,25 @@ impl Nudged {
         self.0 = leg.transition * self.0 + pushed;
         let moved_mm = self.0[seen] + shift_mm;
         self.0 -= leg.towards * (taken.weight * moved_mm / taken.variance_mm2);
-        // What is forgotten is forgotten for good: see `NO_DOUBT`.
-        self.0.apply(|moved| *moved = if moved.abs() < NO_DOUBT { 0.0 } else { *moved });
+        self.0.apply(|moved| *moved = unless_faded(*moved));
         moved_mm
     }
 }
 
 /// What is known in hindsight at the end of each leg.
-pub(crate) fn smoothed(model: &Model, legs: &[Trace]) -> Vec<Smoothed> {
-    let mut all = Vec::with_capacity(legs.len());
+pub(crate) fn smoothed(model: &Model, traces: &[Trace]) -> Vec<Smoothed> {
+    let mut all = Vec::with_capacity(traces.len());
     let mut later: Option<(Known, &Trace)> = None;
-    for leg in legs.iter().rev() {
-        let known = later.map_or(leg.filtered, |(known, next)| back(model, leg.filtered, next, known));
+    for trace in traces.iter().rev() {
+        let known = later.map_or(trace.filtered, |(known, next)| back(model, trace.filtered, next, known));
         let (state, covariance) = known;
         all.push(Smoothed {
-            time_s: leg.time_s,
+            time_s: trace.time_s,
             position_mm: state[0],
             velocity_mm_per_s: state[1],
             air_mm_per_s2: (state[3], covariance[(3, 3)].max(0.0).sqrt()),
         });
-        later = Some((known, leg));
+        later = Some((known, trace));
     }
     all.reverse();
     all

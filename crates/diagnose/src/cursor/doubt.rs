@@ -17,7 +17,12 @@ const STEPS_KNOWN: usize = 16;
 
 /// Doubt that is none, in any unit. What nothing disturbs, as a fan's lag, is known ever better, and numbers so small that a processor has no
 /// normal form for them make a step ten times as slow.
-pub(super) const NO_DOUBT: f64 = 1e-100;
+const NO_DOUBT: f64 = 1e-100;
+
+/// The number, or none where it is as small as no doubt.
+pub(super) fn unless_faded(number: f64) -> f64 {
+    if number.abs() < NO_DOUBT { 0.0 } else { number }
+}
 
 /// How a step of a certain length moves doubt: Φ and Q.
 pub(super) type Doubt = (Square, Square);
@@ -82,8 +87,7 @@ fn grown_in<const N: usize>(own: [usize; N], transition: &Square, noise: &Square
     let mut all = Square::zeros();
     for (i, at) in own.iter().enumerate() {
         for (j, and) in own.iter().enumerate() {
-            let doubt = known[(i, j)];
-            all[(*at, *and)] = if doubt.abs() < NO_DOUBT { 0.0 } else { doubt };
+            all[(*at, *and)] = unless_faded(known[(i, j)]);
         }
     }
     all

@@ -12,10 +12,8 @@ use crate::closed::Closed;
 use crate::explain::{Explanation, Named, explain};
 use crate::fit::{Fit, Problem};
 use crate::folds::Folds;
-use crate::free::{COARSE, Free, STALE};
 use crate::gap::{Gap, Tally, tallies};
-use crate::grid::coarse_step;
-use crate::hold::hold;
+use crate::intervals::{Reach, reaches};
 use crate::places::{Place, places_of, rows};
 use crate::prepare::{Noted, Prepared};
 use crate::recording::Recording;
@@ -75,8 +73,8 @@ pub struct Diagnosis {
     pub closed: Option<Closed>,
     /// What the record cannot answer, flight by flight.
     pub findings: Vec<Noted>,
-    /// What was read off the readings, and its standard deviation in its own scale.
-    pub(crate) read_off: Vec<(Free, f64)>,
+    /// How far the numbers of the mended model may be off.
+    pub(crate) reaches: Vec<Reach>,
 }
 
 /// How to search.
@@ -125,23 +123,13 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let (places, band) = (places_of(&rows), band(&periodogram(&rows)));
     let Explanation { mut effects, rounds, fit: mended, residue, .. } = found;
     effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
-    let read_off = read_off(&mended.model, recording);
-    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, read_off }
+    let reaches = reaches(&search.problem, &mended);
+    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, reaches }
 }
 
 /// How far a name beside this verdict is to be trusted.
 fn trust(verdict: Verdict) -> f64 {
     if verdict == Verdict::Unexplained { TRUST_BESIDE_A_REST } else { TRUST }
-}
-
-/// The step of a coarse sensor and the hold of a slow one as numbers of the model, and their standard deviations in their own scale.
-fn read_off(model: &Model, recording: &Recording) -> Vec<(Free, f64)> {
-    let coarse = model.effects.sensor_quantisation.and_then(|_| coarse_step(recording, model));
-    let stale = model.effects.stale_samples.and_then(|_| hold(recording));
-    let coarse = coarse.map(|step| (Free::Effect { name: COARSE, index: 0, size: step.mm }, step.sigma_mm / step.mm));
-    let stale =
-        stale.map(|hold| (Free::Effect { name: STALE, index: 0, size: hold.seconds }, hold.sigma_s / hold.seconds));
-    coarse.into_iter().chain(stale).collect()
 }
 
 /// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.

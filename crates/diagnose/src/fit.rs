@@ -202,7 +202,8 @@ impl Problem<'_> {
         (fit.model.clone(), here)
     }
 
-    fn log_prior(&self, free: &[Free], model: &Model) -> f64 {
+    /// ln prior of the numbers `free` of `model`, up to a constant; 0 where the record alone speaks.
+    pub(crate) fn log_prior(&self, free: &[Free], model: &Model) -> f64 {
         if self.prior == Prior::Belief { prior(free, model, self.belief) } else { 0.0 }
     }
 

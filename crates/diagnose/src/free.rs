@@ -123,6 +123,14 @@ impl Free {
         }
     }
 
+    /// How far the number may go in `model` on the side of `towards`, in its own scale, until it is what no config may hold.
+    pub(crate) fn room(self, model: &Model, towards: f64) -> f64 {
+        let Self::Effect { name, index, size } = self else { return f64::INFINITY };
+        let param = Effects::entry(name).and_then(|entry| entry.params.get(index));
+        let Some((param, value)) = param.zip(self.value(model)) else { return f64::INFINITY };
+        (if towards < 0.0 { value - param.min } else { param.max - value }) / size
+    }
+
     /// Whether the number is one of this effect.
     pub(crate) fn is_of(self, effect: &str) -> bool {
         matches!(self, Self::Effect { name, .. } if name == effect)

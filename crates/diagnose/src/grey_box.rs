@@ -13,7 +13,7 @@ use crate::fit::{Fit, Problem};
 use crate::folds::Folds;
 use crate::free::{BASE, Free, Prior, free_of_effect};
 use crate::held_out::HeldOut;
-use crate::profile::interval;
+use crate::profile::{OF_90_PERCENT, interval};
 use crate::recording::Recording;
 use crate::residual_tests::ResidualTests;
 use crate::which::Search;
@@ -152,7 +152,7 @@ const fn key(free: Free) -> Option<&'static str> {
 fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
     let one = |(at, free): (usize, &Free)| {
         let (name, value) = (key(*free)?, free.value(&fit.model)?);
-        let [low, high] = interval(problem, fit, at).map(|end| free.value(&end?));
+        let [low, high] = interval(problem, fit, at, OF_90_PERCENT).map(|end| free.value(&end?.model));
         Some(Estimate { name, value, low, high })
     };
     fit.free.iter().enumerate().filter_map(one).collect()

@@ -1,35 +1,83 @@
 //! The 90 % intervals of the numbers that a diagnosis found.
 //!
 //! ```text
-//! half = 1.645·√( (w·σ)² + f² )        σ: of the likelihood at its best; w: how much wider, 1 of what is read off; f: what a delay may stand for of all lags
+//! reach = √( p² + (1.645·f)² )        p: how far a number moves, down and up, until the likelihood of the record drops by ½·(1.645·w)²
 //! ```
+//!
+//! w: how much wider than the likelihood's own, which takes the form of an effect for exact, 1 of what is read off; f: what a delay may
+//! stand for of the forms of the lags.
 
 use crate::diagnosis::Diagnosis;
-use crate::free::Free;
+use crate::fit::{Fit, Problem};
+use crate::free::{COARSE, Free, STALE};
+use crate::grid::coarse_step;
+use crate::hold::hold;
 use crate::lag::forms_beside_s;
-use crate::profile::OF_90_PERCENT;
+use crate::profile::{OF_90_PERCENT, interval};
+use crate::recording::Recording;
+use plant::Model;
+use rayon::prelude::*;
 
 /// How much wider intervals are than those of the likelihood: where a ball bounces, and a filter takes its state for normal all the same; of
-/// other effects, whose form is never quite that of the catalogue; and of the base parameters, which suffer less from that. Of withheld rigs
-/// some 90 % lie within.
-const WIDER_AT_STOPS: f64 = 3.5;
-const WIDER: f64 = 1.35;
+/// a thrust that bends, a play and a lag, which no rig has of the catalogue's form (a power of the duty, a spread of plays, of first order); of
+/// other effects; and of the base parameters. Of withheld rigs some 90 % lie within.
+const WIDER_AT_STOPS: f64 = 2.5;
+const WIDER_OF_SHAPES: f64 = 1.9;
+const WIDER: f64 = 1.25;
 const WIDER_OF_BASE: f64 = 1.25;
 
+/// How far a number reaches down and up from where it was found, in its own scale.
+pub(crate) type Reach = (Free, [f64; 2]);
+
+/// How far the numbers of a fit reach: those of effects by the profile of the likelihood, which need not be a parabola, base parameters by
+/// its curvature. None of a number that the record does not determine, nor of a step of duty, where each valley is a grid of its own.
+pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
+    let deviations = fit.deviations();
+    let reach = |(at, free): (usize, &Free)| match free {
+        Free::Effect { name: "duty_quantisation", .. } => None,
+        Free::Effect { name, .. } => {
+            let [down, up] = interval(problem, fit, at, OF_90_PERCENT * wider(name));
+            Some((*free, [-down?.by, up?.by]))
+        }
+        _ => Some((*free, [OF_90_PERCENT * WIDER_OF_BASE * deviations[at]; 2])),
+    };
+    let moved: Vec<Option<Reach>> = fit.free.par_iter().enumerate().map(reach).collect();
+    let read_off = read_off(&fit.model, problem.recording).into_iter();
+    let read_off = read_off.map(|(free, deviation)| (free, [OF_90_PERCENT * deviation; 2]));
+    let all = moved.into_iter().flatten().chain(read_off);
+    all.filter(|(_, reach)| reach.iter().all(|by| by.is_finite())).collect()
+}
+
+/// The step of a coarse sensor and the hold of a slow one as numbers of the model, and their standard deviations in their own scale.
+fn read_off(model: &Model, recording: &Recording) -> Vec<(Free, f64)> {
+    let coarse = model.effects.sensor_quantisation.and_then(|_| coarse_step(recording, model));
+    let stale = model.effects.stale_samples.and_then(|_| hold(recording));
+    let coarse = coarse.map(|step| (Free::Effect { name: COARSE, index: 0, size: step.mm }, step.sigma_mm / step.mm));
+    let stale =
+        stale.map(|hold| (Free::Effect { name: STALE, index: 0, size: hold.seconds }, hold.sigma_s / hold.seconds));
+    coarse.into_iter().chain(stale).collect()
+}
+
+/// How much wider the interval of a number of an effect is than that of the likelihood.
+fn wider(effect: &str) -> f64 {
+    match effect {
+        "end_stop" => WIDER_AT_STOPS,
+        "thrust_curve" | "hysteresis" | "fan_lag" | "sensor_lag" => WIDER_OF_SHAPES,
+        _ => WIDER,
+    }
+}
+
 impl Diagnosis {
-    /// The 90 % intervals of the numbers that the mended model moved, in the units of the config. None of a number that the record
-    /// does not determine, nor of a step of duty, where each valley is a grid of its own.
-    /// They are wider than the likelihood's own, which takes the form of an effect for exact; that of a delay also by what it may stand for
-    /// of the forms of the lags.
+    /// The 90 % intervals of the numbers that the mended model moved, in the units of the config: low and high. None of a number that the
+    /// record does not determine, nor of a step of duty.
     #[must_use]
     pub fn intervals(&self) -> Vec<(Free, f64, f64)> {
-        let wider = |(free, deviation): (Free, f64)| (free, (deviation * wider(free)).hypot(self.form_beside(free)));
-        let moved = self.mended.free.iter().copied().zip(self.mended.deviations()).map(wider);
-        let moved = moved.chain(self.read_off.iter().copied());
-        let known = moved.filter(|(free, deviation)| deviation.is_finite() && !free.is_of("duty_quantisation"));
         let end = |free: Free, by: f64| free.value(&free.moved(&self.mended.model, by));
-        let ends = |free: Free, half: f64| Some((free, end(free, -half)?, end(free, half)?));
-        known.filter_map(|(free, deviation)| ends(free, OF_90_PERCENT * deviation)).collect()
+        let ends = |(free, [down, up]): &Reach| {
+            let form = OF_90_PERCENT * self.form_beside(*free);
+            Some((*free, end(*free, -down.hypot(form))?, end(*free, up.hypot(form))?))
+        };
+        self.reaches.iter().filter_map(ends).collect()
     }
 
     /// How far a number may stand for the form of what is beside it, in its own scale.
@@ -41,19 +89,55 @@ impl Diagnosis {
     }
 }
 
-/// How much wider the interval of a number is than that of the likelihood.
-fn wider(free: Free) -> f64 {
-    match free {
-        Free::Effect { name: "end_stop", .. } => WIDER_AT_STOPS,
-        Free::Effect { .. } => WIDER,
-        _ => WIDER_OF_BASE,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use crate::tests_support::{model, shaken};
-    use crate::{Free, Options, diagnose};
+    use super::{WIDER_OF_SHAPES, reaches};
+    use crate::free::{BASE, free_of_effect};
+    use crate::profile::OF_90_PERCENT;
+    use crate::tests_support::{model, record, shaken};
+    use crate::{Fit, Folds, Free, Options, Prior, Problem, Recording, diagnose};
+    use plant::Model;
+
+    /// A record of a rig whose `effect` is `values`, the model fitted to it from there, and how far the effect's numbers reach.
+    fn reach(effect: &'static str, values: &[f64], seed: u64) -> (Fit, Recording, Vec<(Free, [f64; 2])>) {
+        let mut rig = model();
+        rig.effects.set(effect, values);
+        let record = record(&rig, seed, 60);
+        let folds = Folds::new(&model(), &record);
+        let belief = model();
+        let problem = Problem { recording: &record, belief: &belief, folds: &folds, prior: Prior::Belief };
+        let free: Vec<Free> = BASE.into_iter().chain(free_of_effect(effect, values)).collect();
+        let fit = problem.fit(&rig, &free);
+        let of_effect = |(free, _): &(Free, _)| free.is_of(effect);
+        let reaches = reaches(&problem, &fit).into_iter().filter(of_effect).collect();
+        (fit, record, reaches)
+    }
+
+    #[test]
+    fn a_number_reaches_to_where_the_record_minds() {
+        for seed in 0..3 {
+            let (fit, record, reaches) = reach("hysteresis", &[0.3], seed);
+            let (number, [down, up]) = reaches[0];
+            let folds = Folds::new(&model(), &record);
+            let belief = model();
+            let problem = Problem { recording: &record, belief: &belief, folds: &folds, prior: Prior::Belief };
+            let worth = |fit: &Fit| fit.log_likelihood(|row| folds.counts(row)) + fit.log_prior;
+            let minds = 0.5 * (OF_90_PERCENT * WIDER_OF_SHAPES).powi(2);
+            for by in [-down, up] {
+                let there: Model = number.moved(&fit.model, by);
+                let dropped = worth(&fit) - worth(&problem.fit(&there, &BASE));
+                assert!((dropped / minds - 1.0).abs() < 0.2, "seed {seed}: {by} costs {dropped} of {minds} nats");
+            }
+        }
+    }
+
+    #[test]
+    fn a_number_that_may_go_no_further_ends_there() {
+        // A zone of one side and a moved hover explain the same record: either edge may be at hover.
+        let (fit, _, reaches) = reach("dead_zone", &[-0.1, 0.3], 1);
+        let (lower, [_, up]) = reaches[0];
+        assert_eq!(lower.value(&lower.moved(&fit.model, up)), Some(0.0));
+    }
 
     #[test]
     fn the_interval_of_a_delay_beside_a_lag_of_another_form_holds_it() {

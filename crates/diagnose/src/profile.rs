@@ -1,67 +1,79 @@
-//! The 90 % interval of one number by its profile likelihood: as far as it can move, all others following, until the record minds.
+//! The interval of one number by its profile likelihood: as far as it can move, all others following, until the record minds.
 //!
 //! ```text
-//! 2·( L(θ̂) − max over the others of L(θ_i = x, others) ) = 2.706        the 90 % quantile of χ² with one degree of freedom
+//! L(θ̂) − max over the others of L(θ_i = x, others) = ½·z²        z = 1.645 for 90 %: 2.706, the quantile of χ² with one degree of freedom, halved
 //! ```
 //!
-//! Where the likelihood is no parabola, as between a drag and a lag that are nearly one double pole, an interval from its curvature is too
-//! short; this one is not.
+//! Where the likelihood is no parabola, as between a drag and a lag that are nearly one double pole, or is rough, as that of a play, an
+//! interval from its curvature is too short; this one is not.
 //! Source: Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", Applied Statistics 37 (1988).
 
 use crate::fit::{Fit, Problem};
 use crate::free::Free;
 use plant::Model;
 
-/// Half of the quantile, nats.
-const DROP: f64 = 2.706 / 2.0;
-/// Near enough to it, nats.
-const NEAR: f64 = 0.05;
+/// Near enough to where the likelihood shall have dropped to, as a share of the drop.
+const NEAR: f64 = 0.04;
 /// Deviations on either side that hold 90 % of a normal distribution.
 pub(crate) const OF_90_PERCENT: f64 = 1.645;
 /// Tries at most to find an end, and steps of the others each time.
 const TRIES: usize = 8;
 const STEPS: usize = 4;
-/// An end further than so many deviations is none.
+/// An end further than so many deviations, and than the number itself, is none.
 const TOO_FAR: f64 = 12.0;
+const ITSELF: f64 = 1.0;
+/// Where a likelihood is rough, its curvature at the top may be that of a spike: the least deviation to start from, in the number's own scale.
+const LEAST_DEVIATION: f64 = 0.02;
 
-/// The models at the lower and the upper end of the interval of number `at` of the fit. `None`: the record sets no end there.
-pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize) -> [Option<Model>; 2] {
-    let deviation = fit.deviations().get(at).copied().unwrap_or(f64::INFINITY);
-    if !deviation.is_finite() || deviation <= 0.0 {
-        return [None, None];
-    }
-    [-deviation, deviation].map(|towards| end(problem, fit, at, towards))
+/// An end of an interval.
+pub(crate) struct End {
+    /// How far the number has moved, in its own scale.
+    pub(crate) by: f64,
+    /// The model there.
+    pub(crate) model: Model,
 }
 
-/// The model where the likelihood has dropped enough, on the side of `deviation`.
-fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64) -> Option<Model> {
-    let top = problem.total_of(fit);
-    let moved: Free = fit.free[at];
+/// The lower and the upper end of the interval of number `at` of the fit, `z` deviations wide to either side where the likelihood is a
+/// parabola. `None`: the record sets no end there, nor does what the number may be.
+pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize, z: f64) -> [Option<End>; 2] {
+    let deviation = fit.deviations().get(at).copied().unwrap_or(f64::INFINITY);
+    if !deviation.is_finite() {
+        return [None, None];
+    }
+    let deviation = deviation.max(LEAST_DEVIATION);
+    [-deviation, deviation].map(|towards| end(problem, fit, at, towards, z))
+}
+
+/// Where the likelihood has dropped enough, on the side of `deviation`, or where the number may go no further.
+fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> Option<End> {
+    let (top, enough) = (problem.total_of(fit), 0.5 * z * z);
+    let number: Free = fit.free[at];
     let others: Vec<Free> = fit.free.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, free)| *free).collect();
+    let room = number.room(&fit.model, deviation);
+    let furthest = room.min((TOO_FAR * deviation.abs()).max(ITSELF));
     // The root of the drop is nearly a straight line through 0.
     let (mut inside, mut beyond): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);
-    let mut here = OF_90_PERCENT;
+    let mut here = (z * deviation.abs()).min(furthest);
     for _ in 0..TRIES {
-        let start = moved.moved(&fit.model, here * deviation);
-        let (model, total) = problem.look(&start, &others, STEPS);
-        let drop = (top - total).max(0.0);
-        if (drop - DROP).abs() < NEAR {
-            return Some(model);
+        let by = here.copysign(deviation);
+        let (model, total) = problem.look(&number.moved(&fit.model, by), &others, STEPS);
+        let drop = (top - total - problem.log_prior(&[number], &model)).max(0.0);
+        let last = drop < enough && here >= furthest;
+        if (drop - enough).abs() < NEAR * enough || last {
+            return (!last || furthest == room).then_some(End { by, model });
         }
         let root = (here, drop.sqrt());
-        if drop < DROP {
+        if drop < enough {
             inside = root
         } else {
             beyond = Some(root)
         }
-        let straight = |a: (f64, f64), b: (f64, f64)| a.0 + (b.0 - a.0) * (DROP.sqrt() - a.1) / (b.1 - a.1);
+        let straight = |a: (f64, f64), b: (f64, f64)| a.0 + (b.0 - a.0) * (enough.sqrt() - a.1) / (b.1 - a.1);
         here = match beyond {
             Some(beyond) => straight(inside, beyond),
-            None => (here * (DROP.sqrt() / root.1.max(0.2)).clamp(1.2, 2.5)).min(TOO_FAR),
+            None => (here * (enough.sqrt() / root.1.max(0.2)).clamp(1.2, 2.5)).min(furthest),
         };
-        if beyond.is_none() && inside.0 >= TOO_FAR {
-            return None;
-        }
     }
-    beyond.map(|(far, _)| moved.moved(&fit.model, far * deviation))
+    let by = beyond?.0.copysign(deviation);
+    Some(End { by, model: number.moved(&fit.model, by) })
 }

@@ -112,12 +112,12 @@ mod tests {
         Model { effects: Effects::default(), ..model() }
     }
 
-    /// Half of the interval of the lag's time constant, s.
-    fn half_of_lag(found: &Diagnosis) -> f64 {
+    /// Width of the interval of the lag's time constant: ln of the ratio of its ends, since a shorter lag is known as well as a longer one in shares of itself.
+    fn width_of_lag(found: &Diagnosis) -> f64 {
         let is_lag = |free: &Free| matches!(free, Free::Effect { name: "fan_lag" | "sensor_lag", .. });
         let intervals = found.intervals();
         let (_, low, high) = intervals.iter().find(|(free, ..)| is_lag(free)).unwrap();
-        (high - low) / 2.0
+        (high / low).ln()
     }
 
     #[test]
@@ -125,10 +125,10 @@ mod tests {
         let whole = record(&model(), 4, 80);
         let (first, second) = whole.samples().split_at(2000);
         let halves = [first, second].map(|rows| Recording::new(rows.to_vec()).unwrap());
-        let half = |flights: &[Recording]| half_of_lag(&diagnose(&without_lag(), flights, &Options::default()));
-        let (one, other, both) = (half(&halves[..1]), half(&halves[1..]), half(&halves));
+        let width = |flights: &[Recording]| width_of_lag(&diagnose(&without_lag(), flights, &Options::default()));
+        let (one, other, both) = (width(&halves[..1]), width(&halves[1..]), width(&halves));
         assert!(both < 0.85 * one && both < 0.85 * other, "{both} of {one} and {other}");
-        assert!((both / half(whole.as_ref()) - 1.0).abs() < 0.1, "{both} of {}", half(whole.as_ref()));
+        assert!((both / width(whole.as_ref()) - 1.0).abs() < 0.1, "{both} of {}", width(whole.as_ref()));
     }
 
     #[test]

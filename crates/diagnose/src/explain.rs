@@ -8,7 +8,7 @@ use crate::tried::Tried;
 use crate::which::{CONTAINS, Candidate, Search};
 use plant::Model;
 
-/// Held-out gain, nats, that an effect must bring to be named: e⁵ to 1.
+/// Evidence, nats, that an effect must bring to be named: some e⁵ to 1.
 pub(crate) const NAMED: f64 = 6.0;
 /// The same for a second one, for each further or beside coarse readings, and as a share of what is explained already: the form of an effect is never quite that of
 /// the catalogue, and what that leaves is no further effect.
@@ -20,7 +20,7 @@ const SHARE_OF_THE_REST: f64 = 0.25;
 /// Effects that change the density of a reading by thousands of nats, and leave no such share.
 const OF_THE_DENSITY: [&str; 3] = ["sensor_quantisation", "stale_samples", "sensor_outliers"];
 /// The same for turbulence: what the noise of the air grew by counts against it already, and what is left over is judged strictly.
-const NAMED_TURBULENCE: f64 = 3.0;
+const NAMED_TURBULENCE: f64 = 1.2;
 /// Effects that explain the record within so many nats of the best cannot be told from it.
 const TOLD_APART: f64 = 3.0;
 /// The same for effects that act alike on whatever the duty does.
@@ -199,9 +199,12 @@ fn next_effect(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Named>
         let turbulence = all.remove(0);
         all.push(Candidate { gain: 0.0, ..turbulence });
     }
-    if all.first().is_some_and(|best| best.evidence < needed) {
+    if let Some(best) = all.iter().position(|candidate| candidate.evidence >= needed) {
+        // What gains more, by chance, is no more than an alternative.
+        all[..=best].rotate_right(1);
+    } else {
         // What the noise of the air had to grow by needs a name less than other effects do.
-        all.retain(|candidate| candidate.entry.name == TURBULENCE && candidate.gain > NAMED_TURBULENCE);
+        all.retain(|candidate| candidate.entry.name == TURBULENCE && candidate.evidence > NAMED_TURBULENCE);
     }
     let Some(best) = all.first() else { return (None, tried) };
     let rivals = || all.iter().skip(1).filter(|candidate| is_alternative(candidate, best));

@@ -192,21 +192,12 @@ fn revise_first(search: &Search<'_>, effects: &mut [Named], fit: &mut Fit) {
 
 /// The effect that explains most of what `so_far` leaves, if any explains enough; and what each that was tried gained.
 fn next_effect(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Named>, Vec<Tried>) {
-    let (mut all, tried) = search.candidates(so_far);
-    // A coloured force follows any missing force: it comes first only where nothing else explains half as much.
-    let turbulence = all.first().filter(|best| best.entry.name == TURBULENCE).map_or(f64::INFINITY, |best| best.gain);
-    if all.get(1).is_some_and(|second| second.gain > needed.max(turbulence / 2.0)) {
-        let turbulence = all.remove(0);
-        all.push(Candidate { gain: 0.0, ..turbulence });
-    }
-    if let Some(best) = all.iter().position(|candidate| candidate.evidence >= needed) {
-        // What gains more, by chance, is no more than an alternative.
-        all[..=best].rotate_right(1);
-    } else {
-        // What the noise of the air had to grow by needs a name less than other effects do.
-        all.retain(|candidate| candidate.entry.name == TURBULENCE && candidate.evidence > NAMED_TURBULENCE);
-    }
+    let (mut all, mut tried) = search.candidates(so_far);
+    put_first(&mut all, needed);
     let Some(best) = all.first() else { return (None, tried) };
+    if let Some(at) = tried.iter().position(|one| one.name == best.entry.name) {
+        tried[..=at].rotate_right(1);
+    }
     let rivals = || all.iter().skip(1).filter(|candidate| is_alternative(candidate, best));
     let near: Vec<&'static str> = rivals().map(|rival| rival.entry.name).collect();
     let models = rivals().map(|rival| rival.fit.model.clone()).collect();
@@ -214,7 +205,7 @@ fn next_effect(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Named>
     let in_set = |c: &&Candidate| near.contains(&c.entry.name) || is_or_contains(c, best);
     let weight = |c: &Candidate| ((c.gain - best.gain) / DOUBT).exp();
     let set: f64 = all.iter().filter(in_set).map(weight).sum();
-    let probability = set / (all.iter().map(weight).sum::<f64>() + (-best.gain / DOUBT).exp());
+    let probability = set / (all.iter().map(weight).sum::<f64>() + (-best.evidence / DOUBT).exp());
     (
         Some(Named {
             change: Change::Added,
@@ -227,6 +218,26 @@ fn next_effect(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Named>
     )
 }
 
+/// Puts the one that is to be named before those that gain more by chance; leaves none where none has the evidence `needed`.
+fn put_first(all: &mut Vec<Candidate>, needed: f64) {
+    let is_turbulence = |candidate: &Candidate| candidate.entry.name == TURBULENCE;
+    let Some(mut best) = all.iter().position(|candidate| candidate.evidence >= needed) else {
+        // What the noise of the air had to grow by needs a name less than other effects do.
+        return all.retain(|candidate| is_turbulence(candidate) && candidate.evidence > NAMED_TURBULENCE);
+    };
+    if is_turbulence(&all[best]) {
+        // A coloured force follows any missing force: it comes first only where nothing else explains half as much.
+        let half = all[best].gain / 2.0;
+        let enough = |other: &Candidate| !is_turbulence(other) && other.evidence >= needed && other.gain > half;
+        if let Some(other) = all.iter().position(enough) {
+            let turbulence = all.remove(best);
+            all.push(Candidate { gain: 0.0, evidence: 0.0, ..turbulence });
+            best = other - usize::from(other > best);
+        }
+    }
+    all[..=best].rotate_right(1);
+}
+
 /// Whether `other` explains the record about as well as `best`, and does not do so by containing it. Twins differ by the
 /// colour of noise alone, which is worth less than what the duty says: they are told apart by much.
 fn is_alternative(other: &Candidate, best: &Candidate) -> bool {
@@ -237,4 +248,45 @@ fn is_alternative(other: &Candidate, best: &Candidate) -> bool {
 
 fn is_or_contains(other: &Candidate, best: &Candidate) -> bool {
     other.entry.name == best.entry.name || CONTAINS.contains(&(other.entry.name, best.entry.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NAMED, put_first};
+    use crate::tests_support::{model, record};
+    use crate::which::Candidate;
+    use crate::{BASE, Folds, Prior, Problem};
+    use plant::Effects;
+
+    /// The names that are left, the one to be named first, of made-up candidates: name, gain, evidence.
+    fn order(candidates: &[(&str, f64, f64)]) -> Vec<&'static str> {
+        let (belief, recording) = (model(), record(&model(), 1, 12));
+        let folds = Folds::new(&belief, &recording);
+        let problem = Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief };
+        let fit = problem.fit(&belief, &BASE);
+        let candidate = |&(name, gain, evidence): &(&str, f64, f64)| {
+            let entry = *Effects::entry(name).unwrap();
+            Candidate { entry, fit: fit.clone(), gain, evidence }
+        };
+        let mut all: Vec<Candidate> = candidates.iter().map(candidate).collect();
+        put_first(&mut all, NAMED);
+        all.iter().map(|candidate| candidate.entry.name).collect()
+    }
+
+    #[test]
+    fn what_gains_by_chance_is_an_alternative_to_what_has_evidence_and_alone_it_is_nothing() {
+        let chance = ("duty_quantisation", 14.0, 4.0);
+        assert_eq!(order(&[chance, ("dead_zone", 9.0, 8.0)]), ["dead_zone", "duty_quantisation"]);
+        assert!(order(&[chance, ("dead_zone", 9.0, 5.0)]).is_empty());
+    }
+
+    #[test]
+    fn turbulence_comes_after_what_explains_half_as_much_for_sure_and_needs_less_evidence() {
+        let turbulence = ("turbulence", 30.0, 28.0);
+        assert_eq!(order(&[turbulence, ("gain_drift", 16.0, 12.0)]), ["gain_drift", "turbulence"]);
+        assert_eq!(order(&[turbulence, ("gain_drift", 14.0, 12.0)])[0], "turbulence");
+        assert_eq!(order(&[turbulence, ("gain_drift", 16.0, 2.0)])[0], "turbulence");
+        assert_eq!(order(&[("gain_drift", 5.0, 5.0), ("turbulence", 4.0, 2.0)]), ["turbulence"]);
+        assert!(order(&[("turbulence", 4.0, 1.0)]).is_empty());
+    }
 }

@@ -152,7 +152,7 @@ const fn key(free: Free) -> Option<&'static str> {
 fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
     let one = |(at, free): (usize, &Free)| {
         let (name, value) = (key(*free)?, free.value(&fit.model)?);
-        let [low, high] = interval(problem, fit, at, OF_90_PERCENT).map(|end| free.value(&end?.model));
+        let [low, high] = interval(problem, fit, at, OF_90_PERCENT).map(|by| free.value(&free.moved(&fit.model, by?)));
         Some(Estimate { name, value, low, high })
     };
     fit.free.iter().enumerate().filter_map(one).collect()

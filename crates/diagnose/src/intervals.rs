@@ -1,7 +1,7 @@
 //! The 90 % intervals of the numbers that a diagnosis found.
 //!
 //! ```text
-//! reach = √( p² + (1.645·f)² )        p: how far a number moves, down and up, until the likelihood of the record drops by ½·(1.645·w)²
+//! reach = √( p² + (1.645·f)² )        p: how far a number moves, down and up, until likelihood and prior drop by ½·(1.645·w)²
 //! ```
 //!
 //! w: how much wider than the likelihood's own, which takes the form of an effect for exact, 1 of what is read off; f: what a delay may
@@ -37,7 +37,7 @@ pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
         Free::Effect { name: "duty_quantisation", .. } => None,
         Free::Effect { name, .. } => {
             let [down, up] = interval(problem, fit, at, OF_90_PERCENT * wider(name));
-            Some((*free, [-down?.by, up?.by]))
+            Some((*free, [-down?, up?]))
         }
         _ => Some((*free, [OF_90_PERCENT * WIDER_OF_BASE * deviations[at]; 2])),
     };

@@ -185,10 +185,17 @@ impl<'a> Search<'a> {
         all.retain(|candidate| self.is_plausible(candidate));
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         prefer_the_simple(&mut all);
-        let fitted =
-            all.iter().map(|candidate| Tried { name: candidate.entry.name, gain: candidate.gain, in_full: true });
+        let fitted = all.iter().map(|Candidate { entry, gain, evidence, .. }| Tried {
+            name: entry.name,
+            gain: *gain,
+            evidence: *evidence,
+            in_full: true,
+        });
         let rest = looks.iter().filter(|look| !all.iter().any(|c| c.entry.name == look.entry.name));
-        let at_first_look = rest.map(|look| Tried { name: look.entry.name, gain: look.gain.min(0.0), in_full: false });
+        let at_first_look = rest.map(|look| {
+            let gain = look.gain.min(0.0);
+            Tried { name: look.entry.name, gain, evidence: gain, in_full: false }
+        });
         let tried = fitted.chain(at_first_look).collect();
         (all, tried)
     }

@@ -16,7 +16,8 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
             h3 { "Every effect that was tried" }
             p {
                 "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out stretches; those that a "
-                "first look left behind were not fitted in full. A name takes a gain of at least 6 nats, and a further one a quarter of what the innovations still ask for."
+                "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes 6 nats of it, "
+                "and a further one a quarter of what the innovations still ask for."
             }
             (tried(report, "Tried on the belief", first))
             @for (k, round) in later.iter().enumerate() {
@@ -108,9 +109,15 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Tried]) -> Markup {
             let chance = likely.map_or_else(|| "–".into(), chance);
             (
                 html! { (spoken(one.name)) },
-                vec![html! { (stage(one.name)) }, html! { (number(Some(one.gain), 1)) }, html! { (chance) }, said],
+                vec![
+                    html! { (stage(one.name)) },
+                    html! { (number(Some(one.gain), 1)) },
+                    html! { (number(one.in_full.then_some(one.evidence), 1)) },
+                    html! { (chance) },
+                    said,
+                ],
             )
         })
         .collect();
-    table(caption, &["effect", "stage", "gain, nats", "probability", "verdict"], &rows)
+    table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows)
 }

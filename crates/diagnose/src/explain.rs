@@ -203,9 +203,12 @@ fn next_effect(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Named>
     let models = rivals().map(|rival| rival.fit.model.clone()).collect();
     // A name that contains the best one says the same: it takes nothing from the probability of the set.
     let in_set = |c: &&Candidate| near.contains(&c.entry.name) || is_or_contains(c, best);
-    let weight = |c: &Candidate| ((c.gain - best.gain) / DOUBT).exp();
+    // Shares of the largest, which no gain by chance can make overflow.
+    let most = all.iter().map(|candidate| candidate.gain).fold(best.gain, f64::max);
+    let weight = |c: &Candidate| ((c.gain - most) / DOUBT).exp();
     let set: f64 = all.iter().filter(in_set).map(weight).sum();
-    let probability = set / (all.iter().map(weight).sum::<f64>() + (-best.evidence / DOUBT).exp());
+    let none = ((best.gain - most - best.evidence) / DOUBT).exp();
+    let probability = set / (all.iter().map(weight).sum::<f64>() + none);
     (
         Some(Named {
             change: Change::Added,

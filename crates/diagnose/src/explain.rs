@@ -8,7 +8,7 @@ use crate::tried::Tried;
 use crate::which::{CONTAINS, Candidate, Search};
 use plant::Model;
 
-/// Evidence, nats, that an effect must bring to be named: some e⁵ to 1.
+/// Evidence, nats, that an effect must bring to be named.
 pub(crate) const NAMED: f64 = 6.0;
 /// The same for a second one, for each further or beside coarse readings, and as a share of what is explained already: the form of an effect is never quite that of
 /// the catalogue, and what that leaves is no further effect.

@@ -9,7 +9,7 @@
 //! sensor is measured on a ball at rest and better known (2 %), the noise of the air less (10 %), both with ν = 10: what they
 //! would have to grow by to explain a record is worth an effect. The numbers of an effect that is not believed are free.
 
-use plant::{Effects, Model};
+use plant::{Effects, Model, Param};
 
 /// A number of the model that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,11 +123,16 @@ impl Free {
         }
     }
 
+    /// What the catalogue says of the number; `None` of base parameters.
+    fn param(self) -> Option<&'static Param> {
+        let Self::Effect { name, index, .. } = self else { return None };
+        Effects::entry(name)?.params.get(index)
+    }
+
     /// How far the number may go in `model` on the side of `towards`, in its own scale, until it is what no config may hold.
     pub(crate) fn room(self, model: &Model, towards: f64) -> f64 {
-        let Self::Effect { name, index, size } = self else { return f64::INFINITY };
-        let param = Effects::entry(name).and_then(|entry| entry.params.get(index));
-        let Some((param, value)) = param.zip(self.value(model)) else { return f64::INFINITY };
+        let Self::Effect { size, .. } = self else { return f64::INFINITY };
+        let Some((param, value)) = self.param().zip(self.value(model)) else { return f64::INFINITY };
         (if towards < 0.0 { value - param.min } else { param.max - value }) / size
     }
 
@@ -176,8 +181,7 @@ impl Free {
             }
             Self::Effect { name, index, size } => {
                 let mut values = model.effects.values(name).unwrap_or_default();
-                let param = Effects::entry(name).and_then(|entry| entry.params.get(index));
-                if let (Some(value), Some(param)) = (values.get_mut(index), param) {
+                if let (Some(value), Some(param)) = (values.get_mut(index), self.param()) {
                     *value = (*value + size * by).clamp(param.min, param.max);
                 }
                 model.effects.set(name, &values);

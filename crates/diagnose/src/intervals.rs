@@ -91,52 +91,46 @@ impl Diagnosis {
 
 #[cfg(test)]
 mod tests {
-    use super::{WIDER_OF_SHAPES, reaches};
+    use super::{Reach, WIDER_OF_SHAPES, reaches};
     use crate::free::{BASE, free_of_effect};
     use crate::profile::OF_90_PERCENT;
     use crate::tests_support::{model, record, shaken};
-    use crate::{Fit, Folds, Free, Options, Prior, Problem, Recording, diagnose};
-    use plant::Model;
+    use crate::{Fit, Folds, Free, Options, Prior, Problem, diagnose};
 
-    /// A record of a rig whose `effect` is `values`, the model fitted to it from there, and how far the effect's numbers reach.
-    fn reach(effect: &'static str, values: &[f64], seed: u64) -> (Fit, Recording, Vec<(Free, [f64; 2])>) {
-        let mut rig = model();
-        rig.effects.set(effect, values);
-        let record = record(&rig, seed, 60);
-        let folds = Folds::new(&model(), &record);
+    /// Shows `check` the model fitted to a record of a rig whose `effect` is `values`, and how far the effect's first number reaches.
+    fn reach(effect: &'static str, values: &[f64], seed: u64, check: impl Fn(&Problem<'_>, &Fit, Reach)) {
         let belief = model();
-        let problem = Problem { recording: &record, belief: &belief, folds: &folds, prior: Prior::Belief };
+        let mut rig = belief.clone();
+        rig.effects.set(effect, values);
+        let recording = record(&rig, seed, 60);
+        let folds = Folds::new(&belief, &recording);
+        let problem = Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief };
         let free: Vec<Free> = BASE.into_iter().chain(free_of_effect(effect, values)).collect();
         let fit = problem.fit(&rig, &free);
-        let of_effect = |(free, _): &(Free, _)| free.is_of(effect);
-        let reaches = reaches(&problem, &fit).into_iter().filter(of_effect).collect();
-        (fit, record, reaches)
+        let first = reaches(&problem, &fit).into_iter().find(|(free, _)| free.is_of(effect));
+        check(&problem, &fit, first.unwrap());
     }
 
     #[test]
     fn a_number_reaches_to_where_the_record_minds() {
         for seed in 0..3 {
-            let (fit, record, reaches) = reach("hysteresis", &[0.3], seed);
-            let (number, [down, up]) = reaches[0];
-            let folds = Folds::new(&model(), &record);
-            let belief = model();
-            let problem = Problem { recording: &record, belief: &belief, folds: &folds, prior: Prior::Belief };
-            let worth = |fit: &Fit| fit.log_likelihood(|row| folds.counts(row)) + fit.log_prior;
-            let minds = 0.5 * (OF_90_PERCENT * WIDER_OF_SHAPES).powi(2);
-            for by in [-down, up] {
-                let there: Model = number.moved(&fit.model, by);
-                let dropped = worth(&fit) - worth(&problem.fit(&there, &BASE));
-                assert!((dropped / minds - 1.0).abs() < 0.2, "seed {seed}: {by} costs {dropped} of {minds} nats");
-            }
+            reach("hysteresis", &[0.3], seed, |problem, fit, (number, [down, up])| {
+                let minds = 0.5 * (OF_90_PERCENT * WIDER_OF_SHAPES).powi(2);
+                for by in [-down, up] {
+                    let there = problem.fit(&number.moved(&fit.model, by), &BASE);
+                    let dropped = problem.total_of(fit) - problem.total_of(&there);
+                    assert!((dropped / minds - 1.0).abs() < 0.2, "seed {seed}: {by} costs {dropped} of {minds} nats");
+                }
+            });
         }
     }
 
     #[test]
     fn a_number_that_may_go_no_further_ends_there() {
         // A zone of one side and a moved hover explain the same record: either edge may be at hover.
-        let (fit, _, reaches) = reach("dead_zone", &[-0.1, 0.3], 1);
-        let (lower, [_, up]) = reaches[0];
-        assert_eq!(lower.value(&lower.moved(&fit.model, up)), Some(0.0));
+        reach("dead_zone", &[-0.1, 0.3], 1, |_, fit, (lower, [_, up])| {
+            assert_eq!(lower.value(&lower.moved(&fit.model, up)), Some(0.0));
+        });
     }
 
     #[test]

@@ -212,13 +212,6 @@ impl<'a> Search<'a> {
         prior(&BASE[..3], &fit.model, self.problem.belief)
     }
 
-    /// What `fit` can be worth on rows that it was not fitted to: what it gains on those that it was, less what its further numbers take by chance, nats.
-    fn worth_at_most(&self, fit: &Fit, so_far: &Fit) -> f64 {
-        let counted = |fit: &Fit| fit.log_likelihood(|row| self.problem.folds.counts(row));
-        let numbers = fit.free.len().saturating_sub(so_far.free.len());
-        counted(fit) - counted(so_far) - OVERFIT * numbers as f64
-    }
-
     fn in_full(&self, look: &Look, so_far: &Fit, before: &Worth) -> Candidate {
         let fit = self.problem.fit(&look.model, &look.free);
         let mut after = self.problem.held_out(&fit);
@@ -228,10 +221,13 @@ impl<'a> Search<'a> {
             }
         }
         let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
-        let more_likely = fit.log_prior - so_far.log_prior - look.cost - self.cost_of_form(&look.entry);
+        let cost = look.cost + self.cost_of_form(&look.entry);
+        let gain = held_out + fit.log_prior - so_far.log_prior - cost;
+        let numbers = fit.free.len().saturating_sub(so_far.free.len());
+        let fitted = self.problem.total_of(&fit) - self.problem.total_of(so_far) - cost;
         let unmoved = (self.base_prior(&fit) - self.base_prior(so_far) - UNMOVED).max(0.0);
-        let evidence = held_out.min(self.worth_at_most(&fit, so_far)) + more_likely - unmoved;
-        Candidate { entry: look.entry, gain: held_out + more_likely, evidence, fit }
+        let evidence = gain.min(fitted - OVERFIT * numbers as f64) - unmoved;
+        Candidate { entry: look.entry, gain, evidence, fit }
     }
 }
 
@@ -239,7 +235,6 @@ impl<'a> Search<'a> {
 mod tests {
     use super::{Candidate, Search};
     use crate::diagnosis::Options;
-    use crate::fit::Fit;
     use crate::folds::Folds;
     use crate::tests_support::{model, record, shaken};
     use plant::effects::DeadZone;
@@ -310,8 +305,7 @@ mod tests {
             let so_far = search.refitted();
             for found in search.candidates(&so_far).0 {
                 let numbers = (found.fit.free.len() - so_far.free.len()) as f64;
-                let fitted = |fit: &Fit| fit.log_likelihood(|row| folds.counts(row)) + fit.log_prior;
-                let most = fitted(&found.fit) - fitted(&so_far) - numbers;
+                let most = search.problem.total_of(&found.fit) - search.problem.total_of(&so_far) - numbers;
                 assert!(found.evidence < most + 1e-9, "{}: {} of {most}", found.entry.name, found.evidence);
                 beyond += usize::from(found.gain > most);
             }

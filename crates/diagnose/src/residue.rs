@@ -7,9 +7,11 @@
 //! energy    the largest |z| of mean e² in sixths of duty, height, speed and time
 //! omitted   the terms that e_k ask for, the moments at which something happened, and bursts of pushes: see `omitted`
 //! air       (d + g·σ²)/σ: how far the noise of the air had to grow, in deviations, its prior taken away
+//! together  Σ −ln p of omitted (terms, moments), line, mean and air
 //! ```
 //!
-//! Sources: Ljung and Box, Biometrika 65 (1978); Fisher's test for a hidden period, Proc. R. Soc. A 125 (1929).
+//! Sources: Ljung and Box, Biometrika 65 (1978); Fisher's test for a hidden period, Proc. R. Soc. A 125 (1929); his combination of chances,
+//! *Statistical Methods for Research Workers*, 4th edition (1932), section 21.1.
 
 use crate::fit::Fit;
 use crate::fit::Problem;
@@ -54,26 +56,28 @@ pub struct Residue {
     pub(crate) weight: f64,
 }
 
-/// What is no chance: each limit is passed by about one right model in a thousand, but where it says otherwise.
+/// What is no chance, whatever the rest says: nats, and deviations of the colour. One of a thousand right models passed any of these.
+const ALONE: f64 = 9.0;
 const COLOUR: f64 = 5.5;
-const CHANCE: f64 = 7.0;
-/// Tails of the noise that are not normal make these two less certain.
-const CHANCE_OF_POWER: f64 = 9.0;
-pub(crate) const OMITTED: f64 = 6.5;
-/// The same beside a name of something that the rig does, passed by about one right name in ninety: what it stands for may be outside the
+/// The same of what all say together, nats: two more of that thousand passed it, and of silent rigs outside the catalogue a third.
+const TOGETHER: f64 = 12.5;
+/// The noise of the air, which an owner guesses, counts no more than this as long as it grew by less than that, as a ratio.
+const AIR_AS_GUESSED: f64 = 3.0;
+const AIR_RATIO: f64 = 1.3;
+/// Nats of a part of it that are worth a word.
+const WORTH_A_WORD: f64 = 3.0;
+/// Terms beside a name of something that the rig does, passed by about one right name in ninety: what it stands for may be outside the
 /// catalogue, and to doubt it costs less than an alarm where nothing is wrong. A density of readings is no such thing.
 const OMITTED_BESIDE_A_NAME: f64 = 4.5;
-const MOMENTS: f64 = 6.5;
 const OMITTED_OF_CELLS: f64 = 30.0;
+/// Moments, whose many looks differ less than they are counted for.
+const MOMENTS: f64 = 6.5;
 /// The same beside a turbulence, which follows most of what is missing.
 const OMITTED_BESIDE_TURBULENCE: f64 = 4.5;
 /// Pushes in bursts, deviations: the largest of three lengths.
 const BURSTS: f64 = 3.3;
 /// Share of what effects explain that their form may leave.
 const SHARE_OF_FORM: f64 = 0.02;
-const AIR: f64 = 4.0;
-/// Noise of the air that grew by less than this, as a ratio, is no gap.
-const AIR_RATIO: f64 = 1.3;
 /// White noise that a right turbulence leaves as it was believed, as ratios.
 const UNTOUCHED: std::ops::Range<f64> = 0.5..1.6;
 /// Deviations within which a record does not tell the white noise from that.
@@ -93,26 +97,56 @@ impl Residue {
     /// Whether something is left over.
     #[must_use]
     pub fn is_significant(&self) -> bool {
-        let shape = self.colour > COLOUR || self.mean > CHANCE || self.energy > CHANCE_OF_POWER;
+        let shape = self.colour > COLOUR || self.mean > ALONE || self.energy > ALONE || self.together() > TOGETHER;
         (shape && !self.coarse)
             || self.omitted_is_significant()
             || self.moments_are_significant()
-            || self.line > CHANCE_OF_POWER
-            || (self.air > AIR && self.air_ratio > AIR_RATIO)
+            || self.line > ALONE
+            || self.restless() > ALONE
     }
 
-    /// Whether the terms that are asked for are no chance.
+    /// Whether the terms that are asked for describe what is left over: they are no chance, or a good part of what is none together.
     #[must_use]
-    pub fn omitted_is_significant(&self) -> bool {
+    pub fn omitted_is_worth_a_word(&self) -> bool {
+        self.omitted_is_significant() || self.has_part_in_it(self.omitted)
+    }
+
+    /// The same of the moments at which something happened.
+    #[must_use]
+    pub fn moments_are_worth_a_word(&self) -> bool {
+        self.moments_are_significant() || self.has_part_in_it(self.moments)
+    }
+
+    fn omitted_is_significant(&self) -> bool {
         // Within a cell nothing is normal, and what follows from that is no residue.
-        let limit = if self.of_form > 0.0 { OMITTED_BESIDE_A_NAME } else { OMITTED };
+        let limit = if self.of_form > 0.0 { OMITTED_BESIDE_A_NAME } else { ALONE };
         self.omitted > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { limit }
     }
 
-    /// Whether something happened at moments of its own.
-    #[must_use]
-    pub fn moments_are_significant(&self) -> bool {
+    fn moments_are_significant(&self) -> bool {
         self.moments > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { MOMENTS }
+    }
+
+    fn has_part_in_it(&self, nats: f64) -> bool {
+        !self.coarse && self.of_its_own(nats) > WORTH_A_WORD && self.is_significant()
+    }
+
+    /// Nats of chance of all together: what is missing says a little to many of the statistics, and chance to one.
+    fn together(&self) -> f64 {
+        let asked = [self.omitted, self.moments].map(|nats| self.of_its_own(nats));
+        let seen = [self.line, self.mean, self.restless()];
+        asked.iter().chain(&seen).map(|nats| nats.max(0.0)).sum()
+    }
+
+    /// Nats beyond what the form of what was found may leave.
+    fn of_its_own(&self, nats: f64) -> f64 {
+        nats - self.of_form
+    }
+
+    /// −ln of the chance that the noise of the air seems to have grown so much.
+    fn restless(&self) -> f64 {
+        let nats = -(0.5 * libm::erfc(self.air / std::f64::consts::SQRT_2)).max(f64::MIN_POSITIVE).ln();
+        if self.air_ratio > AIR_RATIO { nats } else { nats.min(AIR_AS_GUESSED) }
     }
 
     /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
@@ -239,6 +273,25 @@ mod tests {
         let folds = Folds::new(belief, &recording);
         let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
         Residue::of(&problem, &problem.fit(belief, &BASE), 0.0)
+    }
+
+    #[test]
+    fn a_little_said_by_many_is_left_over_and_as_much_said_by_one_is_chance() {
+        let one = Residue { omitted: 8.0, ..Residue::default() };
+        let many = Residue { moments: 1.0, line: 2.0, mean: 2.0, ..one.clone() };
+        assert!(!one.is_significant() && !one.omitted_is_worth_a_word());
+        assert!(many.is_significant() && many.omitted_is_worth_a_word() && !many.moments_are_worth_a_word());
+        // Within a cell of a coarse sensor nothing is normal, and what effects explained may leave a share for their form.
+        assert!(!Residue { coarse: true, ..many.clone() }.is_significant());
+        assert!(!Residue { of_form: 4.0, ..many }.is_significant());
+    }
+
+    #[test]
+    fn air_that_is_about_as_restless_as_its_owner_guessed_says_little() {
+        let left = |air_ratio| Residue { omitted: 5.0, mean: 4.0, air: 3.5, air_ratio, ..Residue::default() };
+        assert!(!left(1.2).is_significant() && left(1.4).is_significant());
+        let alone = |air_ratio| Residue { air: 5.0, air_ratio, ..Residue::default() };
+        assert!(!alone(1.2).is_significant() && alone(1.4).is_significant());
     }
 
     #[test]

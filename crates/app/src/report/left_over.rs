@@ -16,10 +16,10 @@ pub fn left_over(found: &Diagnosis) -> Option<String> {
         return None;
     }
     let residue = &found.residue;
-    let terms = residue.asked_for.iter().filter(|_| residue.omitted_is_significant());
+    let terms = residue.asked_for.iter().filter(|_| residue.omitted_is_worth_a_word());
     let terms: Vec<String> = terms.take(MOST_TERMS).map(|term| format!("{} (z = {:.1})", term.words, term.z)).collect();
     let known = (!terms.is_empty()).then(|| format!("{} [{LETTERS}]", terms.join(", ")));
-    let moments = residue.happened.iter().filter(|_| residue.moments_are_significant());
+    let moments = residue.happened.iter().filter(|_| residue.moments_are_worth_a_word());
     let moments: Vec<String> =
         moments.take(MOST_TERMS).map(|moment| format!("{} (z = {:.1})", moment.words, moment.z)).collect();
     let moments = (!moments.is_empty()).then(|| moments.join(", "));

@@ -97,15 +97,10 @@ impl Residue {
     /// Whether something is left over.
     #[must_use]
     pub fn is_significant(&self) -> bool {
-        let shape = self.colour > COLOUR || self.mean > ALONE || self.energy > ALONE || self.together() > TOGETHER;
-        (shape && !self.coarse)
-            || self.omitted_is_significant()
-            || self.moments_are_significant()
-            || self.line > ALONE
-            || self.restless() > ALONE
+        self.one_is_significant() || self.only_all_are_significant()
     }
 
-    /// Whether the terms that are asked for describe what is left over: they are no chance, or a good part of what is none together.
+    /// Whether the terms that are asked for describe what is left over: they are no chance, or a good part of what only together is none.
     #[must_use]
     pub fn omitted_is_worth_a_word(&self) -> bool {
         self.omitted_is_significant() || self.has_part_in_it(self.omitted)
@@ -115,6 +110,19 @@ impl Residue {
     #[must_use]
     pub fn moments_are_worth_a_word(&self) -> bool {
         self.moments_are_significant() || self.has_part_in_it(self.moments)
+    }
+
+    fn one_is_significant(&self) -> bool {
+        let shape = self.colour > COLOUR || self.mean > ALONE || self.energy > ALONE;
+        (shape && !self.coarse)
+            || self.omitted_is_significant()
+            || self.moments_are_significant()
+            || self.line > ALONE
+            || self.restless() > ALONE
+    }
+
+    fn only_all_are_significant(&self) -> bool {
+        !self.coarse && !self.one_is_significant() && self.together() > TOGETHER
     }
 
     fn omitted_is_significant(&self) -> bool {
@@ -128,7 +136,7 @@ impl Residue {
     }
 
     fn has_part_in_it(&self, nats: f64) -> bool {
-        !self.coarse && self.of_its_own(nats) > WORTH_A_WORD && self.is_significant()
+        self.only_all_are_significant() && self.of_its_own(nats) > WORTH_A_WORD
     }
 
     /// Nats of chance of all together: what is missing says a little to many of the statistics, and chance to one.

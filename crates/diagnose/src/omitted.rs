@@ -29,6 +29,7 @@ pub(crate) use walk::Walk;
 
 use crate::fit::{Fit, Problem};
 use moments::Moments;
+use plant::Stage;
 use rayon::prelude::*;
 use scores::{Asked, Scores};
 use serde::Serialize;
@@ -46,6 +47,9 @@ pub struct Omitted {
     pub words: String,
     /// Its score beside those before it, deviations.
     pub z: f64,
+    /// Where on the signal path it would act, if it says.
+    #[serde(skip)]
+    pub stage: Option<Stage>,
 }
 
 /// What is asked for together, most first.
@@ -81,12 +85,12 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
     drop(as_fitted);
     levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&walk(*share), &forces, &shifts)));
     let best = levels.iter().map(|level| level.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
-    let words = |kind: &str, term: &Term| format!("{kind} {}", term.words);
+    let said = |kind: &str, term: &Term| (format!("{kind} {}", term.words), term.stage);
     let in_motion = |at: usize| match forces.get(at) {
-        Some(term) => words("a force that goes with", term),
-        None => words("a shift of the readings that goes with", &shifts[at - forces.len()]),
+        Some(term) => said("a force that goes with", term),
+        None => said("a shift of the readings that goes with", &shifts[at - forces.len()]),
     };
-    let in_spread = |at: usize| words("noise that changes with", &spreads[at]);
+    let in_spread = |at: usize| said("noise that changes with", &spreads[at]);
     let of_level = |level: Level| {
         let behind = best - level.log_likelihood;
         together(&level.motions.asked(1.0, weight, behind), in_motion)
@@ -109,12 +113,15 @@ fn quieter(fit: &Fit, share: f64) -> Fit {
     fit
 }
 
-/// As many of them as surprise most together.
-fn together(asked: &[Asked], words: impl Fn(usize) -> String) -> Question {
+/// As many of them as surprise most together, each with its words and stage.
+fn together(asked: &[Asked], said: impl Fn(usize) -> (String, Option<Stage>)) -> Question {
     let most = (0..asked.len()).max_by(|a, b| asked[*a].nats.total_cmp(&asked[*b].nats));
     let Some(most) = most else { return Question { nats: 0.0, terms: Vec::new() } };
-    let named = asked[..=most].iter().map(|asked| Omitted { words: words(asked.term), z: asked.z });
-    Question { nats: asked[most].nats, terms: named.collect() }
+    let omitted = |asked: &Asked| {
+        let (words, stage) = said(asked.term);
+        Omitted { words, z: asked.z, stage }
+    };
+    Question { nats: asked[most].nats, terms: asked[..=most].iter().map(omitted).collect() }
 }
 
 /// A way along the record with a share of the air's noise: its scores, and ln p of the readings with what the fitted numbers can do.
@@ -144,7 +151,7 @@ mod tests {
     use crate::track::legs;
     use crate::which::Search;
     use crate::{Recording, Sample};
-    use plant::{Effects, Model, Simulator};
+    use plant::{Effects, Model, Simulator, Stage};
 
     #[test]
     fn a_constant_push_moves_what_is_expected_as_another_hover_does() {
@@ -184,6 +191,27 @@ mod tests {
         Recording::new(rows.collect()).unwrap()
     }
 
+    /// A flight of a rig whose gain swings: 10 periods of the flight.
+    fn with_swing_of_gain() -> Recording {
+        let mut rows = with_force(|_, _| 0.0, 5).samples().to_vec();
+        let hover = model().hover_duty_percent;
+        // The logged duty is what acted, over the gain.
+        for row in &mut rows {
+            let swing = 1.0 + 0.5 * (std::f64::consts::TAU * row.time_s / 8.0).sin();
+            row.duty_percent = hover + (row.duty_percent - hover) / swing;
+        }
+        Recording::new(rows).unwrap()
+    }
+
+    /// A flight whose readings slip at 50 s.
+    fn with_slip() -> Recording {
+        let mut rows = with_force(|_, _| 0.0, 4).samples().to_vec();
+        rows.iter_mut()
+            .filter(|row| row.time_s > 50.0)
+            .for_each(|row| row.position_mm = row.position_mm.map(|mm| mm + 12.0));
+        Recording::new(rows).unwrap()
+    }
+
     fn found(recording: &Recording) -> Found {
         let folds = Folds::new(&model(), recording);
         let problem = Problem { recording, belief: &model(), folds: &folds, prior: Prior::Belief };
@@ -212,16 +240,23 @@ mod tests {
 
     #[test]
     fn a_gain_that_swings_is_asked_for_by_its_period() {
-        let mut rows = with_force(|_, _| 0.0, 5).samples().to_vec();
-        let hover = model().hover_duty_percent;
-        // The logged duty is what acted, over a gain that swings: 10 periods of the flight.
-        for row in &mut rows {
-            let swing = 1.0 + 0.5 * (std::f64::consts::TAU * row.time_s / 8.0).sin();
-            row.duty_percent = hover + (row.duty_percent - hover) / swing;
-        }
-        let [(nats, words), _] = asked(&Recording::new(rows).unwrap());
+        let [(nats, words), _] = asked(&with_swing_of_gain());
         let by_period = words.iter().any(|words| words.contains("u times") && words.contains(" 10 periods"));
         assert!(nats > 12.0 && by_period, "{nats} nats for {words:?}");
+    }
+
+    #[test]
+    fn most_of_what_is_asked_for_acts_at_the_stage_that_is_wrong() {
+        let most = |question: &Question, stage: Stage| {
+            let nats = |own: bool| -> f64 {
+                let terms = question.terms.iter().filter(|term| !own || term.stage == Some(stage));
+                terms.map(|term| term.z * term.z).sum()
+            };
+            assert!(nats(true) > 0.5 * nats(false), "{stage:?}: {:?}", question.terms);
+        };
+        most(&found(&with_force(|mm, _| 60.0 * (mm / 14.0).sin(), 1)).terms, Stage::Air);
+        most(&found(&with_swing_of_gain()).terms, Stage::Actuator);
+        most(&found(&with_slip()).moments, Stage::Sensor);
     }
 
     #[test]
@@ -249,11 +284,7 @@ mod tests {
         let [_, (nats, words)] = asked(&with_force(push, 3));
         let when = |words: &[String], at: &str| words.iter().any(|words| words.contains(at));
         assert!(nats > 8.0 && (when(&words, "push") && when(&words, "at 40.")), "{nats} nats for {words:?}");
-        let mut rows = with_force(|_, _| 0.0, 4).samples().to_vec();
-        rows.iter_mut()
-            .filter(|row| row.time_s > 50.0)
-            .for_each(|row| row.position_mm = row.position_mm.map(|mm| mm + 12.0));
-        let [_, (nats, words)] = asked(&Recording::new(rows).unwrap());
+        let [_, (nats, words)] = asked(&with_slip());
         assert!(nats > 8.0 && when(&words, "slipped at 50."), "{nats} nats for {words:?}");
     }
 

@@ -19,7 +19,7 @@ use crate::free::Free;
 use crate::omitted::{Found, Omitted, omitted};
 use crate::places::{Row, Spot, rows, spots};
 use crate::spectrum::periodogram;
-use plant::Model;
+use plant::{Model, Stage};
 use serde::Serialize;
 
 /// Statistics of what is left over. Each is large where something is; of a long record each is what 6000 readings like it would show.
@@ -110,6 +110,15 @@ impl Residue {
     #[must_use]
     pub fn moments_are_worth_a_word(&self) -> bool {
         self.moments_are_significant() || self.has_part_in_it(self.moments)
+    }
+
+    /// Nats of what is left over that its shape puts down to a stage.
+    #[must_use]
+    pub fn nats_at(&self, stage: Stage) -> f64 {
+        let terms = self.asked_for.iter().filter(|_| self.omitted_is_worth_a_word());
+        let moments = self.happened.iter().filter(|_| self.moments_are_worth_a_word());
+        let own = terms.chain(moments).filter(|omitted| omitted.stage == Some(stage));
+        own.map(|omitted| 0.5 * omitted.z.powi(2)).sum()
     }
 
     fn one_is_significant(&self) -> bool {
@@ -273,8 +282,9 @@ mod tests {
     use crate::fit::Problem;
     use crate::folds::Folds;
     use crate::free::{BASE, Prior};
+    use crate::omitted::Omitted;
     use crate::tests_support::{model, record};
-    use plant::{Effects, Model};
+    use plant::{Effects, Model, Stage};
 
     fn residue(belief: &Model, rig: &Model, seed: u64) -> Residue {
         let recording = record(rig, seed, 60);
@@ -292,6 +302,16 @@ mod tests {
         // Within a cell of a coarse sensor nothing is normal, and what effects explained may leave a share for their form.
         assert!(!Residue { coarse: true, ..many.clone() }.is_significant());
         assert!(!Residue { of_form: 4.0, ..many }.is_significant());
+    }
+
+    #[test]
+    fn a_stage_answers_for_the_terms_that_act_there_and_are_worth_a_word() {
+        let term = |z, stage| Omitted { words: String::new(), z, stage: Some(stage) };
+        let asked_for = vec![term(5.0, Stage::Actuator), term(-2.0, Stage::Sensor), term(1.0, Stage::Actuator)];
+        let of = |omitted| Residue { omitted, asked_for: asked_for.clone(), ..Residue::default() };
+        let nats = [Stage::Actuator, Stage::Sensor, Stage::Ball].map(|stage| of(12.0).nats_at(stage));
+        assert_eq!(nats, [13.0, 2.0, 0.0]);
+        assert_eq!(of(3.0).nats_at(Stage::Actuator), 0.0);
     }
 
     #[test]

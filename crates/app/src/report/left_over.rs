@@ -1,6 +1,7 @@
 //! The shape of what no effect explains, in words.
 
-use diagnose::{Diagnosis, Verdict};
+use crate::report::stages::NAMES;
+use diagnose::{Diagnosis, Residue, Verdict};
 
 /// Terms that a sentence names at most.
 const MOST_TERMS: usize = 3;
@@ -26,5 +27,14 @@ pub fn left_over(found: &Diagnosis) -> Option<String> {
     let restless = (residue.air_ratio > RESTLESS)
         .then(|| format!("noise of the air {:.1} times as strong as believed", residue.air_ratio));
     let shape: Vec<String> = known.into_iter().chain(moments).chain(restless).collect();
-    (!shape.is_empty()).then(|| format!("what is left looks like {}", shape.join(", and ")))
+    let acts = acts(residue).unwrap_or_default();
+    (!shape.is_empty()).then(|| format!("what is left looks like {}{acts}", shape.join(", and ")))
+}
+
+/// The stage that most of it belongs to, in words.
+fn acts(residue: &Residue) -> Option<String> {
+    let nats = NAMES.map(|(stage, name)| (residue.nats_at(stage), name));
+    let all: f64 = nats.iter().map(|(own, _)| own).sum();
+    let (_, name) = nats.into_iter().find(|(own, _)| *own > 0.5 * all)?;
+    Some(format!("; most of that belongs to the {name}"))
 }

@@ -1,7 +1,7 @@
 //! Where the gap arises along the signal path: each stage's share of the nats.
 
 use crate::report::logs::Logs;
-use diagnose::Diagnosis;
+use diagnose::{Diagnosis, Verdict};
 use plant::Stage;
 use serde::Serialize;
 
@@ -12,14 +12,19 @@ pub(super) struct StageEntry {
     pub(super) share: f64,
 }
 
-/// Each stage's share of the likelihood gained by the effects that were found and lost by what the loop did otherwise.
+/// The stages of the plant, with their names.
+pub(super) const NAMES: [(Stage, &str); 4] =
+    [(Stage::Actuator, "actuator"), (Stage::Air, "air"), (Stage::Ball, "ball"), (Stage::Sensor, "sensor")];
+
+/// Each stage's share of the likelihood gained by the effects that were found, asked for by what they leave unexplained, and lost by what
+/// the loop did otherwise.
 pub(super) fn stages(found: &Diagnosis, logs: &Logs<'_>) -> Vec<StageEntry> {
-    let names = [(Stage::Actuator, "actuator"), (Stage::Air, "air"), (Stage::Ball, "ball"), (Stage::Sensor, "sensor")];
     let gain = |stage| {
         let own = found.effects.iter().filter(|named| named.candidate.entry.stage == stage);
-        own.map(|named| named.candidate.gain).sum::<f64>()
+        let left = if found.verdict == Verdict::Unexplained { found.residue.nats_at(stage) } else { 0.0 };
+        own.map(|named| named.candidate.gain).sum::<f64>() + left
     };
-    let of_plant = names.into_iter().map(|(stage, name)| (name, gain(stage)));
+    let of_plant = NAMES.into_iter().map(|(stage, name)| (name, gain(stage)));
     let of_loop = |name| {
         let own = logs.upstream.iter().filter(|(_, stage)| stage.name == name);
         (name, own.map(|(_, stage)| stage.nats).sum::<f64>())

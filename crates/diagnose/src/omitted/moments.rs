@@ -13,7 +13,7 @@ use super::walk::Step;
 use super::{Omitted, Question};
 use crate::chi_square::ln_chance;
 use crate::cursor::Nudged;
-use plant::Model;
+use plant::{Model, Stage};
 use rayon::prelude::*;
 
 /// How long after a moment its trace is looked for, seconds.
@@ -57,6 +57,13 @@ impl Shape {
         }
     }
 
+    fn stage(self) -> Stage {
+        match self {
+            Self::Slip => Stage::Sensor,
+            Self::Push(_) => Stage::Air,
+        }
+    }
+
     fn words(self, time_s: f64) -> String {
         match self {
             Self::Slip => format!("readings that slipped at {time_s:.1} s"),
@@ -96,7 +103,7 @@ impl Moments {
             total += z * z;
             ways += ((looks - terms.len() as f64).max(1.0) / (terms.len() as f64 + 1.0)).ln();
             times_s.push(time_s);
-            terms.push(Omitted { words: shape.words(time_s), z });
+            terms.push(Omitted { words: shape.words(time_s), z, stage: Some(shape.stage()) });
             let nats = -ln_chance(total.max(f64::MIN_POSITIVE), terms.len()) - ways;
             if nats > most.0 {
                 most = (nats, terms.len());

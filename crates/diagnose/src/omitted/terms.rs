@@ -3,6 +3,7 @@
 //! u: duty about hover, x: height, v: speed, each over its own deviation; ~τ: as it was over the last τ seconds (first order); ⁺: the part above 0; t: -1 at
 //! the start of the flight, 1 at its end; u≈f: as a resonance of f Hz swings with it, z ← z·exp((−ζ + i)·2πf·dt) + u·2πf·dt.
 
+use plant::Stage;
 use std::f64::consts::PI;
 
 /// Memories, seconds.
@@ -69,27 +70,37 @@ impl Known {
 pub(super) struct Term {
     pub(super) words: String,
     pub(super) of: Box<dyn Fn(&Known) -> f64 + Sync>,
+    /// Where on the signal path it would act; `None`: anywhere.
+    pub(super) stage: Option<Stage>,
 }
 
 fn term(words: impl Into<String>, of: impl Fn(&Known) -> f64 + Sync + 'static) -> Term {
-    Term { words: words.into(), of: Box::new(of) }
+    Term { words: words.into(), of: Box::new(of), stage: None }
+}
+
+/// The same terms, acting at a stage.
+fn at(stage: Stage, terms: impl IntoIterator<Item = Term>) -> Vec<Term> {
+    terms.into_iter().map(|term| Term { stage: Some(stage), ..term }).collect()
 }
 
 fn step(value: f64) -> f64 {
     (STEEP * value).tanh()
 }
 
-/// Forces.
+/// Forces: where the duty takes part it is the actuator's, where the speed does it is one on the ball, else of the air around it.
 pub(super) fn forces() -> Vec<Term> {
+    let memories = 0..MEMORIES_S.len();
     [
-        of_duty(),
-        of_motion(),
-        of_time(),
-        of_gain_over_time(),
-        waves_of_height(),
-        waves_of_friction(),
-        (0..RESONANCES_HZ.len()).flat_map(of_resonance).collect(),
-        (0..MEMORIES_S.len()).flat_map(of_memory).collect(),
+        at(Stage::Actuator, of_duty()),
+        at(Stage::Ball, of_speed()),
+        at(Stage::Air, of_height()),
+        at(Stage::Air, of_time()),
+        at(Stage::Actuator, of_gain_over_time()),
+        at(Stage::Air, waves_of_height()),
+        at(Stage::Ball, waves_of_friction()),
+        at(Stage::Actuator, (0..RESONANCES_HZ.len()).flat_map(of_resonance)),
+        at(Stage::Actuator, memories.clone().flat_map(of_duty_before)),
+        at(Stage::Ball, memories.map(of_speed_before)),
     ]
     .into_iter()
     .flatten()
@@ -111,32 +122,31 @@ fn of_duty() -> Vec<Term> {
     ]
 }
 
-fn of_motion() -> Vec<Term> {
+fn of_speed() -> Vec<Term> {
     vec![
         term("v·|v|", |k| k.v * k.v.abs()),
         term("v²", |k| k.v * k.v),
         term("the sign of v", |k| step(k.v)),
-        term("x", |k| k.x),
-        term("x²", |k| k.x * k.x),
-        term("x³", |k| k.x.powi(3)),
         term("x·v", |k| k.x * k.v),
+        term("t·v", |k| k.t * k.v),
     ]
 }
 
+fn of_height() -> Vec<Term> {
+    vec![term("x", |k| k.x), term("x²", |k| k.x * k.x), term("x³", |k| k.x.powi(3))]
+}
+
 fn of_time() -> Vec<Term> {
-    let products = vec![
-        term("t", |k| k.t),
-        term("t²", |k| k.t * k.t),
-        term("t·u", |k| k.t * k.u),
-        term("t²·u", |k| k.t * k.t * k.u),
-        term("t·v", |k| k.t * k.v),
-    ];
-    let waves = waves(WAVES_OF_TIME, "", |_| 1.0, over_time);
-    products.into_iter().chain(waves).collect()
+    [term("t", |k| k.t), term("t²", |k| k.t * k.t)].into_iter().chain(waves_of_time()).collect()
+}
+
+fn waves_of_time() -> Vec<Term> {
+    waves(WAVES_OF_TIME, "", |_| 1.0, over_time)
 }
 
 fn of_gain_over_time() -> Vec<Term> {
-    waves(WAVES_OF_GAIN, "u times ", |k| k.u, over_time)
+    let products = [term("t·u", |k| k.t * k.u), term("t²·u", |k| k.t * k.t * k.u)];
+    products.into_iter().chain(waves(WAVES_OF_GAIN, "u times ", |k| k.u, over_time)).collect()
 }
 
 fn waves_of_height() -> Vec<Term> {
@@ -182,15 +192,21 @@ fn of_resonance(at: usize) -> Vec<Term> {
     vec![term(words("in step"), move |k| k.swings[at].0), term(words("a quarter late"), move |k| k.swings[at].1)]
 }
 
-fn of_memory(at: usize) -> Vec<Term> {
-    let of = |words: &str, of: fn(&Known, &Memory) -> f64| {
-        term(words.replace('~', &format!("~{} s", MEMORIES_S[at])), move |k: &Known| of(k, &k.memory[at]))
-    };
+/// A term of what one of the memories holds, `~` in words.
+fn remembered(at: usize, words: &str, of: fn(&Known, &Memory) -> f64) -> Term {
+    term(words.replace('~', &format!("~{} s", MEMORIES_S[at])), move |k: &Known| of(k, &k.memory[at]))
+}
+
+fn of_speed_before(at: usize) -> Term {
+    remembered(at, "v~", |_, m| m.v)
+}
+
+fn of_duty_before(at: usize) -> Vec<Term> {
+    let of = |words: &str, of: fn(&Known, &Memory) -> f64| remembered(at, words, of);
     vec![
         of("u~", |_, m| m.u),
         of("u⁺~", |_, m| m.above),
         of("u²~", |_, m| m.square_of_u),
-        of("v~", |_, m| m.v),
         of("u·u~", |k, m| k.u * m.u),
         of("|u|·u~", |k, m| k.u.abs() * m.u),
         of("u·u⁺~", |k, m| k.u * m.above),
@@ -216,7 +232,7 @@ pub(super) fn shifts() -> Vec<Term> {
         term("t", |k| k.t),
         term("t²", |k| k.t * k.t),
     ];
-    shifts.into_iter().chain(waves_of_height()).collect()
+    at(Stage::Sensor, shifts.into_iter().chain(waves_of_height()))
 }
 
 /// Spreads: where noise is larger or smaller than elsewhere.
@@ -236,7 +252,7 @@ pub(super) fn spreads() -> Vec<Term> {
         term("|u − u~| of 0.3 s", |k| (k.u - k.memory[1].u).abs()),
         term("(u − u~)² of 0.3 s", |k| (k.u - k.memory[1].u).powi(2)),
     ];
-    spreads.into_iter().chain(of_time().into_iter().skip(5)).chain(waves_of_height()).collect()
+    spreads.into_iter().chain(waves_of_time()).chain(waves_of_height()).collect()
 }
 
 #[cfg(test)]

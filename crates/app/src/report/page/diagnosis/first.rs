@@ -87,6 +87,7 @@ fn blame(report: &Report<'_>, stage: &str) -> String {
     match stage {
         "controller" => "another law".into(),
         "duty" => "late".into(),
+        _ if own.is_empty() => "unexplained".into(),
         _ => own.join(", "),
     }
 }

@@ -9,11 +9,12 @@ use crate::which::{CONTAINS, Candidate, Search};
 use plant::Model;
 
 /// Evidence, nats, that an effect must bring to be named.
-pub(crate) const NAMED: f64 = 6.0;
-/// The same for a second one, for each further or beside coarse readings, and as a share of what is explained already: the form of an effect is never quite that of
-/// the catalogue, and what that leaves is no further effect.
+pub(crate) const NAMED: f64 = 5.0;
+/// The same for a second one, for each further, beside coarse readings, and as a share of what is explained already: the form of an effect is
+/// never quite that of the catalogue, and what that leaves is no further effect.
 const NAMED_SECOND: f64 = 5.5;
 const NAMED_FURTHER: f64 = 16.0;
+const NAMED_BESIDE_CELLS: f64 = 25.0;
 const SHARE_OF_FORM: f64 = 0.005;
 /// The same as a share of what the innovations ask for without it: where much more is missing than it explains, it is not what is missing.
 const SHARE_OF_THE_REST: f64 = 0.25;
@@ -21,6 +22,8 @@ const SHARE_OF_THE_REST: f64 = 0.25;
 const OF_THE_DENSITY: [&str; 3] = ["sensor_quantisation", "stale_samples", "sensor_outliers"];
 /// The same for turbulence: what the noise of the air grew by counts against it already, and what is left over is judged strictly.
 const NAMED_TURBULENCE: f64 = 1.2;
+/// Nats that a believed effect must lose with the numbers that are believed of it.
+const CHANGED: f64 = 6.0;
 /// Effects that explain the record within so many nats of the best cannot be told from it.
 const TOLD_APART: f64 = 3.0;
 /// The same for effects that act alike on whatever the duty does.
@@ -81,7 +84,7 @@ impl Explanation {
 
     /// No effect at all.
     pub(crate) fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
-        let residue = Residue::of(&search.problem, refitted, 0.0);
+        let residue = Residue::of(&search.problem, refitted, None);
         Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), residue, on_the_way: Vec::new() }
     }
 }
@@ -103,20 +106,19 @@ pub(crate) fn explain(search: &Search<'_>, refitted: &Fit) -> Explanation {
 fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds, mut on_the_way): (Vec<Named>, _, _) = (Vec::new(), Vec::new(), Vec::new());
-    let mut residue = None;
+    let (mut residue, mut outdone) = (None, None);
     // What so small a misfit gains on a long record needs more than chance would: nobody's form is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
     while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_ROUNDS {
         let (named, tried) = next_effect(search, &fit, long * needed_beside(&effects));
         rounds.push(tried);
         let Some(named) = named else { break };
-        if !effects.is_empty() {
-            let left = Residue::of(&search.problem, &fit, explained(&effects));
-            if named.candidate.gain < SHARE_OF_THE_REST * (left.omitted / left.weight) {
-                residue = Some(left);
-                break;
-            }
+        let left = Residue::of(&search.problem, &fit, explained(&effects));
+        if !effects.is_empty() && named.candidate.gain < SHARE_OF_THE_REST * left.asked_in_all() {
+            residue = Some(left);
+            break;
         }
+        outdone = left.instead_of(named.candidate.entry.name, named.candidate.gain);
         on_the_way.push(std::mem::replace(&mut fit, named.candidate.fit.clone()));
         if DISTORT.contains(&named.candidate.entry.name) {
             fit = search.with_other_sizes(fit);
@@ -127,9 +129,10 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
         }
         drop_the_needless(search, &mut effects, &mut fit);
     }
-    let residue = residue.unwrap_or_else(|| Residue::of(&search.problem, &fit, explained(&effects)));
+    let outdone = outdone.filter(|left| effects.last().map(|named| named.candidate.entry.name) == left.instead_of);
+    let residue = residue.or(outdone).unwrap_or_else(|| Residue::of(&search.problem, &fit, explained(&effects)));
     for (change, candidate, without) in search.changed(&fit) {
-        if candidate.gain > NAMED {
+        if candidate.gain > CHANGED {
             fit = without.unwrap_or(fit);
             let probability = 1.0 / (1.0 + (-candidate.gain / DOUBT).exp());
             effects.push(Named {
@@ -144,19 +147,20 @@ fn explain_by(search: &Search<'_>, refitted: &Fit) -> Explanation {
     Explanation { effects, rounds, fit, residue, on_the_way }
 }
 
-/// Nats that these effects explain by what the rig does; those that change the density of a reading explain thousands, and leave no form.
-fn explained(effects: &[Named]) -> f64 {
+/// Nats that these effects explain by what the rig does, `None` of no effect; those that change the density of a reading explain thousands,
+/// and leave no form.
+fn explained(effects: &[Named]) -> Option<f64> {
     let of_form = effects.iter().filter(|named| !OF_THE_DENSITY.contains(&named.candidate.entry.name));
-    of_form.map(|named| named.candidate.gain).sum()
+    (!effects.is_empty()).then(|| of_form.map(|named| named.candidate.gain).sum())
 }
 
 /// What another effect must gain beside those that were found.
 fn needed_beside(effects: &[Named]) -> f64 {
-    let form = SHARE_OF_FORM * explained(effects);
-    let coarse = effects.iter().any(|named| named.candidate.entry.name == COARSE);
-    match effects.len() {
-        0 => NAMED,
-        1 if !coarse => NAMED_SECOND.max(form),
+    let form = SHARE_OF_FORM * explained(effects).unwrap_or(0.0);
+    match effects {
+        [] => NAMED,
+        _ if effects.iter().any(|named| named.candidate.entry.name == COARSE) => NAMED_BESIDE_CELLS.max(form),
+        [_] => NAMED_SECOND.max(form),
         _ => NAMED_FURTHER.max(form),
     }
 }
@@ -280,7 +284,7 @@ mod tests {
     fn what_gains_by_chance_is_an_alternative_to_what_has_evidence_and_alone_it_is_nothing() {
         let chance = ("duty_quantisation", 14.0, 4.0);
         assert_eq!(order(&[chance, ("dead_zone", 9.0, 8.0)]), ["dead_zone", "duty_quantisation"]);
-        assert!(order(&[chance, ("dead_zone", 9.0, 5.0)]).is_empty());
+        assert!(order(&[chance, ("dead_zone", 9.0, 4.9)]).is_empty());
     }
 
     #[test]
@@ -289,7 +293,7 @@ mod tests {
         assert_eq!(order(&[turbulence, ("gain_drift", 16.0, 12.0)]), ["gain_drift", "turbulence"]);
         assert_eq!(order(&[turbulence, ("gain_drift", 14.0, 12.0)])[0], "turbulence");
         assert_eq!(order(&[turbulence, ("gain_drift", 16.0, 2.0)])[0], "turbulence");
-        assert_eq!(order(&[("gain_drift", 5.0, 5.0), ("turbulence", 4.0, 2.0)]), ["turbulence"]);
+        assert_eq!(order(&[("gain_drift", 4.9, 4.9), ("turbulence", 4.0, 2.0)]), ["turbulence"]);
         assert!(order(&[("turbulence", 4.0, 1.0)]).is_empty());
     }
 }

@@ -7,11 +7,11 @@
 //! energy    the largest |z| of mean e² in sixths of duty, height, speed and time
 //! omitted   the terms that e_k ask for, the moments at which something happened, and bursts of pushes: see `omitted`
 //! air       (d + g·σ²)/σ: how far the noise of the air had to grow, in deviations, its prior taken away
-//! together  Σ −ln p of omitted (terms, moments), line, mean and air
 //! ```
 //!
-//! Sources: Ljung and Box, Biometrika 65 (1978); Fisher's test for a hidden period, Proc. R. Soc. A 125 (1929); his combination of chances,
-//! *Statistical Methods for Research Workers*, 4th edition (1932), section 21.1.
+//! Sources: Ljung and Box, Biometrika 65 (1978); Fisher's test for a hidden period, Proc. R. Soc. A 125 (1929).
+
+mod judged;
 
 use crate::fit::Fit;
 use crate::fit::Problem;
@@ -19,7 +19,7 @@ use crate::free::Free;
 use crate::omitted::{Found, Omitted, omitted};
 use crate::places::{Row, Spot, rows, spots};
 use crate::spectrum::periodogram;
-use plant::{Model, Stage};
+use plant::Model;
 use serde::Serialize;
 
 /// Statistics of what is left over. Each is large where something is; of a long record each is what 6000 readings like it would show.
@@ -45,6 +45,11 @@ pub struct Residue {
     pub bursts: f64,
     /// Nats of it that the form of what was found may leave, which is never quite that of the catalogue.
     pub of_form: f64,
+    /// The effect without which this is left: its terms say more than that name explains, and are likelier what is missing.
+    pub instead_of: Option<&'static str>,
+    /// An effect was named.
+    #[serde(skip)]
+    pub(crate) beside_a_name: bool,
     /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
     pub coarse: bool,
     /// Growth of the air's noise, deviations.
@@ -56,33 +61,10 @@ pub struct Residue {
     pub(crate) weight: f64,
 }
 
-/// What is no chance, whatever the rest says: nats, and deviations of the colour. One of a thousand right models passed any of these.
-const ALONE: f64 = 9.0;
-const COLOUR: f64 = 5.5;
-/// The same of what all say together, nats: two more of that thousand passed it, and of silent rigs outside the catalogue a third.
-const TOGETHER: f64 = 12.5;
-/// The noise of the air, which an owner guesses, counts no more than this as long as it grew by less than that, as a ratio.
-const AIR_AS_GUESSED: f64 = 3.0;
-const AIR_RATIO: f64 = 1.3;
-/// Nats of a part of it that are worth a word.
-const WORTH_A_WORD: f64 = 3.0;
-/// Terms beside a name of something that the rig does, passed by about one right name in ninety: what it stands for may be outside the
-/// catalogue, and to doubt it costs less than an alarm where nothing is wrong. A density of readings is no such thing.
-const OMITTED_BESIDE_A_NAME: f64 = 4.5;
-const OMITTED_OF_CELLS: f64 = 30.0;
-/// Moments, whose many looks differ less than they are counted for.
-const MOMENTS: f64 = 6.5;
-/// The same beside a turbulence, which follows most of what is missing.
-const OMITTED_BESIDE_TURBULENCE: f64 = 4.5;
-/// Pushes in bursts, deviations: the largest of three lengths.
-const BURSTS: f64 = 3.3;
 /// Share of what effects explain that their form may leave.
 const SHARE_OF_FORM: f64 = 0.02;
-/// White noise that a right turbulence leaves as it was believed, as ratios.
-const UNTOUCHED: std::ops::Range<f64> = 0.5..1.6;
-/// Deviations within which a record does not tell the white noise from that.
-const TOUCHED: f64 = 2.0;
-
+/// Cells that are wider than so many deviations of the noise leave readings of another shape than normal.
+const COARSE: f64 = 2.0;
 /// A ball this near to a stop may have met it, mm; and so long the filter is not normal afterwards, seconds.
 const NEAR_STOP_MM: f64 = 10.0;
 const FORGET_STOP_S: f64 = 0.5;
@@ -94,90 +76,9 @@ pub(crate) const LONG: f64 = 6000.0;
 const LAGS_S: f64 = 0.5;
 
 impl Residue {
-    /// Whether something is left over.
+    /// Judges the innovations of `fit`, whose effects explain so many nats by what the rig does; `None`: none was named.
     #[must_use]
-    pub fn is_significant(&self) -> bool {
-        self.one_is_significant() || self.only_all_are_significant()
-    }
-
-    /// Whether the terms that are asked for describe what is left over: they are no chance, or a good part of what only together is none.
-    #[must_use]
-    pub fn omitted_is_worth_a_word(&self) -> bool {
-        self.omitted_is_significant() || self.has_part_in_it(self.omitted)
-    }
-
-    /// The same of the moments at which something happened.
-    #[must_use]
-    pub fn moments_are_worth_a_word(&self) -> bool {
-        self.moments_are_significant() || self.has_part_in_it(self.moments)
-    }
-
-    /// Nats of what is left over that its shape puts down to a stage.
-    #[must_use]
-    pub fn nats_at(&self, stage: Stage) -> f64 {
-        let terms = self.asked_for.iter().filter(|_| self.omitted_is_worth_a_word());
-        let moments = self.happened.iter().filter(|_| self.moments_are_worth_a_word());
-        let own = terms.chain(moments).filter(|omitted| omitted.stage == Some(stage));
-        own.map(|omitted| 0.5 * omitted.z.powi(2)).sum()
-    }
-
-    fn one_is_significant(&self) -> bool {
-        let shape = self.colour > COLOUR || self.mean > ALONE || self.energy > ALONE;
-        (shape && !self.coarse)
-            || self.omitted_is_significant()
-            || self.moments_are_significant()
-            || self.line > ALONE
-            || self.restless() > ALONE
-    }
-
-    fn only_all_are_significant(&self) -> bool {
-        !self.coarse && !self.one_is_significant() && self.together() > TOGETHER
-    }
-
-    fn omitted_is_significant(&self) -> bool {
-        // Within a cell nothing is normal, and what follows from that is no residue.
-        let limit = if self.of_form > 0.0 { OMITTED_BESIDE_A_NAME } else { ALONE };
-        self.omitted > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { limit }
-    }
-
-    fn moments_are_significant(&self) -> bool {
-        self.moments > self.of_form + if self.coarse { OMITTED_OF_CELLS } else { MOMENTS }
-    }
-
-    fn has_part_in_it(&self, nats: f64) -> bool {
-        self.only_all_are_significant() && self.of_its_own(nats) > WORTH_A_WORD
-    }
-
-    /// Nats of chance of all together: what is missing says a little to many of the statistics, and chance to one.
-    fn together(&self) -> f64 {
-        let asked = [self.omitted, self.moments].map(|nats| self.of_its_own(nats));
-        let seen = [self.line, self.mean, self.restless()];
-        asked.iter().chain(&seen).map(|nats| nats.max(0.0)).sum()
-    }
-
-    /// Nats beyond what the form of what was found may leave.
-    fn of_its_own(&self, nats: f64) -> f64 {
-        nats - self.of_form
-    }
-
-    /// −ln of the chance that the noise of the air seems to have grown so much.
-    fn restless(&self) -> f64 {
-        let nats = -(0.5 * libm::erfc(self.air / std::f64::consts::SQRT_2)).max(f64::MIN_POSITIVE).ln();
-        if self.air_ratio > AIR_RATIO { nats } else { nats.min(AIR_AS_GUESSED) }
-    }
-
-    /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
-    /// coloured force follows whatever is missing, but it does so at the cost of the white noise, or leaves a trace of what it follows,
-    /// or has nothing to follow in between.
-    #[must_use]
-    pub fn allows_turbulence(&self) -> bool {
-        let untouched = UNTOUCHED.contains(&self.air_ratio) || self.air.abs() < TOUCHED;
-        !self.is_significant() && self.omitted < OMITTED_BESIDE_TURBULENCE && self.bursts < BURSTS && untouched
-    }
-
-    /// Judges the innovations of `fit`, whose effects explain so many nats.
-    #[must_use]
-    pub fn of(problem: &Problem<'_>, fit: &Fit, explained: f64) -> Self {
+    pub fn of(problem: &Problem<'_>, fit: &Fit, explained: Option<f64>) -> Self {
         let rows = clear_of_stops(&fit.model, rows(&fit.model, problem.recording, problem.folds));
         let spots = spots(&rows);
         let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
@@ -191,17 +92,24 @@ impl Residue {
             energy: long * largest(&rows, &spots, |row| row.pull * row.pull),
             mean: long * largest(&rows, &spots, |row| row.pull),
             omitted: terms.nats,
-            of_form: SHARE_OF_FORM * explained,
+            of_form: SHARE_OF_FORM * explained.unwrap_or(0.0),
             asked_for: terms.terms,
             moments: moments.nats,
             happened: moments.terms,
             bursts,
-            coarse: fit.model.effects.sensor_quantisation.is_some(),
+            instead_of: None,
+            beside_a_name: explained.is_some(),
+            coarse: is_coarse(&fit.model),
             air: long.sqrt() * air,
             air_ratio,
             weight: long,
         }
     }
+}
+
+/// Whether the noise leaves readings within one cell of the sensor for long.
+fn is_coarse(model: &Model) -> bool {
+    model.effects.sensor_quantisation.is_some_and(|cells| cells.step_mm > COARSE * model.noise.sensor_mm)
 }
 
 /// The rows where the ball has not met a stop lately: a filter takes what it knows for normal, and at a bounce that is not so.
@@ -282,44 +190,14 @@ mod tests {
     use crate::fit::Problem;
     use crate::folds::Folds;
     use crate::free::{BASE, Prior};
-    use crate::omitted::Omitted;
     use crate::tests_support::{model, record};
-    use plant::{Effects, Model, Stage};
+    use plant::{Effects, Model};
 
     fn residue(belief: &Model, rig: &Model, seed: u64) -> Residue {
         let recording = record(rig, seed, 60);
         let folds = Folds::new(belief, &recording);
         let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
-        Residue::of(&problem, &problem.fit(belief, &BASE), 0.0)
-    }
-
-    #[test]
-    fn a_little_said_by_many_is_left_over_and_as_much_said_by_one_is_chance() {
-        let one = Residue { omitted: 8.0, ..Residue::default() };
-        let many = Residue { moments: 1.0, line: 2.0, mean: 2.0, ..one.clone() };
-        assert!(!one.is_significant() && !one.omitted_is_worth_a_word());
-        assert!(many.is_significant() && many.omitted_is_worth_a_word() && !many.moments_are_worth_a_word());
-        // Within a cell of a coarse sensor nothing is normal, and what effects explained may leave a share for their form.
-        assert!(!Residue { coarse: true, ..many.clone() }.is_significant());
-        assert!(!Residue { of_form: 4.0, ..many }.is_significant());
-    }
-
-    #[test]
-    fn a_stage_answers_for_the_terms_that_act_there_and_are_worth_a_word() {
-        let term = |z, stage| Omitted { words: String::new(), z, stage: Some(stage) };
-        let asked_for = vec![term(5.0, Stage::Actuator), term(-2.0, Stage::Sensor), term(1.0, Stage::Actuator)];
-        let of = |omitted| Residue { omitted, asked_for: asked_for.clone(), ..Residue::default() };
-        let nats = [Stage::Actuator, Stage::Sensor, Stage::Ball].map(|stage| of(12.0).nats_at(stage));
-        assert_eq!(nats, [13.0, 2.0, 0.0]);
-        assert_eq!(of(3.0).nats_at(Stage::Actuator), 0.0);
-    }
-
-    #[test]
-    fn air_that_is_about_as_restless_as_its_owner_guessed_says_little() {
-        let left = |air_ratio| Residue { omitted: 5.0, mean: 4.0, air: 3.5, air_ratio, ..Residue::default() };
-        assert!(!left(1.2).is_significant() && left(1.4).is_significant());
-        let alone = |air_ratio| Residue { air: 5.0, air_ratio, ..Residue::default() };
-        assert!(!alone(1.2).is_significant() && alone(1.4).is_significant());
+        Residue::of(&problem, &problem.fit(belief, &BASE), None)
     }
 
     #[test]

@@ -20,9 +20,11 @@ pub(super) const NAMES: [(Stage, &str); 4] =
 /// the loop did otherwise.
 pub(super) fn stages(found: &Diagnosis, logs: &Logs<'_>) -> Vec<StageEntry> {
     let gain = |stage| {
-        let own = found.effects.iter().filter(|named| named.candidate.entry.stage == stage);
+        let doubted = |name| found.residue.instead_of == Some(name);
+        let own = found.effects.iter().map(|named| &named.candidate);
+        let own = own.filter(|candidate| candidate.entry.stage == stage && !doubted(candidate.entry.name));
         let left = if found.verdict == Verdict::Unexplained { found.residue.nats_at(stage) } else { 0.0 };
-        own.map(|named| named.candidate.gain).sum::<f64>() + left
+        own.map(|candidate| candidate.gain).sum::<f64>() + left
     };
     let of_plant = NAMES.into_iter().map(|(stage, name)| (name, gain(stage)));
     let of_loop = |name| {

@@ -204,6 +204,36 @@ mod tests {
         }
     }
 
+    /// A flight of a rig whose supply sags: duty above hover loses a share of its thrust, which comes back in three seconds.
+    fn with_weak_supply(share: f64, seed: u64) -> Recording {
+        let mut rows = record(&model(), seed, 80).samples().to_vec();
+        let (mut sag, mut before_s) = (0.0, 0.0);
+        for row in &mut rows {
+            // What acted was less than the log says.
+            let logged = row.duty_percent + sag;
+            let above = (logged - model().hover_duty_percent).max(0.0);
+            sag += (share * above - sag) * (1.0 - (-(row.time_s - before_s) / 3.0).exp());
+            (row.duty_percent, before_s) = (logged, row.time_s);
+        }
+        Recording::new(rows).unwrap()
+    }
+
+    #[test]
+    fn a_weak_supply_is_not_called_by_the_effect_that_half_follows_it() {
+        for seed in [0, 1, 3] {
+            let found = diagnose(&model(), &with_weak_supply(0.5, seed), &Options::default());
+            assert_eq!(found.verdict, Verdict::Unexplained, "seed {seed}: {:?}", found.effects);
+            assert!(
+                found.residue.instead_of.is_some() && found.effects[0].probability < 0.2,
+                "seed {seed}: {:?}",
+                found.residue
+            );
+            // It goes with a duty of before.
+            let first = &found.residue.asked_for[0].words;
+            assert!(first.contains("u") && first.contains('~'), "seed {seed}: {first}");
+        }
+    }
+
     #[test]
     fn a_rig_as_believed_has_no_gap() {
         for seed in 20..26 {

@@ -28,11 +28,8 @@ pub fn left_over(found: &Diagnosis) -> Option<String> {
         .then(|| format!("noise of the air {:.1} times as strong as believed", residue.air_ratio));
     let shape: Vec<String> = known.into_iter().chain(moments).chain(restless).collect();
     let acts = acts(residue).unwrap_or_default();
-    let left = residue.instead_of.map_or_else(
-        || "what is left looks".into(),
-        |name| format!("without {name}, which explains less than it asks for, what is left looks"),
-    );
-    (!shape.is_empty()).then(|| format!("{left} like {}{acts}", shape.join(", and ")))
+    let without = residue.instead_of.map_or(String::new(), |name| format!(" without {name}, which explains less,"));
+    (!shape.is_empty()).then(|| format!("what is left{without} looks like {}{acts}", shape.join(", and ")))
 }
 
 /// The stage that most of it belongs to, in words.

@@ -98,7 +98,7 @@ impl Residue {
     /// truly missing would have beaten them.
     pub(crate) fn instead_of(self, name: &'static str, gain: f64) -> Option<Self> {
         let outdone = self.of_its_own(self.omitted) / self.weight > gain;
-        (outdone && !self.coarse).then(|| Self { instead_of: Some(name), ..self })
+        (outdone && !self.coarse).then_some(Self { instead_of: Some(name), ..self })
     }
 
     fn has_part_in_it(&self, nats: f64) -> bool {

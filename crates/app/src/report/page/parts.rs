@@ -1,7 +1,8 @@
 //! What pages are made of: tables, bars, text to copy, numbers.
 
+use crate::report::stages::NAMES;
 use maud::{Markup, html};
-use plant::{Effects, Stage};
+use plant::Effects;
 
 /// A table with more rows than this is folded away.
 const LONG: usize = 16;
@@ -163,13 +164,8 @@ pub(crate) fn spoken(name: &str) -> String {
 
 /// The stage of the signal path at which an effect acts.
 pub(crate) fn stage(effect: &str) -> &'static str {
-    match Effects::entry(effect).map(|entry| entry.stage) {
-        Some(Stage::Actuator) => "actuator",
-        Some(Stage::Air) => "air",
-        Some(Stage::Ball) => "ball",
-        Some(Stage::Sensor) => "sensor",
-        None => "–",
-    }
+    let own = Effects::entry(effect).and_then(|entry| NAMES.iter().find(|(stage, _)| *stage == entry.stage));
+    own.map_or("–", |(_, name)| name)
 }
 
 /// A key with its unit in words: `position_mm` is "height" in "mm".

@@ -19,8 +19,8 @@ const STILL_PERCENT: f64 = 0.1;
 
 /// A hover beyond this cannot be met by duties that are fractions.
 const FRACTION_OF_HOVER: f64 = 2.0;
-/// A gain that is off by more than this, either way, is that of another rig or unit.
-const OTHER_GAIN: f64 = 5.0;
+/// A gain that is off by more than this, either way, or a drag that is larger by more, is that of another rig or unit.
+const OTHER_RIG: f64 = 5.0;
 /// Share of readings outside the pipe that makes it another pipe.
 const ELSEWHERE: f64 = 0.1;
 
@@ -109,10 +109,12 @@ pub enum Finding {
     },
     /// The record and the belief do not go together.
     #[error(
-        "the record fits a gain that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.gain_mm_per_s2_per_percent"
+        "the record fits a {number} that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.{number}"
     )]
     OtherRig {
-        /// Fitted gain by believed gain.
+        /// The base parameter, as the config names it.
+        number: &'static str,
+        /// What was fitted by what is believed.
         ratio: f64,
     },
     /// Rows before the take-off or after the landing.
@@ -218,10 +220,16 @@ pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &M
     })
 }
 
-/// What is to be said of a model that was mended with so much other a gain that it is no longer the believed rig.
+/// What is to be said of a model that was mended with so much other a gain, or so much more drag, that it is no longer the believed rig. With less
+/// drag it may be: an effect can take its place.
 pub(crate) fn other_rig(belief: &Model, mended: &Model) -> Option<Finding> {
-    let ratio = mended.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent;
-    (ratio.max(ratio.recip()) > OTHER_GAIN).then_some(Finding::OtherRig { ratio })
+    let gain = mended.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent;
+    let drag = mended.drag_per_s / belief.drag_per_s;
+    if gain.max(gain.recip()) > OTHER_RIG {
+        return Some(Finding::OtherRig { number: "gain_mm_per_s2_per_percent", ratio: gain });
+    }
+    // A belief without drag has no ratio to it.
+    (belief.drag_per_s > 0.0 && drag > OTHER_RIG).then_some(Finding::OtherRig { number: "drag_per_s", ratio: drag })
 }
 
 /// The recording without the readings that are codes of the sensor; `None` if it has none of them.

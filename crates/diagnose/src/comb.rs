@@ -1,7 +1,7 @@
 //! Which steps of duty a record asks for: the teeth of a comb, by their scores.
 //!
 //! ```text
-//! e = K·(step·round(u/step) − u), as late as the model's fan        the force that a coarse duty adds
+//! e = a(step·round(duty/step)) − a(duty), as late as the model's fan   the force that a coarse duty adds to what is commanded
 //! z²(step)                                                          its score beside the fitted numbers: see `omitted::Beside`
 //! next step = step + step²/(16·ū)                                   a sixteenth of a step further at a usual duty ū
 //! ```
@@ -11,6 +11,7 @@
 
 use crate::fit::{Fit, Problem};
 use crate::omitted::{Beside, Walk};
+use crate::starts::commanded;
 use plant::effects::DutyQuantisation;
 use rayon::prelude::*;
 
@@ -29,14 +30,19 @@ pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit) -> (Vec<f64>, usize) {
     let walk = Walk::of(problem, fit.clone(), &|row| problem.folds.counts(row));
     let (beside, rows) = (Beside::of(&walk), walk.rows_on_the_way(problem.recording));
     let lag_s = fit.model.effects.fan_lag.map_or(0.0, |lag| lag.time_constant_s);
+    // The rows on the way to a reading are those that act then.
+    let mut model = fit.model.clone();
+    model.effects.transport_delay = None;
+    let fine = commanded(&model, problem.recording);
     let score = |step_percent: f64| {
-        let coarse = DutyQuantisation { step_percent };
+        let mut coarse = model.clone();
+        coarse.effects.duty_quantisation = Some(DutyQuantisation { step_percent });
+        let coarse = commanded(&coarse, problem.recording);
         let mut late = 0.0;
         beside.score(|at, dt| {
-            let duties = samples[rows[at].clone()].iter().map(|row| row.duty_percent);
-            let error = duties.map(|duty| coarse.rounded(duty) - duty).sum::<f64>() / rows[at].len().max(1) as f64;
-            late += (error - late) * if lag_s > 0.0 { -(-dt / lag_s).exp_m1() } else { 1.0 };
-            fit.model.gain_mm_per_s2_per_percent * late
+            let added = rows[at].clone().map(|row| coarse[row] - fine[row]).sum::<f64>() / rows[at].len().max(1) as f64;
+            late += (added - late) * if lag_s > 0.0 { -(-dt / lag_s).exp_m1() } else { 1.0 };
+            late
         })
     };
     let usual = usual_duty(samples.iter().map(|row| row.duty_percent));
@@ -72,7 +78,7 @@ mod tests {
     use crate::folds::Folds;
     use crate::free::{BASE, Prior};
     use crate::tests_support::{model, record};
-    use plant::effects::DutyQuantisation;
+    use plant::effects::{DutyQuantisation, Hysteresis};
     use plant::{Effects, Model};
 
     #[test]
@@ -88,6 +94,19 @@ mod tests {
             assert!(found.iter().any(|found| (found / step_percent - 1.0).abs() < 1e-3), "{found:?} of {step_percent}");
             assert!(among > 500 && found.len() < 20, "{} of {among}", found.len());
         }
+    }
+
+    #[test]
+    fn a_step_is_found_through_the_play_that_hides_most_of_it() {
+        let step_percent = 0.926;
+        let play = Hysteresis { half_width_percent: 0.4 };
+        let known = Model { effects: Effects { hysteresis: Some(play), ..Effects::default() }, ..model() };
+        let effects = Effects { duty_quantisation: Some(DutyQuantisation { step_percent }), ..known.effects.clone() };
+        let recording = record(&Model { effects, ..known.clone() }, 1, 80);
+        let folds = Folds::new(&known, &recording);
+        let problem = Problem { recording: &recording, belief: &known, folds: &folds, prior: Prior::Belief };
+        let found = steps(&problem, &problem.fit(&known, &BASE)).0;
+        assert!(found.iter().any(|found| (found / step_percent - 1.0).abs() < 1e-3), "{found:?} of {step_percent}");
     }
 
     #[test]

@@ -2,19 +2,18 @@
 
 use crate::fit::{Fit, Worth};
 use crate::free::{Free, free_of_effect, prior};
-use crate::starts::{Starts, balancing, starts};
+use crate::starts::{Starts, starts};
 use crate::which::{CONTAINS, Search};
 use plant::{Entry, Model};
 use rayon::prelude::*;
+use std::{iter, ptr};
 
 /// Scoring steps at least, from how many starts, and how far behind the best of them a start may be, nats.
 const STEPS: usize = 2;
 const STARTS: usize = 2;
 const AS_GOOD: f64 = 10.0;
-/// A gain or a drag is far where the fit has moved it by more than this, ln of the ratio.
-const FAR: f64 = 1.0;
-/// With more starts than this the choice among them is part of what is scored.
-const MANY_STARTS: usize = 4;
+/// The fit so far is far from the belief where what it moved of it costs more than this, nats.
+const FAR: f64 = 3.0;
 /// What each number of an effect beyond the first may gain by chance, nats.
 const COST_OF_A_NUMBER: f64 = 1.5;
 /// A look that ends so much below nothing, nats, is stuck. It is made again from these shares of its starts.
@@ -30,6 +29,8 @@ pub(crate) const DISTORT: [&str; 5] =
 struct Start {
     /// Which of the places to start from it is.
     place: usize,
+    /// Whether the belief asks for these values.
+    as_believed: bool,
     model: Model,
     free: Vec<Free>,
     by_fold: Worth,
@@ -44,12 +45,12 @@ pub(crate) struct Look {
     pub(crate) gain: f64,
     /// What the choice among starts and numbers is worth by chance, nats.
     pub(crate) cost: f64,
-    /// What each fold is worth at each start, the best first, where there were many.
+    /// What each fold is worth at each start, the best first, where each is a top of its own.
     rivals: Vec<Worth>,
 }
 
 impl Look {
-    /// Of many starts, the one that the other folds would have chosen, where it is not the one that all choose: what it is worth on this fold.
+    /// Of the starts, the one that the other folds would have chosen, where it is not the one that all choose: what it is worth on this fold.
     pub(crate) fn chosen_without(&self, fold: usize) -> Option<f64> {
         let rest = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
         let other = self.rivals.iter().enumerate().max_by(|a, b| rest(a.1).total_cmp(&rest(b.1)))?;
@@ -75,82 +76,105 @@ impl Search<'_> {
     /// A first look at an effect. Where readings have little noise, a start far larger than the effect is thousands of nats below nothing, and no
     /// step leads back: then it is looked for again from smaller ones.
     pub(crate) fn look(&self, so_far: &Fit, entry: &Entry) -> Option<Look> {
-        let usual = starts(entry, so_far, &self.problem);
+        let usual = starts(entry, so_far, self);
         let look = self.look_from(so_far, entry, &usual)?;
         if look.gain >= -STUCK {
             return Some(look);
         }
         let Some(nearer) = usual.nearer(entry, &so_far.model, &NEARER) else { return Some(look) };
-        // Sizes of one effect share a valley: the choice among them is none that other folds would make otherwise.
-        let small = self.look_from(so_far, entry, &nearer).map(|small| Look { rivals: Vec::new(), ..small });
+        let small = self.look_from(so_far, entry, &nearer);
         small.filter(|small| small.gain > look.gain).or(Some(look))
     }
 
     /// A few steps of the numbers that matter most from the best of these starts; the best of them.
     fn look_from(&self, so_far: &Fit, entry: &Entry, all: &Starts) -> Option<Look> {
-        let (rated, among) = self.rated(so_far, entry, all);
+        let rated = self.rated(so_far, entry, all);
         let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
         // A recorded speed of the fan shows the timing to a hair: its valleys are narrow, and nothing says at first sight which is near.
         let narrow = self.problem.recording.has_fan_speed();
         let as_good = |start: &&Start| narrow || worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
-        // The best from another place is no better at first sight, but may climb higher.
-        let elsewhere = |start: &Start| rated.first().is_some_and(|best| best.place != start.place);
-        let other = rated.iter().enumerate().find(|(_, start)| elsewhere(start));
-        let other = other.filter(|(at, start)| *at >= STARTS || !as_good(start)).map(|(_, start)| start);
-        let balanced = self.balanced_start(so_far, entry);
-        let from = rated.iter().take(STARTS).filter(as_good).chain(other).map(|start| (&start.model, &start.free));
-        let looks = from.chain(balanced.iter().map(|(model, free)| (model, free))).map(|(start, free)| {
+        let mut from: Vec<&Start> = rated.iter().take(STARTS).filter(as_good).collect();
+        // The best from another place, and what the belief asks for there, are no better at first sight, but may climb higher.
+        let elsewhere = |start: &&Start| rated.first().is_some_and(|best| best.place != start.place);
+        let as_believed = |start: &&Start| start.place > 0 && start.as_believed;
+        for other in [rated.iter().find(elsewhere), rated.iter().find(as_believed)].into_iter().flatten() {
+            if !from.iter().any(|start| ptr::eq(*start, other)) {
+                from.push(other);
+            }
+        }
+        let looks = from.into_iter().map(|Start { place, model: start, free, .. }| {
             let own = free.iter().filter(|free| !so_far.free.contains(free));
             let few: Vec<Free> = FIRST.into_iter().chain(own.copied()).collect();
             let (model, total) = self.problem.look(start, &few, STEPS);
             let of = |free: &[Free]| prior(free, &model, self.problem.belief);
             let gain = total - of(&few) + of(free);
-            Look { entry: *entry, model, free: free.clone(), gain, cost: 0.0, rivals: Vec::new() }
+            (place, Look { entry: *entry, model, free: free.clone(), gain, cost: 0.0, rivals: Vec::new() })
         });
-        let best = looks.max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+        let (place, best) = looks.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
         let before = self.problem.total_of(so_far);
-        let rivals =
-            if rated.len() > MANY_STARTS { rated.iter().map(|start| start.by_fold).collect() } else { Vec::new() };
+        // From another place the same values lead to the same top: that is no choice.
+        let of_place = rated.iter().filter(|start| start.place == *place && all.are_tops);
+        let rivals: Vec<Worth> = of_place.map(|start| start.by_fold).collect();
         let cost = COST_OF_A_NUMBER * best.free.len().saturating_sub(so_far.free.len() + 1) as f64
-            + (rated.len().max(among) as f64).ln();
+            + (all.among.max(1) as f64).ln();
         Some(Look { gain: best.gain - before, rivals, cost, ..best })
     }
 
-    /// These starts of the effect, the one that explains most as it is first, and among how many they were chosen.
-    fn rated(&self, so_far: &Fit, entry: &Entry, all: &Starts) -> (Vec<Start>, usize) {
-        let rated = all.values.par_iter().flat_map_iter(|values| {
+    /// These starts of the effect, the one that explains most as it is first.
+    fn rated(&self, so_far: &Fit, entry: &Entry, all: &Starts) -> Vec<Start> {
+        let rated = all.values.par_iter().enumerate().flat_map_iter(|(at, values)| {
+            let as_believed = at >= all.usual;
             let start = added(so_far, entry, values);
             let models =
-                start.iter().flat_map(|(model, _)| self.places_to_start(model, entry.name)).collect::<Vec<_>>();
+                start.iter().flat_map(|(model, _)| self.places_to_start(so_far, model, entry.name)).collect::<Vec<_>>();
             let free = start.map(|(_, free)| free).unwrap_or_default();
             models.into_iter().enumerate().map(move |(place, model)| {
                 let by_fold = self.problem.by_fold(&model);
-                Start { place, model, free: free.clone(), by_fold }
+                Start { place, as_believed, model, free: free.clone(), by_fold }
             })
         });
         let mut rated: Vec<Start> = rated.collect();
         rated.sort_by(|a, b| b.by_fold.iter().sum::<f64>().total_cmp(&a.by_fold.iter().sum()));
-        (rated, all.among)
+        rated
     }
 
-    /// The effect as it would balance the duty at the believed gain, drag and hover, where the fit so far has gone far from those: what they
-    /// became to follow the record without the effect is no place to start from. All else is as it was fitted so far.
-    fn balanced_start(&self, so_far: &Fit, entry: &Entry) -> Option<(Model, Vec<Free>)> {
+    /// Whether the fit so far has moved what is believed further than an owner is usually wrong.
+    pub(crate) fn is_far(&self, so_far: &Fit) -> bool {
+        let noise = [Free::SensorNoise, Free::AirNoise];
+        let moved: Vec<Free> = so_far.free.iter().filter(|free| !noise.contains(free)).copied().collect();
+        prior(&moved, &so_far.model, self.problem.belief) < -FAR
+    }
+
+    /// The model as it is, and with all that is believed where that is far: what the numbers had to become to follow the record without the
+    /// effect is no place to start from. For an effect that distorts the noise, both with the noise that is believed.
+    fn places_to_start(&self, so_far: &Fit, model: &Model, name: &str) -> Vec<Model> {
         let belief = self.problem.belief;
-        let is_far = |free: Free| free.distance(&so_far.model, belief).abs() > FAR;
-        let values = balancing(entry, &self.problem).filter(|_| is_far(Free::Gain) || is_far(Free::Drag))?;
-        let (model, free) = added(so_far, entry, &values)?;
-        Some((Model { noise: model.noise, effects: model.effects, ..belief.clone() }, free))
-    }
-
-    /// The model as it is; or, for an effect that distorts what is fitted without it, with the noise that is believed, and with all
-    /// that is believed: what the other numbers had to become is no place to start from.
-    fn places_to_start(&self, model: &Model, name: &str) -> Vec<Model> {
-        if !DISTORT.contains(&name) {
-            return vec![model.clone()];
+        if DISTORT.contains(&name) {
+            let quiet = Model { noise: belief.noise, ..model.clone() };
+            return vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }];
         }
-        let belief = self.problem.belief;
-        let quiet = Model { noise: belief.noise, ..model.clone() };
-        vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }]
+        let mut believed = Model { noise: model.noise, effects: model.effects.clone(), ..belief.clone() };
+        for entry in model.effects.present().iter().filter(|entry| entry.name != name) {
+            if let Some(values) = belief.effects.values(entry.name) {
+                believed.effects.set(entry.name, &values);
+            }
+        }
+        let places = iter::once(model.clone()).chain(self.is_far(so_far).then_some(believed));
+        if name == "height_dependent_flow" {
+            return places.map(|model| self.balanced_where_it_flew(model)).collect();
+        }
+        places.collect()
+    }
+
+    /// The model, to which a lift that changes with height was added, with the hover duty that still balances it at the mean height of the record.
+    fn balanced_where_it_flew(&self, model: Model) -> Model {
+        let Some(flow) = model.effects.height_dependent_flow else { return model };
+        let heights = self.problem.recording.samples().iter().filter_map(|sample| sample.position_mm);
+        let (sum_mm, count) = heights.fold((0.0, 0.0), |(sum, count), height| (sum + height, count + 1.0));
+        let lift = flow.lift(sum_mm / f64::max(count, 1.0), model.pipe_length_mm);
+        Model { hover_duty_percent: model.hover_duty_percent + lift / model.gain_mm_per_s2_per_percent, ..model }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,6 +9,7 @@ use crate::grid::coarse_step;
 use crate::hold::hold;
 use crate::open_loop::line;
 use crate::recording::Recording;
+use crate::which::Search;
 use plant::{Actuator, Entry, Model};
 
 /// Shares of the range of commanded acceleration at which a saturation is looked for.
@@ -21,7 +22,11 @@ const STOPS: [(f64, f64); 6] = [(0.003, 0.0), (0.003, 1.0), (0.003, 2.0), (0.02,
 /// Where to start from, and among how many places those were chosen.
 pub(crate) struct Starts {
     pub(crate) values: Vec<Vec<f64>>,
+    /// How many of them are not there for the belief alone: they come first.
+    pub(crate) usual: usize,
     pub(crate) among: usize,
+    /// Whether each is the top of a hill of its own, so that the choice among them is part of what is scored.
+    pub(crate) are_tops: bool,
 }
 
 /// Effects whose starts the record suggests: others would be no nearer to it.
@@ -39,18 +44,24 @@ impl Starts {
         };
         let nearer = |share: &f64| self.values.iter().map(|values| at(values, *share)).collect::<Vec<_>>();
         let values: Vec<_> = shares.iter().flat_map(nearer).collect();
-        Some(Self { among: self.among + values.len(), values })
+        Some(Self { usual: values.len(), among: self.among + values.len(), are_tops: false, values })
     }
 }
 
 /// Values of `entry` to start from, for a record of a rig that so far is `fit`.
-pub(crate) fn starts(entry: &Entry, fit: &Fit, problem: &Problem<'_>) -> Starts {
+pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
+    let problem = &search.problem;
     if entry.name == "duty_quantisation" {
         let (steps, among) = comb::steps(problem, fit);
-        return Starts { values: steps.into_iter().map(|step| vec![step]).collect(), among };
+        let values: Vec<_> = steps.into_iter().map(|step| vec![step]).collect();
+        return Starts { usual: values.len(), values, among, are_tops: true };
     }
-    let values = by_rule(entry, &fit.model, problem.recording);
-    Starts { among: values.len(), values }
+    let mut values = by_rule(entry, &fit.model, problem.recording);
+    let usual = values.len();
+    if search.is_far(fit) {
+        values.extend(as_believed(entry, problem));
+    }
+    Starts { usual, among: values.len(), are_tops: false, values }
 }
 
 fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
@@ -67,21 +78,25 @@ fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>>
         "sensor_outliers" => [20.0, 40.0, 80.0, 160.0].map(|size| vec![0.015, size]).to_vec(),
         "turbulence" => vec![vec![25.0, 0.3], vec![40.0, 1.0]],
         "thrust_curve" => [0.01, 0.03, -0.01, -0.03].map(|curvature| vec![curvature]).to_vec(),
+        "hysteresis" => [0.1, 0.2, 0.4, 0.8].map(|half_width| vec![half_width]).to_vec(),
         "wall_friction" => [8.0, 20.0, 50.0].map(|friction| vec![friction]).to_vec(),
         _ => usual(),
     }
 }
 
-/// Values of `entry` that would balance the duty as it was flown, if the record suggests any: a lift that falls with height, whose gradient is the
-/// believed gain times the slope of duty over height.
-pub(crate) fn balancing(entry: &Entry, problem: &Problem<'_>) -> Option<Vec<f64>> {
-    if entry.name != "height_dependent_flow" {
-        return None;
+/// Values that the believed gain asks for, where the fit has gone far from it: limits on what it commands, or a lift that falls with height and
+/// would balance the duty as it was flown, whose gradient is the gain times the slope of duty over height.
+fn as_believed(entry: &Entry, problem: &Problem<'_>) -> Vec<Vec<f64>> {
+    match entry.name {
+        "saturation" => limits(problem.belief, problem.recording),
+        "height_dependent_flow" => {
+            let rows = problem.recording.samples().iter().enumerate().filter(|(row, _)| problem.folds.counts(*row));
+            let pairs: Vec<(f64, f64)> = rows.filter_map(|(_, s)| Some((s.position_mm?, s.duty_percent))).collect();
+            let balance = line(&pairs).map(|(slope, _)| vec![problem.belief.gain_mm_per_s2_per_percent * slope]);
+            balance.into_iter().collect()
+        }
+        _ => Vec::new(),
     }
-    let rows = problem.recording.samples().iter().enumerate().filter(|(row, _)| problem.folds.counts(*row));
-    let pairs: Vec<(f64, f64)> = rows.filter_map(|(_, s)| Some((s.position_mm?, s.duty_percent))).collect();
-    let (slope, _) = line(&pairs)?;
-    Some(vec![problem.belief.gain_mm_per_s2_per_percent * slope])
 }
 
 /// Sorted values at a share of their order.
@@ -92,19 +107,22 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
-    let mut actuator = Actuator::new(model, recording.samples().first().map_or(0.0, |s| s.duty_percent));
-    let start_s = recording.samples().first().map_or(0.0, |s| s.time_s);
-    let mut commanded: Vec<f64> = recording
-        .samples()
-        .iter()
-        .map(|s| {
-            actuator.write(model, s.time_s - start_s, s.duty_percent);
-            actuator.commanded(model, s.time_s - start_s)
-        })
-        .collect();
+    let mut commanded = commanded(model, recording);
     commanded.sort_by(f64::total_cmp);
     let (low, high) = (quantile(&commanded, 0.002).min(-1.0), quantile(&commanded, 0.998).max(1.0));
     LIMITS.map(|share| vec![share * low, share * high]).to_vec()
+}
+
+/// The acceleration that is commanded when each duty is written, mm/s².
+pub(crate) fn commanded(model: &Model, recording: &Recording) -> Vec<f64> {
+    let samples = recording.samples();
+    let mut actuator = Actuator::new(model, samples.first().map_or(0.0, |s| s.duty_percent));
+    let start_s = samples.first().map_or(0.0, |s| s.time_s);
+    let at_write = samples.iter().map(|s| {
+        actuator.write(model, s.time_s - start_s, s.duty_percent);
+        actuator.commanded(model, s.time_s - start_s)
+    });
+    at_write.collect()
 }
 
 fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {

@@ -14,7 +14,7 @@ pub(crate) const NAMED: f64 = 5.0;
 /// never quite that of the catalogue, and what that leaves is no further effect.
 const NAMED_SECOND: f64 = 5.5;
 const NAMED_FURTHER: f64 = 16.0;
-const NAMED_BESIDE_CELLS: f64 = 25.0;
+const NAMED_BESIDE_CELLS: f64 = 20.0;
 const SHARE_OF_FORM: f64 = 0.005;
 /// The same as a share of what the innovations ask for without it: where much more is missing than it explains, it is not what is missing.
 const SHARE_OF_THE_REST: f64 = 0.25;

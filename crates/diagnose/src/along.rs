@@ -4,7 +4,7 @@ use crate::arrival::Refresh;
 use crate::cursor::{Back, Cursor, Steps};
 use crate::grid::{Grid, OFF_GRID};
 use crate::likelihood::{Reading, Surprise, log_sum};
-use crate::recording::{Recording, Sample, reading_period_s};
+use crate::recording::{Recording, Sample};
 use crate::second::Second;
 use plant::Model;
 
@@ -23,18 +23,19 @@ pub(crate) fn along<'a>(
     let grid = model.effects.sensor_quantisation.map(|coarse| Grid::of(recording, coarse.step_mm));
     let outliers = model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
     for flight in recording.flights() {
-        let rows = &recording.samples()[flight.clone()];
+        let (rows, writes) = (&recording.samples()[flight.clone()], &recording.writes()[flight.clone()]);
         let mut filter: Option<Cursor<'a>> = None;
         let mut refresh: Option<Refresh> = None;
-        for (at, sample) in rows.iter().enumerate() {
-            let (row, Some(reading)) = (flight.start + at, sample.position_mm) else { continue };
+        for &row in recording.readings_of(flight) {
+            let at = row - flight.start;
+            let (sample, Some(reading)) = (&rows[at], rows[at].position_mm) else { continue };
             let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
             let seen = Reading { row, position_mm: reading, outliers, coarse };
             let off_grid = if grid.is_some() && coarse.is_none() { OFF_GRID } else { 0.0 };
             let Some(cursor) = &mut filter else {
-                let new = Cursor::new(model, rows, at, reading, &mut steps);
+                let new = Cursor::new(model, writes, at, reading, &mut steps);
                 let cursor = filter.insert(new.of_means(recording.mean_of(row)).remembering(back));
-                refresh = Refresh::of(model, reading_period_s(rows), sample.time_s, reading);
+                refresh = Refresh::of(model, recording.reading_period_s(flight), sample.time_s, reading);
                 show(row, cursor.take(seen), Some(cursor));
                 beside.iter_mut().for_each(|beside| beside.next = row);
                 continue;

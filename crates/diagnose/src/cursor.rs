@@ -19,7 +19,7 @@ pub(crate) use doubt::Steps;
 use doubt::{derivative, grown, process_noise, remembered, vector};
 
 use crate::likelihood::{Reading, Surprise};
-use crate::recording::{Sample, duration_s};
+use crate::recording::Write;
 use nalgebra::{SMatrix, SVector};
 use plant::{Actuator, Model, Motion};
 
@@ -44,8 +44,8 @@ const WILD_IN_A_BURST: u32 = 5;
 #[derive(Clone, Debug)]
 pub(crate) struct Cursor<'a> {
     model: &'a Model,
-    /// The rows of the flight.
-    samples: &'a [Sample],
+    /// The duties of the flight, row by row.
+    writes: &'a [Write],
     state: State,
     covariance: Square,
     actuator: Actuator,
@@ -71,14 +71,16 @@ struct Chatter {
 }
 
 impl<'a> Cursor<'a> {
-    /// A filter that knows the first reading of a flight, at row `row` of `samples`, and nothing else.
-    pub(crate) fn new(model: &'a Model, samples: &'a [Sample], row: usize, reading_mm: f64, steps: &mut Steps) -> Self {
-        let first_duty = samples.first().map_or(0.0, |first| first.duty_percent);
-        let time_s = reading_time(model, samples, row).unwrap_or_default();
+    /// A filter that knows the first reading of a flight, at row `row` of its `writes`, and nothing else.
+    pub(crate) fn new(model: &'a Model, writes: &'a [Write], row: usize, reading_mm: f64, steps: &mut Steps) -> Self {
+        let (first, last) = (writes.first(), writes.last());
+        let first_duty = first.map_or(0.0, |first| first.duty_percent);
+        let duration_s = first.zip(last).map_or(0.0, |(first, last)| last.time_s - first.time_s);
+        let time_s = reading_time(model, writes, row).unwrap_or_default();
         let (state, covariance) = prior(model, reading_mm, first_duty);
         let mut cursor = Self {
             model,
-            samples,
+            writes,
             state,
             covariance,
             actuator: Actuator::new(model, first_duty),
@@ -86,7 +88,7 @@ impl<'a> Cursor<'a> {
             next_write: 0,
             wild_run: 0,
             reading_mm2: reading_variance(model),
-            chatters: duration_s(samples) < CHATTER_S * samples.len() as f64,
+            chatters: duration_s < CHATTER_S * writes.len() as f64,
             back: None,
         };
         cursor.go_to(time_s, steps);
@@ -103,7 +105,7 @@ impl<'a> Cursor<'a> {
 
     /// Moves the filter to when the reading of `row` was taken.
     pub(crate) fn go_to_row(&mut self, row: usize, steps: &mut Steps) {
-        if let Some(time_s) = reading_time(self.model, self.samples, row) {
+        if let Some(time_s) = reading_time(self.model, self.writes, row) {
             self.go_to(time_s, steps);
         }
     }
@@ -166,7 +168,7 @@ impl<'a> Cursor<'a> {
 
     /// When the reading of `row` was taken, seconds since the start of the flight.
     pub(crate) fn time_of(&self, row: usize) -> f64 {
-        reading_time(self.model, self.samples, row).unwrap_or(self.time_s)
+        reading_time(self.model, self.writes, row).unwrap_or(self.time_s)
     }
 
     /// Position and velocity, mm and mm/s.
@@ -176,10 +178,10 @@ impl<'a> Cursor<'a> {
 
     /// Flies on to `time_s`, through every duty that is written and every jump of the command on the way.
     fn go_to(&mut self, time_s: f64, steps: &mut Steps) {
-        let start_s = self.samples.first().map_or(0.0, |first| first.time_s);
+        let start_s = self.writes.first().map_or(0.0, |first| first.time_s);
         let mut chatter = Chatter { until_s: self.time_s, impulse: 0.0 };
         while self.time_s < time_s || self.next_write == 0 {
-            let written = self.samples.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
+            let written = self.writes.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
             let write_s = written.map_or(f64::INFINITY, |(at_s, _)| at_s);
             if write_s <= chatter.until_s {
                 self.actuator.write(self.model, write_s.max(0.0), written.map_or(0.0, |(_, duty)| duty));
@@ -272,8 +274,8 @@ fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
 }
 
 /// When the reading of `row` was taken, seconds since the start of the flight. `None`: there is no such row.
-fn reading_time(model: &Model, samples: &[Sample], row: usize) -> Option<f64> {
-    let since_start_s = samples.get(row)?.time_s - samples.first()?.time_s;
+fn reading_time(model: &Model, writes: &[Write], row: usize) -> Option<f64> {
+    let since_start_s = writes.get(row)?.time_s - writes.first()?.time_s;
     Some(since_start_s - model.effects.sensor_delay.map_or(0.0, |delay| delay.delay_s))
 }
 

@@ -10,7 +10,7 @@
 //! A model that is right has E = F at every horizon. In closed loop too: forecasts use the duty as recorded,
 //! and only the noise after reading k can separate them from the readings.
 
-use crate::recording::{Recording, reading_period_s};
+use crate::recording::Recording;
 use crate::track::{Forecast, Track};
 use plant::Model;
 use serde::Serialize;
@@ -168,7 +168,7 @@ fn horizons(
         let Some(group) = group(row) else { continue };
         if !flight.contains(&row) {
             flight = recording.flight_of(row);
-            half_period_s = reading_period_s(&samples[flight.clone()]) / 2.0;
+            half_period_s = recording.reading_period_s(&flight) / 2.0;
         }
         let mut errors = [Errors::default(); 3];
         let mut horizon = 0;

@@ -25,6 +25,13 @@ pub struct Sample {
     pub position2_mm: Option<f64>,
 }
 
+/// A duty, and when it was written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Write {
+    pub(crate) time_s: f64,
+    pub(crate) duty_percent: f64,
+}
+
 /// Rows in the order of time, checked; of one flight, or of several of one rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
@@ -33,6 +40,11 @@ pub struct Recording {
     flights: Vec<Range<usize>>,
     /// Of how many readings each of a flight is the mean.
     means_of: Vec<usize>,
+    /// The duty of each row and the rows that hold a reading, apart from the rest: filters go along them thousands of times, and of a long
+    /// record no cache holds all.
+    writes: Vec<Write>,
+    readings: Vec<usize>,
+    has_fan_speed: bool,
     resolution_mm: f64,
     second: Option<Second>,
 }
@@ -138,6 +150,9 @@ impl Recording {
     fn of_one(samples: Vec<Sample>) -> Self {
         let all = 0..samples.len();
         Self {
+            writes: writes(&samples),
+            readings: (0..samples.len()).filter(|row| samples[*row].position_mm.is_some()).collect(),
+            has_fan_speed: samples.iter().any(|sample| sample.fan_rpm.is_some()),
             resolution_mm: resolution(&samples),
             second: Second::of(&samples),
             flights: std::iter::once(all).collect(),
@@ -166,22 +181,29 @@ impl Recording {
     }
 
     /// This recording, and after it another.
-    fn then(mut self, next: Self) -> Self {
+    fn then(self, next: Self) -> Self {
         let end_s = self.samples.last().map_or(0.0, |last| last.time_s);
         let start_s = next.samples.first().map_or(0.0, |first| first.time_s);
         let (rows, later_s) = (self.samples.len(), (end_s - start_s).floor() + 1.0);
-        self.flights.extend(next.flights.iter().map(|flight| flight.start + rows..flight.end + rows));
-        self.means_of.extend(next.means_of);
-        self.samples.extend(next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row }));
-        self.resolution_mm = self.resolution_mm.min(next.resolution_mm);
-        self.second = Second::of(&self.samples);
-        self
+        let behind = |flight: &Range<usize>| flight.start + rows..flight.end + rows;
+        let later = next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row });
+        Self {
+            flights: self.flights.into_iter().chain(next.flights.iter().map(behind)).collect(),
+            means_of: [self.means_of, next.means_of].concat(),
+            resolution_mm: self.resolution_mm.min(next.resolution_mm),
+            ..Self::of_one(self.samples.into_iter().chain(later).collect())
+        }
     }
 
     /// The rows.
     #[must_use]
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// The duty of each row.
+    pub(crate) fn writes(&self) -> &[Write] {
+        &self.writes
     }
 
     /// The rows of each flight, one after another.
@@ -199,8 +221,8 @@ impl Recording {
 
     /// Whether any row holds the speed of the fan.
     #[must_use]
-    pub fn has_fan_speed(&self) -> bool {
-        self.samples.iter().any(|sample| sample.fan_rpm.is_some())
+    pub const fn has_fan_speed(&self) -> bool {
+        self.has_fan_speed
     }
 
     /// Whether any row holds a reading of a second sensor.
@@ -211,8 +233,19 @@ impl Recording {
 
     /// How many rows hold a reading.
     #[must_use]
-    pub fn readings(&self) -> usize {
-        self.samples.iter().filter(|sample| sample.position_mm.is_some()).count()
+    pub const fn readings(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// The rows of a flight that hold a reading.
+    pub(crate) fn readings_of(&self, flight: &Range<usize>) -> &[usize] {
+        let before = |end: usize| self.readings.partition_point(|row| *row < end);
+        &self.readings[before(flight.start)..before(flight.end)]
+    }
+
+    /// Mean time from one reading of a flight to the next, seconds.
+    pub(crate) fn reading_period_s(&self, flight: &Range<usize>) -> f64 {
+        duration_s(&self.samples[flight.clone()]) / self.readings_of(flight).len().max(1) as f64
     }
 
     /// The smallest step between two readings in a row, mm.
@@ -240,17 +273,16 @@ impl AsRef<[Self]> for Recording {
     }
 }
 
-/// Mean time from one reading of a flight to the next, seconds.
-pub(crate) fn reading_period_s(rows: &[Sample]) -> f64 {
-    duration_s(rows) / rows.iter().filter(|row| row.position_mm.is_some()).count().max(1) as f64
-}
-
 /// From the first row of a flight to its last, seconds.
 pub(crate) fn duration_s(flight: &[Sample]) -> f64 {
     match flight {
         [first, .., last] => last.time_s - first.time_s,
         _ => 0.0,
     }
+}
+
+fn writes(samples: &[Sample]) -> Vec<Write> {
+    samples.iter().map(|&Sample { time_s, duty_percent, .. }| Write { time_s, duty_percent }).collect()
 }
 
 fn resolution(samples: &[Sample]) -> f64 {
@@ -286,6 +318,25 @@ mod tests {
         assert_eq!((both.flight_of(49), both.flight_of(50), both.flight_of(129)), (0..50, 50..100, 100..130));
         let starts = [0, 50, 100].map(|row: usize| both.samples()[row].time_s);
         assert_eq!(starts, [0.0, 1.25, 3.0]);
+    }
+
+    #[test]
+    fn each_flight_knows_its_rows_with_a_reading_and_every_row_its_duty() {
+        let sparse = |rows: Vec<Sample>, every: usize| {
+            let read =
+                |(k, row): (usize, Sample)| Sample { position_mm: row.position_mm.filter(|_| k % every == 0), ..row };
+            Recording::new(rows.into_iter().enumerate().map(read).collect()).unwrap()
+        };
+        let mut turning = rows(60);
+        turning.iter_mut().for_each(|row| (row.duty_percent, row.fan_rpm) = (30.0, Some(5000.0)));
+        let both = Recording::together([sparse(rows(50), 2), sparse(turning, 3)]);
+        assert_eq!(both.readings(), 25 + 20);
+        assert_eq!(both.readings_of(&(0..50)).last(), Some(&48));
+        assert_eq!(both.readings_of(&(50..110)), (0..20).map(|k| 50 + 3 * k).collect::<Vec<_>>());
+        assert!((both.reading_period_s(&(50..110)) - 59.0 * 0.02 / 20.0).abs() < 1e-9);
+        assert!(both.has_fan_speed());
+        let written: Vec<_> = both.writes().iter().map(|write| (write.time_s, write.duty_percent)).collect();
+        assert_eq!(written, both.samples().iter().map(|row| (row.time_s, row.duty_percent)).collect::<Vec<_>>());
     }
 
     #[test]

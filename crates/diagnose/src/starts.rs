@@ -115,12 +115,12 @@ fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
 
 /// The acceleration that is commanded when each duty is written, mm/s².
 pub(crate) fn commanded(model: &Model, recording: &Recording) -> Vec<f64> {
-    let samples = recording.samples();
-    let mut actuator = Actuator::new(model, samples.first().map_or(0.0, |s| s.duty_percent));
-    let start_s = samples.first().map_or(0.0, |s| s.time_s);
-    let at_write = samples.iter().map(|s| {
-        actuator.write(model, s.time_s - start_s, s.duty_percent);
-        actuator.commanded(model, s.time_s - start_s)
+    let writes = recording.writes();
+    let mut actuator = Actuator::new(model, writes.first().map_or(0.0, |first| first.duty_percent));
+    let start_s = writes.first().map_or(0.0, |first| first.time_s);
+    let at_write = writes.iter().map(|write| {
+        actuator.write(model, write.time_s - start_s, write.duty_percent);
+        actuator.commanded(model, write.time_s - start_s)
     });
     at_write.collect()
 }

@@ -31,6 +31,7 @@ impl Actuator {
     }
 
     /// Writes a duty at `time_s`. Times must not fall from call to call, of this and of [`Self::commanded`].
+    #[inline]
     pub fn write(&mut self, model: &Model, time_s: f64, duty_percent: f64) {
         match model.effects.transport_delay.filter(|delay| delay.delay_s > 0.0) {
             Some(delay) => self.on_their_way.push_back((delay.acts_at(time_s), duty_percent)),
@@ -39,18 +40,20 @@ impl Actuator {
     }
 
     /// The next instant after `after_s` at which the command jumps; integration steps should end there.
+    #[inline]
     #[must_use]
     pub fn next_jump_s(&self, after_s: f64) -> Option<f64> {
         self.on_their_way.iter().map(|(at_s, _)| *at_s).find(|at_s| *at_s > after_s)
     }
 
     /// The commanded acceleration at `time_s`, mm/s² about hover.
+    #[inline]
     pub fn commanded(&mut self, model: &Model, time_s: f64) -> f64 {
         while let Some(&(at_s, duty_percent)) = self.on_their_way.front().filter(|(at_s, _)| *at_s <= time_s) {
             self.on_their_way.pop_front();
             self.take(model, at_s, duty_percent);
         }
-        self.follow(model, time_s);
+        self.drift_to(model, time_s);
         force(model, self.play_percent, time_s)
     }
 
@@ -61,12 +64,22 @@ impl Actuator {
     }
 
     /// Puts a duty in force; the play first goes where the old one has drifted until then.
+    #[inline]
     fn take(&mut self, model: &Model, time_s: f64, duty_percent: f64) {
-        self.follow(model, time_s);
+        self.drift_to(model, time_s);
         self.duty_percent = duty_percent;
         self.follow(model, time_s);
     }
 
+    /// The play moves between duties where the hover drifts; else it stands where the last duty has put it.
+    #[inline]
+    fn drift_to(&mut self, model: &Model, time_s: f64) {
+        if model.effects.hover_drift.is_some() {
+            self.follow(model, time_s);
+        }
+    }
+
+    #[inline]
     fn follow(&mut self, model: &Model, time_s: f64) {
         let input = about_hover(model, self.duty_percent, time_s);
         self.play_percent = model.effects.hysteresis.map_or(input, |play| play.follow(self.play_percent, input));
@@ -74,6 +87,7 @@ impl Actuator {
 }
 
 /// u: the duty in force about hover, percent.
+#[inline]
 fn about_hover(model: &Model, duty_percent: f64, time_s: f64) -> f64 {
     let effects = &model.effects;
     let duty_percent = effects.duty_quantisation.map_or(duty_percent, |steps| steps.rounded(duty_percent));
@@ -81,6 +95,7 @@ fn about_hover(model: &Model, duty_percent: f64, time_s: f64) -> f64 {
 }
 
 /// The acceleration that a duty about hover commands once it is through the play, mm/s².
+#[inline]
 fn force(model: &Model, about_hover_percent: f64, time_s: f64) -> f64 {
     let effects = &model.effects;
     let u = effects.dead_zone.map_or(about_hover_percent, |zone| zone.effective(about_hover_percent));

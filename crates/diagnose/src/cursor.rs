@@ -12,9 +12,11 @@
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
 mod back;
+mod chatter;
 mod doubt;
 
 pub(crate) use back::{Back, Leg, Nudged, Smoothed, Trace, smoothed};
+use chatter::{Chatter, Flown};
 pub(crate) use doubt::Steps;
 use doubt::{derivative, grown, process_noise, remembered, vector};
 
@@ -31,10 +33,10 @@ type Square = SMatrix<f64, STATES, STATES>;
 const MAX_STEP_S: f64 = 0.02;
 /// Before the first reading nothing is known of the velocity but that a ball in a pipe stays below 2 m/s.
 pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
-/// Duties that follow each other faster than this are flown as their mean, seconds.
-const CHATTER_S: f64 = 0.005;
-/// Below this speed friction is smoothed, whatever the filter knows.
+/// Below this speed friction is smoothed, whatever the filter knows, or below what friction takes of it in a step.
 const SLOWEST_MM_PER_S: f64 = 1.0;
+/// A velocity known to this share of that tells when the ball stops.
+const KNOWN: f64 = 0.25;
 /// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
 const WILD_IN_A_ROW: u32 = 2;
 /// The same for a sensor that is believed to have wild readings: they may come in bursts.
@@ -54,20 +56,12 @@ pub(crate) struct Cursor<'a> {
     /// The next row whose duty has not been written yet.
     next_write: usize,
     wild_run: u32,
-    /// Whether duties are written faster than a ball follows.
-    chatters: bool,
+    /// How the duties between two readings are flown.
+    flown: Flown,
     /// Variance of a reading, mm².
     reading_mm2: f64,
     /// What the way back needs, apart because most filters lack it; `None`: nobody goes back.
     back: Option<Box<Back>>,
-}
-
-/// Duties on their way to be flown as their mean.
-struct Chatter {
-    /// Up to when they are summed, seconds since the start of the record.
-    until_s: f64,
-    /// ∫ command dt since the filter's own time, mm/s.
-    impulse: f64,
 }
 
 impl<'a> Cursor<'a> {
@@ -88,7 +82,7 @@ impl<'a> Cursor<'a> {
             next_write: 0,
             wild_run: 0,
             reading_mm2: reading_variance(model),
-            chatters: duration_s < CHATTER_S * writes.len() as f64,
+            flown: Flown::of(duration_s, writes.len()),
             back: None,
         };
         cursor.go_to(time_s, steps);
@@ -100,7 +94,8 @@ impl<'a> Cursor<'a> {
 
     /// The same filter for readings that are means of so many.
     pub(crate) fn of_means(self, count: usize) -> Self {
-        Self { reading_mm2: self.reading_mm2 / count as f64, ..self }
+        let flown = if count > 1 { self.flown.roughly() } else { self.flown };
+        Self { reading_mm2: self.reading_mm2 / count as f64, flown, ..self }
     }
 
     /// Moves the filter to when the reading of `row` was taken.
@@ -179,7 +174,7 @@ impl<'a> Cursor<'a> {
     /// Flies on to `time_s`, through every duty that is written and every jump of the command on the way.
     fn go_to(&mut self, time_s: f64, steps: &mut Steps) {
         let start_s = self.writes.first().map_or(0.0, |first| first.time_s);
-        let mut chatter = Chatter { until_s: self.time_s, impulse: 0.0 };
+        let mut chatter = Chatter::from(self.time_s);
         while self.time_s < time_s || self.next_write == 0 {
             let written = self.writes.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
             let write_s = written.map_or(f64::INFINITY, |(at_s, _)| at_s);
@@ -193,7 +188,7 @@ impl<'a> Cursor<'a> {
             }
             let jump_s = self.actuator.next_jump_s(chatter.until_s).unwrap_or(f64::INFINITY);
             let next_s = time_s.min(write_s).min(jump_s);
-            if self.chatters {
+            if self.flown.chatters() {
                 self.fly_on(&mut chatter, next_s, next_s >= time_s, steps);
             } else {
                 self.fly_to(next_s, steps);
@@ -202,16 +197,16 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Where duties are written faster than a ball follows, it flies by their mean command: each is in `chatter` until the mean is flown.
+    /// Where duties are written faster than a ball follows, each is in `chatter` until all are flown at once.
     fn fly_on(&mut self, chatter: &mut Chatter, next_s: f64, last: bool, known: &mut Steps) {
         let middle_s = 0.5 * (chatter.until_s + next_s);
-        chatter.impulse += self.actuator.commanded(self.model, middle_s.max(0.0)) * (next_s - chatter.until_s);
-        chatter.until_s = next_s;
+        chatter.add(self.actuator.commanded(self.model, middle_s.max(0.0)), next_s);
         let dt = next_s - self.time_s;
         if dt > 0.0 && (last || dt >= MAX_STEP_S) {
-            self.step(chatter.impulse / dt, dt, known);
+            let (commands, step_s) = chatter.as_few(self.flown);
+            commands.for_each(|commanded| self.step(commanded, step_s, known));
             self.time_s = next_s;
-            chatter.impulse = 0.0;
+            *chatter = Chatter::from(next_s);
         }
     }
 
@@ -243,12 +238,15 @@ impl<'a> Cursor<'a> {
         };
         let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
         // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
-        let endless = |nudged: &Motion| match &self.model.effects.wall_friction {
-            Some(friction) => {
-                let mean = mean_friction(friction.acceleration_mm_per_s2, nudged.velocity_mm_per_s, roughness);
-                nudged.slide(self.model, commanded, mean, dt)
+        let endless = |nudged: &Motion| {
+            let friction = self.model.effects.wall_friction.map(|friction| friction.acceleration_mm_per_s2);
+            match friction.filter(|friction| roughness > KNOWN * friction * dt) {
+                Some(friction) => {
+                    let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction * dt));
+                    nudged.slide(self.model, commanded, mean_friction(friction, nudged.velocity_mm_per_s, smooth), dt)
+                }
+                None => nudged.step_in_endless_pipe(self.model, commanded, dt),
             }
-            None => nudged.step_in_endless_pipe(self.model, commanded, dt),
         };
         let next = if self.model.effects.wall_friction.is_some() {
             endless(&motion)
@@ -270,7 +268,7 @@ impl<'a> Cursor<'a> {
 /// What friction does on average to a ball whose velocity is known to `roughness` mm/s only, mm/s²: −f·E sign(v). Without it a
 /// filter would take a ball that creeps for one that sticks, and be sure of it.
 fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
-    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness.max(SLOWEST_MM_PER_S)))
+    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
 }
 
 /// When the reading of `row` was taken, seconds since the start of the flight. `None`: there is no such row.

@@ -20,8 +20,10 @@ use crate::track::surprises;
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
 
-/// Scoring steps at most; a fit that needs more creeps along a valley that the record cannot resolve.
-const MOST_STEPS: usize = 15;
+/// Scoring steps; a fit that needs more creeps along a valley that the record cannot resolve.
+const STEPS: usize = 15;
+/// The same while the slope is steep: from a noise believed far too large a step goes down by a factor of e at most.
+const MOST_STEPS: usize = 60;
 /// A step that gains less than this, nats, is the last.
 const GAIN_ENOUGH: f64 = 0.05;
 /// A step that gains more than this, nats of a record that is not long, is on a slope that is worth climbing on.
@@ -100,6 +102,17 @@ pub struct Problem<'a> {
     pub prior: Prior,
 }
 
+/// How long a climb goes on.
+#[derive(Clone, Copy)]
+struct Patience {
+    /// Steps.
+    steps: usize,
+    /// Steps after each beyond those that was on a steep slope.
+    more: usize,
+    /// All steps at most.
+    most: usize,
+}
+
 /// Everything about one point of a fit.
 struct Point {
     model: Model,
@@ -111,7 +124,7 @@ impl Problem<'_> {
     /// Moves the numbers `free` of `start` to where the readings that count are most likely.
     #[must_use]
     pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
-        let (best, slope) = self.climb(start, free, MOST_STEPS, MOST_STEPS);
+        let (best, slope) = self.climb(start, free, Patience { steps: STEPS, more: STEPS, most: MOST_STEPS });
         let slope = slope.unwrap_or_else(|| self.slope(&best, free));
         let log_prior = self.log_prior(free, &best.model);
         Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
@@ -120,12 +133,12 @@ impl Problem<'_> {
     /// The model after so many steps at most.
     #[must_use]
     pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Model {
-        self.climb(start, free, most_steps, most_steps).0.model
+        self.climb(start, free, Patience { steps: most_steps, more: 0, most: most_steps }).0.model
     }
 
     /// A first look: the model after so many steps, and as many more as the slope is steep; its likelihood and prior, nats.
     pub(crate) fn look(&self, start: &Model, free: &[Free], steps: usize) -> (Model, f64) {
-        let (best, _) = self.climb(start, free, steps, MOST_STEPS);
+        let (best, _) = self.climb(start, free, Patience { steps, more: 1, most: STEPS });
         (best.model, best.total)
     }
 
@@ -139,24 +152,27 @@ impl Problem<'_> {
         self.point(model.clone(), free).total
     }
 
-    /// Climbs `steps`, and on to `most` as long as the slope is steep. The slope is that of the last step's start,
-    /// if that step hardly moved.
-    fn climb(&self, start: &Model, free: &[Free], steps: usize, most: usize) -> (Point, Option<Slope>) {
-        let mut best = self.point(start.clone(), free);
+    /// Climbs from `start`. The slope is that of the last step's start, if that step hardly moved.
+    fn climb(&self, start: &Model, free: &[Free], patience: Patience) -> (Point, Option<Slope>) {
+        // A noise of 0 has no slope: each number starts where it may be.
+        let mut best = self.point(moved(start, free, &DVector::zeros(free.len())), free);
         let steep = STEEP * (self.recording.readings() as f64 / LONG).max(1.0);
-        let (mut damping, mut gain) = (1e-3, f64::INFINITY);
-        for taken in 0..most {
-            if taken >= steps && gain < steep {
+        let (mut damping, mut end) = (1e-3, patience.steps);
+        for taken in 1..=patience.most {
+            if taken > end {
                 break;
             }
             let slope = self.slope(&best, free);
             let Some(next) = self.step(&best, free, &slope.total(None), &mut damping) else {
                 return (best, Some(slope));
             };
-            gain = next.total - best.total;
+            let gain = next.total - best.total;
             best = next;
             if gain < GAIN_ENOUGH {
                 return (best, Some(slope));
+            }
+            if taken >= patience.steps && gain >= steep {
+                end = taken + patience.more;
             }
         }
         (best, None)

@@ -57,8 +57,10 @@ pub(crate) fn is_read_off(name: &str) -> bool {
     name == COARSE || name == STALE
 }
 
-/// Least ratio that drag and noise are kept above, so that a belief of 0 can move.
-const LEAST: f64 = 1e-3;
+/// What drag and noises are kept above, so that a belief of 0 can move: 1/s, mm and mm²/s³. Both noises are far below those of an encoder's step.
+const LEAST_DRAG: f64 = 1e-3;
+const LEAST_SENSOR_MM: f64 = 1e-5;
+const LEAST_AIR: f64 = 1e-6;
 
 /// A stop's height says nothing of how finely a record shows it: the size of its changes, mm.
 const STOP_MM: f64 = 10.0;
@@ -97,13 +99,16 @@ impl Free {
     /// How far `model` is from `belief`, in the number's own scale.
     #[must_use]
     pub fn distance(self, model: &Model, belief: &Model) -> f64 {
-        let ratio = |a: f64, b: f64| (a.max(LEAST) / b.max(LEAST)).ln();
+        let ratio = |a: f64, b: f64, least: f64| (a.max(least) / b.max(least)).ln();
         match self {
             Self::Gain => (model.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent).ln(),
-            Self::Drag => ratio(model.drag_per_s, belief.drag_per_s),
+            Self::Drag => ratio(model.drag_per_s, belief.drag_per_s, LEAST_DRAG),
             Self::Hover => (model.hover_duty_percent - belief.hover_duty_percent) / 0.1,
-            Self::SensorNoise => ratio(model.noise.sensor_mm, belief.noise.sensor_mm),
-            Self::AirNoise => ratio(model.noise.acceleration_psd_mm2_per_s3, belief.noise.acceleration_psd_mm2_per_s3),
+            Self::SensorNoise => ratio(model.noise.sensor_mm, belief.noise.sensor_mm, LEAST_SENSOR_MM),
+            Self::AirNoise => {
+                let psd = |model: &Model| model.noise.acceleration_psd_mm2_per_s3;
+                ratio(psd(model), psd(belief), LEAST_AIR)
+            }
             Self::Effect { size, .. } => {
                 self.value(model).zip(self.value(belief)).map_or(0.0, |(there, believed)| (there - believed) / size)
             }
@@ -169,15 +174,15 @@ impl Free {
     #[must_use]
     pub fn moved(self, model: &Model, by: f64) -> Model {
         let mut model = model.clone();
-        let ratio = by.clamp(-9.0, 9.0).exp();
+        let scaled = |number: f64, least: f64| (number.max(least) * by.clamp(-9.0, 9.0).exp()).max(least);
         match self {
-            Self::Gain => model.gain_mm_per_s2_per_percent *= ratio,
-            Self::Drag => model.drag_per_s = (model.drag_per_s.max(LEAST) * ratio).min(1e3),
+            Self::Gain => model.gain_mm_per_s2_per_percent *= by.clamp(-9.0, 9.0).exp(),
+            Self::Drag => model.drag_per_s = scaled(model.drag_per_s, LEAST_DRAG).min(1e3),
             Self::Hover => model.hover_duty_percent += 0.1 * by,
-            Self::SensorNoise => model.noise.sensor_mm = model.noise.sensor_mm.max(LEAST) * ratio,
+            Self::SensorNoise => model.noise.sensor_mm = scaled(model.noise.sensor_mm, LEAST_SENSOR_MM),
             Self::AirNoise => {
                 let psd = &mut model.noise.acceleration_psd_mm2_per_s3;
-                *psd = psd.max(LEAST) * ratio;
+                *psd = scaled(*psd, LEAST_AIR);
             }
             Self::Effect { name, index, size } => {
                 let mut values = model.effects.values(name).unwrap_or_default();

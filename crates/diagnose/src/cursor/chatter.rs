@@ -1,0 +1,120 @@
+//! Duties that are written faster than a ball follows: a few commands that do to it what all of them do.
+//!
+//! ```text
+//! c̄ = 1/T·∫ c dt                                    the ball ends as fast as it does
+//! c̄ ∓ r in either half, r = 4/T²·∫ c·(t − T/2) dt   and where it does, whatever the duty did meanwhile
+//! ```
+//!
+//! The second matters where readings have almost no noise: a command that rises by Δ within T moves the ball by Δ·T²/12 less than its mean does.
+
+/// Duties that follow each other faster than this are flown together, seconds.
+const CHATTER_S: f64 = 0.005;
+
+/// How the duties between two readings are flown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flown {
+    /// Each by itself.
+    Each,
+    /// As their mean.
+    Mean,
+    /// As a mean for either half of the time.
+    Halves,
+}
+
+impl Flown {
+    /// How duties are flown of which so many are written in `duration_s`.
+    pub(super) fn of(duration_s: f64, writes: usize) -> Self {
+        if duration_s < CHATTER_S * writes as f64 { Self::Halves } else { Self::Each }
+    }
+
+    /// The same for readings with noise enough to hide what the duties do between two of them.
+    pub(super) fn roughly(self) -> Self {
+        if self == Self::Halves { Self::Mean } else { self }
+    }
+
+    /// Whether duties are flown together.
+    pub(super) const fn chatters(self) -> bool {
+        !matches!(self, Self::Each)
+    }
+}
+
+/// Duties on their way to be flown together.
+pub(super) struct Chatter {
+    from_s: f64,
+    /// Up to when they are summed, seconds since the start of the record.
+    pub(super) until_s: f64,
+    /// ∫ command dt, mm/s.
+    impulse: f64,
+    /// ∫ command · (t − from) dt, mm.
+    moment: f64,
+    /// Of how many commands.
+    count: u32,
+}
+
+impl Chatter {
+    /// None yet, at `from_s` seconds since the start of the record.
+    pub(super) const fn from(from_s: f64) -> Self {
+        Self { from_s, until_s: from_s, impulse: 0.0, moment: 0.0, count: 0 }
+    }
+
+    /// Adds a command in force up to `until_s`, mm/s².
+    pub(super) fn add(&mut self, commanded: f64, until_s: f64) {
+        let impulse = commanded * (until_s - self.until_s);
+        self.impulse += impulse;
+        self.moment += impulse * (0.5 * (self.until_s + until_s) - self.from_s);
+        self.until_s = until_s;
+        self.count += 1;
+    }
+
+    /// The commands that do what all of them do, mm/s², and how long each is in force, seconds.
+    pub(super) fn as_few(&self, flown: Flown) -> (impl Iterator<Item = f64> + use<>, f64) {
+        let all_s = self.until_s - self.from_s;
+        let (mean, half_s) = (self.impulse / all_s, all_s / 2.0);
+        let rise = (self.moment - self.impulse * half_s) / (half_s * half_s);
+        let halves = flown == Flown::Halves && self.count > 1;
+        let first = if halves { mean - rise } else { mean };
+        let second = halves.then_some(mean + rise);
+        (std::iter::once(first).chain(second), if halves { half_s } else { all_s })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Chatter, Flown};
+
+    /// Where a ball at rest at 0 is, and how fast, after commands of so long each.
+    fn flown(commands: impl Iterator<Item = f64>, step_s: f64) -> (f64, f64) {
+        commands.fold((0.0, 0.0), |(y, v), a| (y + (v + 0.5 * a * step_s) * step_s, v + a * step_s))
+    }
+
+    #[test]
+    fn two_halves_end_where_all_commands_do_and_their_mean_as_fast() {
+        let all = [3.0, -8.0, 41.0, 5.0, -2.5, 17.0, 0.0, 90.0, 12.0, -33.0];
+        let mut chatter = Chatter::from(2.0);
+        (1..=10).zip(all).for_each(|(k, command)| chatter.add(command, 2.0 + 0.001 * f64::from(k)));
+        let truth = flown(all.into_iter(), 0.001);
+        let [mean, halves] = [Flown::Mean, Flown::Halves].map(|how| {
+            let (commands, step_s) = chatter.as_few(how);
+            let there = flown(commands, step_s);
+            assert!((there.1 - truth.1).abs() < 1e-12, "{how:?}: {} mm/s, not {}", there.1, truth.1);
+            there.0
+        });
+        assert!((halves - truth.0).abs() < 1e-12, "{halves} mm, not {}", truth.0);
+        assert!((mean - truth.0).abs() > 1e-5, "the mean alone would do");
+    }
+
+    #[test]
+    fn a_command_alone_is_flown_as_it_is() {
+        let mut chatter = Chatter::from(2.0);
+        chatter.add(7.0, 2.25);
+        let (commands, step_s) = chatter.as_few(Flown::Halves);
+        assert_eq!((commands.collect::<Vec<_>>(), step_s), (vec![7.0], 0.25));
+    }
+
+    #[test]
+    fn duties_are_flown_together_where_many_are_written_a_second() {
+        assert_eq!(Flown::of(10.0, 500), Flown::Each);
+        assert_eq!(Flown::of(10.0, 10_000), Flown::Halves);
+        assert_eq!((Flown::Each.roughly(), Flown::Halves.roughly()), (Flown::Each, Flown::Mean));
+    }
+}

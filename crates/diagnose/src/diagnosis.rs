@@ -17,7 +17,7 @@ use crate::intervals::{Reach, reaches};
 use crate::places::{Place, places_of, rows};
 use crate::prepare::{Noted, Prepared};
 use crate::recording::Recording;
-use crate::residue::Residue;
+use crate::residue::{Residue, is_quiet};
 use crate::spectrum::{Band, band, periodogram};
 use crate::tried::{Tried, chances};
 use crate::watch::Watch;
@@ -91,13 +91,15 @@ pub struct Options {
 pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
     let Prepared { mut findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
     let recording = recording.as_ref();
+    let belief = &with_rounding(belief, recording);
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
     let refitted = search.refitted();
     let readings = recording.samples().iter().enumerate();
     let readings = readings.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
     let mut answers = readings >= ENOUGH_READINGS && can_answer;
-    let mut found = if answers { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
+    let asks = answers && !is_quiet(&refitted);
+    let mut found = if asks { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
     let confident = !found.effects.is_empty() && !found.leaves_something();
     if let Some(finding) = other_rig(belief, &found.fit.model).filter(|_| confident) {
         // An effect that needs another rig around it is not what this rig lacks.
@@ -125,6 +127,15 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
     let reaches = reaches(&search.problem, &mended);
     Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, reaches }
+}
+
+/// The belief; one of no noise at all is taken as that of readings rounded to the step of the file: step/√12.
+fn with_rounding(belief: &Model, recording: &Recording) -> Model {
+    let mut belief = belief.clone();
+    if belief.noise.sensor_mm == 0.0 {
+        belief.noise.sensor_mm = recording.resolution_mm() / 12f64.sqrt();
+    }
+    belief
 }
 
 /// How far a name beside this verdict is to be trusted.

@@ -32,8 +32,10 @@ const STEEP: f64 = 20.0;
 const NOTHING_TOLD: f64 = 1e-6;
 /// Length of the differences in scaled parameters.
 const DIFFERENCE: f64 = 0.01;
-/// Times that a step is shortened.
+/// Times that a step is shortened; and where it still promises so many nats.
 const SHORTER: usize = 6;
+const PROMISING: f64 = 1.0;
+const SHORTEST: usize = 14;
 
 /// Nats, fold by fold.
 pub type Worth = [f64; Folds::COUNT];
@@ -107,7 +109,7 @@ pub struct Problem<'a> {
 struct Patience {
     /// Steps.
     steps: usize,
-    /// Steps after each beyond those that was on a steep slope.
+    /// Steps after the last on a steep slope.
     more: usize,
     /// All steps at most.
     most: usize,
@@ -171,8 +173,8 @@ impl Problem<'_> {
             if gain < GAIN_ENOUGH {
                 return (best, Some(slope));
             }
-            if taken >= patience.steps && gain >= steep {
-                end = taken + patience.more;
+            if gain >= steep {
+                end = end.max(taken + patience.more);
             }
         }
         (best, None)
@@ -254,12 +256,15 @@ impl Problem<'_> {
         (gradient, information): &(DVector<f64>, DMatrix<f64>),
         damping: &mut f64,
     ) -> Option<Point> {
-        for _ in 0..SHORTER {
+        for shortened in 0..SHORTEST {
             let mut damped = information.clone();
             for i in 0..free.len() {
                 damped[(i, i)] = damped[(i, i)] * (1.0 + *damping) + 1e-9;
             }
             let direction = damped.cholesky().map(|factor| factor.solve(gradient))?;
+            if shortened >= SHORTER && 0.5 * gradient.dot(&direction) < PROMISING {
+                return None;
+            }
             let there = self.point(moved(&best.model, free, &direction), free);
             if there.total > best.total {
                 *damping = (*damping * 0.2).max(1e-6);

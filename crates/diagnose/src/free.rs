@@ -62,6 +62,9 @@ const LEAST_DRAG: f64 = 1e-3;
 const LEAST_SENSOR_MM: f64 = 1e-5;
 const LEAST_AIR: f64 = 1e-6;
 
+/// Farthest that a number of a scale of ratios moves at once: a noise believed 0 to that of the worst sensor.
+const FARTHEST: f64 = 25.0;
+
 /// A stop's height says nothing of how finely a record shows it: the size of its changes, mm.
 const STOP_MM: f64 = 10.0;
 
@@ -174,9 +177,9 @@ impl Free {
     #[must_use]
     pub fn moved(self, model: &Model, by: f64) -> Model {
         let mut model = model.clone();
-        let scaled = |number: f64, least: f64| (number.max(least) * by.clamp(-9.0, 9.0).exp()).max(least);
+        let scaled = |number: f64, least: f64| (number.max(least) * by.clamp(-FARTHEST, FARTHEST).exp()).max(least);
         match self {
-            Self::Gain => model.gain_mm_per_s2_per_percent *= by.clamp(-9.0, 9.0).exp(),
+            Self::Gain => model.gain_mm_per_s2_per_percent *= by.clamp(-FARTHEST, FARTHEST).exp(),
             Self::Drag => model.drag_per_s = scaled(model.drag_per_s, LEAST_DRAG).min(1e3),
             Self::Hover => model.hover_duty_percent += 0.1 * by,
             Self::SensorNoise => model.noise.sensor_mm = scaled(model.noise.sensor_mm, LEAST_SENSOR_MM),

@@ -50,6 +50,9 @@ pub struct Residue {
     /// An effect was named.
     #[serde(skip)]
     pub(crate) beside_a_name: bool,
+    /// The innovations are far less than any noise that a model may have: what is left is rounding.
+    #[serde(skip)]
+    pub(crate) quiet: bool,
     /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
     pub coarse: bool,
     /// Growth of the air's noise, deviations.
@@ -65,6 +68,8 @@ pub struct Residue {
 const SHARE_OF_FORM: f64 = 0.02;
 /// Cells that are wider than so many deviations of the noise leave readings of another shape than normal.
 const COARSE: f64 = 2.0;
+/// Mean square of innovations that are rounding, in variances of their own: a fitted noise leaves 1.
+const QUIET: f64 = 0.05;
 /// A ball this near to a stop may have met it, mm; and so long the filter is not normal afterwards, seconds.
 const NEAR_STOP_MM: f64 = 10.0;
 const FORGET_STOP_S: f64 = 0.5;
@@ -99,12 +104,19 @@ impl Residue {
             bursts,
             instead_of: None,
             beside_a_name: explained.is_some(),
+            quiet: is_quiet(fit),
             coarse: is_coarse(&fit.model),
             air: long.sqrt() * air,
             air_ratio,
             weight: long,
         }
     }
+}
+
+/// Whether the readings are seen coming far nearer than the least noise that a model may have lets expect, as those of a simulation without any.
+pub(crate) fn is_quiet(fit: &Fit) -> bool {
+    let power: f64 = fit.surprises.iter().map(|surprise| surprise.stretch + 1.0).sum();
+    power < QUIET * fit.surprises.len() as f64
 }
 
 /// Whether the noise leaves readings within one cell of the sensor for long.

@@ -32,7 +32,7 @@ const BEHIND_SHARE: f64 = 0.4;
 /// Gains this close are alike, nats.
 pub(crate) const ALIKE: f64 = 2.0;
 /// Orders of noise about the believed that a refit may start from, and what that must be worth, nats.
-const AIR_ORDERS: [f64; 5] = [0.1, 1.0, 10.0, 100.0, 1000.0];
+const AIR_ORDERS: [f64; 8] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e5, 1e7, 1e9];
 const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
 const OTHER_ORDER: f64 = 50.0;
 /// Sizes of a believed effect, beside the one that was fitted, from which it is fitted again, and how many steps at least.

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Every name, number and verdict here was wrong as long as the filter flew the mean of ten duties, held its noises above a thousandth, or
-//! smoothed friction below 1 mm/s.
+//! smoothed friction below 1 mm/s; and with no count at all, as long as rounding was asked for its cause.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -22,9 +22,11 @@ struct Axis {
     drag: f64,
     friction: f64,
     late_rows: usize,
+    /// Whether its encoder counts, or shows where it is to the last bit.
+    counts: bool,
 }
 
-const BELIEVED: Axis = Axis { gain: 20.0, drag: 4.0, friction: 0.0, late_rows: 0 };
+const BELIEVED: Axis = Axis { gain: 20.0, drag: 4.0, friction: 0.0, late_rows: 0, counts: true };
 
 impl Axis {
     /// Position and velocity after `seconds` at this duty.
@@ -56,7 +58,7 @@ impl Axis {
             // Steps that never repeat: multiples of the golden ratio.
             let target = 350.0 + 300.0 * (f64::from(k / 700) * 0.618_033_988).fract();
             wanted += 0.004 * (target - wanted);
-            let reading = (state.0 / COUNT_MM).round() * COUNT_MM;
+            let reading = if self.counts { (state.0 / COUNT_MM).round() * COUNT_MM } else { state.0 };
             speed += 0.2 * ((reading - seen) / PERIOD_S - speed);
             seen = reading;
             let chirp = 3.0 * (std::f64::consts::TAU * (0.5 + 0.35 * time_s) * time_s).sin();
@@ -68,14 +70,19 @@ impl Axis {
         Recording::new(rows.collect()).unwrap()
     }
 
-    /// What separates it from [`BELIEVED`], whose owner guesses its noise.
+    /// What separates it from [`BELIEVED`], whose owner guesses its noise well.
     fn diagnosed(&self) -> Diagnosis {
+        self.diagnosed_with(Noise { sensor_mm: 0.0005, acceleration_psd_mm2_per_s3: 1.0 })
+    }
+
+    /// The same where the owner guesses this noise.
+    fn diagnosed_with(&self, noise: Noise) -> Diagnosis {
         let belief = Model {
             gain_mm_per_s2_per_percent: BELIEVED.gain,
             drag_per_s: BELIEVED.drag,
             hover_duty_percent: 0.0,
             pipe_length_mm: 1000.0,
-            noise: Noise { sensor_mm: 0.0005, acceleration_psd_mm2_per_s3: 1.0 },
+            noise,
             effects: Effects::default(),
         };
         diagnose(&belief, &[self.flown()], &Options::default())
@@ -108,6 +115,15 @@ fn an_axis_of_another_mass_needs_parameters_alone() {
 }
 
 #[test]
+fn neither_no_noise_nor_far_too_much_in_the_belief_turns_another_mass_into_an_effect() {
+    for (sensor_mm, acceleration_psd_mm2_per_s3) in [(0.0, 0.0), (0.05, 1000.0)] {
+        let noise = Noise { sensor_mm, acceleration_psd_mm2_per_s3 };
+        let found = Axis { gain: 16.0, drag: 5.2, ..BELIEVED }.diagnosed_with(noise);
+        assert_eq!((found.verdict, found.effects.len()), (Verdict::Parameters, 0), "{noise:?}: {:?}", found.residue);
+    }
+}
+
+#[test]
 fn a_delay_of_three_cycles_is_found_to_a_hundredth_of_one() {
     let found = Axis { late_rows: 3, ..BELIEVED }.diagnosed();
     let (name, delay_s) = only(&found);
@@ -121,4 +137,12 @@ fn friction_that_stops_and_holds_an_axis_is_found_to_a_hundredth() {
     let (name, friction) = only(&found);
     assert_eq!(name, "wall_friction");
     assert!((friction / 40.0 - 1.0).abs() < 0.01, "{friction} mm/s²");
+}
+
+#[test]
+fn readings_without_any_noise_leave_nothing_over() {
+    let found = Axis { counts: false, ..BELIEVED }.diagnosed();
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::NoGap, 0), "{:?}", found.residue);
+    let (name, delay_s) = only(&Axis { counts: false, late_rows: 3, ..BELIEVED }.diagnosed());
+    assert!(name.ends_with("_delay") && (delay_s - 0.003).abs() < 1e-5, "{name}: {delay_s} s");
 }

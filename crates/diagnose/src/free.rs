@@ -177,9 +177,10 @@ impl Free {
     #[must_use]
     pub fn moved(self, model: &Model, by: f64) -> Model {
         let mut model = model.clone();
-        let scaled = |number: f64, least: f64| (number.max(least) * by.clamp(-FARTHEST, FARTHEST).exp()).max(least);
+        let ratio = by.clamp(-FARTHEST, FARTHEST).exp();
+        let scaled = |number: f64, least: f64| (number.max(least) * ratio).max(least);
         match self {
-            Self::Gain => model.gain_mm_per_s2_per_percent *= by.clamp(-FARTHEST, FARTHEST).exp(),
+            Self::Gain => model.gain_mm_per_s2_per_percent *= ratio,
             Self::Drag => model.drag_per_s = scaled(model.drag_per_s, LEAST_DRAG).min(1e3),
             Self::Hover => model.hover_duty_percent += 0.1 * by,
             Self::SensorNoise => model.noise.sensor_mm = scaled(model.noise.sensor_mm, LEAST_SENSOR_MM),

@@ -50,9 +50,6 @@ pub struct Residue {
     /// An effect was named.
     #[serde(skip)]
     pub(crate) beside_a_name: bool,
-    /// The innovations are far less than any noise that a model may have: what is left is rounding.
-    #[serde(skip)]
-    pub(crate) quiet: bool,
     /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
     pub coarse: bool,
     /// Growth of the air's noise, deviations.
@@ -84,6 +81,10 @@ impl Residue {
     /// Judges the innovations of `fit`, whose effects explain so many nats by what the rig does; `None`: none was named.
     #[must_use]
     pub fn of(problem: &Problem<'_>, fit: &Fit, explained: Option<f64>) -> Self {
+        if is_quiet(fit) {
+            // Rounding, which nothing is to be asked of.
+            return Self { beside_a_name: explained.is_some(), air_ratio: 1.0, weight: 1.0, ..Self::default() };
+        }
         let rows = clear_of_stops(&fit.model, rows(&fit.model, problem.recording, problem.folds));
         let spots = spots(&rows);
         let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
@@ -104,7 +105,6 @@ impl Residue {
             bursts,
             instead_of: None,
             beside_a_name: explained.is_some(),
-            quiet: is_quiet(fit),
             coarse: is_coarse(&fit.model),
             air: long.sqrt() * air,
             air_ratio,

@@ -43,7 +43,7 @@ impl Residue {
     /// Whether something is left over.
     #[must_use]
     pub fn is_significant(&self) -> bool {
-        !self.quiet && (self.one_is_significant() || self.only_all_are_significant())
+        self.one_is_significant() || self.only_all_are_significant()
     }
 
     /// Whether the terms that are asked for describe what is left over: they are no chance, or a good part of what only together is none.

@@ -134,6 +134,9 @@ catalogue! {
 }
 
 impl Effects {
+    /// Two effects that cannot act together: one contains the other.
+    pub const EXCLUSIVE: [&str; 2] = ["fan_lag", "spin_asymmetry"];
+
     /// The catalogue's entry of that name.
     #[must_use]
     pub fn entry(name: &str) -> Option<&'static Entry> {
@@ -145,7 +148,7 @@ impl Effects {
     /// # Errors
     /// The effect's name and what is wrong with it.
     pub fn check(&self) -> Result<(), (&'static str, Unsound)> {
-        if self.fan_lag.is_some() && self.spin_asymmetry.is_some() {
+        if Self::EXCLUSIVE.iter().all(|name| self.values(name).is_some()) {
             let message = "spin_asymmetry contains fan_lag (up_s = down_s); delete one of the two tables";
             return Err(("spin_asymmetry", Unsound::Contradiction { key: "", message }));
         }

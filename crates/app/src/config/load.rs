@@ -4,7 +4,7 @@
 //! that set it last.
 
 use super::tables::Tables;
-use plant::Unsound;
+use plant::{Effects, Unsound};
 use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -178,6 +178,7 @@ fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
             path: source.path.clone(),
             message: error.to_string().trim_end().to_owned(),
         })?;
+        displace(&mut merged, &table);
         merge(&mut merged, table);
     }
     serde_path_to_error::deserialize(merged).map_err(|error| {
@@ -185,6 +186,23 @@ fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
         let message = error.into_inner().message().to_owned();
         ConfigError::Key { place: place(sources, &key), key, message }
     })
+}
+
+/// Takes out of `base` the effects that cannot act beside one of `over`: they say the same of the rig, and the later file wins.
+fn displace(base: &mut toml::Table, over: &toml::Table) {
+    let Some(added) = effects(over) else { return };
+    let Some(believed) = base.get_mut("plant").and_then(|plant| plant.get_mut("effects")) else { return };
+    let Some(believed) = believed.as_table_mut() else { return };
+    let [a, b] = Effects::EXCLUSIVE;
+    for (one, other) in [(a, b), (b, a)] {
+        if added.contains_key(one) && !added.contains_key(other) {
+            believed.remove(other);
+        }
+    }
+}
+
+fn effects(table: &toml::Table) -> Option<&toml::Table> {
+    table.get("plant")?.get("effects")?.as_table()
 }
 
 /// Tables merge key by key; anything else is replaced.

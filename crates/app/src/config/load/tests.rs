@@ -58,6 +58,21 @@ fn what_contradicts_something_else_is_named_with_its_line() {
 }
 
 #[test]
+fn a_patch_with_an_effect_that_contains_the_believed_one_takes_its_place_and_back() {
+    let lag = "[plant.effects.fan_lag]\ntime_constant_s = 0.2\n";
+    let spin = "[plant.effects.spin_asymmetry]\nup_s = 0.1\ndown_s = 0.2\n";
+    let files = Files::new();
+    for (name, believed, patch) in [("spin_asymmetry", lag, spin), ("fan_lag", spin, lag)] {
+        let (config, patch) = (files.write("c.toml", &format!("{GOOD}\n{believed}")), files.write("p.toml", patch));
+        let effects = Config::read(&config, &[patch]).unwrap().tables.plant.unwrap().effects;
+        assert_eq!(effects.present().iter().map(|entry| entry.name).collect::<Vec<_>>(), [name]);
+    }
+    let patch = files.write("both.toml", &format!("{lag}{spin}"));
+    let message = Config::read(&files.write("c.toml", GOOD), &[patch]).unwrap_err().to_string();
+    assert!(message.contains("delete one of the two tables"), "{message}");
+}
+
+#[test]
 fn a_missing_key_and_a_wrong_type_point_at_their_table() {
     let message = error_of(&GOOD.replace("drag_per_s = 3.896\n", ""));
     assert!(message.starts_with("/c.toml:1: plant: missing field `drag_per_s`"), "{message}");

@@ -59,14 +59,7 @@ pub struct Interval {
 pub struct AnsweredGap {
     /// The share that is closed at 1 s.
     #[serde(default)]
-    pub closed: Option<AnsweredClosed>,
-}
-
-/// The share that is closed.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub struct AnsweredClosed {
-    /// The share.
-    pub value: f64,
+    pub closed: Option<Interval>,
 }
 
 /// What an answer says of the place.

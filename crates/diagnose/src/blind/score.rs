@@ -126,6 +126,7 @@ fn about_all(cases: &[Case]) -> Vec<Share> {
     let placed = cases.iter().filter(|c| !c.truth.effects.is_empty() && stage_right(c).is_some());
     let claimed: Vec<&Case> = cases.iter().filter(|case| closed_difference(case).is_some()).collect();
     let close = |case: &Case| closed_difference(case).is_some_and(|difference| difference <= CLOSE);
+    let reaching = cases.iter().filter(|case| closed_covered(case).is_some());
     vec![
         share("read", "all: the case could be read", cases, |case| case.answer.is_some()),
         share("answered", "all: an answer, not insufficient_data", cases, |case| {
@@ -135,6 +136,9 @@ fn about_all(cases: &[Case]) -> Vec<Share> {
             stage_right(case) == Some(true)
         }),
         share("closed", "closed share within 5 points of the true effects'", claimed, close),
+        share("closed_covered", "closed share: its 90 % interval holds the true effects'", reaching, |case| {
+            closed_covered(case) == Some(true)
+        }),
     ]
 }
 
@@ -151,6 +155,12 @@ fn about_singles(cases: &[Case]) -> Vec<Share> {
             "single, 5 nats above its best rival: the first entry names it",
             beats(),
             is(Outcome::Right),
+        ),
+        share(
+            "alone_shown",
+            "single, 5 nats above its best rival: it or its twins alone, and nothing left",
+            beats(),
+            |case| exact(case) && says_one_thing(case),
         ),
         share("silent_shown", "single, 5 nats above its best rival: silent", beats(), is(Outcome::Silent)),
         share("wrong_shown", "single, 5 nats above its best rival: a wrong name", beats(), is(Outcome::Wrong)),
@@ -229,10 +239,21 @@ fn stage_right(case: &Case) -> Option<bool> {
     Some(case.truth.effects.iter().any(|effect| effect.stage == blamed))
 }
 
+/// Whether the first entry says one thing, twins counted once.
+fn says_one_thing(case: &Case) -> bool {
+    case.answer.as_ref().and_then(|answer| answer.effects.first()).is_some_and(|entry| size(entry) == 1)
+}
+
 /// Whether the entry that names the effect says what became of it.
 fn change_right(case: &Case) -> bool {
     let entry = case.answer.as_ref().and_then(|answer| answer.effects.first());
     entry.zip(case.truth.effects.first()).is_some_and(|(entry, effect)| entry.change == effect.change)
+}
+
+/// Whether the interval of the closed share holds that of the true effects. `None`: it has none, or there is none.
+fn closed_covered(case: &Case) -> Option<bool> {
+    let claimed = case.answer.as_ref()?.gap.closed?;
+    Some((claimed.low?..=claimed.high?).contains(&case.closed_of_truth?))
 }
 
 fn closed_difference(case: &Case) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! Scores of hand-made cases.
 
-use super::answer::{Answer, AnsweredClosed, AnsweredGap, AnsweredPlace, AnsweredStage, Interval, NamedEffect};
+use super::answer::{Answer, AnsweredGap, AnsweredPlace, AnsweredStage, Interval, NamedEffect};
 use super::outcome::{outcome, outcome_left_out};
 use super::truth::{Bounds, CaseTruth, Kind, TrueEffect};
 use super::{Case, Outcome, Score, score};
@@ -243,14 +243,30 @@ fn a_claimed_share_and_a_blamed_stage_are_held_against_the_truth() {
         let mut case = single("dead_zone", vec![entry("dead_zone", 0.9, &[])]);
         case.closed_of_truth = Some(0.9);
         let answered = case.answer.as_mut().unwrap();
-        answered.gap.closed = Some(AnsweredClosed { value: claimed });
+        answered.gap.closed = Some(Interval { value: claimed, low: Some(claimed - 0.07), high: Some(claimed + 0.07) });
         answered.r#where.stage =
             vec![AnsweredStage { name: "ball".into(), share: 0.4 }, AnsweredStage { name: stage.into(), share: 0.6 }];
         case
     };
     let score = score(&[with(0.94, "actuator"), with(0.8, "air"), with(1.0, "actuator")]);
     assert_eq!((of(&score, "closed"), of(&score, "stage")), ((1, 3), (2, 3)));
+    assert_eq!(of(&score, "closed_covered"), (1, 3));
     assert!((score.median_closed_difference.unwrap() - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn a_name_beside_a_twin_stands_alone_and_beside_another_it_does_not() {
+    let with = |others: &[&str], beside: Vec<NamedEffect>| {
+        let entries = [vec![entry("transport_delay", 0.9, others)], beside].concat();
+        Case { shown: Some(8.0), ..single("transport_delay", entries) }
+    };
+    let score = score(&[
+        with(&["sensor_delay"], vec![]),
+        with(&["sensor_delay", "hysteresis"], vec![]),
+        with(&[], vec![entry("dead_zone", 0.9, &[])]),
+        Case { shown: Some(3.0), ..with(&[], vec![]) },
+    ]);
+    assert_eq!((of(&score, "top_1_shown"), of(&score, "alone_shown")), ((3, 3), (1, 3)));
 }
 
 #[test]

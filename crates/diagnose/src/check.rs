@@ -23,6 +23,8 @@ const FRACTION_OF_HOVER: f64 = 2.0;
 const OTHER_RIG: f64 = 5.0;
 /// Share of readings outside the pipe that makes it another pipe.
 const ELSEWHERE: f64 = 0.1;
+/// Rows further apart than the longest forecast that is asked for, seconds, show nothing.
+const SLOWEST_S: f64 = 1.0;
 
 /// Something about a record that its reader should know.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -63,7 +65,7 @@ pub enum Finding {
         length_mm: f64,
     },
     /// Readings that are codes for "no target".
-    #[error("{count} readings are 8190 or 8191, which a VL53L0X says without a target; leave those cells empty")]
+    #[error("{count} readings are 8190 or 8191, which a VL53L0X says without a target: they count as empty")]
     NoTarget {
         /// How many.
         count: usize,
@@ -80,9 +82,27 @@ pub enum Finding {
         /// The usual time between rows, seconds.
         usual_s: f64,
     },
+    /// The rows are too far apart.
+    #[error(
+        "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
+    )]
+    SlowRows {
+        /// The usual time between rows, seconds.
+        usual_s: f64,
+    },
+    /// Too little to go by.
+    #[error(
+        "{readings} readings in free flight, and the diagnosis needs {needed}: fly longer, or name more flights of this rig together"
+    )]
+    TooFew {
+        /// Readings that count.
+        readings: usize,
+        /// How many there should be.
+        needed: usize,
+    },
     /// Readings far from their neighbours.
     #[error(
-        "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of all; the filter takes them as they are: look at them first"
+        "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of all; a reading so far off counts for little in the fits: look at them first"
     )]
     Outliers {
         /// How many.
@@ -149,9 +169,10 @@ pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
     let of_position = if still {
         vec![readings.first().map(|&position_mm| Finding::StillPosition { position_mm })]
     } else {
-        vec![no_target(&readings), outside_pipe(&readings, model), outliers(&readings, model), repeats(&readings)]
+        let seen: Vec<f64> = readings.iter().copied().filter(|reading| !is_code(*reading)).collect();
+        vec![no_target(&readings), outside_pipe(&seen, model), outliers(&seen, model), repeats(&seen)]
     };
-    duty(samples).into_iter().chain([gaps(samples)]).chain(of_position).flatten().collect()
+    duty(samples).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
 }
 
 fn duty(samples: &[Sample]) -> [Option<Finding>; 2] {
@@ -163,16 +184,21 @@ fn duty(samples: &[Sample]) -> [Option<Finding>; 2] {
     [fraction.then_some(Finding::FractionalDuty), still.then_some(Finding::StillDuty { range_percent: high - low })]
 }
 
-fn gaps(samples: &[Sample]) -> Option<Finding> {
+fn clock(samples: &[Sample]) -> [Option<Finding>; 2] {
     let steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    let usual_s = median(steps.clone())?;
+    let Some(usual_s) = median(steps.clone()) else { return [None; 2] };
     let long = || steps.iter().filter(|step| **step > GAP * usual_s);
     let longest_s = long().copied().fold(0.0, f64::max);
-    (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s })
+    let gaps = (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s });
+    [(usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+}
+
+fn is_code(reading: f64) -> bool {
+    NO_TARGET_MM.contains(&reading)
 }
 
 fn no_target(readings: &[f64]) -> Option<Finding> {
-    let count = readings.iter().filter(|reading| NO_TARGET_MM.contains(reading)).count();
+    let count = readings.iter().filter(|reading| is_code(**reading)).count();
     (count > 0).then_some(Finding::NoTarget { count })
 }
 
@@ -213,7 +239,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
 pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &Model) -> bool {
     let readings = recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
     findings.iter().any(|finding| match finding {
-        Finding::StillDuty { .. } | Finding::StillPosition { .. } => true,
+        Finding::StillDuty { .. } | Finding::StillPosition { .. } | Finding::SlowRows { .. } => true,
         Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
         Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,
         _ => false,
@@ -232,12 +258,13 @@ pub(crate) fn other_rig(belief: &Model, mended: &Model) -> Option<Finding> {
     (belief.drag_per_s > 0.0 && drag > OTHER_RIG).then_some(Finding::OtherRig { number: "drag_per_s", ratio: drag })
 }
 
-/// The recording without the readings that are codes of the sensor; `None` if it has none of them.
-pub(crate) fn without_codes(findings: &[Finding], recording: &Recording) -> Option<Recording> {
-    findings.iter().find(|finding| matches!(finding, Finding::NoTarget { .. }))?;
-    let plain =
-        |sample: &Sample| Sample { position_mm: sample.position_mm.filter(|mm| !NO_TARGET_MM.contains(mm)), ..*sample };
-    Recording::new(recording.samples().iter().map(plain).collect()).ok()
+/// The recording without the readings by which a VL53L0X says that it saw nothing (8190, 8191); `None` if it has none of them.
+#[must_use]
+pub fn without_codes(recording: &Recording) -> Option<Recording> {
+    let samples = recording.samples();
+    samples.iter().find(|sample| sample.position_mm.is_some_and(is_code))?;
+    let plain = |sample: &Sample| Sample { position_mm: sample.position_mm.filter(|mm| !is_code(*mm)), ..*sample };
+    Recording::new(samples.iter().map(plain).collect()).ok()
 }
 
 #[cfg(test)]
@@ -268,9 +295,7 @@ mod tests {
 
     #[test]
     fn codes_of_the_sensor_are_told_from_positions() {
-        let found = findings(|rows| rows[700].position_mm = Some(8190.0));
-        assert!(found.contains(&Finding::NoTarget { count: 1 }), "{found:?}");
-        assert!(found.iter().any(|f| matches!(f, Finding::OutsidePipe { count: 1, .. })), "{found:?}");
+        assert_eq!(findings(|rows| rows[700].position_mm = Some(8190.0)), [Finding::NoTarget { count: 1 }]);
     }
 
     #[test]
@@ -280,6 +305,12 @@ mod tests {
             matches!(found[..], [Finding::Gaps { count: 1, longest_s, .. }] if (longest_s - 0.42).abs() < 1e-9),
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn rows_in_milliseconds_are_too_far_apart_to_be_seconds() {
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.time_s *= 1000.0));
+        assert!(matches!(found[..], [Finding::SlowRows { usual_s }] if (usual_s - 20.0).abs() < 1e-6), "{found:?}");
     }
 
     #[test]

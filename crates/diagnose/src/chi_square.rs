@@ -2,13 +2,24 @@
 //!
 //! ```text
 //! Q(n, x) = Γ(n/2, x/2)/Γ(n/2)        Γ(a + 1, x) = a·Γ(a, x) + xᵃ·e⁻ˣ        Q(2, x) = e^(−x/2), Q(1, x) = erfc(√(x/2))
+//! Q(n, x) ≈ ½·erfc(z/√2)                   z = ((x/n)^⅓ − 1 + 2/(9n))/√(2/(9n)), of many degrees of freedom
 //! ```
 //!
-//! Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 6.5.22, 26.4.4, 26.4.5 and 26.4.19.
+//! Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 6.5.22, 26.4.4, 26.4.5, 26.4.17 and 26.4.19.
+
+/// So many degrees of freedom are many: the finite sums would overflow at some 1400.
+const MANY: usize = 1000;
 
 /// The chance that a χ² of so many degrees of freedom is `x` or more. 1 without any.
 pub(crate) fn survival(degrees: usize, x: f64) -> f64 {
-    if degrees == 0 || x.is_nan() || x <= 0.0 { 1.0 } else { ln_chance(x, degrees).exp().min(1.0) }
+    if degrees == 0 || x.is_nan() || x <= 0.0 {
+        1.0
+    } else if degrees > MANY {
+        let (n, spread) = (degrees as f64, (2.0 / (9.0 * degrees as f64)).sqrt());
+        0.5 * libm::erfc(((x / n).cbrt() - 1.0 + spread * spread) / (spread * std::f64::consts::SQRT_2))
+    } else {
+        ln_chance(x, degrees).exp().min(1.0)
+    }
 }
 
 /// ln of that chance for `m` degrees of freedom, at least 1, and `x` above 0: by its finite sums, without the underflow of the tail.
@@ -49,6 +60,16 @@ mod tests {
         }
         assert_eq!(survival(0, 3.0), 1.0);
         assert_eq!(survival(5, 0.0), 1.0);
+    }
+
+    #[test]
+    fn of_many_degrees_of_freedom_the_chance_goes_on_where_the_sums_end() {
+        for deviations in [-2.0, 0.0, 2.0, 4.0] {
+            let at = |degrees: usize| survival(degrees, degrees as f64 + deviations * (2.0 * degrees as f64).sqrt());
+            let (sum, approximation) = (at(super::MANY), at(super::MANY + 1));
+            assert!((sum / approximation - 1.0).abs() < 5e-3, "{deviations}: {sum} and {approximation}");
+        }
+        assert!((survival(20_000, 20_000.0) - 0.5).abs() < 0.01);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
 //! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
-use crate::check::other_rig;
+use crate::check::{Finding, other_rig};
 use crate::closed::Closed;
 use crate::explain::{Explanation, Named, explain};
 use crate::fit::{Fit, Problem};
@@ -18,7 +18,7 @@ use crate::places::{Place, places_of, rows};
 use crate::prepare::{Noted, Prepared};
 use crate::recording::Recording;
 use crate::residue::{Residue, is_quiet};
-use crate::spectrum::{Band, band, periodogram};
+use crate::spectrum::{Band, band};
 use crate::tried::{Tried, chances};
 use crate::watch::Watch;
 use crate::which::Search;
@@ -94,16 +94,17 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let belief = &with_rounding(belief, recording);
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
-    let refitted = search.refitted();
-    let readings = recording.samples().iter().enumerate();
-    let readings = readings.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
-    let mut answers = readings >= ENOUGH_READINGS && can_answer;
+    let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| Noted { flight, finding });
+    let too_few = too_few(recording, &folds).filter(|_| can_answer);
+    findings.extend(too_few.into_iter().flat_map(about_all));
+    let mut answers = can_answer && too_few.is_none();
+    let refitted = if answers { search.refitted() } else { search.problem.fit(belief, &[]) };
     let asks = answers && !is_quiet(&refitted);
     let mut found = if asks { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
-    let confident = !found.effects.is_empty() && !found.leaves_something();
-    if let Some(finding) = other_rig(belief, &found.fit.model).filter(|_| confident) {
+    let other_rig = other_rig(belief, &found.fit.model).filter(|_| answers && !found.leaves_something());
+    findings.extend(other_rig.into_iter().flat_map(about_all));
+    if other_rig.is_some() && !found.effects.is_empty() {
         // An effect that needs another rig around it is not what this rig lacks.
-        findings.extend((0..recordings.as_ref().len()).map(|flight| Noted { flight, finding }));
         answers = false;
         found = Explanation::nothing(&search, &refitted);
     }
@@ -122,11 +123,18 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         Verdict::NoGap
     };
     let rows = rows(&refitted.model, recording, &folds);
-    let (places, band) = (places_of(&rows), band(&periodogram(&rows)));
+    let (places, band) = (places_of(&rows, recording), band(&rows));
     let Explanation { mut effects, rounds, fit: mended, residue, .. } = found;
     effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
     let reaches = reaches(&search.problem, &mended);
     Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, reaches }
+}
+
+/// What is to be said where fewer readings count than a diagnosis needs.
+fn too_few(recording: &Recording, folds: &Folds) -> Option<Finding> {
+    let rows = recording.samples().iter().enumerate();
+    let readings = rows.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
+    (readings < ENOUGH_READINGS).then_some(Finding::TooFew { readings, needed: ENOUGH_READINGS })
 }
 
 /// The belief; one of no noise at all is taken as that of readings rounded to the step of the file: step/√12.
@@ -213,6 +221,27 @@ mod tests {
             let other_rig = found.findings.iter().any(|noted| matches!(noted.finding, Finding::OtherRig { .. }));
             assert_eq!(other_rig, what == "in centimetres", "{what}: {:?}", found.findings);
         }
+    }
+
+    #[test]
+    fn a_gain_of_another_unit_is_said_even_where_no_effect_is_named() {
+        let weak = Model { gain_mm_per_s2_per_percent: model().gain_mm_per_s2_per_percent / 7.0, ..model() };
+        let found = diagnose(&model(), &record(&weak, 5, 60), &Options::default());
+        assert!(found.effects.is_empty(), "{:?}", found.effects);
+        let ratio = found.findings.iter().find_map(|noted| match noted.finding {
+            Finding::OtherRig { number: "gain_mm_per_s2_per_percent", ratio } => Some(ratio),
+            _ => None,
+        });
+        assert!(ratio.is_some_and(|ratio| (6.0..8.5).contains(&(1.0 / ratio))), "{:?}", found.findings);
+    }
+
+    #[test]
+    fn a_record_that_is_too_short_says_how_short() {
+        let found = diagnose(&model(), &record(&model(), 5, 5), &Options::default());
+        assert_eq!(found.verdict, Verdict::InsufficientData);
+        let short =
+            |noted: &crate::Noted| matches!(noted.finding, Finding::TooFew { readings, needed } if readings < needed);
+        assert!(found.findings.iter().any(short), "{:?}", found.findings);
     }
 
     /// A flight of a rig whose supply sags: duty above hover loses a share of its thrust, which comes back in three seconds.

@@ -79,15 +79,23 @@ impl Fit {
     /// Standard deviations of the moved numbers in their own scale; infinite where the record says nothing of a number.
     #[must_use]
     pub fn deviations(&self) -> Vec<f64> {
+        let deviation = |variance: &f64| if *variance > 0.0 { variance.sqrt() } else { f64::INFINITY };
+        self.covariance().diagonal().iter().map(deviation).collect()
+    }
+
+    /// Covariance of the moved numbers in their own scale; a variance is infinite where the record says nothing of a number.
+    pub(crate) fn covariance(&self) -> DMatrix<f64> {
         let information = self.slope.total(None).1;
         let told: Vec<usize> = (0..self.free.len()).filter(|i| information[(*i, *i)] > NOTHING_TOLD).collect();
-        let mut deviations = vec![f64::INFINITY; self.free.len()];
-        if let Some(covariance) = information.select_rows(&told).select_columns(&told).try_inverse() {
-            for (i, variance) in told.into_iter().zip(covariance.diagonal().iter()) {
-                deviations[i] = if *variance > 0.0 { variance.sqrt() } else { f64::INFINITY };
+        let mut covariance = DMatrix::from_diagonal_element(self.free.len(), self.free.len(), f64::INFINITY);
+        if let Some(known) = information.select_rows(&told).select_columns(&told).try_inverse() {
+            for (i, row) in told.iter().enumerate() {
+                for (j, column) in told.iter().enumerate() {
+                    covariance[(*row, *column)] = known[(i, j)];
+                }
             }
         }
-        deviations
+        covariance
     }
 }
 

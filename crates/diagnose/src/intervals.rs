@@ -26,6 +26,9 @@ const WIDER_OF_SHAPES: f64 = 1.9;
 const WIDER: f64 = 1.25;
 const WIDER_OF_BASE: f64 = 1.25;
 
+/// A step of a number in its own scale to take its slope from.
+const SLIGHTLY: f64 = 1e-4;
+
 /// How far a number reaches down and up from where it was found, in its own scale.
 pub(crate) type Reach = (Free, [f64; 2]);
 
@@ -80,6 +83,26 @@ impl Diagnosis {
         self.reaches.iter().filter_map(ends).collect()
     }
 
+    /// The width of a dead zone that was found, percent of duty, with its 90 % interval. Moving both edges is moving hover, so that an edge is known far
+    /// worse than the width. `None`: there is none, or the record does not determine it.
+    #[must_use]
+    pub fn dead_zone_width(&self) -> Option<(f64, f64, f64)> {
+        let zone = self.mended.model.effects.dead_zone?;
+        let edge = |wanted: usize| {
+            let is = |free: &Free| matches!(free, Free::Effect { name: "dead_zone", index, .. } if *index == wanted);
+            let at = self.mended.free.iter().position(is)?;
+            let moved = |by: f64| self.mended.free[at].value(&self.mended.free[at].moved(&self.mended.model, by));
+            Some((at, (moved(SLIGHTLY)? - moved(-SLIGHTLY)?) / (2.0 * SLIGHTLY)))
+        };
+        let ((lower, by_lower), (upper, by_upper)) = (edge(0)?, edge(1)?);
+        let covariance = self.mended.covariance();
+        let variance = by_lower * by_lower * covariance[(lower, lower)]
+            + by_upper * by_upper * covariance[(upper, upper)]
+            - 2.0 * by_lower * by_upper * covariance[(lower, upper)];
+        let (width, reach) = (zone.upper_percent - zone.lower_percent, OF_90_PERCENT * WIDER * variance.sqrt());
+        reach.is_finite().then(|| (width, (width - reach).max(0.0), width + reach))
+    }
+
     /// How far a number may stand for the form of what is beside it, in its own scale.
     fn form_beside(&self, free: Free) -> f64 {
         match free {
@@ -131,6 +154,18 @@ mod tests {
         reach("dead_zone", &[-0.1, 0.3], 1, |_, fit, (lower, [_, up])| {
             assert_eq!(lower.value(&lower.moved(&fit.model, up)), Some(0.0));
         });
+    }
+
+    #[test]
+    fn the_width_of_a_dead_zone_is_known_far_better_than_its_edges() {
+        let mut rig = model();
+        rig.effects.set("dead_zone", &[-0.3, 0.3]);
+        let found = diagnose(&model(), &record(&rig, 3, 80), &Options::default());
+        let (width, low, high) = found.dead_zone_width().unwrap();
+        assert!(low < 0.6 && 0.6 < high && low < width && width < high, "{width}: {low} to {high}");
+        let edges = found.intervals().into_iter().filter(|(free, ..)| free.is_of("dead_zone"));
+        let narrowest = edges.map(|(_, low, high)| high - low).fold(f64::INFINITY, f64::min);
+        assert!(high - low < 0.5 * narrowest, "{low} to {high}, an edge {narrowest}");
     }
 
     #[test]

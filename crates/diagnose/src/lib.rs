@@ -52,6 +52,7 @@ mod residue;
 mod rotor;
 mod second;
 mod spectrum;
+mod stages;
 mod starts;
 mod sweep;
 mod thin;
@@ -65,7 +66,7 @@ mod which;
 mod tests_support;
 
 pub use apart::nats_apart;
-pub use check::{Finding, check};
+pub use check::{Finding, check, without_codes};
 pub use closed::Closed;
 pub use diagnosis::{Diagnosis, Options, Verdict, diagnose};
 pub use explain::{Change, Named};

@@ -69,7 +69,7 @@ pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<Noted>, Record
 /// The findings of a flight, its rows as they are used, and whether they can answer anything.
 fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Cow<'a, Recording>, bool) {
     let mut findings = check(flight, belief);
-    let flight = without_codes(&findings, flight).map_or(Cow::Borrowed(flight), Cow::Owned);
+    let flight = without_codes(flight).map_or(Cow::Borrowed(flight), Cow::Owned);
     let answers = !is_hopeless(&findings, &flight, belief);
     let flight = match aloft(&flight, belief) {
         Some((finding, aloft)) => {

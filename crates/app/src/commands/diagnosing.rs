@@ -9,7 +9,7 @@ use crate::report::diagnosis::DiagnosisDocument;
 use crate::report::logs::Logs;
 use crate::upstream::{Upstream, upstream};
 use anyhow::{Result, bail};
-use diagnose::{Diagnosis, Options, Recording, Verdict};
+use diagnose::{Diagnosis, Options, Recording, Verdict, without_codes};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -23,10 +23,10 @@ pub(super) struct Asked {
     pub(super) belief: Model,
     /// The config that it is part of.
     tables: Tables,
-    /// Each log, with its name.
+    /// Each log, without the codes of a sensor that saw nothing, and its name.
     pub(super) logs: Vec<LoadedLog>,
     pub(super) names: Vec<String>,
-    /// Their rows, log by log.
+    /// Their rows as they were read, log by log.
     pub(super) recordings: Vec<Recording>,
 }
 
@@ -52,9 +52,14 @@ impl Asked {
         let belief = config.need(command, "plant", |tables| tables.plant.as_ref())?.clone();
         let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         let read = |path: &PathBuf| reader::read(path, config.tables.import.as_ref());
-        let logs = paths.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;
+        let mut logs = paths.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;
         check_one_rig(&names, &logs)?;
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
+        for log in &mut logs {
+            if let Some(seen) = without_codes(&log.recording) {
+                log.recording = seen;
+            }
+        }
         Ok(Self { belief, tables: config.tables, logs, names, recordings })
     }
 
@@ -73,7 +78,7 @@ impl Asked {
         progress(fly);
         let looped = ClosedLoop::measure(&self.logs, &self.tables, &self.belief, mended);
         progress(choose);
-        let together = Recording::together(self.recordings.iter().cloned());
+        let together = Recording::together(self.logs.iter().map(|log| log.recording.clone()));
         let advice = advise(&found, &together, self.desk(), &self.belief);
         let of_log = |(number, log)| upstream(log, &found.mended.model).into_iter().map(move |stage| (number, stage));
         let upstream = self.logs.iter().enumerate().flat_map(of_log).collect();

@@ -5,6 +5,7 @@ use crate::next::{Advice, Next};
 use crate::report::left_over::left_over;
 use crate::report::logs::{Logs, sentences};
 use crate::report::mend;
+use crate::report::page::parts::places;
 use crate::report::stages::{StageEntry, stages};
 use control::compensation::Compensation;
 use diagnose::{Band, Change, Closed, Diagnosis, Free, Gap, Named, Place, Verdict};
@@ -41,7 +42,7 @@ struct EffectEntry {
 }
 
 /// A value with its 90 % interval; `null` ends where the record does not determine it.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Interval {
     pub(super) value: f64,
     pub(super) low: Option<f64>,
@@ -224,35 +225,20 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
             "Only base parameters moved; no effect is missing that this record could show.".to_owned()
         }
         Verdict::Effect => "The rig does something that the model lacks.".to_owned(),
+        Verdict::Unexplained if !found.residue.is_significant() => {
+            "More effects at once than one record proves.".to_owned()
+        }
         Verdict::Unexplained => "Something is left that no effect of the catalogue explains.".to_owned(),
         Verdict::InsufficientData => {
-            "This record cannot answer: fly one with a moving setpoint, at least 30 s in free flight.".to_owned()
+            "This record cannot answer, for the reasons above. Fly one with a moving setpoint, at least 30 s in free flight.".to_owned()
         }
     };
+    let known = found.intervals();
     for named in &found.effects {
-        let entry = named.candidate.entry;
-        let values = found.mended.model.effects.values(entry.name).unwrap_or_default();
-        let numbers: Vec<String> =
-            entry.params.iter().zip(values).map(|(param, value)| format!("{} = {value:.3}", param.name)).collect();
-        let change = match named.change {
-            Change::Added => "",
-            Change::Retuned => "retuned   ",
-            Change::Removed => "is not there   ",
-        };
-        let sure = 100.0 * named.probability;
-        let _ = write!(words, "\n{:<22} {sure:.0} % sure   {change}{}", entry.name, numbers.join(", "));
-        if !named.indistinguishable_from.is_empty() {
-            let _ = write!(words, "   (cannot be told from {})", named.indistinguishable_from.join(", "));
-        }
-        let mend = mend::words(&entry, &found.mended.model, compensation);
-        let _ = write!(words, "\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "");
+        let _ = write!(words, "\n{}", effect_in_words(named, found, &known, compensation));
     }
     for place in regions(found).iter().take(3) {
-        let _ = write!(
-            words,
-            "\nwrong where {} is {:.1} to {:.1} (p = {:.3})",
-            place.signal, place.from, place.to, place.p_value
-        );
+        let _ = write!(words, "\nwrong {} (p = {:.3})", place_in_words(place), place.p_value);
     }
     if let Some(shape) = left_over(found) {
         let _ = write!(words, "\n{shape}");
@@ -272,6 +258,53 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
         let _ = write!(words, "\n{value} % of the gap is closed ({low} to {high} %)");
     }
     words
+}
+
+/// A line for an effect: how sure, what is to be done about it and its numbers with their 90 % intervals; below it what it looks like and how to mend
+/// it, unless it is not there.
+fn effect_in_words(
+    named: &Named,
+    found: &Diagnosis,
+    known: &[(Free, f64, f64)],
+    compensation: Option<&Compensation>,
+) -> String {
+    let entry = named.candidate.entry;
+    let sure = format!("{:<22} {:.0} % sure   ", entry.name, 100.0 * named.probability);
+    if named.change == Change::Removed {
+        return format!("{sure}believed, and not there: leave it out of the model");
+    }
+    // As a config takes it: the page's minus is none.
+    let plain = |value: f64| format!("{:.*}", places(value), value + 0.0);
+    let with_interval = |(name, Interval { value, low, high }): (&str, Interval)| {
+        let ends = low.zip(high).map(|(low, high)| format!(" ({} to {})", plain(low), plain(high)));
+        format!("{name} = {}{}", plain(value), ends.unwrap_or_default())
+    };
+    let own = effect_intervals(named, found, known);
+    let in_order = entry.params.iter().filter_map(|param| Some((param.name, *own.get(param.name)?)));
+    let width = found.dead_zone_width().filter(|_| entry.name == "dead_zone");
+    let width = width.map(|(value, low, high)| ("width", Interval { value, low: Some(low), high: Some(high) }));
+    let numbers: Vec<String> = in_order.chain(width).map(with_interval).collect();
+    let retuned = if named.change == Change::Retuned { "retuned   " } else { "" };
+    let twins = match &named.indistinguishable_from[..] {
+        [] => String::new(),
+        names => format!("   (cannot be told from {})", names.join(", ")),
+    };
+    let mend = mend::words(&entry, &found.mended.model, compensation);
+    format!(
+        "{sure}{retuned}{}{twins}\n{:22} in a log: {}\n{:22} mend: {mend}",
+        numbers.join(", "),
+        "",
+        entry.in_a_log,
+        ""
+    )
+}
+
+/// A place as it stands behind "wrong".
+fn place_in_words(place: &Place) -> String {
+    match place.signal {
+        "lag_s" => format!("{:.2} to {:.2} s after the duty moves", place.from, place.to),
+        signal => format!("where {signal} is {:.1} to {:.1}", place.from, place.to),
+    }
 }
 
 /// A share in whole percent; what rounds to 0 has no sign.

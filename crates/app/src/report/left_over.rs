@@ -10,6 +10,10 @@ const RESTLESS: f64 = 1.3;
 /// What the letters of a term mean.
 const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
 
+/// Why an answer that leaves nothing over is unexplained all the same.
+const TOO_MANY: &str = "nothing is left over, but three effects or more at once follow almost any record: trust them no more than one that leaves \
+    something, mend the first, fly again, and diagnose again";
+
 /// What is left of an unexplained gap; `None` where nothing is, or where it has no shape.
 #[must_use]
 pub fn left_over(found: &Diagnosis) -> Option<String> {
@@ -17,6 +21,9 @@ pub fn left_over(found: &Diagnosis) -> Option<String> {
         return None;
     }
     let residue = &found.residue;
+    if !residue.is_significant() {
+        return Some(TOO_MANY.to_owned());
+    }
     let terms = residue.asked_for.iter().filter(|_| residue.omitted_is_worth_a_word());
     let terms: Vec<String> = terms.take(MOST_TERMS).map(|term| format!("{} (z = {:.1})", term.words, term.z)).collect();
     let known = (!terms.is_empty()).then(|| format!("{} [{LETTERS}]", terms.join(", ")));

@@ -1,4 +1,4 @@
-//! How to mend an effect on the rig, in words: that of the catalogue, or, where the rig's compensation is on already, its new numbers.
+//! How to mend an effect on the rig, in words: those of the catalogue, or, where the rig's compensation is known, its new numbers.
 //!
 //! ```text
 //! compensation's hover + edge = mended hover + edge of the dead zone      percent of duty
@@ -16,16 +16,22 @@ const RIGHT_PERCENT: f64 = 0.07;
 /// What to do about the effect of `entry`, which `mended` has. `compensation`: what was on when the record was flown.
 #[must_use]
 pub fn words(entry: &Entry, mended: &Model, compensation: Option<&Compensation>) -> String {
-    let on = compensation.and_then(|on| Some((on, on.dead_zone?)));
-    match (on, mended.effects.dead_zone.filter(|_| entry.name == "dead_zone")) {
-        (Some((compensation, is)), Some(zone)) => {
-            let shift = mended.hover_duty_percent - compensation.hover_duty_percent;
-            let lower_percent = (zone.lower_percent + shift).clamp(-20.0, 0.0);
-            let upper_percent = (zone.upper_percent + shift).clamp(0.0, 20.0);
-            correction(is, DeadZoneCorrection { lower_percent, upper_percent })
-        }
-        _ => entry.mend.to_owned(),
-    }
+    let zone = mended.effects.dead_zone.filter(|_| entry.name == "dead_zone");
+    let Some((compensation, zone)) = compensation.zip(zone) else { return entry.mend.to_owned() };
+    let shift = mended.hover_duty_percent - compensation.hover_duty_percent;
+    let should = DeadZoneCorrection {
+        lower_percent: (zone.lower_percent + shift).clamp(-20.0, 0.0),
+        upper_percent: (zone.upper_percent + shift).clamp(0.0, 20.0),
+    };
+    compensation.dead_zone.map_or_else(|| first_correction(should), |is| correction(is, should))
+}
+
+fn first_correction(should: DeadZoneCorrection) -> String {
+    format!(
+        "correct it in [compensation.dead_zone] with lower_percent = {:.2}, upper_percent = {:.2}, which count from the hover of \
+         [compensation], or take fan and driver with finer steps",
+        should.lower_percent, should.upper_percent
+    )
 }
 
 fn correction(is: DeadZoneCorrection, should: DeadZoneCorrection) -> String {
@@ -59,8 +65,8 @@ mod tests {
     }
 
     #[test]
-    fn a_correction_that_is_on_is_given_new_numbers_about_its_own_hover() {
-        assert!(said(None).starts_with("correct it in [compensation.dead_zone]"));
+    fn a_correction_is_given_numbers_about_its_own_hover() {
+        assert!(said(None).contains("lower_percent = -0.20, upper_percent = 0.40"), "{}", said(None));
         let change = said(Some((-0.1, 0.1)));
         assert!(change.ends_with("set lower_percent = -0.20, upper_percent = 0.40"), "{change}");
         let right = said(Some((-0.2, 0.4)));

@@ -134,6 +134,9 @@ pub(super) fn to_copy(id: &str, name: &str, text: &str) -> Markup {
     }
 }
 
+/// Half of the smallest number that six places show.
+const SMALLEST: f64 = 5e-7;
+
 /// A number with so many places; a dash where there is none.
 pub(crate) fn number(value: Option<f64>, places: usize) -> String {
     let text = |value: f64| format!("{value:.places$}");
@@ -143,9 +146,14 @@ pub(crate) fn number(value: Option<f64>, places: usize) -> String {
 
 /// A number with as many places as a reader needs: three digits that count.
 pub(super) fn three_digits(value: f64) -> String {
+    number(Some(value), places(value))
+}
+
+/// The places that leave a number three digits that count; none of 0.
+pub(crate) fn places(value: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
-    let places = (2.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
-    number(Some(value), places)
+    let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    if value.abs() < SMALLEST { 0 } else { places }
 }
 
 /// A chance in words that do not promise certainty.
@@ -174,6 +182,7 @@ pub(super) fn signal(name: &str) -> (&'static str, &'static str) {
         "duty_percent" => ("duty", "%"),
         "position_mm" => ("height", "mm"),
         "velocity_mm_per_s" => ("speed", "mm/s"),
+        "lag_s" => ("time since the duty moved", "s"),
         _ => ("time", "s"),
     }
 }

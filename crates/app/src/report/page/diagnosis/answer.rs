@@ -27,6 +27,9 @@ pub(super) fn sentence(found: &Diagnosis) -> String {
         Verdict::Unexplained if found.effects.is_empty() => {
             "Something separates simulator and rig that no effect of the catalogue explains".into()
         }
+        Verdict::Unexplained if !found.residue.is_significant() => {
+            format!("{}, which are more effects at once than one record proves", of_effects(&found.effects))
+        }
         Verdict::Unexplained => {
             format!("{}, and something is left that no effect explains", of_effects(&found.effects))
         }

@@ -16,8 +16,8 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
             h3 { "Every effect that was tried" }
             p {
                 "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out stretches; those that a "
-                "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes 6 nats of it, "
-                "and a further one a quarter of what the innovations still ask for."
+                "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes 5 nats of it, "
+                "a second one 5.5 and a quarter of what the innovations still ask for."
             }
             (tried(report, "Tried on the belief", first))
             @for (k, round) in later.iter().enumerate() {
@@ -37,8 +37,11 @@ fn one(report: &Report<'_>, named: &Named) -> Markup {
         Change::Retuned => "believed, of another size",
         Change::Removed => "believed, and not there",
     };
+    let width = report.found.dead_zone_width().filter(|_| entry.name == "dead_zone");
+    let width = width.map(|(value, low, high)| ("width_percent", Interval { value, low: Some(low), high: Some(high) }));
     let rows: Vec<(Markup, Vec<Markup>)> = effect_intervals(named, report.found, &report.found.intervals())
         .into_iter()
+        .chain(width)
         .map(|(key, interval)| {
             (html! { code { (key) } }, vec![html! { (three_digits(interval.value)) }, ends(&interval)])
         })
@@ -49,8 +52,10 @@ fn one(report: &Report<'_>, named: &Named) -> Markup {
             div.facts {
             (table(&format!("Numbers of the {}", spoken(entry.name)), &["number", "value", "90 % interval"], &rows))
             dl {
-                dt { "In a log" } dd { (entry.in_a_log) }
-                dt { "Mend on the rig" } dd { (mend::words(&entry, &report.found.mended.model, report.compensation)) }
+                @if named.change != Change::Removed {
+                    dt { "In a log" } dd { (entry.in_a_log) }
+                    dt { "Mend on the rig" } dd { (mend::words(&entry, &report.found.mended.model, report.compensation)) }
+                }
                 dt { "Cannot be told from" }
                 dd {
                     @if named.indistinguishable_from.is_empty() { "No other effect explains the record as well." }

@@ -33,7 +33,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
                 &html! { "Missing force over the time of the record." }))
         }
         h3 { "At which frequencies, and how long after the duty" }
-        div.two { (frequency(report)) (lag(&picture.left)) }
+        div.two { (frequency(report)) (lag(&picture.left, &places)) }
     }
 }
 
@@ -53,7 +53,7 @@ fn span(place: &Place) -> String {
 fn in_words(places: &[Place]) -> Markup {
     html! {
         @if places.is_empty() {
-            p { "By duty, height, speed and time no place is wrong by more than chance." }
+            p { "By duty, height, speed, time and the time since the duty moved no place is wrong by more than chance." }
         } @else {
             ul {
                 @for place in places {
@@ -95,10 +95,11 @@ fn frequency(report: &Report<'_>) -> Markup {
         || "No band of frequencies stands out.".into(),
         |band| {
             format!(
-                "Most of the misfit, {:.0} % of what is above noise, lies between {:.2} and {:.2} Hz.",
+                "Most of the misfit, {:.0} % of what is above noise, lies between {:.2} and {:.2} Hz (p = {:.3}).",
                 100.0 * band.share,
                 band.from,
-                band.to
+                band.to,
+                band.p_value
             )
         },
     );
@@ -107,7 +108,7 @@ fn frequency(report: &Report<'_>) -> Markup {
 }
 
 /// What the duty foretells of the innovations, before and after.
-fn lag([before, after]: &[Leftover; 2]) -> Markup {
+fn lag([before, after]: &[Leftover; 2], places: &[Place]) -> Markup {
     let lags = &before.after_duty;
     let band = || lags.iter().map(|(lag_s, _)| *lag_s);
     let diagram = Diagram {
@@ -119,6 +120,7 @@ fn lag([before, after]: &[Leftover; 2]) -> Markup {
             line("numbers fitted", NOMINAL, lags),
             line("mended", MENDED, &after.after_duty),
         ],
+        shaded: places.iter().filter(|place| place.signal == "lag_s").map(|place| (place.from, place.to)).collect(),
         band: band().map(|s| (s, after.by_chance)).chain(band().rev().map(|s| (s, -after.by_chance))).collect(),
         base: Some(0.0),
         ..Diagram::default()

@@ -108,6 +108,8 @@ fn codes_of_a_sensor_without_a_target_count_as_empty_cells_everywhere() {
     for part in ["verdict", "effects", "parameters", "gap", "where", "next_experiment"] {
         assert_eq!(codes[part], empty[part], "{part}");
     }
+    let replayed = |log: &str| bench.output(&["replay", log, "--json"]);
+    assert_eq!(replayed("codes.csv"), replayed("empty.csv"));
     let said = codes["check"]["findings"].to_string();
     assert!(said.contains("8190 or 8191") && !said.contains("outside the model's pipe"), "{said}");
 }

@@ -9,7 +9,7 @@ use crate::report::diagnosis::DiagnosisDocument;
 use crate::report::logs::Logs;
 use crate::upstream::{Upstream, upstream};
 use anyhow::{Result, bail};
-use diagnose::{Diagnosis, Options, Recording, Verdict, without_codes};
+use diagnose::{Diagnosis, Options, Recording, Verdict};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -55,12 +55,13 @@ impl Asked {
         let mut logs = paths.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;
         check_one_rig(&names, &logs)?;
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
-        for log in &mut logs {
-            if let Some(seen) = without_codes(&log.recording) {
-                log.recording = seen;
-            }
-        }
+        logs.iter_mut().for_each(LoadedLog::leave_out_codes);
         Ok(Self { belief, tables: config.tables, logs, names, recordings })
+    }
+
+    /// Their rows without the codes of a sensor that saw nothing, log by log.
+    pub(super) fn seen(&self) -> impl Iterator<Item = Recording> {
+        self.logs.iter().map(|log| log.recording.clone())
     }
 
     /// What is said of the logs themselves.
@@ -78,7 +79,7 @@ impl Asked {
         progress(fly);
         let looped = ClosedLoop::measure(&self.logs, &self.tables, &self.belief, mended);
         progress(choose);
-        let together = Recording::together(self.logs.iter().map(|log| log.recording.clone()));
+        let together = Recording::together(self.seen());
         let advice = advise(&found, &together, self.desk(), &self.belief);
         let of_log = |(number, log)| upstream(log, &found.mended.model).into_iter().map(move |stage| (number, stage));
         let upstream = self.logs.iter().enumerate().flat_map(of_log).collect();

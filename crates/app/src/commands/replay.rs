@@ -17,7 +17,7 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     may_write(args.plot.as_deref(), args.html.as_deref())?;
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
-    let log = reader::read(&args.log, config.tables.import.as_ref())?;
+    let mut log = reader::read(&args.log, config.tables.import.as_ref())?;
     if let Some(lost) = &log.truncated {
         note(format_args!("{}: {lost}", args.log.display()));
     }
@@ -25,6 +25,7 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     for finding in &findings {
         note(format_args!("{}: {finding}", args.log.display()));
     }
+    log.leave_out_codes();
     let gap = Gap::measure(model, &log.recording);
     if args.json {
         say(serde_json::to_string(&gap::ReplayDocument::of(&gap))?)?;

@@ -11,7 +11,7 @@ use super::{
     record::{Cycle, EventMessage},
     table::Table,
 };
-use diagnose::{Recording, Sample};
+use diagnose::{Recording, Sample, without_codes};
 use std::{fs, path::Path};
 
 /// A log, ready to be replayed and diagnosed.
@@ -29,6 +29,15 @@ pub struct LoadedLog {
     pub events: Vec<EventMessage>,
     /// What is missing from the file, in words and numbers, if anything is: a warning.
     pub truncated: Option<String>,
+}
+
+impl LoadedLog {
+    /// Leaves the readings empty by which a sensor says that it saw nothing.
+    pub fn leave_out_codes(&mut self) {
+        if let Some(seen) = without_codes(&self.recording) {
+            self.recording = seen;
+        }
+    }
 }
 
 /// Reads a log, recognised by its first bytes. `import` maps the columns of a CSV.

@@ -26,7 +26,7 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
         Some(PolesArg::Three) => vec![Poles::Three],
         None => vec![Poles::Two, Poles::Three],
     };
-    let open = args.open_loop.then(|| OpenLoop::of(&asked.recordings, &asked.belief));
+    let open = args.open_loop.then(|| OpenLoop::of(&asked.seen().collect::<Vec<_>>(), &asked.belief));
     let used = open.as_ref().map_or(&recording, |open| &open.recording);
     let one = |poles: &Poles| identify(open.as_ref(), &asked.belief, &recording, *poles);
     let found = poles.par_iter().map(one).collect::<Result<Vec<GreyBox>>>()?;

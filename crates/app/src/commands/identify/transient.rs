@@ -11,7 +11,7 @@ use anyhow::{Result, bail};
 
 pub(super) fn transient(args: &TransientArgs) -> Result<()> {
     let asked = read(&args.logs, &args.identify)?;
-    let recording = Recording::together(asked.recordings.iter().cloned());
+    let recording = Recording::together(asked.seen());
     let dead_time_s = args.dead_time.unwrap_or_else(|| 0.5 * period_s(&recording));
     if !(0.0..1.0).contains(&dead_time_s) {
         bail!("--dead-time {dead_time_s}: give a time from 0 to 1 s, for instance 0.01");

@@ -28,6 +28,10 @@ fn diagnosis(bench: &Bench) {
     assert!(said.contains("dead_zone"), "{said}");
     let _ = run(bench, "replay STRANGER.mcap --html replay.html");
     assert!(bench.read("report.html").contains("The rig has a dead zone that the simulator lacks"));
+    assert!(
+        bench.read("report.html").contains("Most of the misfit")
+            && bench.read("report.html").contains(", which chance alone may make")
+    );
     // What the page offers to copy is the patch.
     assert!(bench.read("report.html").contains(bench.read("mended.toml").trim()));
 }

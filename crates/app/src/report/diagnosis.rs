@@ -14,6 +14,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+/// A place or a band is wrong by more than chance when its p-value, over all that were looked at, is below this.
+pub const SIGNIFICANT: f64 = 0.05;
 /// Places that a document lists at most.
 const MOST_PLACES: usize = 8;
 
@@ -188,7 +190,7 @@ fn gap(found: &Diagnosis, closed_loop: ClosedLoop) -> GapEntry {
 /// The places where the refitted belief is significantly wrong, the most significant first.
 #[must_use]
 pub fn regions(found: &Diagnosis) -> Vec<Place> {
-    found.places.iter().filter(|place| place.p_value < 0.05).take(MOST_PLACES).cloned().collect()
+    found.places.iter().filter(|place| place.p_value < SIGNIFICANT).take(MOST_PLACES).cloned().collect()
 }
 
 /// The mended model as a patch that `simulate` and `replay` take; empty where nothing needs mending.

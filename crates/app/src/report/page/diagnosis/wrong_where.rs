@@ -3,11 +3,11 @@
 use super::super::figure::{Size, figure};
 use super::super::parts::{number, signal, three_digits};
 use super::Report;
-use crate::report::diagnosis::regions;
+use crate::report::diagnosis::{SIGNIFICANT, regions};
 use crate::report::left_over::left_over;
 use crate::report::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::plot::{Diagram, Line, over_signals, over_time};
-use diagnose::{Leftover, Place, Verdict};
+use diagnose::{Leftover, MissingForce, Place, Verdict};
 use maud::{Markup, html};
 
 /// A correlation with the duty is worth a word if it is so many times what chance makes at 19 of 20 lags.
@@ -30,7 +30,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
                 @for diagram in over_signals(&picture.missing, &places) { (over(&diagram, &places)) }
             }
             (figure(&over_time(&picture.missing, &places), Size::WIDE, "Missing force over time with its standard deviation",
-                &html! { "Missing force over the time of the record." }))
+                &html! { "Missing force over the time of the record." (flat(&picture.missing)) }))
         }
         h3 { "At which frequencies, and how long after the duty" }
         div.two { (frequency(report)) (lag(&picture.left, &places)) }
@@ -44,6 +44,14 @@ fn over(diagram: &Diagram, places: &[Place]) -> Markup {
     let words = if shaded.is_empty() { "no place is shaded".into() } else { format!("shaded: {}", shaded.join("; ")) };
     let alt = format!("Missing force over {name}: mean and scatter; {words}");
     figure(diagram, Size::SMALL, &alt, &html! { "Over " (name) ": " (words) "." })
+}
+
+/// What a series says that never leaves its own uncertainty.
+fn flat(missing: &[MissingForce]) -> &'static str {
+    if missing.iter().any(|moment| moment.force_mm_per_s2.abs() > moment.sigma_mm_per_s2) {
+        return "";
+    }
+    " It never leaves its own uncertainty: whatever is missing is too weak or too quick to be seen as a force that wanders."
 }
 
 fn span(place: &Place) -> String {
@@ -82,11 +90,12 @@ fn frequency(report: &Report<'_>) -> Markup {
         left.spectrum.iter().map(|band| (band.0.log2(), 100.0 * excess(band) / all.max(1e-9))).collect()
     };
     let band = report.found.band.filter(|_| report.found.verdict != Verdict::NoGap);
+    let by_more_than_chance = band.filter(|band| band.p_value < SIGNIFICANT);
     let diagram = Diagram {
         abscissa: "frequency, Hz",
         ordinate: "misfit above noise, % in a third of an octave",
         lines: vec![line("numbers fitted", NOMINAL, &percent(before)), line("mended", MENDED, &percent(after))],
-        shaded: band.iter().map(|band| (band.from.log2(), band.to.log2())).collect(),
+        shaded: by_more_than_chance.iter().map(|band| (band.from.log2(), band.to.log2())).collect(),
         base: Some(0.0),
         octaves: true,
         ..Diagram::default()
@@ -94,8 +103,9 @@ fn frequency(report: &Report<'_>) -> Markup {
     let words = band.map_or_else(
         || "No band of frequencies stands out.".into(),
         |band| {
+            let chance = if by_more_than_chance.is_some() { "" } else { ", which chance alone may make" };
             format!(
-                "Most of the misfit, {:.0} % of what is above noise, lies between {:.2} and {:.2} Hz (p = {:.3}).",
+                "Most of the misfit, {:.0} % of what is above noise, lies between {:.2} and {:.2} Hz (p = {:.3}){chance}.",
                 100.0 * band.share,
                 band.from,
                 band.to,
@@ -144,4 +154,24 @@ fn lag([before, after]: &[Leftover; 2], places: &[Place]) -> Markup {
     };
     let alt = format!("Correlation of the misfit with the duty before it. {words}");
     figure(&diagram, Size::HALF, &alt, &html! { (words) " The band holds 19 of 20 correlations that chance makes." })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::flat;
+    use diagnose::MissingForce;
+
+    #[test]
+    fn a_force_that_stays_within_its_sigma_is_called_flat_and_one_that_leaves_it_once_is_not() {
+        let at = |force_mm_per_s2| MissingForce {
+            time_s: 0.0,
+            duty_percent: 20.0,
+            position_mm: 300.0,
+            velocity_mm_per_s: 0.0,
+            force_mm_per_s2,
+            sigma_mm_per_s2: 2.0,
+        };
+        assert!(flat(&[at(1.9), at(-1.9)]).contains("too weak or too quick"));
+        assert_eq!(flat(&[at(1.9), at(-2.1)]), "");
+    }
 }

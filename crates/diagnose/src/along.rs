@@ -99,10 +99,10 @@ fn arrival(
 ) -> (bool, Option<f64>) {
     let Some(refresh) = refresh else { return (true, None) };
     let chance = refresh.chance(time_s);
-    let new = chance.ln() + if_new();
+    let new = || chance.ln() + if_new();
     if !refresh.is_same(reading_mm) {
-        return (true, Some(new));
+        return (true, Some(new()));
     }
     let repeat = (1.0 - chance).ln() - resolution_mm.ln();
-    (new > repeat, Some(log_sum(new, repeat)))
+    if refresh.is_overdue(time_s) { (true, Some(log_sum(new(), repeat))) } else { (false, Some(repeat)) }
 }

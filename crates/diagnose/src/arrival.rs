@@ -7,7 +7,8 @@
 //! ```
 //!
 //! When in a row's period the last refresh fell is not known, hence the ramp; it is widened by what clocks wander. A reading that is the same
-//! again counts as a repeat where that is the larger part of p(y), and moves no filter.
+//! again counts as a repeat, and moves no filter, until the refresh is overdue, F = 1. The clock alone decides that and never p_new: models
+//! that each chose their own readings would differ by the luck of the choice, by more nats than an effect is worth.
 
 use plant::Model;
 
@@ -52,10 +53,17 @@ impl Refresh {
         reading_mm == self.last_mm
     }
 
+    /// Whether the sensor must have refreshed, so that even the same reading again is a new one.
+    pub(crate) fn is_overdue(&self, time_s: f64) -> bool {
+        self.refreshed(time_s) >= 1.0
+    }
+
     /// Goes on after a row whose reading was new, or a repeat.
     pub(crate) fn go_on(&mut self, time_s: f64, reading_mm: f64, new: bool) {
         if new {
-            (self.new_s, self.last_mm) = (time_s, reading_mm);
+            // A refresh that shows the same number again is noticed late.
+            let late_s = if self.is_same(reading_mm) { (time_s - self.new_s) % self.hold_s } else { 0.0 };
+            (self.new_s, self.last_mm) = (time_s - late_s, reading_mm);
         }
         self.before_s = time_s;
     }
@@ -100,6 +108,26 @@ mod tests {
             crate::likelihood::surprises(&slow(hold_s), &recording).iter().map(|s| s.log_density).sum::<f64>()
         };
         assert!(nats(0.1) > nats(0.085) + 20.0 && nats(0.1) > nats(0.115) + 20.0);
+    }
+
+    #[test]
+    fn every_model_of_a_slow_sensor_takes_the_same_readings() {
+        let recording = held(5, 1.0);
+        let other = Model { hover_duty_percent: 21.0, gain_mm_per_s2_per_percent: 400.0, ..slow(0.1) };
+        let rows = |model: &Model| {
+            let track = Track::new(model, &recording);
+            (0..track.readings()).map(|k| track.reading(k).unwrap().0).collect::<Vec<_>>()
+        };
+        assert_eq!(rows(&slow(0.1)), rows(&other));
+    }
+
+    #[test]
+    fn a_refresh_that_shows_the_same_number_again_does_not_put_off_the_next() {
+        let mut refresh = Refresh::of(&slow(0.1), 0.02, 0.0, 1.0).unwrap();
+        let overdue: Vec<bool> = [0.06, 0.1, 0.12].map(|time_s| refresh.is_overdue(time_s)).to_vec();
+        assert_eq!(overdue, [false, false, true]);
+        refresh.go_on(0.12, 1.0, true);
+        assert!(refresh.chance(0.195) > 0.5, "{}", refresh.chance(0.195));
     }
 
     #[test]

@@ -8,10 +8,10 @@
 //! so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too little to close, neither.
 
 use super::truth::CaseTruth;
-use crate::closed::{is_open, share_closed};
-use crate::gap::Gap;
-use crate::likelihood::in_free_flight;
-use crate::recording::Recording;
+use crate::gap::forecast_error::Gap;
+use crate::gap::share_closed::{is_open, share_closed};
+use crate::record::free_flight::in_free_flight;
+use crate::record::recording::Recording;
 use plant::{Effects, Model};
 
 /// The share of the gap at 1 s between `belief` and `recording` that the true model closes.

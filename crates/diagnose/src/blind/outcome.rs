@@ -15,7 +15,7 @@ use super::Case;
 use super::answer::Answer;
 use super::names::{named, names, names_stand_in};
 use super::truth::Kind;
-use crate::diagnosis::Verdict;
+use crate::answer::diagnosis::Verdict;
 use serde::Serialize;
 
 /// What an answer is worth.

@@ -8,7 +8,7 @@ use super::names::{named, size};
 use super::outcome::{Outcome, answered, exact, no_alarm, outcome, outcome_left_out};
 use super::proportion::Proportion;
 use super::truth::{Kind, TrueEffect};
-use crate::diagnosis::Verdict;
+use crate::answer::diagnosis::Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

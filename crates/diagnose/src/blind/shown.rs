@@ -12,12 +12,12 @@
 use super::closed::true_model;
 use super::names::imitators;
 use super::truth::{CaseTruth, TrueEffect};
-use crate::fit::Problem;
-use crate::folds::Folds;
-use crate::free::{BASE, Free, Prior, free_of_effect};
-use crate::prepare::prepared;
-use crate::recording::Recording;
-use crate::which::Search;
+use crate::fit::estimate::Problem;
+use crate::fit::parameter::{BASE, Free, Prior, free_of_effect};
+use crate::record::folds::Folds;
+use crate::record::prepare::prepared;
+use crate::record::recording::Recording;
+use crate::select::candidates::Search;
 use plant::Model;
 
 /// Nats by which the true model beats its best rival; of two effects, those of the one that shows less. `None`: no effect, or none that

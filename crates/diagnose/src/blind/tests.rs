@@ -4,7 +4,7 @@ use super::answer::{Answer, AnsweredGap, AnsweredPlace, AnsweredStage, Interval,
 use super::outcome::{outcome, outcome_left_out};
 use super::truth::{Bounds, CaseTruth, Kind, TrueEffect};
 use super::{Case, Outcome, Score, score};
-use crate::diagnosis::Verdict;
+use crate::answer::diagnosis::Verdict;
 
 fn effect(name: &str, parameters: &[(&str, f64)]) -> TrueEffect {
     TrueEffect {

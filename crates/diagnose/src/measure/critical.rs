@@ -13,7 +13,7 @@
 
 use super::optimum::maximise;
 use super::{Estimate, MeasureError};
-use crate::recording::{Recording, Sample};
+use crate::record::recording::{Recording, Sample};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use serde::Serialize;
 

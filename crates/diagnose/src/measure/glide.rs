@@ -11,7 +11,7 @@
 //! Source: the thesis, equations 3.1.1.14 and 3.1.3.6; the filter: Anderson & Moore, *Optimal Filtering*.
 
 use super::hold::Hold;
-use crate::likelihood::{Reading, Surprise};
+use crate::filter::innovation::{Reading, Surprise};
 use nalgebra::{Matrix4, Vector4};
 
 /// Nothing is known of the force: its deviation beforehand, mm/s².
@@ -143,7 +143,7 @@ impl Glide {
 #[cfg(test)]
 mod tests {
     use super::Glide;
-    use crate::force_curve::acceleration;
+    use crate::measure::timed_jump::acceleration;
 
     #[test]
     fn without_a_lag_the_way_is_that_of_the_force_curve() {

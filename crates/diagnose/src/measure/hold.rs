@@ -1,6 +1,6 @@
 //! Stretches of a recording in which the duty was held and no controller was at work.
 
-use crate::recording::{Recording, Sample};
+use crate::record::recording::{Recording, Sample};
 
 /// Readings taken while one duty was held.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,14 +9,14 @@
 //! it where jumps are long, so that a drag that is off scales the curve; the edges of a dead zone do not depend on it.
 //! The thesis has the time over a fixed way; its formula, corrected, stands beside each force for comparison. It leaves out the fan's lag,
 //! which makes short jumps look weak.
-//! Source: the thesis, section 3.2.2; see [`crate::force_curve`].
+//! Source: the thesis, section 3.2.2; see [`crate::measure::timed_jump`].
 
 use super::glide::{Glide, Way};
 use super::hold::{Hold, holds};
 use super::optimum::maximise;
 use super::{Estimate, MeasureError};
-use crate::force_curve::acceleration;
-use crate::recording::Recording;
+use crate::measure::timed_jump::acceleration;
+use crate::record::recording::Recording;
 use rayon::prelude::*;
 use serde::Serialize;
 

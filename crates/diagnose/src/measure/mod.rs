@@ -18,6 +18,7 @@ mod interval;
 pub mod jumps;
 pub mod noise_floor;
 mod optimum;
+pub mod timed_jump;
 pub mod two_ends;
 
 pub use interval::Estimate;

@@ -11,8 +11,8 @@
 
 use super::hold::{Hold, holds};
 use super::{Estimate, MeasureError};
-use crate::check::median;
-use crate::recording::Recording;
+use crate::record::recording::Recording;
+use crate::stats::median::median;
 use serde::Serialize;
 
 /// Readings at least.

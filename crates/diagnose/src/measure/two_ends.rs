@@ -10,7 +10,7 @@
 use super::hold::{Hold, holds};
 use super::noise_floor::{NoiseFloor, of_hold};
 use super::{Estimate, MeasureError};
-use crate::recording::Recording;
+use crate::record::recording::Recording;
 use serde::Serialize;
 
 /// The ends are so far apart at least, as a share of the travel.

@@ -1,0 +1,315 @@
+//! The diagnosis: check, which, how far and where, put together into a verdict.
+//!
+//! ```text
+//! belief → fitted belief → + best effect → + next effect …      each step must gain on stretches that it was not fitted to
+//! ```
+//!
+//! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
+//! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
+
+use crate::fit::estimate::{Fit, Problem};
+use crate::fit::intervals::{Reach, reaches};
+use crate::gap::forecast_error::{Gap, Tally, tallies};
+use crate::gap::share_closed::Closed;
+use crate::options::Options;
+use crate::record::check::{Finding, other_rig};
+use crate::record::folds::Folds;
+use crate::record::prepare::{Noted, Prepared};
+use crate::record::recording::Recording;
+use crate::residual::location::{Place, places_of, rows};
+use crate::residual::misfit::{Residue, is_quiet};
+use crate::residual::spectrum::{Band, band};
+use crate::select::candidates::Search;
+use crate::select::posterior::{Tried, chances};
+use crate::select::stepwise::{Explanation, Named, explain};
+use plant::Model;
+use rayon::prelude::*;
+
+/// Readings in free flight that a diagnosis needs.
+const ENOUGH_READINGS: usize = 300;
+/// How far names are to be trusted. Something outside the catalogue may look like one of its effects and leave nothing over; and where
+/// something is left over, what was named is mostly just what came nearest. Shares of right names among withheld rigs.
+const TRUST: f64 = 0.96;
+const TRUST_BESIDE_A_REST: f64 = 0.15;
+
+/// What is wrong, in a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing beyond noise.
+    NoGap,
+    /// Only base parameters moved.
+    Parameters,
+    /// One or more effects.
+    Effect,
+    /// Something is left that no effect explains.
+    Unexplained,
+    /// The record cannot answer.
+    InsufficientData,
+}
+
+/// Everything that a diagnosis says.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The answer.
+    pub verdict: Verdict,
+    /// What was found: what is to be added, the most important first, then what became of the believed.
+    pub effects: Vec<Named>,
+    /// What each effect gained that was tried, search by search.
+    pub rounds: Vec<Vec<Tried>>,
+    /// The belief with its base parameters refitted.
+    pub refitted: Fit,
+    /// The belief with refitted parameters and the effects that were found.
+    pub mended: Fit,
+    /// Held-out forecast errors: nominal, refitted, mended.
+    pub gaps: [Gap; 3],
+    /// Where the refitted belief is wrong, the most significant place first.
+    pub places: Vec<Place>,
+    /// The frequencies at which the refitted belief is most wrong.
+    pub band: Option<Band>,
+    /// What is left over.
+    pub residue: Residue,
+    /// How much of the gap at 1 s the mended model closes; `None` where there is too little to close.
+    pub closed: Option<Closed>,
+    /// What the record cannot answer, flight by flight.
+    pub findings: Vec<Noted>,
+    /// How far the numbers of the mended model may be off.
+    pub(crate) reaches: Vec<Reach>,
+}
+
+/// Compares `belief` with a recording, or with several of one rig, and says what separates them.
+#[must_use]
+pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
+    let Prepared { mut findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
+    let recording = recording.as_ref();
+    let belief = &with_rounding(belief, recording);
+    let folds = Folds::new(belief, recording);
+    let search = Search::new(belief, recording, &folds, options);
+    let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| Noted { flight, finding });
+    let too_few = too_few(recording, &folds).filter(|_| can_answer);
+    findings.extend(too_few.into_iter().flat_map(about_all));
+    let mut answers = can_answer && too_few.is_none();
+    let refitted = if answers { search.refitted() } else { search.problem.fit(belief, &[]) };
+    let asks = answers && !is_quiet(&refitted);
+    let mut found = if asks { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
+    let other_rig = other_rig(belief, &found.fit.model).filter(|_| answers && !found.leaves_something());
+    findings.extend(other_rig.into_iter().flat_map(about_all));
+    if other_rig.is_some() && !found.effects.is_empty() {
+        // An effect that needs another rig around it is not what this rig lacks.
+        answers = false;
+        found = Explanation::nothing(&search, &refitted);
+    }
+    let stretches = held_out(&search, belief, [&refitted, &found.fit]);
+    let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
+    let closed = Closed::of(&stretches[0], &stretches[2]).filter(|_| answers);
+    let verdict = if !answers {
+        Verdict::InsufficientData
+    } else if found.leaves_something() {
+        Verdict::Unexplained
+    } else if !found.effects.is_empty() {
+        Verdict::Effect
+    } else if parameters_matter(&gaps) {
+        Verdict::Parameters
+    } else {
+        Verdict::NoGap
+    };
+    let rows = rows(&refitted.model, recording, &folds);
+    let (places, band) = (places_of(&rows, recording), band(&rows));
+    let Explanation { mut effects, rounds, fit: mended, residue, .. } = found;
+    effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
+    let reaches = reaches(&search.problem, &mended);
+    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, reaches }
+}
+
+/// What is to be said where fewer readings count than a diagnosis needs.
+fn too_few(recording: &Recording, folds: &Folds) -> Option<Finding> {
+    let rows = recording.samples().iter().enumerate();
+    let readings = rows.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
+    (readings < ENOUGH_READINGS).then_some(Finding::TooFew { readings, needed: ENOUGH_READINGS })
+}
+
+/// The belief; one of no noise at all is taken as that of readings rounded to the step of the file: step/√12.
+fn with_rounding(belief: &Model, recording: &Recording) -> Model {
+    let mut belief = belief.clone();
+    if belief.noise.sensor_mm == 0.0 {
+        belief.noise.sensor_mm = recording.resolution_mm() / 12f64.sqrt();
+    }
+    belief
+}
+
+/// How far a name beside this verdict is to be trusted.
+fn trust(verdict: Verdict) -> f64 {
+    if verdict == Verdict::Unexplained { TRUST_BESIDE_A_REST } else { TRUST }
+}
+
+/// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.
+fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>; 3] {
+    let Problem { recording, folds, .. } = search.problem;
+    let of = |models: Vec<Model>| {
+        let one = |(fold, model): (usize, &Model)| {
+            tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
+        };
+        let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
+        let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
+        (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
+    };
+    let [refitted, mended] = fits.map(|fit| of(search.problem.without_each_fold(fit)));
+    [tallies(belief, recording, &|row| folds.stretch(row)), refitted, mended]
+}
+
+/// Moving the base parameters lowers the error at 1 s by more than 5 % of the floor and 0.5 mm.
+fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
+    match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
+        (Some(nominal), Some(refitted), Some(floor)) => nominal - refitted > (0.05 * floor).max(0.5),
+        _ => false,
+    }
+}
+
+impl Diagnosis {
+    /// The chance that each effect of a search acts, trusted as far as the names of the verdict are; `None` of those that were not
+    /// fitted in full.
+    #[must_use]
+    pub fn chances(&self, tried: &[Tried]) -> Vec<Option<f64>> {
+        chances(tried).into_iter().map(|chance| Some(trust(self.verdict) * chance?)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Verdict, diagnose};
+    use crate::options::Options;
+    use crate::tests_support::{model, record};
+    use crate::{Finding, Free, Recording, Sample};
+    use plant::{Effects, Model};
+
+    /// A flight of a rig that sticks, which the belief does not, every row spoilt by its number.
+    fn spoilt(spoil: impl Fn(usize, &mut Sample)) -> super::Diagnosis {
+        let zone = plant::effects::DeadZone { lower_percent: -0.4, upper_percent: 0.4 };
+        let rig = Model { effects: Effects { dead_zone: Some(zone), ..model().effects }, ..model() };
+        let mut rows = record(&rig, 6, 60).samples().to_vec();
+        rows.iter_mut().enumerate().for_each(|(k, row)| spoil(k, row));
+        diagnose(&model(), &Recording::new(rows).unwrap(), &Options::default())
+    }
+
+    #[test]
+    fn a_record_that_cannot_be_of_the_believed_rig_names_no_effect() {
+        let scaled = |by: f64| move |_, row: &mut Sample| row.position_mm = row.position_mm.map(|mm| by * mm);
+        for (what, found) in [
+            ("whole", spoilt(|_, _| {})),
+            ("in centimetres", spoilt(scaled(0.1))),
+            ("in metres", spoilt(scaled(0.001))),
+            ("in tenths of a millimetre", spoilt(scaled(10.0))),
+            ("still", spoilt(|_, row| row.position_mm = Some(300.0))),
+            ("without excitation", spoilt(|_, row| row.duty_percent = 21.4)),
+            ("of duties as fractions", spoilt(|_, row| row.duty_percent /= 100.0)),
+            ("of codes", spoilt(|_, row| row.position_mm = Some(8190.0))),
+        ] {
+            if what == "whole" {
+                assert_eq!((found.verdict, found.effects[0].candidate.entry.name), (Verdict::Effect, "dead_zone"));
+                continue;
+            }
+            assert_eq!(found.verdict, Verdict::InsufficientData, "{what}: {:?}", found.effects);
+            assert!(found.effects.is_empty(), "{what}");
+            let other_rig = found.findings.iter().any(|noted| matches!(noted.finding, Finding::OtherRig { .. }));
+            assert_eq!(other_rig, what == "in centimetres", "{what}: {:?}", found.findings);
+        }
+    }
+
+    #[test]
+    fn a_gain_of_another_unit_is_said_even_where_no_effect_is_named() {
+        let weak = Model { gain_mm_per_s2_per_percent: model().gain_mm_per_s2_per_percent / 7.0, ..model() };
+        let found = diagnose(&model(), &record(&weak, 5, 60), &Options::default());
+        assert!(found.effects.is_empty(), "{:?}", found.effects);
+        let ratio = found.findings.iter().find_map(|noted| match noted.finding {
+            Finding::OtherRig { number: "gain_mm_per_s2_per_percent", ratio } => Some(ratio),
+            _ => None,
+        });
+        assert!(ratio.is_some_and(|ratio| (6.0..8.5).contains(&(1.0 / ratio))), "{:?}", found.findings);
+    }
+
+    #[test]
+    fn a_record_that_is_too_short_says_how_short() {
+        let found = diagnose(&model(), &record(&model(), 5, 5), &Options::default());
+        assert_eq!(found.verdict, Verdict::InsufficientData);
+        let short =
+            |noted: &crate::Noted| matches!(noted.finding, Finding::TooFew { readings, needed } if readings < needed);
+        assert!(found.findings.iter().any(short), "{:?}", found.findings);
+    }
+
+    /// A flight of a rig whose supply sags: duty above hover loses a share of its thrust, which comes back in three seconds.
+    fn with_weak_supply(share: f64, seed: u64) -> Recording {
+        let mut rows = record(&model(), seed, 80).samples().to_vec();
+        let (mut sag, mut before_s) = (0.0, 0.0);
+        for row in &mut rows {
+            // What acted was less than the log says.
+            let logged = row.duty_percent + sag;
+            let above = (logged - model().hover_duty_percent).max(0.0);
+            sag += (share * above - sag) * (1.0 - (-(row.time_s - before_s) / 3.0).exp());
+            (row.duty_percent, before_s) = (logged, row.time_s);
+        }
+        Recording::new(rows).unwrap()
+    }
+
+    #[test]
+    fn a_weak_supply_is_not_called_by_the_effect_that_half_follows_it() {
+        for seed in [0, 1, 3] {
+            let found = diagnose(&model(), &with_weak_supply(0.5, seed), &Options::default());
+            assert_eq!(found.verdict, Verdict::Unexplained, "seed {seed}: {:?}", found.effects);
+            assert!(
+                found.residue.instead_of.is_some() && found.effects[0].probability < 0.2,
+                "seed {seed}: {:?}",
+                found.residue
+            );
+            // It goes with a duty of before.
+            let first = &found.residue.asked_for[0].words;
+            assert!(first.contains("u") && first.contains('~'), "seed {seed}: {first}");
+        }
+    }
+
+    #[test]
+    fn a_rig_as_believed_has_no_gap() {
+        for seed in 20..26 {
+            let found = diagnose(&model(), &record(&model(), seed, 60), &Options::default());
+            assert_eq!(found.verdict, Verdict::NoGap, "seed {seed}: {:?}", found.places.first());
+        }
+    }
+
+    #[test]
+    fn a_missing_lag_is_named_and_the_mended_model_closes_the_gap() {
+        let belief = Model { effects: Effects::default(), ..model() };
+        let found = diagnose(&belief, &record(&model(), 4, 80), &Options::default());
+        assert_eq!(found.verdict, Verdict::Effect);
+        // A lag of the sensor differs from one of the fan by the colour of the noise alone.
+        let named = &found.effects[0];
+        assert!([&[named.candidate.entry.name], &named.indistinguishable_from[..]].concat().contains(&"fan_lag"));
+        assert!(found.effects[0].probability > 0.9);
+        assert!(found.closed.unwrap().value > 0.8, "{:?}", found.closed);
+    }
+
+    #[test]
+    fn the_intervals_of_two_stops_that_are_hit_alike_are_as_wide_as_each_other() {
+        let stop = |bottom_mm, top_mm| {
+            let stop = plant::effects::EndStop { bottom_mm, top_mm, restitution: 0.3 };
+            Model { effects: Effects { end_stop: Some(stop), ..model().effects }, ..model() }
+        };
+        let found = diagnose(&model(), &record(&stop(260.0, 340.0), 3, 80), &Options::default());
+        let intervals = found.intervals();
+        let of = |wanted| {
+            let mine = |free: &Free| matches!(free, Free::Effect { name: "end_stop", index, .. } if *index == wanted);
+            let (_, low, high) = intervals.iter().find(|(free, ..)| mine(free)).unwrap();
+            (*low, *high)
+        };
+        let ((bottom_low, bottom_high), (top_low, top_high)) = (of(0), of(1));
+        assert!(bottom_low < 260.0 && 260.0 < bottom_high, "{bottom_low} to {bottom_high}");
+        assert!(top_low < 340.0 && 340.0 < top_high, "{top_low} to {top_high}");
+        let ratio = (top_high - top_low) / (bottom_high - bottom_low);
+        assert!((0.5..2.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_gain_that_is_off_is_a_matter_of_parameters() {
+        let belief = Model { gain_mm_per_s2_per_percent: 170.0, hover_duty_percent: 21.9, ..model() };
+        let found = diagnose(&belief, &record(&model(), 4, 80), &Options::default());
+        assert_eq!(found.verdict, Verdict::Parameters);
+    }
+}

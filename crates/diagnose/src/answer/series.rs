@@ -1,0 +1,83 @@
+//! What a report draws of a diagnosis: free runs before and after the mend, and the missing force.
+//!
+//! A run of the mended model is that of the fit without the stretch that it starts in, as the errors of the report are.
+
+use crate::answer::diagnosis::Diagnosis;
+use crate::filter::missing_force::{MissingForce, missing_force};
+use crate::fit::estimate::Problem;
+use crate::fit::parameter::Prior;
+use crate::gap::forecast_error::{FreeRun, free_runs};
+use crate::record::folds::Folds;
+use crate::record::prepare::Prepared;
+use crate::record::recording::Recording;
+use crate::residual::plots::Leftover;
+use plant::Model;
+use rayon::prelude::*;
+
+/// Series to draw. The noise of the air is the least that was believed or found, so that what is missing does not hide in it. Rows of the runs are rows of the recording that is here.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// The rows that the diagnosis worked on.
+    pub recording: Recording,
+    /// Free runs of the belief.
+    pub nominal: Vec<FreeRun>,
+    /// Free runs of the mended model, each fitted without the stretch that it starts in.
+    pub mended: Vec<FreeRun>,
+    /// The force that the belief lacks once its base parameters are fitted; none where the ball never flew free.
+    pub missing: Vec<MissingForce>,
+    /// What the belief with fitted numbers leaves over, and what the mended model does.
+    pub left: [Leftover; 2],
+}
+
+impl Picture {
+    /// The series of what was `found` when a recording, or several of one rig, were compared with `belief`.
+    #[must_use]
+    pub fn of(found: &Diagnosis, belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized)) -> Self {
+        let recording = Prepared::of(recordings.as_ref(), belief).recording.into_owned();
+        let folds = Folds::new(belief, &recording);
+        let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
+        let models = problem.without_each_fold(&found.mended);
+        let runs = models.par_iter().enumerate().flat_map_iter(|(fold, model)| {
+            let runs = free_runs(model, &recording).into_iter();
+            runs.filter(|run| folds.of(run.row) == Some(fold)).collect::<Vec<_>>()
+        });
+        let mut mended: Vec<FreeRun> = runs.collect();
+        mended.sort_by_key(|run| run.row);
+        let mut nominal = free_runs(belief, &recording);
+        nominal.retain(|run| folds.counts(run.row));
+        let mut lacking = found.refitted.model.clone();
+        for model in [belief, &found.mended.model] {
+            let noise = &mut lacking.noise.acceleration_psd_mm2_per_s3;
+            *noise = noise.min(model.noise.acceleration_psd_mm2_per_s3);
+        }
+        let missing = missing_force(&lacking, &recording);
+        let left = [&found.refitted, &found.mended].map(|fit| Leftover::of(&fit.model, &recording, &folds));
+        Self { recording, nominal, mended, missing, left }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Picture;
+    use crate::tests_support::{model, record};
+    use crate::{Options, diagnose};
+    use plant::{Effects, Model};
+
+    #[test]
+    fn mended_runs_start_where_the_believed_do_and_keep_nearer_to_the_record() {
+        let belief = Model { effects: Effects::default(), ..model() };
+        let recording = record(&model(), 4, 80);
+        let picture = Picture::of(&diagnose(&belief, &recording, &Options::default()), &belief, &recording);
+        let starts = |runs: &[crate::FreeRun]| runs.iter().map(|run| run.row).collect::<Vec<_>>();
+        assert_eq!(starts(&picture.nominal), starts(&picture.mended));
+        let off = |runs: &[crate::FreeRun]| {
+            let squares = runs.iter().flat_map(|run| &run.forecasts).map(|forecast| {
+                let real = picture.recording.samples()[forecast.row].position_mm.unwrap();
+                (forecast.position_mm - real).powi(2)
+            });
+            squares.sum::<f64>()
+        };
+        assert!(off(&picture.mended) < 0.5 * off(&picture.nominal));
+        assert!(picture.missing.len() > 3500, "{}", picture.missing.len());
+    }
+}

@@ -1,0 +1,175 @@
+//! How well a model explains a recording: the likelihood of its Kalman innovations, robust to wild readings.
+//!
+//! ```text
+//! p(ν) = (1 − ε)·N(ν; 0, S) + ε·N(ν; 0, κ²·S)        ε = 0.002, κ = 10
+//! ```
+//!
+//! One wild reading costs a model some 10 nats, not thousands, and moves its filter by the share in which it is no wild
+//! one. The contamination is part of every model alike, so that likelihoods of different models compare.
+//! Source: Huber, *Robust Statistics*, the gross-error model.
+
+use crate::filter::censored::Cell;
+use crate::stats::log_sum::log_sum;
+
+/// Share of wild readings that every model grants.
+const WILD_SHARE: f64 = 0.002;
+/// How many times wider they scatter.
+const WILD_WIDTH: f64 = 10.0;
+/// How much the wild readings of a sensor that has them scatter about their size, as a share of it.
+const WILD_SCATTER: f64 = 0.1;
+
+/// One reading as a model saw it coming; a speed of the fan has rpm where others have mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surprise {
+    /// The row of the reading.
+    pub row: usize,
+    /// ŷ: what was expected, mm.
+    pub expected_mm: f64,
+    /// S: the variance expected of the innovation ν, mm².
+    pub variance_mm2: f64,
+    /// How much the reading says of ŷ: 1 for a usual one, 0 for a wild one.
+    pub weight: f64,
+    /// √S·∂ln p/∂ŷ: for a usual reading ν/√S, normal with variance 1 when the model is right.
+    pub pull: f64,
+    /// 2·∂ln p/∂ln S at the same ν: for a usual reading ν²/S − 1.
+    pub stretch: f64,
+    /// ln p(ν), nats.
+    pub log_density: f64,
+    /// The sensor only repeated itself: nothing was expected.
+    pub repeat: bool,
+}
+
+/// A reading and what is believed of how it was taken.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading {
+    pub(crate) row: usize,
+    pub(crate) position_mm: f64,
+    /// Probability and size of wild readings that the model believes in.
+    pub(crate) outliers: Option<(f64, f64)>,
+    /// Step of a coarse sensor, mm, and the resolution of the file, mm.
+    pub(crate) coarse: Option<(f64, f64)>,
+}
+
+impl Surprise {
+    /// Weighs a reading against its expectation.
+    pub(crate) fn of(reading: Reading, expected_mm: f64, variance_mm2: f64) -> Self {
+        let deviation = variance_mm2.sqrt();
+        let residual = (reading.position_mm - expected_mm) / deviation;
+        match reading.coarse {
+            Some((step, fine)) => {
+                let half = 0.5 * step / deviation;
+                let cell = Cell::between(residual - half, residual + half);
+                let wide = Cell::between((residual - half) / WILD_WIDTH, (residual + half) / WILD_WIDTH);
+                let good = cell.log_probability - fine.ln() + (1.0 - WILD_SHARE).ln();
+                let log_density = log_sum(good, wide.log_probability - fine.ln() + WILD_SHARE.ln());
+                let share = (good - log_density).exp();
+                Self {
+                    row: reading.row,
+                    expected_mm,
+                    variance_mm2,
+                    weight: share * (1.0 - cell.spread),
+                    pull: share * cell.shift,
+                    stretch: share * (cell.spread + cell.shift * cell.shift - 1.0),
+                    log_density,
+                    repeat: false,
+                }
+            }
+            None => Self::of_fine(reading, expected_mm, variance_mm2),
+        }
+    }
+
+    fn of_fine(reading: Reading, expected_mm: f64, variance_mm2: f64) -> Self {
+        let residual = reading.position_mm - expected_mm;
+        let scale = -0.5 * (std::f64::consts::TAU * variance_mm2).ln();
+        let (share, size_mm) = reading.outliers.unwrap_or_default();
+        let good = scale - 0.5 * residual.powi(2) / variance_mm2 + (1.0 - WILD_SHARE).ln() + (1.0 - share).ln();
+        let wide = -0.5 * (residual / WILD_WIDTH).powi(2) / variance_mm2;
+        let mut log_density = log_sum(good, scale + wide - WILD_WIDTH.ln() + WILD_SHARE.ln());
+        if share > 0.0 {
+            // Wild readings scatter about their size.
+            let variance = variance_mm2 + (WILD_SCATTER * size_mm).powi(2);
+            let scale = -0.5 * (std::f64::consts::TAU * variance).ln() + ((1.0 - WILD_SHARE) * share / 2.0).ln();
+            for side in [size_mm, -size_mm] {
+                log_density = log_sum(log_density, scale - 0.5 * (residual - side).powi(2) / variance);
+            }
+        }
+        let weight = (good - log_density).exp();
+        let e = residual / variance_mm2.sqrt();
+        Self {
+            row: reading.row,
+            expected_mm,
+            variance_mm2,
+            weight,
+            pull: weight * e,
+            stretch: weight * (e * e - 1.0),
+            log_density,
+            repeat: false,
+        }
+    }
+
+    /// A reading that only repeats the one before, and ln p of that.
+    #[must_use]
+    pub(crate) fn of_repeat(row: usize, log_density: f64) -> Self {
+        Self {
+            row,
+            expected_mm: 0.0,
+            variance_mm2: 1.0,
+            weight: 0.0,
+            pull: 0.0,
+            stretch: 0.0,
+            log_density,
+            repeat: true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Reading, Surprise};
+
+    fn surprise(residual: f64, outliers: Option<(f64, f64)>, coarse: Option<(f64, f64)>) -> Surprise {
+        Surprise::of(Reading { row: 0, position_mm: residual, outliers, coarse }, 0.0, 4.0)
+    }
+
+    #[test]
+    fn the_density_integrates_to_one() {
+        let step = 0.01;
+        for outliers in [None, Some((0.1, 30.0)), Some((1.0, 0.0))] {
+            let density = |k| surprise(f64::from(k) * step, outliers, None).log_density.exp();
+            let total: f64 = (-20_000..20_000).map(|k| density(k) * step).sum();
+            assert!((total - 1.0).abs() < 1e-9, "{outliers:?}: {total}");
+        }
+    }
+
+    #[test]
+    fn the_probabilities_of_coarse_readings_add_up_to_one() {
+        let density = |k: i32| surprise(7.0 * f64::from(k) + 2.0, None, Some((7.0, 0.5))).log_density.exp();
+        let total: f64 = (-40..40).map(|k| density(k) * 0.5).sum();
+        assert!((total - 1.0).abs() < 1e-6, "{total}");
+    }
+
+    #[test]
+    fn pull_and_stretch_are_the_slopes_of_the_density() {
+        for coarse in [None, Some((5.0, 1.0))] {
+            for residual in [-3.0, 0.7, 2.5] {
+                let reading = Reading { row: 0, position_mm: residual, outliers: None, coarse };
+                let at = |expected: f64, variance: f64| Surprise::of(reading, expected, variance);
+                let pull = (at(1e-5, 4.0).log_density - at(-1e-5, 4.0).log_density) / 2e-5 * 2.0;
+                let stretch = (at(0.0, 4.0004).log_density - at(0.0, 3.9996).log_density) / 1e-4 * 2.0 / 2.0;
+                let here = at(0.0, 4.0);
+                // What the wild part adds to the slopes is left out.
+                assert!(
+                    (here.pull - pull).abs() < 0.01 && (here.stretch - stretch).abs() < 0.01,
+                    "{here:?} {pull} {stretch}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_usual_reading_counts_fully_and_a_wild_one_hardly() {
+        assert!(surprise(2.0, None, None).weight > 0.99);
+        let wild = surprise(20.0, None, None);
+        assert!(wild.weight < 1e-10 && wild.log_density > -13.0, "{wild:?}");
+    }
+}

@@ -1,0 +1,140 @@
+//! Which readings are new, where a model believes that the sensor refreshes slower than the loop reads.
+//!
+//! ```text
+//! F(e) = (e − hold + period)/period, 0 to 1      chance that the sensor has refreshed e seconds after the row of its last reading
+//! h = (F(e) − F(e'))/(1 − F(e'))                 and since the row before, at e', if it had not until then
+//! p(y) = h·p_new(y) + (1 − h)/r·[y is the last reading again]      r: resolution of the file
+//! ```
+//!
+//! When in a row's period the last refresh fell is not known, hence the ramp; it is widened by what clocks wander. A reading that is the same
+//! again counts as a repeat, and moves no filter, until the refresh is overdue, F = 1. The clock alone decides that and never p_new: models
+//! that each chose their own readings would differ by the luck of the choice, by more nats than an effect is worth.
+
+use plant::Model;
+
+/// What clocks wander: shares of the hold and of the period.
+const HOLD_WANDERS: f64 = 0.05;
+const PERIOD_WANDERS: f64 = 0.1;
+/// A refresh is never quite impossible, nor quite certain.
+const EARLIEST: f64 = 1e-5;
+const LATEST: f64 = 0.98;
+
+/// The last reading of a sensor that refreshes now and then, and when it was new.
+#[derive(Clone, Debug)]
+pub(crate) struct Refresh {
+    hold_s: f64,
+    period_s: f64,
+    new_s: f64,
+    before_s: f64,
+    last_mm: f64,
+}
+
+impl Refresh {
+    /// The sensor of `model`, if it is believed to be slow, after its first reading.
+    pub(crate) fn of(model: &Model, period_s: f64, time_s: f64, reading_mm: f64) -> Option<Self> {
+        let hold_s = model.effects.stale_samples?.hold_s;
+        (hold_s > 0.0).then_some(Self { hold_s, period_s, new_s: time_s, before_s: time_s, last_mm: reading_mm })
+    }
+
+    /// The chance that the sensor has refreshed since the row before.
+    pub(crate) fn chance(&self, time_s: f64) -> f64 {
+        let (before, now) = (self.refreshed(self.before_s), self.refreshed(time_s));
+        ((now - before) / (1.0 - before).max(EARLIEST)).clamp(EARLIEST, LATEST)
+    }
+
+    fn refreshed(&self, time_s: f64) -> f64 {
+        let wander_s = HOLD_WANDERS * self.hold_s + PERIOD_WANDERS * self.period_s;
+        let earliest_s = self.new_s + self.hold_s - self.period_s - wander_s;
+        ((time_s - earliest_s) / (self.period_s + 2.0 * wander_s)).clamp(0.0, 1.0)
+    }
+
+    /// Whether a reading is the last one again.
+    pub(crate) fn is_same(&self, reading_mm: f64) -> bool {
+        reading_mm == self.last_mm
+    }
+
+    /// Whether the sensor must have refreshed, so that even the same reading again is a new one.
+    pub(crate) fn is_overdue(&self, time_s: f64) -> bool {
+        self.refreshed(time_s) >= 1.0
+    }
+
+    /// Goes on after a row whose reading was new, or a repeat.
+    pub(crate) fn go_on(&mut self, time_s: f64, reading_mm: f64, new: bool) {
+        if new {
+            // A refresh that shows the same number again is noticed late.
+            let late_s = if self.is_same(reading_mm) { (time_s - self.new_s) % self.hold_s } else { 0.0 };
+            (self.new_s, self.last_mm) = (time_s - late_s, reading_mm);
+        }
+        self.before_s = time_s;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Refresh;
+    use crate::filter::track::Track;
+    use crate::tests_support::{model, record};
+    use crate::{Recording, Sample};
+    use plant::effects::StaleSamples;
+    use plant::{Effects, Model};
+
+    /// A flight whose readings are held for so many rows and rounded to a step.
+    fn held(rows: usize, step_mm: f64) -> Recording {
+        let good = record(&model(), 1, 20);
+        let round = |mm: f64| (mm / step_mm).round() * step_mm;
+        let held = good.samples().iter().enumerate();
+        let held = held.map(|(k, s)| Sample { position_mm: good.samples()[k - k % rows].position_mm.map(round), ..*s });
+        Recording::new(held.collect()).unwrap()
+    }
+
+    fn slow(hold_s: f64) -> Model {
+        Model { effects: Effects { stale_samples: Some(StaleSamples { hold_s }), ..model().effects }, ..model() }
+    }
+
+    #[test]
+    fn held_readings_are_repeats_in_fine_and_in_coarse_files() {
+        for step_mm in [0.01, 1.0] {
+            let recording = held(5, step_mm);
+            let found = Track::new(&slow(0.1), &recording).readings();
+            assert!(found.abs_diff(200) <= 2, "{found} of 200 in steps of {step_mm} mm");
+            assert_eq!(Track::new(&model(), &recording).readings(), 1000);
+        }
+    }
+
+    #[test]
+    fn the_hold_that_a_record_has_is_the_likeliest() {
+        let recording = held(5, 1.0);
+        let nats = |hold_s: f64| {
+            crate::filter::track::surprises(&slow(hold_s), &recording).iter().map(|s| s.log_density).sum::<f64>()
+        };
+        assert!(nats(0.1) > nats(0.085) + 20.0 && nats(0.1) > nats(0.115) + 20.0);
+    }
+
+    #[test]
+    fn every_model_of_a_slow_sensor_takes_the_same_readings() {
+        let recording = held(5, 1.0);
+        let other = Model { hover_duty_percent: 21.0, gain_mm_per_s2_per_percent: 400.0, ..slow(0.1) };
+        let rows = |model: &Model| {
+            let track = Track::new(model, &recording);
+            (0..track.readings()).map(|k| track.reading(k).unwrap().0).collect::<Vec<_>>()
+        };
+        assert_eq!(rows(&slow(0.1)), rows(&other));
+    }
+
+    #[test]
+    fn a_refresh_that_shows_the_same_number_again_does_not_put_off_the_next() {
+        let mut refresh = Refresh::of(&slow(0.1), 0.02, 0.0, 1.0).unwrap();
+        let overdue: Vec<bool> = [0.06, 0.1, 0.12].map(|time_s| refresh.is_overdue(time_s)).to_vec();
+        assert_eq!(overdue, [false, false, true]);
+        refresh.go_on(0.12, 1.0, true);
+        assert!(refresh.chance(0.195) > 0.5, "{}", refresh.chance(0.195));
+    }
+
+    #[test]
+    fn a_refresh_is_sure_to_have_come_once_the_hold_is_over_and_not_before() {
+        let refresh = Refresh::of(&slow(0.1), 0.02, 0.0, 1.0).unwrap();
+        assert!(refresh.chance(0.06) < 1e-4 && refresh.chance(0.12) > 0.9);
+        assert!((refresh.chance(0.09) - 0.5).abs() < 1e-9);
+        assert!(Refresh::of(&model(), 0.02, 0.0, 1.0).is_none());
+    }
+}

@@ -1,0 +1,114 @@
+//! The recorded speed of the fan: what it says of the way from the duty to the rotor.
+//!
+//! ```text
+//! w: speed in percent of duty, as `plant::Rotor` follows the duty
+//! rpm = a + b·w + e,  e_k = ρ·e_(k−1) + n_k      a, b, ρ and the variance of n: where this record is most likely
+//! ```
+//!
+//! A rotor shows its timing and no force: delay, steps and lags between duty and rotor move its speed, and whatever comes after it (play, dead
+//! zone, curve, asymmetry, drifts of gain and hover, limits) does not, because a speed of a real fan is never quite a straight line of
+//! its duty: the coloured e takes that up. What is late behind the rotor, in the air or in the sensor, leaves the speed alone; so a
+//! delay or a lag of the duty is told from one of the reading. The speed depends on the duty alone, so that its likelihood
+//! stands beside that of the readings. Source: Cochrane and Orcutt, "Application of least squares regression to
+//! relationships containing autocorrelated error terms", Journal of the American Statistical Association 44 (1949).
+
+use crate::filter::innovation::{Reading, Surprise};
+use crate::record::recording::{Recording, Sample};
+use plant::{Model, Rotor};
+
+/// The rotor's first seconds show how fast it was before the record began.
+const WARM_UP_S: f64 = 1.5;
+/// Fewer speeds than this say nothing of a straight line.
+const ENOUGH: usize = 50;
+/// Rounds of line and colour, and the strongest colour.
+const ROUNDS: usize = 3;
+const MOST_COLOUR: f64 = 0.98;
+
+/// A recorded speed: its row, what it was, w as the model has it, and whether the row before it has one as well.
+struct Speed {
+    row: usize,
+    rpm: f64,
+    duty_percent: f64,
+    follows: bool,
+}
+
+/// The line from w to the speed, the colour of what is off it, and the variance of what is new in that.
+struct Line {
+    a: f64,
+    b: f64,
+    colour: f64,
+    variance: f64,
+}
+
+/// Every recorded speed as `model` saw it coming; none where there are too few.
+pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
+    if !recording.has_fan_speed() {
+        return Vec::new();
+    }
+    let of_flight = |flight: &std::ops::Range<usize>| speeds(model, &recording.samples()[flight.clone()], flight.start);
+    let all: Vec<Speed> = recording.flights().iter().flat_map(of_flight).collect();
+    Line::of(&all).map_or_else(Vec::new, |line| line.surprises(&all))
+}
+
+/// The recorded speeds of a flight, and w along its duty.
+fn speeds(model: &Model, flight: &[Sample], first_row: usize) -> Vec<Speed> {
+    let Some(first) = flight.first() else { return Vec::new() };
+    let mut rotor = Rotor::new(model, first.duty_percent);
+    let (mut all, mut before) = (Vec::new(), None);
+    for (row, sample) in flight.iter().enumerate() {
+        let time_s = sample.time_s - first.time_s;
+        rotor.advance_to(time_s);
+        rotor.write(time_s, sample.duty_percent);
+        if let Some(rpm) = sample.fan_rpm.filter(|_| time_s >= WARM_UP_S) {
+            let follows = before == row.checked_sub(1);
+            all.push(Speed { row: first_row + row, rpm, duty_percent: rotor.speed_percent(), follows });
+            before = Some(row);
+        }
+    }
+    all
+}
+
+impl Line {
+    /// The line and the colour that suit the speeds best. `None`: too few, or a duty that never moves.
+    fn of(all: &[Speed]) -> Option<Self> {
+        let pairs: Vec<(&Speed, &Speed)> = all.iter().zip(all.iter().skip(1)).filter(|pair| pair.1.follows).collect();
+        if pairs.len() < ENOUGH {
+            return None;
+        }
+        let (n, mut line) = (pairs.len() as f64, Self { a: 0.0, b: 0.0, colour: 0.0, variance: 0.0 });
+        for _ in 0..ROUNDS {
+            // Least squares of what is new in the speed on what is new in w.
+            let new = |before: f64, now: f64| now - line.colour * before;
+            let points = pairs.iter().map(|(p, q)| (new(p.duty_percent, q.duty_percent), new(p.rpm, q.rpm)));
+            let (x, y) = points.clone().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
+            let moments = |(xx, xy): (f64, f64), point: (f64, f64)| {
+                (xx + (point.0 - x).powi(2), xy + (point.0 - x) * (point.1 - y))
+            };
+            let (xx, xy) = points.fold((0.0, 0.0), moments);
+            line.b = if xx > 0.0 { xy / xx } else { return None };
+            line.a = (y - line.b * x) / (1.0 - line.colour);
+            let off = |speed: &Speed| speed.rpm - line.a - line.b * speed.duty_percent;
+            let (same, both) =
+                pairs.iter().fold((0.0, 0.0), |(same, both), (p, q)| (same + off(p).powi(2), both + off(p) * off(q)));
+            let colour = if same > 0.0 { (both / same).clamp(0.0, MOST_COLOUR) } else { 0.0 };
+            line.variance = pairs.iter().map(|(p, q)| (off(q) - colour * off(p)).powi(2) / n).sum();
+            line.colour = colour;
+        }
+        // A speed without noise still leaves a division.
+        Some(Self { variance: line.variance.max(1e-9 * line.b.powi(2)), ..line })
+    }
+
+    fn surprises(&self, all: &[Speed]) -> Vec<Surprise> {
+        let on_line = |speed: &Speed| self.a + self.b * speed.duty_percent;
+        let pairs = all.iter().zip(all.iter().skip(1)).filter(|pair| pair.1.follows);
+        let one = |(before, now): (&Speed, &Speed)| {
+            let expected = on_line(now) + self.colour * (before.rpm - on_line(before));
+            let reading = Reading { row: now.row, position_mm: now.rpm, outliers: None, coarse: None };
+            Surprise::of(reading, expected, self.variance)
+        };
+        pairs.map(one).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

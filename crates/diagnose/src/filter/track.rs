@@ -1,0 +1,259 @@
+//! A model's filter along a whole recording, and forecasts from any of its readings.
+
+use crate::filter::ekf::{Back, Cursor, Leg, Smoothed, Steps, Trace, smoothed};
+use crate::filter::innovation::Surprise;
+use crate::filter::run::along;
+use crate::filter::tachometer;
+use crate::record::recording::Recording;
+use plant::Model;
+use std::ops::Range;
+
+/// A model's filter along a recording: where it is after each reading.
+#[derive(Debug)]
+pub struct Track<'a> {
+    model: &'a Model,
+    recording: &'a Recording,
+    /// Rows that hold a reading, and the filter after it.
+    estimates: Vec<(usize, Cursor<'a>)>,
+    /// Every reading but the first, as it was seen coming.
+    surprises: Vec<Surprise>,
+    /// Whether each row holds a reading that is no repeat.
+    new: Vec<bool>,
+}
+
+/// What a model expects of a later reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// The row of the reading.
+    pub row: usize,
+    /// Expected reading, mm.
+    pub position_mm: f64,
+    /// Its variance by the model's noise, the reading's own included, mm².
+    pub variance_mm2: f64,
+}
+
+/// Every reading but the first, which has nothing to be compared with, as the model saw it coming; then every
+/// reading of a second sensor, and every speed of the fan, in rpm where others have mm.
+#[must_use]
+pub fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
+    let mut all = Vec::with_capacity(recording.readings());
+    let mut second = Vec::new();
+    along(model, recording, None, Some(&mut second), |_, surprise, _| all.push(surprise));
+    if !all.is_empty() {
+        all.remove(0);
+    }
+    all.extend(second);
+    all.extend(tachometer::surprises(model, recording));
+    all
+}
+
+/// What is expected of each row's reading, mm; `None` where there is none, or the model says that the sensor only repeated itself.
+pub(crate) fn expected_mm(model: &Model, recording: &Recording) -> Vec<Option<f64>> {
+    let mut all = vec![None; recording.samples().len()];
+    along(model, recording, None, None, |row, surprise, cursor| all[row] = cursor.map(|_| surprise.expected_mm));
+    all
+}
+
+/// The way from reading to reading, and how each was seen coming.
+pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)> {
+    let mut all = Vec::with_capacity(recording.readings());
+    along(model, recording, Some(Back::default()), None, |_, surprise, cursor| {
+        all.extend(cursor.and_then(Cursor::leg).map(|leg| (surprise, leg)));
+    });
+    all
+}
+
+/// What the whole flight, before and after it, says of each reading's moment: the row and the states.
+pub(crate) fn hindsight(model: &Model, recording: &Recording) -> Vec<(usize, Smoothed)> {
+    let (mut rows, mut traces) = (Vec::new(), Vec::<Trace>::new());
+    along(model, recording, Some(Back::default()), None, |row, _, cursor| {
+        if let Some(trace) = cursor.and_then(Cursor::trace) {
+            rows.push(row);
+            traces.push(trace);
+        }
+    });
+    let flights = recording.flights().iter();
+    let of = |flight: &Range<usize>| {
+        rows.partition_point(|row| *row < flight.start)..rows.partition_point(|row| *row < flight.end)
+    };
+    let known = flights.flat_map(|flight| {
+        let own = of(flight);
+        rows[own.clone()].iter().copied().zip(smoothed(model, &traces[own])).collect::<Vec<_>>()
+    });
+    known.collect()
+}
+
+impl<'a> Track<'a> {
+    /// Runs the filter of `model` over `recording`.
+    #[must_use]
+    pub fn new(model: &'a Model, recording: &'a Recording) -> Self {
+        let (mut estimates, mut surprises) = (Vec::new(), Vec::new());
+        let mut new = vec![false; recording.samples().len()];
+        along(model, recording, None, None, |row, surprise, cursor| {
+            let Some(cursor) = cursor else { return };
+            new[row] = true;
+            if !estimates.is_empty() {
+                surprises.push(surprise);
+            }
+            estimates.push((row, cursor.clone()));
+        });
+        Self { model, recording, estimates, surprises, new }
+    }
+
+    /// Every reading but the first, as the model saw it coming.
+    #[must_use]
+    pub fn into_surprises(self) -> Vec<Surprise> {
+        self.surprises
+    }
+
+    /// What was known after each reading but the last: its row, position and velocity.
+    pub fn states(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let known = self.estimates.iter().take(self.estimates.len().saturating_sub(1));
+        known.map(|(row, cursor)| {
+            let (position_mm, velocity) = cursor.position_and_velocity();
+            (*row, position_mm, velocity)
+        })
+    }
+
+    /// How many readings the recording has that are no repeats.
+    #[must_use]
+    pub fn readings(&self) -> usize {
+        self.estimates.len()
+    }
+
+    /// The row, time and position of reading number `reading`.
+    #[must_use]
+    pub fn reading(&self, reading: usize) -> Option<(usize, f64, f64)> {
+        let &(row, _) = self.estimates.get(reading)?;
+        let sample = self.recording.samples().get(row)?;
+        Some((row, sample.time_s, sample.position_mm?))
+    }
+
+    /// Forecasts every later reading of the same flight from what was known after reading number `from`, by the recorded duty.
+    pub fn forecasts(&self, from: usize) -> impl Iterator<Item = Forecast> {
+        let start = self.estimates.get(from);
+        let mut row = start.map_or(self.new.len(), |(row, _)| *row);
+        let flight = self.recording.flight_of(row);
+        let mut cursor = start.map(|(_, cursor)| cursor.clone());
+        let mut steps = Steps::of(self.model);
+        std::iter::from_fn(move || {
+            let cursor = cursor.as_mut()?;
+            loop {
+                row += 1;
+                if *self.new[..flight.end].get(row)? {
+                    cursor.go_to_row(row - flight.start, &mut steps);
+                    let (position_mm, variance_mm2) = cursor.expect_rounded();
+                    return Some(Forecast { row, position_mm, variance_mm2 });
+                }
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Track;
+    use crate::filter::ekf::VELOCITY_PRIOR_MM_PER_S;
+    use crate::tests_support::{model, record};
+    use plant::{Model, Noise};
+
+    #[test]
+    fn forecasts_of_a_noiseless_flight_by_its_own_model_are_exact() {
+        let noise = Noise { sensor_mm: 0.0, acceleration_psd_mm2_per_s3: 0.0 };
+        let own = Model { noise, ..model() };
+        let recording = record(&own, 1, 20);
+        // A filter that trusts its readings forgets that the ball took off in the middle of a step.
+        let noise = Noise { sensor_mm: 1e-4, acceleration_psd_mm2_per_s3: 360.0 };
+        let trusting = Model { noise, ..own };
+        let track = Track::new(&trusting, &recording);
+        for forecast in track.forecasts(400) {
+            let real = recording.samples()[forecast.row].position_mm.unwrap();
+            assert!((forecast.position_mm - real).abs() < 0.02, "{} for {real}", forecast.position_mm);
+        }
+    }
+
+    #[test]
+    fn the_spread_of_forecasts_is_what_the_filter_says_it_is() {
+        // Normalised squared errors of one-second forecasts average to 1, over many flights.
+        let own = model();
+        let (mut sum, mut count) = (0.0, 0.0);
+        for seed in 0..40 {
+            let recording = record(&own, seed, 30);
+            let track = Track::new(&own, &recording);
+            for from in (100..1400).step_by(50) {
+                let forecast = track.forecasts(from).nth(49).unwrap();
+                let real = recording.samples()[forecast.row].position_mm.unwrap();
+                sum += (forecast.position_mm - real).powi(2) / forecast.variance_mm2;
+                count += 1.0;
+            }
+        }
+        // 1040 almost independent errors: five standard errors are 0.22.
+        assert!((sum / count - 1.0_f64).abs() < 0.22, "{}", sum / count);
+    }
+
+    #[test]
+    fn one_wild_reading_is_passed_over_and_a_ball_that_moved_is_followed() {
+        let own = model();
+        let good = record(&own, 5, 20);
+        let spoilt = |rows: std::ops::Range<usize>| {
+            let rows = good.samples().iter().enumerate().map(|(k, s)| {
+                let jump = if rows.contains(&k) { 150.0 } else { 0.0 };
+                crate::Sample { position_mm: s.position_mm.map(|mm| mm + jump), ..*s }
+            });
+            crate::Recording::new(rows.collect()).unwrap()
+        };
+        let expected_after = |recording: &crate::Recording, row: usize| {
+            Track::new(&own, recording).forecasts(row).next().unwrap().position_mm
+        };
+        let clean = expected_after(&good, 500);
+        assert!((expected_after(&spoilt(500..501), 500) - clean).abs() < 1.0);
+        assert!((expected_after(&spoilt(500..1000), 510) - clean).abs() > 100.0);
+    }
+
+    #[test]
+    fn every_flight_is_followed_and_forecast_as_if_it_were_alone() {
+        // A drift and a delay, so that a clock or a duty carried over would show.
+        let mut own = model();
+        own.effects.set("gain_drift", &[0.005]);
+        own.effects.set("transport_delay", &[0.05]);
+        let flights = [record(&own, 5, 20), record(&own, 6, 15)];
+        let both = crate::Recording::together(flights.clone());
+        let together = super::surprises(&own, &both);
+        let apart: Vec<_> = flights.iter().flat_map(|flight| super::surprises(&own, flight)).collect();
+        // The first reading of the second flight has nothing to be compared with either.
+        let compared = together.iter().filter(|s| s.row != both.flights()[1].start);
+        for (a, b) in compared.zip(&apart) {
+            assert!(
+                (a.expected_mm - b.expected_mm).abs() < 1e-6 && (a.variance_mm2 / b.variance_mm2 - 1.0).abs() < 1e-9
+            );
+        }
+        assert_eq!(together.len(), apart.len() + 1);
+        let track = Track::new(&own, &both);
+        let last = track.forecasts(900).last().unwrap();
+        assert_eq!(last.row, 999, "no forecast crosses into another flight");
+        let alone = Track::new(&own, &flights[1]).forecasts(100).last().unwrap().position_mm;
+        assert!((track.forecasts(1100).last().unwrap().position_mm - alone).abs() < 1e-6);
+    }
+
+    #[test]
+    fn rows_without_a_reading_are_flown_through() {
+        let own = model();
+        let full = record(&own, 5, 20);
+        let thinned = full.samples().iter().enumerate();
+        let thinned = thinned.map(|(k, s)| crate::Sample { position_mm: s.position_mm.filter(|_| k % 3 == 0), ..*s });
+        let recording = crate::Recording::new(thinned.collect()).unwrap();
+        let track = Track::new(&own, &recording);
+        assert_eq!(track.readings(), full.samples().len().div_ceil(3));
+        assert!(track.forecasts(10).all(|forecast| forecast.row % 3 == 0));
+    }
+
+    #[test]
+    fn the_first_reading_leaves_the_velocity_open() {
+        let own = model();
+        let recording = record(&own, 5, 5);
+        let track = Track::new(&own, &recording);
+        let first = track.forecasts(0).next().unwrap();
+        // One period later the velocity's prior dominates the variance.
+        assert!(first.variance_mm2 > (0.9 * VELOCITY_PRIOR_MM_PER_S * 0.02).powi(2), "{}", first.variance_mm2);
+    }
+}

@@ -1,0 +1,338 @@
+//! Fitting a model to a recording: maximum posterior by Fisher scoring.
+//!
+//! ```text
+//! L = Σ ln p(ν_k) + ln prior(θ)   ν_k = y_k − ŷ_k, S_k: innovation and its variance, functions of the parameters θ
+//! g = Σ w·( ν·∂ŷ/S + ½·(ν²/S − 1)·∂lnS )
+//! H = Σ w·( ∂ŷ·∂ŷᵀ/S + ½·∂lnS·∂lnSᵀ )          Levenberg–Marquardt: (H + λ·diag H)·δ = g
+//! ```
+//!
+//! What shapes p itself, as the share of wild readings does, adds its scores: g = Σ ∂ln p, H = Σ ∂ln p·∂ln pᵀ.
+//! Derivatives are differences of whole filter runs, in the scales of [`Free`], so that one λ serves all. Gradient and information are kept by
+//! fold, so that a fit without a fold is one step away. The covariance of θ is H⁻¹ when the model is right.
+//! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
+
+use crate::filter::innovation::Surprise;
+use crate::filter::track::surprises;
+use crate::fit::parameter::{Free, Prior, prior};
+use crate::record::folds::Folds;
+use crate::record::recording::Recording;
+use crate::residual::misfit::LONG;
+use nalgebra::{DMatrix, DVector};
+use plant::Model;
+
+/// Scoring steps; a fit that needs more creeps along a valley that the record cannot resolve.
+const STEPS: usize = 15;
+/// The same while the slope is steep: from a noise believed far too large a step goes down by a factor of e at most.
+const MOST_STEPS: usize = 60;
+/// A step that gains less than this, nats, is the last.
+const GAIN_ENOUGH: f64 = 0.05;
+/// A step that gains more than this, nats of a record that is not long, is on a slope that is worth climbing on.
+const STEEP: f64 = 20.0;
+/// Information below which a record says nothing of a number.
+const NOTHING_TOLD: f64 = 1e-6;
+/// Length of the differences in scaled parameters.
+const DIFFERENCE: f64 = 0.01;
+/// Times that a step is shortened; and where it still promises so many nats.
+const SHORTER: usize = 6;
+const PROMISING: f64 = 1.0;
+const SHORTEST: usize = 14;
+
+/// Nats, fold by fold.
+pub type Worth = [f64; Folds::COUNT];
+
+/// A model fitted to a recording.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The model at its best.
+    pub model: Model,
+    /// What was moved.
+    pub free: Vec<Free>,
+    /// The readings as the model sees them.
+    pub surprises: Vec<Surprise>,
+    /// ln prior at the best, up to a constant.
+    pub log_prior: f64,
+    slope: Slope,
+}
+
+/// Gradient and information of the likelihood fold by fold, and of the prior.
+#[derive(Clone, Debug)]
+struct Slope {
+    folds: Vec<(DVector<f64>, DMatrix<f64>)>,
+    prior: (DVector<f64>, DMatrix<f64>),
+}
+
+impl Slope {
+    /// Sums over all folds but `left_out`.
+    fn total(&self, left_out: Option<usize>) -> (DVector<f64>, DMatrix<f64>) {
+        let kept = self.folds.iter().enumerate().filter(|(fold, _)| Some(*fold) != left_out);
+        kept.fold(self.prior.clone(), |(g, h), (_, (gradient, information))| (g + gradient, h + information))
+    }
+}
+
+impl Fit {
+    /// Σ ln p(ν) over the readings for which `counts` holds, nats.
+    #[must_use]
+    pub fn log_likelihood(&self, counts: impl Fn(usize) -> bool) -> f64 {
+        self.surprises.iter().filter(|s| counts(s.row)).map(|s| s.log_density).sum()
+    }
+
+    /// Standard deviations of the moved numbers in their own scale; infinite where the record says nothing of a number.
+    #[must_use]
+    pub fn deviations(&self) -> Vec<f64> {
+        let deviation = |variance: &f64| if *variance > 0.0 { variance.sqrt() } else { f64::INFINITY };
+        self.covariance().diagonal().iter().map(deviation).collect()
+    }
+
+    /// Covariance of the moved numbers in their own scale; a variance is infinite where the record says nothing of a number.
+    pub(crate) fn covariance(&self) -> DMatrix<f64> {
+        let information = self.slope.total(None).1;
+        let told: Vec<usize> = (0..self.free.len()).filter(|i| information[(*i, *i)] > NOTHING_TOLD).collect();
+        let mut covariance = DMatrix::from_diagonal_element(self.free.len(), self.free.len(), f64::INFINITY);
+        if let Some(known) = information.select_rows(&told).select_columns(&told).try_inverse() {
+            for (i, row) in told.iter().enumerate() {
+                for (j, column) in told.iter().enumerate() {
+                    covariance[(*row, *column)] = known[(i, j)];
+                }
+            }
+        }
+        covariance
+    }
+}
+
+/// What is to be fitted to what.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a> {
+    /// The rows.
+    pub recording: &'a Recording,
+    /// The owner's belief, which the prior holds to.
+    pub belief: &'a Model,
+    /// Which rows count, and in which fold.
+    pub folds: &'a Folds,
+    /// What is known beforehand.
+    pub prior: Prior,
+}
+
+/// How long a climb goes on.
+#[derive(Clone, Copy)]
+struct Patience {
+    /// Steps.
+    steps: usize,
+    /// Steps after the last on a steep slope.
+    more: usize,
+    /// All steps at most.
+    most: usize,
+}
+
+/// Everything about one point of a fit.
+struct Point {
+    model: Model,
+    surprises: Vec<Surprise>,
+    total: f64,
+}
+
+impl Problem<'_> {
+    /// Moves the numbers `free` of `start` to where the readings that count are most likely.
+    #[must_use]
+    pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
+        let (best, slope) = self.climb(start, free, Patience { steps: STEPS, more: STEPS, most: MOST_STEPS });
+        let slope = slope.unwrap_or_else(|| self.slope(&best, free));
+        let log_prior = self.log_prior(free, &best.model);
+        Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
+    }
+
+    /// The model after so many steps at most.
+    #[must_use]
+    pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Model {
+        self.climb(start, free, Patience { steps: most_steps, more: 0, most: most_steps }).0.model
+    }
+
+    /// A first look: the model after so many steps, and as many more as the slope is steep; its likelihood and prior, nats.
+    pub(crate) fn look(&self, start: &Model, free: &[Free], steps: usize) -> (Model, f64) {
+        let (best, _) = self.climb(start, free, Patience { steps, more: 1, most: STEPS });
+        (best.model, best.total)
+    }
+
+    /// Likelihood and prior of a fit, nats.
+    pub(crate) fn total_of(&self, fit: &Fit) -> f64 {
+        fit.log_likelihood(|row| self.folds.counts(row)) + fit.log_prior
+    }
+
+    /// Likelihood and prior of `model` as it is, nats.
+    pub(crate) fn total(&self, model: &Model, free: &[Free]) -> f64 {
+        self.point(model.clone(), free).total
+    }
+
+    /// Climbs from `start`. The slope is that of the last step's start, if that step hardly moved.
+    fn climb(&self, start: &Model, free: &[Free], patience: Patience) -> (Point, Option<Slope>) {
+        // A noise of 0 has no slope: each number starts where it may be.
+        let mut best = self.point(moved(start, free, &DVector::zeros(free.len())), free);
+        let steep = STEEP * (self.recording.readings() as f64 / LONG).max(1.0);
+        let (mut damping, mut end) = (1e-3, patience.steps);
+        for taken in 1..=patience.most {
+            if taken > end {
+                break;
+            }
+            let slope = self.slope(&best, free);
+            let Some(next) = self.step(&best, free, &slope.total(None), &mut damping) else {
+                return (best, Some(slope));
+            };
+            let gain = next.total - best.total;
+            best = next;
+            if gain < GAIN_ENOUGH {
+                return (best, Some(slope));
+            }
+            if gain >= steep {
+                end = end.max(taken + patience.more);
+            }
+        }
+        (best, None)
+    }
+
+    /// The models that the same fit gives without each fold in turn: one scoring step from the fit to all.
+    #[must_use]
+    pub fn without_each_fold(&self, fit: &Fit) -> Vec<Model> {
+        (0..Folds::COUNT).map(|fold| self.without(fit, fold).0).collect()
+    }
+
+    /// What each fold is worth under the model that was fitted without it, nats.
+    #[must_use]
+    pub fn held_out(&self, fit: &Fit) -> Worth {
+        std::array::from_fn(|fold| self.without(fit, fold).1[fold])
+    }
+
+    /// The fit without a fold, and what each fold is worth under it. A number of an added effect that the other folds do not
+    /// determine goes back to where it does nothing, else a fold would vouch for what it alone has seen.
+    fn without(&self, fit: &Fit, fold: usize) -> (Model, Worth) {
+        let kept = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
+        let here = self.of_each_fold(&fit.surprises);
+        let before = kept(&here) + fit.log_prior;
+        let (mut gradient, mut information) = fit.slope.total(Some(fold));
+        let mut slack = GAIN_ENOUGH;
+        for (i, free) in fit.free.iter().enumerate() {
+            let Some(off) = free.off_neutral(&fit.model, self.belief) else { continue };
+            gradient[i] -= off;
+            information[(i, i)] += 1.0;
+            slack += 0.5 * off * off;
+        }
+        let Some(mut direction) = information.cholesky().map(|factor| factor.solve(&gradient)) else {
+            return (fit.model.clone(), here);
+        };
+        for _ in 0..SHORTER {
+            let model = moved(&fit.model, &fit.free, &direction);
+            let there = self.by_fold(&model);
+            if kept(&there) + self.log_prior(&fit.free, &model) > before - slack {
+                return (model, there);
+            }
+            direction /= 4.0;
+        }
+        (fit.model.clone(), here)
+    }
+
+    /// ln prior of the numbers `free` of `model`, up to a constant; 0 where the record alone speaks.
+    pub(crate) fn log_prior(&self, free: &[Free], model: &Model) -> f64 {
+        if self.prior == Prior::Belief { prior(free, model, self.belief) } else { 0.0 }
+    }
+
+    /// What each fold is worth under `model` as it is, nats.
+    #[must_use]
+    pub fn by_fold(&self, model: &Model) -> Worth {
+        self.of_each_fold(&surprises(model, self.recording))
+    }
+
+    fn of_each_fold(&self, surprises: &[Surprise]) -> Worth {
+        let mut worth = Worth::default();
+        for s in surprises {
+            if let Some(fold) = self.folds.of(s.row) {
+                worth[fold] += s.log_density;
+            }
+        }
+        worth
+    }
+
+    fn point(&self, model: Model, free: &[Free]) -> Point {
+        let surprises = surprises(&model, self.recording);
+        let likelihood: f64 = surprises.iter().filter(|s| self.folds.of(s.row).is_some()).map(|s| s.log_density).sum();
+        let total = likelihood + self.log_prior(free, &model);
+        Point { model, surprises, total }
+    }
+
+    /// One damped scoring step to a better point. `None`: none was found.
+    fn step(
+        &self,
+        best: &Point,
+        free: &[Free],
+        (gradient, information): &(DVector<f64>, DMatrix<f64>),
+        damping: &mut f64,
+    ) -> Option<Point> {
+        for shortened in 0..SHORTEST {
+            let mut damped = information.clone();
+            for i in 0..free.len() {
+                damped[(i, i)] = damped[(i, i)] * (1.0 + *damping) + 1e-9;
+            }
+            let direction = damped.cholesky().map(|factor| factor.solve(gradient))?;
+            if shortened >= SHORTER && 0.5 * gradient.dot(&direction) < PROMISING {
+                return None;
+            }
+            let there = self.point(moved(&best.model, free, &direction), free);
+            if there.total > best.total {
+                *damping = (*damping * 0.2).max(1e-6);
+                return Some(there);
+            }
+            *damping *= 8.0;
+        }
+        None
+    }
+
+    /// Gradient and information of likelihood and prior at `point`.
+    fn slope(&self, point: &Point, free: &[Free]) -> Slope {
+        let nudged: Vec<Vec<Surprise>> =
+            free.iter().map(|free| surprises(&free.moved(&point.model, DIFFERENCE), self.recording)).collect();
+        let n = free.len();
+        let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
+        let mut folds = vec![zero.clone(); Folds::COUNT];
+        let (mut shift, mut spread, mut density) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for (k, s) in point.surprises.iter().enumerate() {
+            let Some(fold) = self.folds.of(s.row) else { continue };
+            let deviation = s.variance_mm2.sqrt();
+            for i in 0..n {
+                // A reading that turns from new to repeated has no slope.
+                if s.repeat || nudged[i][k].repeat {
+                    (shift[i], spread[i], density[i]) = (0.0, 0.0, 0.0);
+                    continue;
+                }
+                if free[i].is_of_the_density() {
+                    density[i] = (nudged[i][k].log_density - s.log_density) / DIFFERENCE;
+                    continue;
+                }
+                shift[i] = (nudged[i][k].expected_mm - s.expected_mm) / DIFFERENCE / deviation;
+                spread[i] = (nudged[i][k].variance_mm2 / s.variance_mm2).ln() / DIFFERENCE;
+            }
+            let (gradient, information) = &mut folds[fold];
+            for i in 0..n {
+                gradient[i] += s.pull * shift[i] + 0.5 * s.stretch * spread[i] + density[i];
+                for j in 0..=i {
+                    let normal = s.weight * (shift[i] * shift[j] + 0.5 * spread[i] * spread[j]);
+                    information[(i, j)] += normal + density[i] * density[j];
+                }
+            }
+        }
+        for (_, information) in &mut folds {
+            information.fill_upper_triangle_with_lower_triangle();
+        }
+        let mut prior = zero;
+        for (i, free) in free.iter().enumerate().filter(|_| self.prior == Prior::Belief) {
+            let (_, slope, curvature) = free.prior(&point.model, self.belief);
+            prior.0[i] = slope;
+            prior.1[(i, i)] = curvature;
+        }
+        Slope { folds, prior }
+    }
+}
+
+/// The model with every free number moved along `direction`.
+fn moved(model: &Model, free: &[Free], direction: &DVector<f64>) -> Model {
+    free.iter().zip(direction.iter()).fold(model.clone(), |model, (free, by)| free.moved(&model, *by))
+}
+
+#[cfg(test)]
+mod tests;

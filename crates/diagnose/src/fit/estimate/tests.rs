@@ -1,0 +1,33 @@
+//! What a fit recovers.
+
+use super::Problem;
+use crate::fit::parameter::{BASE, Free, Prior};
+use crate::record::folds::Folds;
+use crate::tests_support::{model, record};
+use plant::Model;
+
+#[test]
+fn a_fit_recovers_the_numbers_of_the_rig_within_their_own_deviations() {
+    let rig = model();
+    let wrong = Model { gain_mm_per_s2_per_percent: 200.0, drag_per_s: 2.5, hover_duty_percent: 21.6, ..rig.clone() };
+    let free = [&BASE[..], &[Free::Effect { name: "fan_lag", index: 0, size: 0.1 }]].concat();
+    let (mut inside, mut all) = (0, 0);
+    for seed in 0..8 {
+        let recording = record(&rig, seed, 60);
+        let folds = Folds::new(&rig, &recording);
+        let problem = Problem { recording: &recording, belief: &rig, folds: &folds, prior: Prior::Belief };
+        let fitted = problem.fit(&wrong, &free);
+        let deviations = fitted.deviations();
+        let off = [
+            (fitted.model.gain_mm_per_s2_per_percent / rig.gain_mm_per_s2_per_percent).ln() / deviations[0],
+            (fitted.model.drag_per_s / rig.drag_per_s).ln() / deviations[1],
+            (fitted.model.hover_duty_percent - rig.hover_duty_percent) / 0.1 / deviations[2],
+            (fitted.model.effects.fan_lag.unwrap().time_constant_s - 0.2) / 0.1 / deviations[5],
+        ];
+        assert!(off.iter().all(|off| off.abs() < 4.5), "seed {seed}: {off:?}");
+        inside += off.iter().filter(|off| off.abs() < 1.645).count();
+        all += off.len();
+    }
+    // 90 % of 32 is 28.8; fewer than 24 has a chance of 1 %.
+    assert!(inside >= 24, "{inside} of {all} within their 90 % intervals");
+}

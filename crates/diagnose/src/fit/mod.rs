@@ -1,0 +1,7 @@
+//! From innovations to parameters: maximum a posteriori estimates and their intervals.
+
+pub(crate) mod estimate;
+pub(crate) mod intervals;
+pub(crate) mod lag_form;
+pub(crate) mod parameter;
+pub(crate) mod profile;

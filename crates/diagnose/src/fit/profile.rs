@@ -1,0 +1,77 @@
+//! The interval of one number by its profile likelihood: as far as it can move, all others following, until the record minds.
+//!
+//! ```text
+//! L(θ̂) − max over the others of L(θ_i = x, others) = ½·z²        z = 1.645 for 90 %: 2.706, the quantile of χ² with one degree of freedom, halved
+//! ```
+//!
+//! Where the likelihood is no parabola, as between a drag and a lag that are nearly one double pole, or is rough, as that of a play, an
+//! interval from its curvature is too short; this one is not.
+//! Source: Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", Applied Statistics 37 (1988).
+
+use crate::fit::estimate::{Fit, Problem};
+use crate::fit::parameter::Free;
+
+/// Near enough to where the likelihood shall have dropped to, as a share of the drop, and so many drops that a search loses its way.
+const NEAR: f64 = 0.04;
+const FAR: f64 = 100.0;
+/// Deviations on either side that hold 90 % of a normal distribution.
+pub(crate) const OF_90_PERCENT: f64 = 1.645;
+/// Tries at most to find an end, and steps of the others each time.
+const TRIES: usize = 8;
+const STEPS: usize = 4;
+/// An end further than so many deviations, and than a unit of the number's own scale, is none.
+const TOO_FAR: f64 = 12.0;
+const UNIT: f64 = 1.0;
+/// Where a likelihood is rough, its curvature at the top may be that of a spike: the least deviation to start from, in the number's own scale.
+const LEAST_DEVIATION: f64 = 0.02;
+
+/// How far number `at` of the fit may move down (negative) and up, in its own scale: `z` deviations where the likelihood is a parabola.
+/// `None`: the record sets no end there, nor does what the number may be.
+pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize, z: f64) -> [Option<f64>; 2] {
+    let deviation = fit.deviations().get(at).copied().unwrap_or(f64::INFINITY);
+    if !deviation.is_finite() {
+        return [None, None];
+    }
+    let deviation = deviation.max(LEAST_DEVIATION);
+    [-deviation, deviation].map(|towards| end(problem, fit, at, towards, z))
+}
+
+/// Where the likelihood has dropped enough, on the side of `deviation`, or where the number may go no further.
+fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> Option<f64> {
+    let (top, enough) = (problem.total_of(fit), 0.5 * z * z);
+    let number: Free = fit.free[at];
+    let others: Vec<Free> = fit.free.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, free)| *free).collect();
+    let room = number.room(&fit.model, deviation);
+    let furthest = room.min((TOO_FAR * deviation.abs()).max(UNIT));
+    // The root of the drop is nearly a straight line through 0.
+    let (mut inside, mut beyond): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);
+    let mut here = (z * deviation.abs()).min(furthest);
+    for left in (0..TRIES).rev() {
+        if left == 0 && beyond.is_none() {
+            here = furthest;
+        }
+        let by = here.copysign(deviation);
+        let (model, total) = problem.look(&number.moved(&fit.model, by), &others, STEPS);
+        let drop = top - total - problem.log_prior(&[number], &model);
+        // A model that predicts nothing is far beyond the end.
+        let drop = if drop.is_finite() { drop.clamp(0.0, FAR * enough) } else { FAR * enough };
+        if (drop - enough).abs() < NEAR * enough {
+            return Some(by);
+        }
+        if drop < enough && here >= furthest {
+            return (furthest == room).then_some(by);
+        }
+        let root = (here, drop.sqrt());
+        if drop < enough {
+            inside = root
+        } else {
+            beyond = Some(root)
+        }
+        let straight = |a: (f64, f64), b: (f64, f64)| a.0 + (b.0 - a.0) * (enough.sqrt() - a.1) / (b.1 - a.1);
+        here = match beyond {
+            Some(beyond) => straight(inside, beyond),
+            None => (here * (enough.sqrt() / root.1.max(0.2)).clamp(1.2, 2.5)).min(furthest),
+        };
+    }
+    beyond.map(|(far, _)| far.copysign(deviation))
+}

@@ -1,0 +1,246 @@
+//! The gap: how well a model forecasts a recording, beside what noise alone would give.
+//!
+//! ```text
+//! E(h) = rms over all readings k of ( forecast made after reading k for the reading h later − that reading )
+//! F(h) = rms of the deviation that the model's own noise makes the filter expect of the same forecasts
+//! stay put: the same errors when the forecast is reading k itself
+//! free run: the forecasts of all readings in windows of 10 s, each from what was known at its start
+//! ```
+//!
+//! A model that is right has E = F at every horizon. In closed loop too: forecasts use the duty as recorded,
+//! and only the noise after reading k can separate them from the readings.
+
+use crate::filter::track::{Forecast, Track};
+use crate::record::recording::Recording;
+use plant::Model;
+use serde::Serialize;
+
+/// Horizons of the forecasts, seconds.
+const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
+/// Length of a free run, seconds.
+const FREE_RUN_S: f64 = 10.0;
+/// The filter's first seconds show the prior, not the model.
+const WARM_UP_S: f64 = 2.0;
+/// Forecast steps that are enough for three digits; a longer recording starts its forecasts less often.
+const ENOUGH_STEPS: usize = 10_000_000;
+
+/// How well a model forecasts a recording: rms errors in mm. `None` where the recording is too short to say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// How far ahead, seconds.
+    pub horizons_s: [f64; 3],
+    /// Error of the model.
+    pub error_mm: [Option<f64>; 3],
+    /// Error of the forecast that the ball stays where it was read.
+    pub stay_put_mm: [Option<f64>; 3],
+    /// What the model's noise alone gives.
+    pub floor_mm: [Option<f64>; 3],
+    /// Error of free runs over 10 s.
+    pub free_run_10s_mm: Option<f64>,
+    /// What the model's noise alone gives there.
+    pub floor_free_run_10s_mm: Option<f64>,
+}
+
+/// A root mean square that grows.
+#[derive(Clone, Copy, Debug, Default)]
+struct MeanSquare {
+    sum: f64,
+    count: f64,
+}
+
+impl MeanSquare {
+    fn add(&mut self, square: f64) {
+        self.sum += square;
+        self.count += 1.0;
+    }
+
+    fn merge(&mut self, other: Self) {
+        self.sum += other.sum;
+        self.count += other.count;
+    }
+
+    fn root(self) -> Option<f64> {
+        (self.count > 0.0).then(|| (self.sum / self.count).sqrt())
+    }
+}
+
+/// Errors of one kind of forecast.
+#[derive(Clone, Copy, Debug, Default)]
+struct Errors {
+    model: MeanSquare,
+    stay_put: MeanSquare,
+    floor: MeanSquare,
+}
+
+/// Errors of forecasts, as sums that can be added up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    horizons: [Errors; 3],
+    free_run: Errors,
+}
+
+impl Tally {
+    /// Mean squares at the longest horizon: of the model, and of noise alone.
+    pub(crate) fn squares_at_1_s(&self) -> Option<(f64, f64)> {
+        let Errors { model, floor, .. } = self.horizons[2];
+        (model.count > 0.0).then(|| (model.sum / model.count, floor.sum / floor.count))
+    }
+
+    /// The sums of several.
+    pub(crate) fn sum<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
+        all.fold(Self::default(), |mut sum, one| {
+            for (into, from) in sum.horizons.iter_mut().zip(&one.horizons) {
+                into.merge(from);
+            }
+            sum.free_run.merge(&one.free_run);
+            sum
+        })
+    }
+
+    /// The root mean squares.
+    pub(crate) fn gap(&self) -> Gap {
+        Gap {
+            horizons_s: HORIZONS_S,
+            error_mm: self.horizons.map(|errors| errors.model.root()),
+            stay_put_mm: self.horizons.map(|errors| errors.stay_put.root()),
+            floor_mm: self.horizons.map(|errors| errors.floor.root()),
+            free_run_10s_mm: self.free_run.model.root(),
+            floor_free_run_10s_mm: self.free_run.floor.root(),
+        }
+    }
+}
+
+impl Gap {
+    /// Measures the gap between `model` and `recording`.
+    #[must_use]
+    pub fn measure(model: &Model, recording: &Recording) -> Self {
+        Self::measure_where(model, recording, &|_| true)
+    }
+
+    /// Measures the gap of the forecasts and free runs that start from rows for which `counts` holds.
+    #[must_use]
+    pub fn measure_where(model: &Model, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> Self {
+        Tally::sum(tallies(model, recording, &|row| counts(row).then_some(0)).iter()).gap()
+    }
+}
+
+/// Errors of the forecasts and free runs that start from each row, by the group that `group` puts it in.
+pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize) -> Option<usize>) -> Vec<Tally> {
+    let track = Track::new(model, recording);
+    let mut all: Vec<Tally> = Vec::new();
+    let mut add = |group: usize, tally: Tally| {
+        all.resize(all.len().max(group + 1), Tally::default());
+        all[group] = Tally::sum([all[group], tally].iter());
+    };
+    horizons(&track, recording, group, &mut |group, horizons| add(group, Tally { horizons, ..Tally::default() }));
+    for run in runs(&track, recording) {
+        let Some(group) = group(run.row) else { continue };
+        let mut free_run = Errors::default();
+        for forecast in run.forecasts {
+            free_run.add(recording.samples()[forecast.row].position_mm, run.start_mm, forecast);
+        }
+        add(group, Tally { free_run, ..Tally::default() });
+    }
+    all
+}
+
+/// The readings that forecasts start from, thinned where all would take too many steps.
+fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item = usize> + 'a {
+    let rows_per_s = recording.samples().len() as f64 / recording.duration_s().max(1e-9);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
+    let steps = (track.readings() as f64 * rows_per_s) as usize;
+    let samples = recording.samples();
+    let begins_s = |row: usize| samples[recording.flight_of(row).start].time_s + WARM_UP_S;
+    let is_warm = move |k: &usize| track.reading(*k).is_some_and(|(row, time_s, _)| time_s >= begins_s(row));
+    (0..track.readings()).filter(is_warm).step_by(steps.div_ceil(ENOUGH_STEPS).max(1))
+}
+
+fn horizons(
+    track: &Track,
+    recording: &Recording,
+    group: &dyn Fn(usize) -> Option<usize>,
+    show: &mut dyn FnMut(usize, [Errors; 3]),
+) {
+    let samples = recording.samples();
+    let (mut flight, mut half_period_s) = (0..0, 0.0);
+    for from in starts(track, recording) {
+        let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
+        let Some(group) = group(row) else { continue };
+        if !flight.contains(&row) {
+            flight = recording.flight_of(row);
+            half_period_s = recording.reading_period_s(&flight) / 2.0;
+        }
+        let mut errors = [Errors::default(); 3];
+        let mut horizon = 0;
+        for forecast in track.forecasts(from) {
+            let ahead_s = samples[forecast.row].time_s - start_s;
+            while horizon < HORIZONS_S.len() && ahead_s >= HORIZONS_S[horizon] - half_period_s {
+                // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
+                let slack_s = half_period_s.max(0.02 * HORIZONS_S[horizon]) + 1e-9;
+                if ahead_s <= HORIZONS_S[horizon] + slack_s {
+                    errors[horizon].add(samples[forecast.row].position_mm, start_mm, forecast);
+                }
+                horizon += 1;
+            }
+            if horizon == HORIZONS_S.len() {
+                break;
+            }
+        }
+        show(group, errors);
+    }
+}
+
+/// A free run: what the model expects of every reading over 10 s, from what was known at its start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FreeRun {
+    /// The row of the reading that it starts from.
+    pub row: usize,
+    /// That reading, mm.
+    pub start_mm: f64,
+    /// What is expected of the readings after it.
+    pub forecasts: Vec<Forecast>,
+}
+
+/// Free runs one after another, as many as each flight of the recording holds whole.
+#[must_use]
+pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
+    runs(&Track::new(model, recording), recording)
+}
+
+fn runs(track: &Track, recording: &Recording) -> Vec<FreeRun> {
+    let samples = recording.samples();
+    let (mut next_s, mut last_s, mut flight) = (0.0, 0.0, 0..0);
+    let mut runs = Vec::new();
+    for from in 0..track.readings() {
+        let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
+        if !flight.contains(&row) {
+            flight = recording.flight_of(row);
+            (next_s, last_s) = (samples[flight.start].time_s + WARM_UP_S, samples[flight.end - 1].time_s);
+        }
+        if start_s < next_s || start_s + FREE_RUN_S > last_s {
+            continue;
+        }
+        next_s = start_s + FREE_RUN_S;
+        let forecasts = track.forecasts(from).take_while(|f| samples[f.row].time_s <= next_s).collect();
+        runs.push(FreeRun { row, start_mm, forecasts });
+    }
+    runs
+}
+
+impl Errors {
+    fn merge(&mut self, other: &Self) {
+        self.model.merge(other.model);
+        self.stay_put.merge(other.stay_put);
+        self.floor.merge(other.floor);
+    }
+
+    fn add(&mut self, reading_mm: Option<f64>, start_mm: f64, forecast: Forecast) {
+        let Some(reading_mm) = reading_mm else { return };
+        self.model.add((forecast.position_mm - reading_mm).powi(2));
+        self.stay_put.add((start_mm - reading_mm).powi(2));
+        self.floor.add(forecast.variance_mm2);
+    }
+}
+
+#[cfg(test)]
+mod tests;

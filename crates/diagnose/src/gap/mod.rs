@@ -1,0 +1,5 @@
+//! How large the gap is: forecast errors, and the share of them that a model closes.
+
+pub(crate) mod divergence;
+pub(crate) mod forecast_error;
+pub(crate) mod share_closed;

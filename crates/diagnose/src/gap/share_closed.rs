@@ -1,0 +1,95 @@
+//! How far the mended model closes the gap at 1 s, with the interval that the record allows.
+//!
+//! ```text
+//! closed = (E_nominal² − E_mended²) / (E_nominal² − F²)      on stretches that were not fitted to, not clipped
+//! ```
+//!
+//! The interval comes from drawing the stretches anew with replacement: what it varies is what another flight of the same kind
+//! would have shown. F is that of the mended model for both. Source: Künsch, "The jackknife and the bootstrap for general
+//! stationary observations", Annals of Statistics 17 (1989).
+
+use crate::gap::forecast_error::Tally;
+use plant::Normal;
+use serde::Serialize;
+
+/// Times that the stretches are drawn.
+const DRAWS: usize = 500;
+/// An error this much above the floor is a gap whose share can be told: of less, chance in the record closes or opens too much.
+const OPEN: f64 = 1.5;
+
+/// A share of the gap, with its 90 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Closed {
+    /// The share.
+    pub value: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Closed {
+    /// From the errors of the belief and of the mended model, stretch by stretch. `None`: there is too little to close.
+    pub(crate) fn of(nominal: &[Tally], mended: &[Tally]) -> Option<Self> {
+        let both: Vec<(&Tally, &Tally)> = nominal.iter().zip(mended).collect();
+        let (before, floor) = (squares(both.iter().map(|pair| pair.0))?.0, squares(both.iter().map(|pair| pair.1))?.1);
+        if !is_open(before, floor) {
+            return None;
+        }
+        let value = share(&both)?;
+        let mut chance = Normal::new(0, 11);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
+        let mut draw = || both[((chance.uniform() * both.len() as f64) as usize).min(both.len() - 1)];
+        let draws = (0..DRAWS).filter_map(|_| share(&(0..both.len()).map(|_| draw()).collect::<Vec<_>>()));
+        let mut draws: Vec<f64> = draws.filter(|share| share.is_finite()).collect();
+        draws.sort_by(f64::total_cmp);
+        let at = |part: usize| draws.get(draws.len() * part / 20).or(draws.last()).copied().unwrap_or(value);
+        Some(Self { value, low: at(1).min(value), high: at(19).max(value) })
+    }
+}
+
+/// Whether mean squares before and by noise alone leave a gap that is worth closing.
+pub(crate) fn is_open(before: f64, floor: f64) -> bool {
+    before.sqrt() >= OPEN * floor.sqrt()
+}
+
+/// The share of the gap that is closed, from mean squares before, after and by noise alone.
+pub(crate) fn share_closed(before: f64, after: f64, floor: f64) -> f64 {
+    (before - after) / (before - floor)
+}
+
+fn share(both: &[(&Tally, &Tally)]) -> Option<f64> {
+    let (before, _) = squares(both.iter().map(|pair| pair.0))?;
+    let (after, floor) = squares(both.iter().map(|pair| pair.1))?;
+    Some(share_closed(before, after, floor))
+}
+
+fn squares<'a>(tallies: impl Iterator<Item = &'a Tally>) -> Option<(f64, f64)> {
+    Tally::sum(tallies).squares_at_1_s()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Closed;
+    use crate::gap::forecast_error::tallies;
+    use crate::tests_support::{model, record};
+    use plant::{Effects, Model};
+
+    #[test]
+    fn the_right_model_closes_all_of_the_gap_and_the_belief_itself_none() {
+        let recording = record(&model(), 5, 80);
+        let by_stretch = |model: &Model| tallies(model, &recording, &|row| Some(row / 250));
+        let belief = by_stretch(&Model { effects: Effects::default(), ..model() });
+        let right = by_stretch(&model());
+        let closed = Closed::of(&belief, &right).unwrap();
+        assert!(closed.value > 0.85 && closed.high > 0.95 && closed.high - closed.low < 0.5, "{closed:?}");
+        // A mended model that is the belief closes nothing; its own noise sets the floor.
+        let none = Closed::of(&belief, &belief).unwrap();
+        assert!(none.value == 0.0 && none.low == 0.0 && none.high == 0.0, "{none:?}");
+        // Errors below what the noise gives leave nothing to close.
+        let mut restless = model();
+        restless.noise.acceleration_psd_mm2_per_s3 *= 4.0;
+        let restless = by_stretch(&restless);
+        assert_eq!(Closed::of(&restless, &restless), None);
+    }
+}

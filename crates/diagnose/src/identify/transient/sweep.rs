@@ -1,0 +1,220 @@
+//! The transient method on a sweep of gains: from pulses to (K_g, a) of every gain, and to their mean.
+//!
+//! ```text
+//! mean pulse of a gain → overshoot R and peak time T_p → δ, ω_n → K_g, a          R, T_p: maximum of a cubic about the peak
+//! not visibly beyond the setpoint: δ = 1, ω_n = 1.678/t_half                      1 − (1 + x)·e⁻ˣ = 1/2 at x = 1.678
+//! ```
+//!
+//! The pulses of a gain are averaged before R and T_p are read, each as much worth as the square of its jump: the maximum of one noisy pulse is
+//! too high, and so would be a mean of such maxima. That a centred mean over 16 points smoothes, as the thesis' does, the cubic does here.
+//! The intervals come from leaving out each pulse in turn (jackknife), that of the mean from the scatter of the gains as well.
+//! Sources: the thesis, section 3.1.2; Efron and Stein, "The jackknife estimate of variance", Annals of Statistics 9 (1981).
+
+use crate::fit::profile::OF_90_PERCENT;
+use crate::identify::grey_box::Estimate;
+use crate::identify::transient::peak::{half_way_s, highest};
+use crate::identify::transient::second_order::{Transient, TwoPoles};
+use crate::identify::transient::steps::{Pulse, Rejected, pulses};
+use crate::record::recording::Recording;
+use serde::Serialize;
+
+/// Gains that differ by less than this share are one.
+const SAME: f64 = 0.03;
+/// Fewest pulses of a gain.
+const FEWEST: usize = 4;
+/// An overshoot is seen if it is so many standard deviations.
+const SEEN: f64 = 2.0;
+/// ω_n·t_half of a critically damped loop.
+const HALF_WAY: f64 = 1.678_346_99;
+/// Student's 95 % quantiles for 1, 2, … degrees of freedom; beyond the table 1.645 + 1.6/ν.
+const STUDENT: [f64; 10] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833, 1.812];
+
+/// What the pulses of one gain say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OfGain {
+    /// K_p, percent per mm.
+    pub kp_per_mm: f64,
+    /// Pulses that were averaged.
+    pub pulses: usize,
+    /// R, share of the jump; 0 where none is seen.
+    pub overshoot: f64,
+    /// T_p, seconds; `None` where no overshoot is seen.
+    pub peak_s: Option<f64>,
+    /// δ; 1 where no overshoot is seen.
+    pub damping: f64,
+    /// ω_n, rad/s.
+    pub omega: f64,
+    /// K_g with its 90 % interval.
+    pub gain: Estimate,
+    /// a with its 90 % interval.
+    pub drag: Estimate,
+    /// Time since the jump in s, and share of the jump.
+    #[serde(skip)]
+    pub mean_pulse: Vec<(f64, f64)>,
+}
+
+/// What a sweep says.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sweep {
+    /// Gain by gain, lowest first.
+    pub gains: Vec<OfGain>,
+    /// K_g: mean over the gains whose overshoot is seen.
+    pub gain: Estimate,
+    /// a: the same.
+    pub drag: Estimate,
+    /// Jumps that were not used.
+    pub rejected: Rejected,
+}
+
+/// Why a sweep says nothing.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoSweep {
+    /// No pulses.
+    #[error(
+        "no gain has {FEWEST} pulses of a proportional controller ({short} jumps were too short, {not_proportional} not in proportion to the error); fly experiments/gain-pulses.toml once for each gain"
+    )]
+    NoPulses {
+        /// Rejected as short.
+        short: usize,
+        /// Rejected as not proportional.
+        not_proportional: usize,
+    },
+    /// Nothing overshoots.
+    #[error(
+        "no overshoot is seen at any of {gains} gains up to {highest_per_mm} per mm; add higher gains to the sweep"
+    )]
+    NoOvershoot {
+        /// How many gains there are.
+        gains: usize,
+        /// The highest.
+        highest_per_mm: f64,
+    },
+}
+
+impl Sweep {
+    /// Reads a sweep off `recording`. `dead_time_s`: what the loop holds and computes takes so long, usually half a period.
+    ///
+    /// # Errors
+    /// [`NoSweep`]: too few pulses, or none that overshoots.
+    pub fn of(recording: &Recording, dead_time_s: f64) -> Result<Self, NoSweep> {
+        let (mut all, rejected) = pulses(recording);
+        all.sort_by(|a, b| a.kp_per_mm.total_cmp(&b.kp_per_mm));
+        let groups =
+            all.chunk_by(|a, b| b.kp_per_mm < (1.0 + SAME) * a.kp_per_mm).filter(|group| group.len() >= FEWEST);
+        let gains: Vec<OfGain> = groups.filter_map(|group| of_gain(group, dead_time_s)).collect();
+        let Some(last) = gains.last() else {
+            let Rejected { short, not_proportional } = rejected;
+            return Err(NoSweep::NoPulses { short, not_proportional });
+        };
+        let refused = NoSweep::NoOvershoot { gains: gains.len(), highest_per_mm: last.kp_per_mm };
+        let seen =
+            |of: fn(&OfGain) -> Estimate| gains.iter().filter(|g| g.peak_s.is_some()).map(of).collect::<Vec<_>>();
+        let (gain, drag) = (mean(&seen(|g| g.gain)), mean(&seen(|g| g.drag)));
+        let (gain, drag) = gain.zip(drag).ok_or(refused)?;
+        Ok(Self { gains, gain, drag, rejected })
+    }
+}
+
+/// One estimate from the pulses of a gain: R, T_p, and the plant behind them.
+struct Reading {
+    overshoot: f64,
+    peak_s: Option<f64>,
+    transient: Transient,
+    plant: TwoPoles,
+}
+
+fn of_gain(group: &[Pulse], dead_time_s: f64) -> Option<OfGain> {
+    let n = group.len() as f64;
+    let kp_per_mm = group.iter().map(|pulse| pulse.kp_per_mm).sum::<f64>() / n;
+    let left_out = |k: usize| group.iter().enumerate().filter(move |(other, _)| *other != k).map(|(_, pulse)| pulse);
+    let peaks = (0..group.len()).map(|k| highest(&mean_pulse(left_out(k))).map_or(0.0, |peak| peak.1 - 1.0));
+    let overshoot_sigma = jackknife(&peaks.collect::<Vec<_>>());
+    let is_seen = highest(&mean_pulse(group.iter())).is_some_and(|peak| peak.1 - 1.0 > SEEN * overshoot_sigma);
+    let read = |points: &[(f64, f64)]| reading(points, kp_per_mm, dead_time_s, is_seen);
+    let mean_pulse_of_all = mean_pulse(group.iter());
+    let whole = read(&mean_pulse_of_all)?;
+    let others: Vec<Reading> = (0..group.len()).filter_map(|k| read(&mean_pulse(left_out(k)))).collect();
+    let estimate = |name, of: fn(&TwoPoles) -> f64| {
+        let value = of(&whole.plant);
+        let logs: Vec<f64> = others.iter().map(|other| of(&other.plant).ln()).collect();
+        let half = student(group.len() - 1) * jackknife(&logs);
+        Estimate { name, value, low: Some(value * (-half).exp()), high: Some(value * half.exp()) }
+    };
+    Some(OfGain {
+        kp_per_mm,
+        pulses: group.len(),
+        overshoot: whole.overshoot,
+        peak_s: whole.peak_s,
+        damping: whole.transient.damping,
+        omega: whole.transient.omega,
+        gain: estimate("gain_mm_per_s2_per_percent", |plant| plant.gain),
+        drag: estimate("drag_per_s", |plant| plant.drag_per_s),
+        mean_pulse: mean_pulse_of_all,
+    })
+}
+
+/// What a mean pulse says. `None`: it is no step response.
+fn reading(points: &[(f64, f64)], kp_per_mm: f64, dead_time_s: f64, is_seen: bool) -> Option<Reading> {
+    let (overshoot, peak_s, transient) = if is_seen {
+        let (peak_s, height) = highest(points)?;
+        (height - 1.0, Some(peak_s), Transient::of_step(height - 1.0, peak_s - dead_time_s)?)
+    } else {
+        let omega = HALF_WAY / (half_way_s(points)? - dead_time_s);
+        (0.0, None, Transient { damping: 1.0, omega })
+    };
+    let plant = transient.plant_behind(kp_per_mm, dead_time_s);
+    (plant.gain > 0.0 && plant.drag_per_s > 0.0).then_some(Reading { overshoot, peak_s, transient, plant })
+}
+
+/// The mean of pulses as time and share of the jump, each as much worth as the square of its jump. Where the ball settles is the same for
+/// all, whatever the controller believes of hover.
+fn mean_pulse<'a>(pulses: impl Iterator<Item = &'a Pulse> + Clone) -> Vec<(f64, f64)> {
+    let settled = |sign: f64| {
+        let all: Vec<f64> = pulses.clone().filter(|p| sign * p.jump_mm > 0.0).map(|p| p.settled_mm).collect();
+        (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+    };
+    // Up and down count alike: what is not quite settled then cancels.
+    let sides = [settled(1.0), settled(-1.0)];
+    let offset_mm = sides.iter().flatten().sum::<f64>() / sides.iter().flatten().count().max(1) as f64;
+    let shortest = pulses.clone().map(|pulse| pulse.points.len()).min().unwrap_or_default();
+    let point = |k: usize| {
+        let sum = pulses.clone().fold((0.0, 0.0, 0.0), |(t, y, w), pulse| {
+            let (time_s, mm) = pulse.points[k];
+            let jump = pulse.jump_mm;
+            (t + jump * jump * time_s, y + jump * (mm - pulse.from_mm - offset_mm), w + jump * jump)
+        });
+        (sum.0 / sum.2, sum.1 / sum.2)
+    };
+    (0..shortest).map(point).collect()
+}
+
+/// Standard deviation of what was found from all, by what was found without each.
+fn jackknife(without: &[f64]) -> f64 {
+    let n = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / n;
+    ((n - 1.0) / n * without.iter().map(|x| (x - mean).powi(2)).sum::<f64>()).sqrt()
+}
+
+fn student(degrees: usize) -> f64 {
+    degrees
+        .checked_sub(1)
+        .and_then(|at| STUDENT.get(at))
+        .copied()
+        .unwrap_or(OF_90_PERCENT + 1.6 / degrees.max(1) as f64)
+}
+
+/// The mean of the logarithms, each weighed by its own interval; the mean's interval grows where they scatter by more than that.
+fn mean(all: &[Estimate]) -> Option<Estimate> {
+    let first = all.first()?;
+    let log = |of: &Estimate| Some((of.value.ln(), (of.high? / of.low?).ln().max(1e-9).powi(-2)));
+    let logs: Vec<(f64, f64)> = all.iter().filter_map(log).collect();
+    let weight: f64 = logs.iter().map(|(_, w)| w).sum();
+    let mean = logs.iter().map(|(x, w)| w * x).sum::<f64>() / weight;
+    // The weights are of intervals: twice the quantile of a deviation wide.
+    let width = 2.0 * OF_90_PERCENT;
+    let scatter = logs.iter().map(|(x, w)| width * width * w * (x - mean).powi(2)).sum::<f64>();
+    let wider = (scatter / (logs.len() - 1).max(1) as f64).max(1.0);
+    let half = OF_90_PERCENT * wider.sqrt() / (width * weight.sqrt());
+    let value = mean.exp();
+    Some(Estimate { name: first.name, value, low: Some(value * (-half).exp()), high: Some(value * half.exp()) })
+}

@@ -1,0 +1,81 @@
+//! From take-off to landing: a ball that still lies at an end of the pipe, or lies there again for good, says nothing of what moves it.
+//!
+//! What such rows do say, that an end holds the ball, no model of free flight has; and a filter that begins there begins wrong.
+
+use crate::record::check::Finding;
+use crate::record::free_flight::is_at_end;
+use crate::record::recording::Recording;
+use plant::Model;
+
+/// Fewer rows than this are the noise of a start in flight.
+const LIES: usize = 5;
+
+/// One flight without the rows before its take-off and after its landing, and what to say of that. `None`: it has none, or never takes off.
+pub(crate) fn aloft(flight: &Recording, belief: &Model) -> Option<(Finding, Recording)> {
+    let rows = flight.samples();
+    let flies = |at: &usize| rows[*at].position_mm.is_some_and(|mm| !is_at_end(belief, mm));
+    let (first, last) = ((0..rows.len()).find(flies)?, (0..rows.len()).rev().find(flies)?);
+    let (before, after) = (first, rows.len() - 1 - last);
+    if before.max(after) < LIES {
+        return None;
+    }
+    let finding = Finding::AtEnd {
+        before_s: rows[first].time_s - rows[0].time_s,
+        after_s: rows[rows.len() - 1].time_s - rows[last].time_s,
+    };
+    Some((finding, Recording::new(rows[first..=last].to_vec()).ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::aloft;
+    use crate::record::check::Finding;
+    use crate::tests_support::{model, record};
+    use crate::{Options, Recording, Sample, Verdict, diagnose};
+    use plant::effects::SensorQuantisation;
+    use plant::{Effects, Model};
+
+    /// A flight, long after its take-off.
+    fn flight(rig: &Model, seconds: u32) -> Recording {
+        let whole = record(rig, 1, seconds + 3);
+        let rows = whole.samples()[150..].iter();
+        Recording::new(rows.map(|row| Sample { time_s: row.time_s - 3.0, ..*row }).collect()).unwrap()
+    }
+
+    /// A flight after two seconds on the ground and before one.
+    fn from_ground_to_ground(flight: &Recording) -> Recording {
+        let lying = |time_s: f64| Sample { time_s, duty_percent: 25.0, position_mm: Some(0.0), ..Sample::default() };
+        let before = (0..100).map(|k| lying(f64::from(k) * 0.02));
+        let aloft = flight.samples().iter().map(|row| Sample { time_s: row.time_s + 2.0, ..*row });
+        let end_s = 2.0 + flight.duration_s();
+        let after = (1..=50).map(|k| lying(end_s + f64::from(k) * 0.02));
+        Recording::new(before.chain(aloft).chain(after).collect()).unwrap()
+    }
+
+    #[test]
+    fn rows_on_the_ground_are_left_out_and_said() {
+        let flight = flight(&model(), 40);
+        let (finding, found) = aloft(&from_ground_to_ground(&flight), &model()).unwrap();
+        let Finding::AtEnd { before_s, after_s } = finding else { panic!("{finding:?}") };
+        assert!((before_s - 2.0).abs() < 0.03 && (after_s - 1.0).abs() < 0.03, "{finding}");
+        assert_eq!(found.samples().len(), flight.samples().len());
+        assert!(aloft(&flight, &model()).is_none());
+        let never: Vec<Sample> = (0..500)
+            .map(|k| Sample { time_s: f64::from(k) * 0.02, position_mm: Some(0.0), ..Sample::default() })
+            .collect();
+        assert!(aloft(&Recording::new(never).unwrap(), &model()).is_none());
+    }
+
+    #[test]
+    fn the_time_on_the_ground_changes_no_answer() {
+        let coarse = Effects { sensor_quantisation: Some(SensorQuantisation { step_mm: 8.0 }), ..model().effects };
+        let flight = flight(&Model { effects: coarse, ..model() }, 60);
+        let named = |recording: Recording| {
+            let found = diagnose(&model(), &[recording], &Options::default());
+            (found.verdict, found.effects.iter().map(|named| named.candidate.entry.name).collect::<Vec<_>>())
+        };
+        let grounded = from_ground_to_ground(&flight);
+        assert_eq!(named(grounded), (Verdict::Effect, vec!["sensor_quantisation"]));
+        assert_eq!(named(flight), (Verdict::Effect, vec!["sensor_quantisation"]));
+    }
+}

@@ -1,0 +1,330 @@
+//! The check of a record: is it fit to answer, and what can it not answer?
+//!
+//! Works on the rows alone, before any model runs. Every finding is a sentence with its numbers that ends in what to do.
+//! Spread is measured robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
+
+use crate::record::recording::{Recording, Sample};
+use crate::stats::median::median;
+use plant::Model;
+
+/// A time between rows so many times longer than usual is a gap.
+const GAP: f64 = 3.0;
+/// A reading so many robust deviations off its neighbours is an outlier: chance gives one in 10⁸.
+const OUTLIER: f64 = 6.0;
+/// More exact repeats in a row than this, of a position that otherwise moves, are a sensor that refreshes late.
+const REPEATS: usize = 3;
+/// A VL53L0X without a target says one of these numbers.
+const NO_TARGET_MM: [f64; 2] = [8190.0, 8191.0];
+/// A duty that moves less than this, percent, excites nothing: four steps of a 12-bit chip.
+const STILL_PERCENT: f64 = 0.1;
+
+/// A hover beyond this cannot be met by duties that are fractions.
+const FRACTION_OF_HOVER: f64 = 2.0;
+/// A gain that is off by more than this, either way, or a drag that is larger by more, is that of another rig or unit.
+const OTHER_RIG: f64 = 5.0;
+/// Share of readings outside the pipe that makes it another pipe.
+const ELSEWHERE: f64 = 0.1;
+/// Rows further apart than the longest forecast that is asked for, seconds, show nothing.
+const SLOWEST_S: f64 = 1.0;
+
+/// Something about a record that its reader should know.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Finding {
+    /// The duty hardly moves.
+    #[error(
+        "the duty stays within {range_percent:.3} %, which excites nothing: gain, lag and dead zone cannot be told from such \
+         a record; fly one with a moving setpoint"
+    )]
+    StillDuty {
+        /// Largest minus smallest duty, percent.
+        range_percent: f64,
+    },
+    /// The duty looks like a fraction.
+    #[error(
+        "every duty lies within 0 to 1, as fractions do; if they are fractions, say [import] duty_percent.scale = 100"
+    )]
+    FractionalDuty,
+    /// The position never moves.
+    #[error(
+        "the position is {position_mm} mm in every row; check that the sensor was read, and the column of [import]"
+    )]
+    StillPosition {
+        /// The one position, mm.
+        position_mm: f64,
+    },
+    /// Readings outside the model's pipe.
+    #[error(
+        "{count} readings lie outside the model's pipe of 0 to {length_mm} mm, the furthest at {furthest_mm:.1} mm; check \
+         plant.pipe_length_mm and the scale and offset of [import]"
+    )]
+    OutsidePipe {
+        /// How many.
+        count: usize,
+        /// The one furthest outside, mm.
+        furthest_mm: f64,
+        /// Length of the model's pipe, mm.
+        length_mm: f64,
+    },
+    /// Readings that are codes for "no target".
+    #[error("{count} readings are 8190 or 8191, which a VL53L0X says without a target: they count as empty")]
+    NoTarget {
+        /// How many.
+        count: usize,
+    },
+    /// Time between rows is uneven.
+    #[error(
+        "{count} gaps between rows, the longest {longest_s:.3} s where {usual_s:.4} s is usual; forecasts cross them by the duty before them"
+    )]
+    Gaps {
+        /// How many.
+        count: usize,
+        /// The longest, seconds.
+        longest_s: f64,
+        /// The usual time between rows, seconds.
+        usual_s: f64,
+    },
+    /// The rows are too far apart.
+    #[error(
+        "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
+    )]
+    SlowRows {
+        /// The usual time between rows, seconds.
+        usual_s: f64,
+    },
+    /// Too little to go by.
+    #[error(
+        "{readings} readings in free flight, and the diagnosis needs {needed}: fly longer, or name more flights of this rig together"
+    )]
+    TooFew {
+        /// Readings that count.
+        readings: usize,
+        /// How many there should be.
+        needed: usize,
+    },
+    /// Readings far from their neighbours.
+    #[error(
+        "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of all; a reading so far off counts for little in the fits: look at them first"
+    )]
+    Outliers {
+        /// How many.
+        count: usize,
+        /// Share of all readings, percent.
+        percent: f64,
+        /// The limit, mm.
+        limit_mm: f64,
+    },
+    /// A log among several that says nothing.
+    #[error("this log is left out of the diagnosis, and the others are used without it")]
+    LeftOut,
+    /// The diagnosis worked on fewer readings.
+    #[error("a fast clock: the diagnosis used every duty, and one reading in {merged}")]
+    Thinned {
+        /// One reading in so many was used.
+        merged: usize,
+    },
+    /// The diagnosis worked on means of readings.
+    #[error("a fast clock: the diagnosis used every duty, and the means of {merged} readings each")]
+    Averaged {
+        /// So many readings were merged.
+        merged: usize,
+    },
+    /// The record and the belief do not go together.
+    #[error(
+        "the record fits a {number} that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.{number}"
+    )]
+    OtherRig {
+        /// The base parameter, as the config names it.
+        number: &'static str,
+        /// What was fitted by what is believed.
+        ratio: f64,
+    },
+    /// Rows before the take-off or after the landing.
+    #[error(
+        "the ball lies at an end of the pipe for {before_s:.2} s before it takes off and {after_s:.2} s after it lands: these rows are left out"
+    )]
+    AtEnd {
+        /// Time before the take-off, seconds.
+        before_s: f64,
+        /// Time after the landing, seconds.
+        after_s: f64,
+    },
+    /// The same reading again and again.
+    #[error(
+        "{percent:.0} % of the readings are repeated, up to {longest} times: the ball stands still, the readings are coarse, or \
+         the sensor refreshes slower than the loop reads; in the last case mark repeats by a column `fresh` or leave them empty"
+    )]
+    Repeats {
+        /// Share of readings in such runs, percent.
+        percent: f64,
+        /// The longest run, rows.
+        longest: usize,
+    },
+}
+
+/// What the reader of `recording`, which is one flight, should know before comparing it with `model`.
+#[must_use]
+pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
+    let samples = recording.samples();
+    let readings: Vec<f64> = samples.iter().filter_map(|sample| sample.position_mm).collect();
+    let still = readings.iter().all(|reading| Some(reading) == readings.first());
+    let of_position = if still {
+        vec![readings.first().map(|&position_mm| Finding::StillPosition { position_mm })]
+    } else {
+        let seen: Vec<f64> = readings.iter().copied().filter(|reading| !is_code(*reading)).collect();
+        vec![no_target(&readings), outside_pipe(&seen, model), outliers(&seen, model), repeats(&seen)]
+    };
+    duty(samples).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
+}
+
+fn duty(samples: &[Sample]) -> [Option<Finding>; 2] {
+    let (low, high) = samples
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.duty_percent), high.max(s.duty_percent)));
+    let fraction = low >= 0.0 && high <= 1.0 && high > low;
+    let still = high - low < STILL_PERCENT && !fraction;
+    [fraction.then_some(Finding::FractionalDuty), still.then_some(Finding::StillDuty { range_percent: high - low })]
+}
+
+fn clock(samples: &[Sample]) -> [Option<Finding>; 2] {
+    let steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let Some(usual_s) = median(steps.clone()) else { return [None; 2] };
+    let long = || steps.iter().filter(|step| **step > GAP * usual_s);
+    let longest_s = long().copied().fold(0.0, f64::max);
+    let gaps = (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s });
+    [(usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+}
+
+fn is_code(reading: f64) -> bool {
+    NO_TARGET_MM.contains(&reading)
+}
+
+fn no_target(readings: &[f64]) -> Option<Finding> {
+    let count = readings.iter().filter(|reading| is_code(**reading)).count();
+    (count > 0).then_some(Finding::NoTarget { count })
+}
+
+fn outside_pipe(readings: &[f64], model: &Model) -> Option<Finding> {
+    // Noise carries a ball that rests at an end a little beyond it.
+    let slack_mm = OUTLIER * model.noise.sensor_mm;
+    let beyond = |reading: f64| (-reading).max(reading - model.pipe_length_mm);
+    let outside = || readings.iter().copied().filter(|reading| beyond(*reading) > slack_mm);
+    let furthest_mm = outside().max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)))?;
+    Some(Finding::OutsidePipe { count: outside().count(), furthest_mm, length_mm: model.pipe_length_mm })
+}
+
+/// A reading against the mean of its neighbours: what the ball does on the way cancels, what the sensor does once stays.
+fn outliers(readings: &[f64], model: &Model) -> Option<Finding> {
+    let odd: Vec<f64> = readings.windows(3).map(|r| r[1] - (r[0] + r[2]) / 2.0).collect();
+    let deviation = 1.4826 * median(odd.iter().map(|value| value.abs()).collect())?;
+    // No less than the believed noise allows: the deviation of this difference is σ·√1.5.
+    let limit_mm = OUTLIER * deviation.max(1.5_f64.sqrt() * model.noise.sensor_mm);
+    let single = |w: &[f64]| w[1].abs() > limit_mm && w[1].abs() > w[0].abs() && w[1].abs() >= w[2].abs();
+    let count = odd.windows(3).filter(|w| single(w)).count();
+    let percent = 100.0 * count as f64 / readings.len() as f64;
+    (count > 0).then_some(Finding::Outliers { count, percent, limit_mm })
+}
+
+fn repeats(readings: &[f64]) -> Option<Finding> {
+    let runs = || readings.chunk_by(|a, b| a == b).map(<[f64]>::len).filter(|run| *run > REPEATS);
+    let percent = 100.0 * runs().sum::<usize>() as f64 / readings.len() as f64;
+    (percent > 20.0).then(|| Finding::Repeats { percent, longest: runs().max().unwrap_or_default() })
+}
+
+/// Whether findings leave nothing to diagnose: nothing moves, or the record and the belief are not of one rig.
+pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &Model) -> bool {
+    let readings = recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
+    findings.iter().any(|finding| match finding {
+        Finding::StillDuty { .. } | Finding::StillPosition { .. } | Finding::SlowRows { .. } => true,
+        Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
+        Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,
+        _ => false,
+    })
+}
+
+/// What is to be said of a model that was mended with so much other a gain, or so much more drag, that it is no longer the believed rig. With less
+/// drag it may be: an effect can take its place.
+pub(crate) fn other_rig(belief: &Model, mended: &Model) -> Option<Finding> {
+    let gain = mended.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent;
+    let drag = mended.drag_per_s / belief.drag_per_s;
+    if gain.max(gain.recip()) > OTHER_RIG {
+        return Some(Finding::OtherRig { number: "gain_mm_per_s2_per_percent", ratio: gain });
+    }
+    // A belief without drag has no ratio to it.
+    (belief.drag_per_s > 0.0 && drag > OTHER_RIG).then_some(Finding::OtherRig { number: "drag_per_s", ratio: drag })
+}
+
+/// The recording without the readings by which a VL53L0X says that it saw nothing (8190, 8191); `None` if it has none of them.
+#[must_use]
+pub fn without_codes(recording: &Recording) -> Option<Recording> {
+    let samples = recording.samples();
+    samples.iter().find(|sample| sample.position_mm.is_some_and(is_code))?;
+    let plain = |sample: &Sample| Sample { position_mm: sample.position_mm.filter(|mm| !is_code(*mm)), ..*sample };
+    Recording::new(samples.iter().map(plain).collect()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Finding, check};
+    use crate::tests_support::{model, record};
+    use crate::{Recording, Sample};
+
+    /// The findings of a good flight after `spoil` has changed its rows.
+    fn findings(spoil: impl FnOnce(&mut Vec<Sample>)) -> Vec<Finding> {
+        let mut samples = record(&model(), 1, 40).samples().to_vec();
+        spoil(&mut samples);
+        check(&Recording::new(samples).unwrap(), &model())
+    }
+
+    #[test]
+    fn a_good_flight_has_no_findings() {
+        for seed in 0..10 {
+            assert_eq!(check(&record(&model(), seed, 40), &model()), []);
+        }
+    }
+
+    #[test]
+    fn single_wild_readings_are_counted() {
+        let found = findings(|rows| [300, 900, 1500].iter().for_each(|&k| rows[k].position_mm = Some(500.0)));
+        assert!(matches!(found[..], [Finding::Outliers { count: 3, .. }]), "{found:?}");
+    }
+
+    #[test]
+    fn codes_of_the_sensor_are_told_from_positions() {
+        assert_eq!(findings(|rows| rows[700].position_mm = Some(8190.0)), [Finding::NoTarget { count: 1 }]);
+    }
+
+    #[test]
+    fn a_hole_in_time_is_a_gap() {
+        let found = findings(|rows| drop(rows.drain(500..520)));
+        assert!(
+            matches!(found[..], [Finding::Gaps { count: 1, longest_s, .. }] if (longest_s - 0.42).abs() < 1e-9),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn rows_in_milliseconds_are_too_far_apart_to_be_seconds() {
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.time_s *= 1000.0));
+        assert!(matches!(found[..], [Finding::SlowRows { usual_s }] if (usual_s - 20.0).abs() < 1e-6), "{found:?}");
+    }
+
+    #[test]
+    fn a_sensor_that_refreshes_late_shows_in_repeats() {
+        let found = findings(|rows| {
+            for k in 0..rows.len() {
+                rows[k].position_mm = rows[k - k % 5].position_mm;
+            }
+        });
+        assert!(found.iter().any(|f| matches!(f, Finding::Repeats { longest, .. } if *longest >= 5)), "{found:?}");
+    }
+
+    #[test]
+    fn a_duty_that_is_a_fraction_or_never_moves_and_a_position_that_never_moves_are_named() {
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent /= 100.0));
+        assert!(found.contains(&Finding::FractionalDuty), "{found:?}");
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent = 21.4));
+        assert!(found.contains(&Finding::StillDuty { range_percent: 0.0 }), "{found:?}");
+        let found = findings(|rows| rows.iter_mut().for_each(|row| row.position_mm = Some(7.0)));
+        assert_eq!(found, [Finding::StillPosition { position_mm: 7.0 }]);
+    }
+}

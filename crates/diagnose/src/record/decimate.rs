@@ -1,0 +1,148 @@
+//! Recordings of a fast clock, thinned to what a rig of this kind can show.
+//!
+//! Every duty is kept, since what a fan makes of a duty that chatters is not what it makes of its mean. Readings are merged to some that are a
+//! hundredth of a second apart: a ball in a pipe, or an arm, does not show more than that. Each is the mean of the readings about it, and
+//! as much surer: the controller saw them all, and a filter that left some out would take what the controller makes of them for
+//! something that the rig does. Readings whose mean is no reading (coarse, held, wild, with less noise than their path bends) are picked, one in
+//! so many.
+
+use crate::record::reading_variance::reading_variance;
+use crate::record::recording::{Recording, Sample};
+use crate::stats::spread::spread;
+use plant::Model;
+
+/// Recordings with fewer rows together are taken as they are.
+const MANY_ROWS: usize = 20_000;
+/// Rows a second that are enough.
+const ENOUGH_HZ: f64 = 100.0;
+/// The same where rows are many even so, and how many that is.
+const FEWER_HZ: f64 = 50.0;
+const VERY_MANY_ROWS: f64 = 400_000.0;
+/// What a path bends by within a block moves its mean off the middle; it may do so by this share of the mean's own noise.
+const BENT: f64 = 0.3;
+/// Share of the blocks of readings that must be whole.
+const ENOUGH_WHOLE: f64 = 0.9;
+
+/// How readings were merged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Thinned {
+    /// How many became one.
+    pub(crate) merged: usize,
+    /// Whether the one is their mean.
+    pub(crate) means: bool,
+}
+
+/// The thinned flight, one of `all`, of a rig that is believed to be `belief`, and how; `None` where it is used as it is. `smooth`: the
+/// mean of readings of a ball at rest is a reading.
+pub(crate) fn thinned(
+    flight: &Recording,
+    all: &[Recording],
+    belief: &Model,
+    smooth: bool,
+) -> Option<(Thinned, Recording)> {
+    let samples = flight.samples();
+    let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
+    let (all_rows, all_s) =
+        all.iter().fold((0, 0.0), |(rows, s), one| (rows + one.samples().len(), s + one.duration_s()));
+    let enough = if all_s * ENOUGH_HZ > VERY_MANY_ROWS { FEWER_HZ } else { ENOUGH_HZ };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
+    let merged = (rate_hz / enough) as usize;
+    if all_rows < MANY_ROWS || merged < 2 {
+        return None;
+    }
+    // An odd number has a row in the middle.
+    let count = merged | 1;
+    let sigma_mm = (reading_variance(belief) / count as f64).sqrt();
+    let straight = bend_mm(samples, belief, count, count as f64 / rate_hz) < BENT * sigma_mm;
+    let means = if smooth && straight { means(samples, count) } else { None };
+    if let Some(rows) = means {
+        let recording = Recording::new(rows).ok()?.of_means(count);
+        return Some((Thinned { merged: count, means: true }, recording));
+    }
+    let rows = samples.iter().enumerate().map(|(k, row)| if k.is_multiple_of(merged) { *row } else { unread(row) });
+    Recording::new(rows.collect()).ok().map(|recording| (Thinned { merged, means: false }, recording))
+}
+
+/// How far the mean of a block of `count` rows lies off its middle, mm: a·T²/24 for the acceleration that the ball gets from how far the
+/// blocks' duties spread. What a duty does within a block bends no path.
+fn bend_mm(samples: &[Sample], belief: &Model, count: usize, seconds: f64) -> f64 {
+    let blocks =
+        samples.chunks_exact(count).map(|block| block.iter().map(|row| row.duty_percent).sum::<f64>() / count as f64);
+    belief.gain_mm_per_s2_per_percent.abs() * spread(blocks).unwrap_or(0.0) * seconds * seconds / 24.0
+}
+
+/// The rows, of each `count` the middle one with the mean of their readings, where none of them lacks one. `None`: too many do.
+fn means(samples: &[Sample], count: usize) -> Option<Vec<Sample>> {
+    let mut rows: Vec<Sample> = samples.iter().map(unread).collect();
+    let mut whole = 0;
+    for (block, of_block) in samples.chunks_exact(count).enumerate() {
+        let middle = count / 2;
+        let sum: Option<f64> = of_block.iter().map(|row| row.position_mm).sum();
+        if let Some(sum) = sum {
+            let mean_mm = sum / count as f64;
+            rows[block * count + middle] = Sample { position_mm: Some(mean_mm), ..of_block[middle] };
+            whole += 1;
+        }
+    }
+    (whole as f64 > ENOUGH_WHOLE * (samples.len() / count) as f64).then_some(rows)
+}
+
+/// A row without what was measured in it.
+fn unread(row: &Sample) -> Sample {
+    Sample { position_mm: None, position2_mm: None, fan_rpm: None, ..*row }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Thinned, thinned};
+    use crate::tests_support::{model, record};
+    use crate::{Recording, Sample};
+
+    /// 40 s at 1 kHz, every position its time.
+    fn fast(seen: impl Fn(u32) -> bool) -> Recording {
+        let row = |k| Sample {
+            time_s: 0.001 * f64::from(k),
+            duty_percent: f64::from(k % 10) + f64::from(k / 100 % 10),
+            position_mm: seen(k).then(|| 0.001 * f64::from(k)),
+            ..Sample::default()
+        };
+        Recording::new((0..40_000).map(row).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_every_duty_and_some_readings() {
+        let slow = record(&model(), 1, 20);
+        assert!(thinned(&slow, slow.as_ref(), &model(), true).is_none());
+        let fast = fast(|_| true);
+        for (smooth, merged) in [(false, 10), (true, 11)] {
+            let (how, thin) = thinned(&fast, fast.as_ref(), &model(), smooth).unwrap();
+            assert_eq!(how, Thinned { merged, means: smooth });
+            assert_eq!((thin.samples().len(), thin.readings()), (40_000, 40_000 / merged));
+            assert_eq!(thin.mean_of(0), if smooth { merged } else { 1 });
+            for (sample, full) in thin.samples().iter().zip(fast.samples()) {
+                assert_eq!(sample.duty_percent, full.duty_percent);
+                // The mean of a straight line lies on it.
+                assert!(sample.position_mm.is_none_or(|mm| (mm - sample.time_s).abs() < 1e-12));
+            }
+        }
+    }
+
+    #[test]
+    fn readings_whose_path_bends_more_than_their_noise_are_picked() {
+        let mut quiet = model();
+        let fast = fast(|_| true);
+        // 254.6 mm/s² per percent, blocks of 11 ms whose duties spread by 2.9 %: 0.0037 mm. That within a block bends nothing.
+        for (sensor_mm, means) in [(0.05, true), (0.03, false)] {
+            quiet.noise.sensor_mm = sensor_mm;
+            let (how, _) = thinned(&fast, fast.as_ref(), &quiet, true).unwrap();
+            assert_eq!(how.means, means, "{sensor_mm} mm");
+        }
+    }
+
+    #[test]
+    fn readings_with_too_many_holes_are_picked() {
+        let holes = fast(|k| k % 12 != 5);
+        let (how, thin) = thinned(&holes, holes.as_ref(), &model(), true).unwrap();
+        assert!(!how.means && thin.mean_of(0) == 1, "{how:?}");
+    }
+}

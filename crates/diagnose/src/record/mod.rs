@@ -1,0 +1,15 @@
+//! What was recorded: the rows of a rig, checked, and prepared for a comparison with a model.
+
+pub(crate) mod airborne;
+pub(crate) mod check;
+pub(crate) mod commanded;
+pub(crate) mod decimate;
+mod error;
+pub(crate) mod folds;
+pub(crate) mod free_flight;
+pub(crate) mod prepare;
+pub(crate) mod quantisation;
+pub(crate) mod reading_variance;
+pub(crate) mod recording;
+pub(crate) mod sample_hold;
+pub(crate) mod second_sensor;

@@ -1,0 +1,175 @@
+//! From the flights as they were recorded to the rows that a diagnosis works on.
+//!
+//! Each flight is checked by itself; codes of the sensor are taken out, a fast clock is thinned, and a flight that says nothing, or
+//! is of another rig, is left out where there are others. Then they are put into an order of their own, so that the
+//! answer does not depend on the one in which they were named.
+
+use crate::record::airborne::aloft;
+use crate::record::check::{Finding, check, is_hopeless, without_codes};
+use crate::record::decimate::thinned;
+use crate::record::quantisation::coarse_step;
+use crate::record::reading_variance::reading_variance;
+use crate::record::recording::{Recording, Sample};
+use plant::Model;
+use std::borrow::Cow;
+
+/// A finding, and which of the flights it is about, from 0 in the order in which they were given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noted {
+    /// The flight.
+    pub flight: usize,
+    /// What is to be known of it.
+    pub finding: Finding,
+}
+
+/// What a diagnosis works on.
+pub(crate) struct Prepared<'a> {
+    pub(crate) findings: Vec<Noted>,
+    pub(crate) recording: Cow<'a, Recording>,
+    /// Whether any flight can answer.
+    pub(crate) can_answer: bool,
+}
+
+impl<'a> Prepared<'a> {
+    /// Checks and prepares `recordings`, one flight each, for a comparison with `belief`.
+    pub(crate) fn of(recordings: &'a [Recording], belief: &Model) -> Self {
+        let (mut findings, mut flights, mut hopeless) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, flight) in recordings.iter().enumerate() {
+            let (found, flight, answers) = one(flight, recordings, belief);
+            findings.extend(found.into_iter().map(|finding| Noted { flight: number, finding }));
+            if answers { flights.push(flight) } else { hopeless.push((number, flight)) }
+        }
+        let can_answer = !flights.is_empty();
+        if can_answer {
+            findings.extend(hopeless.iter().map(|(flight, _)| Noted { flight: *flight, finding: Finding::LeftOut }));
+        } else {
+            flights.extend(hopeless.into_iter().map(|(_, flight)| flight));
+        }
+        Self { findings, recording: together(flights), can_answer }
+    }
+}
+
+/// Whether the mean of some readings in a row is a reading itself, only surer: none is wild, held or coarse, and noise hides their resolution.
+fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
+    let odd = |finding: &Finding| matches!(finding, Finding::Outliers { .. } | Finding::Repeats { .. });
+    let effects = &belief.effects;
+    let believed =
+        effects.sensor_quantisation.is_some() || effects.stale_samples.is_some() || effects.sensor_outliers.is_some();
+    let noisy = reading_variance(belief).sqrt() > flight.resolution_mm();
+    noisy && !believed && !findings.iter().any(odd) && coarse_step(flight, belief).is_none()
+}
+
+/// The rows of `recordings`, one flight each, as every method here uses them, and what is to be known of each.
+#[must_use]
+pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<Noted>, Recording) {
+    let Prepared { findings, recording, .. } = Prepared::of(recordings, belief);
+    (findings, recording.into_owned())
+}
+
+/// The findings of a flight, its rows as they are used, and whether they can answer anything.
+fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Cow<'a, Recording>, bool) {
+    let mut findings = check(flight, belief);
+    let flight = without_codes(flight).map_or(Cow::Borrowed(flight), Cow::Owned);
+    let answers = !is_hopeless(&findings, &flight, belief);
+    let flight = match aloft(&flight, belief) {
+        Some((finding, aloft)) => {
+            findings.push(finding);
+            Cow::Owned(aloft)
+        }
+        None => flight,
+    };
+    let smooth = is_smooth(&findings, &flight, belief);
+    let Some((how, thinned)) = thinned(&flight, all, belief, smooth) else { return (findings, flight, answers) };
+    findings.push(if how.means {
+        Finding::Averaged { merged: how.merged }
+    } else {
+        Finding::Thinned { merged: how.merged }
+    });
+    (findings, Cow::Owned(thinned), answers)
+}
+
+/// One recording of all flights, in an order that depends on what they hold alone.
+fn together(mut flights: Vec<Cow<'_, Recording>>) -> Cow<'_, Recording> {
+    let row = |row: &Sample| (row.duty_percent.to_bits(), row.position_mm.map(f64::to_bits));
+    flights.sort_by(|a, b| {
+        let (a, b) = (a.samples(), b.samples());
+        a.len().cmp(&b.len()).then_with(|| a.iter().map(row).cmp(b.iter().map(row)))
+    });
+    match flights.len() {
+        1 => flights.swap_remove(0),
+        _ => Cow::Owned(Recording::together(flights.into_iter().map(Cow::into_owned))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Noted;
+    use crate::tests_support::{model, record};
+    use crate::{Diagnosis, Finding, Free, Options, Recording, Sample, Verdict, diagnose};
+    use plant::{Effects, Model};
+
+    fn without_lag() -> Model {
+        Model { effects: Effects::default(), ..model() }
+    }
+
+    /// Width of the interval of the lag's time constant: ln of the ratio of its ends, since a shorter lag is known as well as a longer one in shares of itself.
+    fn width_of_lag(found: &Diagnosis) -> f64 {
+        let is_lag = |free: &Free| matches!(free, Free::Effect { name: "fan_lag" | "sensor_lag", .. });
+        let intervals = found.intervals();
+        let (_, low, high) = intervals.iter().find(|(free, ..)| is_lag(free)).unwrap();
+        (high / low).ln()
+    }
+
+    #[test]
+    fn two_halves_of_a_flight_say_more_than_one_and_as_much_as_the_whole() {
+        let whole = record(&model(), 4, 80);
+        let (first, second) = whole.samples().split_at(2000);
+        let halves = [first, second].map(|rows| Recording::new(rows.to_vec()).unwrap());
+        let width = |flights: &[Recording]| width_of_lag(&diagnose(&without_lag(), flights, &Options::default()));
+        let (one, other, both) = (width(&halves[..1]), width(&halves[1..]), width(&halves));
+        assert!(both < 0.85 * one && both < 0.85 * other, "{both} of {one} and {other}");
+        assert!((both / width(whole.as_ref()) - 1.0).abs() < 0.1, "{both} of {}", width(whole.as_ref()));
+    }
+
+    #[test]
+    fn two_short_flights_tell_together_what_neither_tells_alone() {
+        let mut rig = model();
+        rig.effects.set("thrust_curve", &[0.2]);
+        let flights = [1, 2].map(|seed| record(&rig, seed, 25));
+        let named = |flights: &[Recording]| {
+            let found = diagnose(&model(), flights, &Options::default());
+            let names = found.effects.iter().map(|n| (n.candidate.entry.name, n.indistinguishable_from.clone()));
+            names.collect::<Vec<_>>()
+        };
+        for flight in &flights {
+            assert_eq!(named(flight.as_ref()), [("thrust_curve", vec!["force_asymmetry"])]);
+        }
+        assert_eq!(named(&flights), [("thrust_curve", vec![])]);
+    }
+
+    #[test]
+    fn the_order_of_the_flights_changes_nothing() {
+        let flights = [record(&model(), 4, 40), record(&model(), 5, 30)];
+        let found = diagnose(&without_lag(), &flights, &Options::default());
+        let [first, second] = flights;
+        let turned = diagnose(&without_lag(), &[second, first], &Options::default());
+        assert_eq!(found.verdict, Verdict::Effect);
+        assert_eq!((&found.mended.model, found.closed), (&turned.mended.model, turned.closed));
+        assert_eq!((found.rounds, found.places), (turned.rounds, turned.places));
+    }
+
+    #[test]
+    fn a_flight_that_says_nothing_is_left_out_by_its_number_and_the_other_is_used() {
+        let whole = record(&model(), 4, 60);
+        let good = Recording::new(whole.samples()[100..].to_vec()).unwrap();
+        let still = good.samples().iter().map(|row| Sample { duty_percent: 21.4, ..*row }).collect();
+        let still = Recording::new(still).unwrap();
+        let found = diagnose(&without_lag(), &[good, still.clone()], &Options::default());
+        assert_eq!(found.verdict, Verdict::Effect);
+        let of_second = |finding| Noted { flight: 1, finding };
+        assert_eq!(found.findings, [of_second(Finding::StillDuty { range_percent: 0.0 }), of_second(Finding::LeftOut)]);
+        let found = diagnose(&without_lag(), &[still.clone(), still], &Options::default());
+        assert_eq!(found.verdict, Verdict::InsufficientData);
+        assert!(found.findings.iter().all(|noted| noted.finding != Finding::LeftOut));
+    }
+}

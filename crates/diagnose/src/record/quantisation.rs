@@ -1,0 +1,178 @@
+//! Whether the readings lie on a grid that is coarser than the file: what a coarse sensor leaves behind.
+//!
+//! ```text
+//! on the grid: |y − φ − s·round((y − φ)/s)| ≤ max(0.8·r, 0.08·s)      s: step, φ: phase, r: resolution of the file
+//! ```
+//!
+//! By chance a reading lies there once in s/r times, so that each one that does speaks for the step.
+
+use crate::record::recording::Recording;
+use plant::Model;
+
+/// Share of the readings that must lie on a grid: wild ones may not.
+const ON_GRID: f64 = 0.97;
+/// Steps of the scan, as a ratio, and its bounds, mm.
+const FINER: f64 = 1.0004;
+const COARSEST_MM: f64 = 60.0;
+/// Steps of the scan among which the best is chosen: 6 %.
+const NEAR: usize = 150;
+/// What a reading off the grid costs, nats: only a wild one is there.
+pub(crate) const OFF_GRID: f64 = 12.0;
+/// How far off a grid a reading may be, in resolutions of the file: half of one is its rounding.
+const EDGE: f64 = 0.8;
+/// The same as a share of the step, so that a scan of steps meets it.
+const SLACK: f64 = 0.08;
+/// A step that counts as coarse is this many times the noise of a reading.
+const COARSE: f64 = 1.2;
+
+/// Every reading that occurs, and how often.
+struct Levels(Vec<(f64, f64)>);
+
+impl Levels {
+    fn of(recording: &Recording) -> Self {
+        let mut readings: Vec<f64> = recording.samples().iter().filter_map(|sample| sample.position_mm).collect();
+        readings.sort_by(f64::total_cmp);
+        Self(readings.chunk_by(|a, b| a == b).map(|same| (same[0], same.len() as f64)).collect())
+    }
+
+    /// The file's resolution, mm: the coarsest of the usual ones that holds every reading.
+    fn file_resolution_mm(&self) -> f64 {
+        let holds = |r: &&f64| self.0.iter().all(|(y, _)| (y / **r - (y / **r).round()).abs() < 1e-4);
+        [1.0, 0.5, 0.25, 0.1, 0.05].iter().find(holds).copied().unwrap_or(0.01)
+    }
+
+    /// The phase at which most readings lie on a grid of `step` mm: the circular mean.
+    fn phase_mm(&self, step: f64) -> f64 {
+        let (sin, cos) = self.circular_sum(step);
+        sin.atan2(cos) * step / std::f64::consts::TAU
+    }
+
+    /// The line through the levels over their numbers on a grid of about `step` mm: least squares.
+    fn fitted_step(&self, step: f64, fine: f64) -> CoarseStep {
+        let phase = self.phase_mm(step);
+        let on = self.0.iter().filter(|(y, _)| lies_on(*y, step, phase, fine));
+        let points: Vec<(f64, f64)> = on.map(|(y, _)| (((y - phase) / step).round(), *y)).collect();
+        let count = points.len().max(1) as f64;
+        let (n, y) = points.iter().fold((0.0, 0.0), |(n, y), point| (n + point.0 / count, y + point.1 / count));
+        let spread: f64 = points.iter().map(|point| (point.0 - n).powi(2)).sum();
+        if spread < 1.0 {
+            return CoarseStep { mm: step, sigma_mm: fine };
+        }
+        let mm = points.iter().map(|point| (point.0 - n) * (point.1 - y)).sum::<f64>() / spread;
+        // The file rounds levels that follow each other alike: their errors do not average out.
+        CoarseStep { mm, sigma_mm: fine / (4.0 * spread / count).sqrt() }
+    }
+
+    /// How closely the readings lie on a grid of `step` mm.
+    fn closeness(&self, step: f64) -> f64 {
+        let (sin, cos) = self.circular_sum(step);
+        sin.hypot(cos)
+    }
+
+    fn circular_sum(&self, step: f64) -> (f64, f64) {
+        let turn = std::f64::consts::TAU / step;
+        let sum = |(s, c), (y, n): &(f64, f64)| (s + n * (turn * y).sin(), c + n * (turn * y).cos());
+        self.0.iter().fold((0.0, 0.0), sum)
+    }
+
+    /// Share of the readings that lie on a grid of `step` mm.
+    fn share(&self, step: f64, fine: f64) -> f64 {
+        let phase = self.phase_mm(step);
+        let (on, all) = self.0.iter().fold((0.0, 0.0), |(on, all), (y, n)| {
+            (on + if lies_on(*y, step, phase, fine) { *n } else { 0.0 }, all + n)
+        });
+        on / f64::max(all, 1.0)
+    }
+}
+
+fn lies_on(y: f64, step: f64, phase: f64, fine: f64) -> bool {
+    let off = (y - phase) / step;
+    (off - off.round()).abs() * step <= (EDGE * fine).max(SLACK * step)
+}
+
+/// A coarse sensor's step as the readings show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CoarseStep {
+    /// The step, mm.
+    pub(crate) mm: f64,
+    /// Standard deviation of the step, mm: the file rounds every level.
+    pub(crate) sigma_mm: f64,
+}
+
+/// A sensor with steps: which readings it can give, in a file of some resolution.
+pub(crate) struct Grid {
+    step: f64,
+    fine: f64,
+    phase: f64,
+}
+
+impl Grid {
+    /// The grid of steps of `step` mm on which most readings lie.
+    pub(crate) fn of(recording: &Recording, step: f64) -> Self {
+        let levels = Levels::of(recording);
+        let fine = levels.file_resolution_mm();
+        let step = step.max(fine);
+        Self { step, fine, phase: levels.phase_mm(step) }
+    }
+
+    /// Step and resolution of the file, mm, for a reading that the sensor can give.
+    pub(crate) fn cell(&self, y: f64) -> Option<(f64, f64)> {
+        lies_on(y, self.step, self.phase, self.fine).then_some((self.step, self.fine))
+    }
+}
+
+/// The coarsest grid that the readings lie on, if it is coarse beside the believed noise and the file.
+pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<CoarseStep> {
+    let levels = Levels::of(recording);
+    let fine = levels.file_resolution_mm();
+    let least = (COARSE * model.noise.sensor_mm).max(2.0 * fine);
+    let narrow = levels.0.windows(2).filter(|pair| pair[1].0 - pair[0].0 < 0.9 * least).count();
+    if narrow > levels.0.len() / 10 {
+        return None;
+    }
+    let scan = std::iter::successors(Some(COARSEST_MM), |step| Some(step / FINER));
+    let first = scan.take_while(|step| *step > least).find(|step| levels.share(*step, fine) >= ON_GRID)?;
+    // The first step that will do is a little too coarse; the best one is where the readings lie closest.
+    let near = std::iter::successors(Some(first), |step| Some(step / FINER)).take(NEAR);
+    let near = near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))?;
+    Some(levels.fitted_step(near, fine))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Grid, coarse_step};
+    use crate::tests_support::{model, record};
+    use crate::{Recording, Sample};
+
+    fn coarse(step: f64, fine: f64, phase: f64) -> Recording {
+        let flight = record(&model(), 1, 40);
+        let round = |mm: f64| (((mm - phase) / step).round() * step + phase) / fine;
+        let rows = flight
+            .samples()
+            .iter()
+            .map(|s| Sample { position_mm: s.position_mm.map(|mm| round(mm).round() * fine), ..*s });
+        Recording::new(rows.collect()).unwrap()
+    }
+
+    #[test]
+    fn a_step_is_found_in_whole_and_in_fine_files_wherever_it_starts() {
+        for (step, fine, phase) in [(7.3, 1.0, 0.0), (12.0, 0.01, 5.0), (5.5, 0.5, 2.0), (18.5, 1.0, -3.0)] {
+            let found = coarse_step(&coarse(step, fine, phase), &model()).unwrap();
+            assert!((found.mm - step).abs() < 4.0 * found.sigma_mm.max(1e-6), "{found:?} of {step} mm");
+            assert!(found.sigma_mm < 0.01 * step, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn readings_as_fine_as_their_noise_lie_on_no_grid() {
+        assert_eq!(coarse_step(&coarse(1.0, 1.0, 0.0), &model()), None);
+        assert_eq!(coarse_step(&record(&model(), 2, 40), &model()), None);
+    }
+
+    #[test]
+    fn a_reading_between_two_steps_has_no_cell() {
+        let recording = coarse(8.0, 1.0, 0.0);
+        let grid = Grid::of(&recording, 8.0);
+        assert!(grid.cell(240.0).is_some() && grid.cell(244.0).is_none());
+    }
+}

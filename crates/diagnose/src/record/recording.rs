@@ -1,0 +1,320 @@
+//! A recording: what a rig did, as rows of time, duty and position, whoever recorded it.
+//!
+//! It may hold several flights of one rig. Their rows follow each other in one count of rows and of time; what has a memory, a
+//! filter or a drift, starts anew at each.
+
+pub use crate::record::error::RecordingError;
+
+use crate::record::second_sensor::Second;
+use std::ops::Range;
+
+/// One row. The position was read at `time_s`; the duty was written in response and held until the next row.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Seconds since any fixed start.
+    pub time_s: f64,
+    /// Commanded position, millimetres, where the log has it.
+    pub setpoint_mm: Option<f64>,
+    /// What the controller asked for, percent of duty about hover, where the log has it.
+    pub control_percent: Option<f64>,
+    /// Duty from this row to the next, percent. Another rig's may be any number.
+    pub duty_percent: f64,
+    /// Position of the ball, millimetres, upward. `None`: the sensor gave nothing new in this row.
+    pub position_mm: Option<f64>,
+    /// Speed of the fan, revolutions per minute, where the log has it.
+    pub fan_rpm: Option<f64>,
+    /// Position of the ball by a second sensor, millimetres, upward, where the log has it.
+    pub position2_mm: Option<f64>,
+}
+
+/// A duty, and when it was written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Write {
+    pub(crate) time_s: f64,
+    pub(crate) duty_percent: f64,
+}
+
+/// Rows in the order of time, checked; of one flight, or of several of one rig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    samples: Vec<Sample>,
+    /// The rows of each flight.
+    flights: Vec<Range<usize>>,
+    /// Of how many readings each of a flight is the mean.
+    means_of: Vec<usize>,
+    /// The duty of each row and the rows that hold a reading, apart from the rest: filters go along them thousands of times, and of a long
+    /// record no cache holds all.
+    writes: Vec<Write>,
+    readings: Vec<usize>,
+    has_fan_speed: bool,
+    resolution_mm: f64,
+    second: Option<Second>,
+}
+
+impl Recording {
+    /// Longest time between two rows, seconds.
+    pub const LONGEST_HOLE_S: f64 = 60.0;
+    /// Fewest readings that a recording may have.
+    pub const MIN_READINGS: usize = 20;
+
+    /// Checks the rows: finite numbers, time that never goes backwards, enough readings.
+    ///
+    /// # Errors
+    /// [`RecordingError`] names the first row that is wrong.
+    pub fn new(samples: Vec<Sample>) -> Result<Self, RecordingError> {
+        let mut last_s = f64::NEG_INFINITY;
+        for (index, sample) in samples.iter().enumerate() {
+            let row = index + 1;
+            let numbers = [
+                ("time_s", sample.time_s),
+                ("duty_percent", sample.duty_percent),
+                ("position_mm", sample.position_mm.unwrap_or_default()),
+                ("fan_rpm", sample.fan_rpm.unwrap_or_default()),
+                ("position2_mm", sample.position2_mm.unwrap_or_default()),
+            ];
+            for (quantity, value) in numbers {
+                if !value.is_finite() {
+                    return Err(RecordingError::NotFinite { row, quantity, value });
+                }
+            }
+            if sample.time_s < last_s {
+                return Err(RecordingError::TimeBackwards { row, from_s: last_s, to_s: sample.time_s });
+            }
+            if last_s.is_finite() && sample.time_s - last_s > Self::LONGEST_HOLE_S {
+                return Err(RecordingError::Hole { row, from_s: last_s, to_s: sample.time_s });
+            }
+            last_s = sample.time_s;
+        }
+        let readings = samples.iter().filter(|s| s.position_mm.is_some()).count();
+        match (samples.is_empty(), readings < Self::MIN_READINGS) {
+            (true, _) => Err(RecordingError::Empty),
+            (_, true) => Err(RecordingError::TooShort { readings, needed: Self::MIN_READINGS }),
+            _ if samples[0].time_s == last_s => Err(RecordingError::NoTime { time_s: last_s }),
+            _ => Ok(Self::of_one(samples)),
+        }
+    }
+
+    fn of_one(samples: Vec<Sample>) -> Self {
+        let all = 0..samples.len();
+        Self {
+            writes: writes(&samples),
+            readings: (0..samples.len()).filter(|row| samples[*row].position_mm.is_some()).collect(),
+            has_fan_speed: samples.iter().any(|sample| sample.fan_rpm.is_some()),
+            resolution_mm: resolution(&samples),
+            second: Second::of(&samples),
+            flights: std::iter::once(all).collect(),
+            means_of: vec![1],
+            samples,
+        }
+    }
+
+    /// The same flight, each of its readings known to be the mean of so many.
+    #[must_use]
+    pub(crate) fn of_means(self, count: usize) -> Self {
+        Self { means_of: vec![count.max(1); self.flights.len()], ..self }
+    }
+
+    /// Of how many readings the one in `row` is the mean.
+    pub(crate) fn mean_of(&self, row: usize) -> usize {
+        let number = self.flights.partition_point(|flight| flight.end <= row);
+        self.means_of.get(number).copied().unwrap_or(1)
+    }
+
+    /// Several flights of one rig as one recording. Each is put behind the one before it by whole seconds, so that the steps of
+    /// its clock stay what they are. Of none it is a recording without rows.
+    #[must_use]
+    pub fn together(recordings: impl IntoIterator<Item = Self>) -> Self {
+        recordings.into_iter().reduce(Self::then).unwrap_or_else(|| Self::of_one(Vec::new()))
+    }
+
+    /// This recording, and after it another.
+    fn then(self, next: Self) -> Self {
+        let end_s = self.samples.last().map_or(0.0, |last| last.time_s);
+        let start_s = next.samples.first().map_or(0.0, |first| first.time_s);
+        let (rows, later_s) = (self.samples.len(), (end_s - start_s).floor() + 1.0);
+        let behind = |flight: &Range<usize>| flight.start + rows..flight.end + rows;
+        let later = next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row });
+        Self {
+            flights: self.flights.into_iter().chain(next.flights.iter().map(behind)).collect(),
+            means_of: [self.means_of, next.means_of].concat(),
+            resolution_mm: self.resolution_mm.min(next.resolution_mm),
+            ..Self::of_one(self.samples.into_iter().chain(later).collect())
+        }
+    }
+
+    /// The rows.
+    #[must_use]
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// The duty of each row.
+    pub(crate) fn writes(&self) -> &[Write] {
+        &self.writes
+    }
+
+    /// The rows of each flight, one after another.
+    #[must_use]
+    pub fn flights(&self) -> &[Range<usize>] {
+        &self.flights
+    }
+
+    /// The rows of the flight that `row` belongs to; of a row that does not exist, those of the last.
+    #[must_use]
+    pub fn flight_of(&self, row: usize) -> Range<usize> {
+        let number = self.flights.partition_point(|flight| flight.end <= row);
+        self.flights.get(number).or(self.flights.last()).cloned().unwrap_or_default()
+    }
+
+    /// Whether any row holds the speed of the fan.
+    #[must_use]
+    pub const fn has_fan_speed(&self) -> bool {
+        self.has_fan_speed
+    }
+
+    /// Whether any row holds a reading of a second sensor.
+    #[must_use]
+    pub fn has_second_position(&self) -> bool {
+        self.samples.iter().any(|sample| sample.position2_mm.is_some())
+    }
+
+    /// How many rows hold a reading.
+    #[must_use]
+    pub const fn readings(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// The rows of a flight that hold a reading.
+    pub(crate) fn readings_of(&self, flight: &Range<usize>) -> &[usize] {
+        let before = |end: usize| self.readings.partition_point(|row| *row < end);
+        &self.readings[before(flight.start)..before(flight.end)]
+    }
+
+    /// Mean time from one reading of a flight to the next, seconds.
+    pub(crate) fn reading_period_s(&self, flight: &Range<usize>) -> f64 {
+        duration_s(&self.samples[flight.clone()]) / self.readings_of(flight).len().max(1) as f64
+    }
+
+    /// The smallest step between two readings in a row, mm.
+    #[must_use]
+    pub const fn resolution_mm(&self) -> f64 {
+        self.resolution_mm
+    }
+
+    /// The second sensor, where there is one.
+    pub(crate) const fn second(&self) -> Option<Second> {
+        self.second
+    }
+
+    /// From the first row to the last, seconds; of several flights, the sum.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.flights.iter().map(|flight| duration_s(&self.samples[flight.clone()])).sum()
+    }
+}
+
+/// One recording where several of one rig may stand.
+impl AsRef<[Self]> for Recording {
+    fn as_ref(&self) -> &[Self] {
+        std::slice::from_ref(self)
+    }
+}
+
+/// From the first row of a flight to its last, seconds.
+pub(crate) fn duration_s(flight: &[Sample]) -> f64 {
+    match flight {
+        [first, .., last] => last.time_s - first.time_s,
+        _ => 0.0,
+    }
+}
+
+fn writes(samples: &[Sample]) -> Vec<Write> {
+    samples.iter().map(|&Sample { time_s, duty_percent, .. }| Write { time_s, duty_percent }).collect()
+}
+
+fn resolution(samples: &[Sample]) -> f64 {
+    let readings: Vec<f64> = samples.iter().filter_map(|sample| sample.position_mm).collect();
+    let steps = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 1e-6);
+    let smallest = steps.fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() { smallest } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Recording, RecordingError, Sample};
+
+    fn rows(count: usize) -> Vec<Sample> {
+        let row = Sample { duty_percent: 20.0, position_mm: Some(100.0), ..Sample::default() };
+        (0..count).map(|k| Sample { time_s: 0.02 * k as f64, ..row }).collect()
+    }
+
+    #[test]
+    fn good_rows_are_kept_as_they_are() {
+        let recording = Recording::new(rows(50)).unwrap();
+        assert_eq!(recording.samples(), rows(50));
+        assert!((recording.duration_s() - 0.98).abs() < 1e-12);
+    }
+
+    #[test]
+    fn flights_follow_each_other_by_whole_seconds() {
+        let later = |by_s: f64| rows(50).into_iter().map(move |row| Sample { time_s: row.time_s + by_s, ..row });
+        let flights = [rows(50), later(7.25).collect(), rows(30)].map(|rows| Recording::new(rows).unwrap());
+        let both = Recording::together(flights.clone());
+        assert_eq!(both.flights(), [0..50, 50..100, 100..130]);
+        assert!((both.duration_s() - 2.0 * 0.98 - 0.58).abs() < 1e-9, "{}", both.duration_s());
+        assert_eq!((both.flight_of(49), both.flight_of(50), both.flight_of(129)), (0..50, 50..100, 100..130));
+        let starts = [0, 50, 100].map(|row: usize| both.samples()[row].time_s);
+        assert_eq!(starts, [0.0, 1.25, 3.0]);
+    }
+
+    #[test]
+    fn each_flight_knows_its_rows_with_a_reading_and_every_row_its_duty() {
+        let sparse = |rows: Vec<Sample>, every: usize| {
+            let read =
+                |(k, row): (usize, Sample)| Sample { position_mm: row.position_mm.filter(|_| k % every == 0), ..row };
+            Recording::new(rows.into_iter().enumerate().map(read).collect()).unwrap()
+        };
+        let mut turning = rows(60);
+        turning.iter_mut().for_each(|row| (row.duty_percent, row.fan_rpm) = (30.0, Some(5000.0)));
+        let both = Recording::together([sparse(rows(50), 2), sparse(turning, 3)]);
+        assert_eq!(both.readings(), 25 + 20);
+        assert_eq!(both.readings_of(&(0..50)).last(), Some(&48));
+        assert_eq!(both.readings_of(&(50..110)), (0..20).map(|k| 50 + 3 * k).collect::<Vec<_>>());
+        assert!((both.reading_period_s(&(50..110)) - 59.0 * 0.02 / 20.0).abs() < 1e-9);
+        assert!(both.has_fan_speed());
+        let written: Vec<_> = both.writes().iter().map(|write| (write.time_s, write.duty_percent)).collect();
+        assert_eq!(written, both.samples().iter().map(|row| (row.time_s, row.duty_percent)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn the_first_wrong_row_is_named() {
+        let mut backwards = rows(50);
+        backwards[30].time_s = 0.1;
+        let error = Recording::new(backwards).unwrap_err();
+        assert_eq!(error, RecordingError::TimeBackwards { row: 31, from_s: 0.02 * 29.0, to_s: 0.1 });
+
+        let mut not_a_number = rows(50);
+        not_a_number[7].duty_percent = f64::NAN;
+        let error = Recording::new(not_a_number).unwrap_err();
+        assert!(matches!(error, RecordingError::NotFinite { row: 8, quantity: "duty_percent", .. }), "{error}");
+    }
+
+    #[test]
+    fn time_that_stands_still_or_jumps_far_is_refused_with_the_unit_to_check() {
+        let mut still = rows(50);
+        still.iter_mut().for_each(|s| s.time_s = 3.0);
+        assert_eq!(Recording::new(still).unwrap_err(), RecordingError::NoTime { time_s: 3.0 });
+        let mut nanoseconds = rows(50);
+        nanoseconds.iter_mut().for_each(|s| s.time_s *= 1e9);
+        let error = Recording::new(nanoseconds).unwrap_err();
+        assert!(matches!(error, RecordingError::Hole { row: 2, .. }) && error.to_string().contains("scale"), "{error}");
+    }
+
+    #[test]
+    fn an_empty_and_a_silent_recording_are_told_apart() {
+        assert_eq!(Recording::new(vec![]).unwrap_err(), RecordingError::Empty);
+        let mut silent = rows(50);
+        silent.iter_mut().skip(5).for_each(|s| s.position_mm = None);
+        assert_eq!(Recording::new(silent).unwrap_err(), RecordingError::TooShort { readings: 5, needed: 20 });
+    }
+}

@@ -1,0 +1,8 @@
+//! What a fitted model leaves over: whether it is significant, and where it lies.
+
+pub(crate) mod location;
+pub(crate) mod misfit;
+pub(crate) mod plots;
+pub(crate) mod score_test;
+pub(crate) mod significance;
+pub(crate) mod spectrum;

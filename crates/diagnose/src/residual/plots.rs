@@ -1,0 +1,91 @@
+//! What a model leaves over, for pictures: its innovations over frequency, and over the time since the duty that they may come from.
+//!
+//! ```text
+//! power(band)  = mean of I(f) over a third of an octave            I(f) of `spectrum`: 1 for white innovations
+//! r(lag)       = Σ e_k·(u(k − lag) − ū) / √(Σ e²·Σ (u − ū)²)       0 for a right model; within ±1.96/√n at 19 lags of 20
+//! ```
+//!
+//! The duty before a reading is known before it: under a right model the innovation depends on none of it, in closed loop too. What is
+//! late shows as a hill at its delay. Source: Ljung, *System Identification*, chapter "Model Validation".
+
+use crate::record::folds::Folds;
+use crate::record::recording::Recording;
+use crate::residual::location::{Row, rows};
+use crate::residual::spectrum::periodogram;
+use plant::Model;
+
+/// Bands to an octave.
+const BANDS_AN_OCTAVE: f64 = 3.0;
+/// The longest lag, seconds.
+const LONGEST_S: f64 = 1.5;
+/// Deviations on either side that hold 95 % of a normal distribution.
+const OF_95_PERCENT: f64 = 1.96;
+
+/// What the innovations of a model show.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Leftover {
+    /// Middle of each band, Hz, and the power in it beside that of white noise.
+    pub spectrum: Vec<(f64, f64)>,
+    /// Lag, seconds, and the correlation of an innovation with the duty so long before.
+    pub after_duty: Vec<(f64, f64)>,
+    /// How large a correlation chance alone makes at 19 of 20 lags.
+    pub by_chance: f64,
+}
+
+impl Leftover {
+    /// What `model` leaves over of the rows that count.
+    #[must_use]
+    pub fn of(model: &Model, recording: &Recording, folds: &Folds) -> Self {
+        let rows = rows(model, recording, folds);
+        let by_chance = OF_95_PERCENT / (rows.len().max(1) as f64).sqrt();
+        Self { spectrum: bands(&periodogram(&rows)), after_duty: after_duty(&rows), by_chance }
+    }
+}
+
+fn bands(periodogram: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let number = |hz: f64| (BANDS_AN_OCTAVE * hz.log2()).floor();
+    let middle = |band: &[(f64, f64)]| {
+        let mean = |of: fn(&(f64, f64)) -> f64| band.iter().map(of).sum::<f64>() / band.len() as f64;
+        (mean(|point| point.0), mean(|point| point.1))
+    };
+    periodogram.chunk_by(|a, b| number(a.0) == number(b.0)).map(middle).collect()
+}
+
+fn after_duty(rows: &[Row]) -> Vec<(f64, f64)> {
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Vec::new() };
+    let n = rows.len() as f64;
+    let period_s = (last.time_s - first.time_s) / n;
+    let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / n;
+    let (duty, pull) = (mean(|row| row.known[0]), mean(|row| row.pull));
+    let power = |of: &dyn Fn(&Row) -> f64| rows.iter().map(|row| of(row).powi(2)).sum::<f64>();
+    let scale = (power(&|row| row.known[0] - duty) * power(&|row| row.pull - pull)).sqrt().max(1e-300);
+    let correlation = |lag: usize| {
+        let pairs = rows.iter().zip(rows.iter().skip(lag));
+        pairs.map(|(before, now)| (before.known[0] - duty) * (now.pull - pull)).sum::<f64>() / scale
+    };
+    let lags = (0..rows.len()).map(|lag| (lag, lag as f64 * period_s));
+    lags.take_while(|(_, lag_s)| *lag_s <= LONGEST_S).map(|(lag, lag_s)| (lag_s, correlation(lag))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Leftover;
+    use crate::record::folds::Folds;
+    use crate::tests_support::{model, record};
+    use plant::{Effects, Model};
+
+    #[test]
+    fn a_right_model_leaves_white_noise_and_a_missing_lag_leaves_power_and_what_duty_foretells() {
+        let recording = record(&model(), 4, 80);
+        let left = |model: &Model| Leftover::of(model, &recording, &Folds::new(model, &recording));
+        let beyond = |left: &Leftover| {
+            let out = left.after_duty.iter().filter(|(_, r)| r.abs() > left.by_chance).count();
+            out as f64 / left.after_duty.len() as f64
+        };
+        let (right, wrong) = (left(&model()), left(&Model { effects: Effects::default(), ..model() }));
+        let most = |left: &Leftover| left.spectrum.iter().map(|(_, power)| *power).fold(0.0, f64::max);
+        assert!(beyond(&right) < 0.2 && beyond(&wrong) > 0.5, "{} and {}", beyond(&right), beyond(&wrong));
+        assert!(most(&wrong) > 2.0 * most(&right), "{} and {}", most(&wrong), most(&right));
+        assert!(right.spectrum.is_sorted_by_key(|band| band.0) && right.spectrum.len() > 15);
+    }
+}

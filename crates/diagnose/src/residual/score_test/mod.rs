@@ -1,0 +1,310 @@
+//! What a model omits: whether the innovations ask for a force, a shift of the readings or a spread that it does not have.
+//!
+//! ```text
+//! force θ·φ        δ ← Φ·δ + g·φ,  s = ∂ŷ/∂θ = H·δ,  δ ← (I − K·H)·δ        what it would do to each expected reading
+//! shift θ·φ        s = H·δ + φ, and the filter takes it for motion
+//! z                Σ e·r/√Σ r²      r: s/√S without what the fitted numbers of the model can do themselves, and the form of each lag
+//! form             something late on a lag's side of the ball, normal with a deviation of a twentieth of that lag
+//! spread           the same of ∛e², which is nearly normal, against φ
+//! noise            Λ = max over c of L(c) + ½·Σ z²(c) − max L        L: ln p of the readings with c of the air's noise
+//! moments          a slip of the readings or a push at a moment of its own: see `moments`
+//! bursts           pushes that come and go: see `bursts`
+//! ```
+//!
+//! The score (Lagrange multiplier) test: z is normal with variance 1 under a right model, whatever the loop does, because φ is known
+//! before the reading. A filter spreads what a force does over the readings that follow; this test looks for it there. What a model omits
+//! has made the noise of its air too large to see it: the likelihood ratio Λ chooses that noise anew.
+//! Source: Engle, "Wald, likelihood ratio, and Lagrange multiplier tests in econometrics", Handbook of Econometrics 2 (1984); Wilson and
+//! Hilferty, "The distribution of chi-square", Proc. Natl. Acad. Sci. 17 (1931).
+
+mod bursts;
+mod moments;
+mod projection;
+mod scores;
+mod sensitivities;
+mod terms;
+
+pub(crate) use projection::Beside;
+pub(crate) use sensitivities::Walk;
+
+use crate::fit::estimate::{Fit, Problem};
+use moments::Moments;
+use plant::Stage;
+use rayon::prelude::*;
+use scores::{Asked, Scores};
+use serde::Serialize;
+use terms::Term;
+
+/// Shares of the air's noise, or of its turbulence, at which terms are asked for beside all of it.
+const QUIETER: [f64; 2] = [0.5, 0.2];
+/// Nats that an uneven spread must say more than a force: a filter whose model is right but for its form is not equally sure everywhere.
+const UNEVEN: f64 = 2.0;
+
+/// What the innovations ask for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Omitted {
+    /// The term in words.
+    pub words: String,
+    /// Its score beside those before it, deviations.
+    pub z: f64,
+    /// Where on the signal path it would act, if it says.
+    #[serde(skip)]
+    pub stage: Option<Stage>,
+}
+
+/// What is asked for together, most first.
+pub(crate) struct Question {
+    /// −ln of the chance of that among all that was looked at.
+    pub(crate) nats: f64,
+    /// What is asked for.
+    pub(crate) terms: Vec<Omitted>,
+}
+
+/// What a model omits.
+pub(crate) struct Found {
+    /// Among the terms.
+    pub(crate) terms: Question,
+    /// Among the moments.
+    pub(crate) moments: Question,
+    /// How much the pushes come in bursts, deviations.
+    pub(crate) bursts: f64,
+}
+
+/// What the innovations ask for. A `weight` below 1 counts each reading for less.
+pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) -> bool + Sync), weight: f64) -> Found {
+    let (forces, shifts, spreads) = (terms::forces(), terms::shifts(), terms::spreads());
+    let walk = |share: f64| Walk::of(problem, quieter(fit, share), judged);
+    let as_fitted = walk(1.0);
+    let mut levels = vec![Level::of(&as_fitted, &forces, &shifts)];
+    let (spread, variance) = as_fitted.spreads(&spreads);
+    // What a coarse sensor's cells do to a filter that takes its doubt for normal is a spread of its own.
+    let coarse = fit.model.effects.sensor_quantisation.is_some();
+    let spread = if coarse { Vec::new() } else { spread.asked(variance, weight, 0.0) };
+    let pushed = Moments::of(&fit.model, &as_fitted.steps);
+    let (moments, bursts) = (pushed.happened(&as_fitted.steps, weight), pushed.bursts(weight));
+    drop(as_fitted);
+    levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&walk(*share), &forces, &shifts)));
+    let best = levels.iter().map(|level| level.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+    let said = |kind: &str, term: &Term| (format!("{kind} {}", term.words), term.stage);
+    let in_motion = |at: usize| match forces.get(at) {
+        Some(term) => said("a force that goes with", term),
+        None => said("a shift of the readings that goes with", &shifts[at - forces.len()]),
+    };
+    let in_spread = |at: usize| said("noise that changes with", &spreads[at]);
+    let of_level = |level: Level| {
+        let behind = best - level.log_likelihood;
+        together(&level.motions.asked(1.0, weight, behind), in_motion)
+    };
+    let mut spread = together(&spread, in_spread);
+    spread.nats -= UNEVEN;
+    let all = levels.into_iter().map(of_level).chain([spread]);
+    let nothing = Question { nats: 0.0, terms: Vec::new() };
+    let terms = all.fold(nothing, |most, other| if other.nats > most.nats { other } else { most });
+    Found { terms, moments, bursts }
+}
+
+/// `fit` with a share of the air's noise: of the coloured one, where there is one.
+fn quieter(fit: &Fit, share: f64) -> Fit {
+    let mut fit = fit.clone();
+    match &mut fit.model.effects.turbulence {
+        Some(air) => air.sigma_mm_per_s2 *= share,
+        None => fit.model.noise.acceleration_psd_mm2_per_s3 *= share,
+    }
+    fit
+}
+
+/// As many of them as surprise most together, each with its words and stage.
+fn together(asked: &[Asked], said: impl Fn(usize) -> (String, Option<Stage>)) -> Question {
+    let most = (0..asked.len()).max_by(|a, b| asked[*a].nats.total_cmp(&asked[*b].nats));
+    let Some(most) = most else { return Question { nats: 0.0, terms: Vec::new() } };
+    let omitted = |asked: &Asked| {
+        let (words, stage) = said(asked.term);
+        Omitted { words, z: asked.z, stage }
+    };
+    Question { nats: asked[most].nats, terms: asked[..=most].iter().map(omitted).collect() }
+}
+
+/// A way along the record with a share of the air's noise: its scores, and ln p of the readings with what the fitted numbers can do.
+struct Level {
+    motions: Scores,
+    log_likelihood: f64,
+}
+
+impl Level {
+    fn of(walk: &Walk, forces: &[Term], shifts: &[Term]) -> Self {
+        let mut motions = walk.motions(forces, shifts);
+        let judged = walk.steps.iter().filter(|step| step.judged);
+        let log_likelihood = judged.map(|step| step.surprise.log_density).sum::<f64>() + motions.settle();
+        Self { motions, log_likelihood }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sensitivities::DIFFERENCE;
+    use super::{Found, Question, omitted};
+    use crate::filter::ekf::Nudged;
+    use crate::filter::track::legs;
+    use crate::fit::estimate::Problem;
+    use crate::fit::parameter::{BASE, Free, Prior};
+    use crate::record::folds::Folds;
+    use crate::select::candidates::Search;
+    use crate::tests_support::{model, record, shaken};
+    use crate::{Recording, Sample};
+    use plant::{Effects, Model, Simulator, Stage};
+
+    #[test]
+    fn a_constant_push_moves_what_is_expected_as_another_hover_does() {
+        let own = Model { effects: Effects::default(), ..model() };
+        let recording = record(&own, 3, 20);
+        let (here, there) = (legs(&own, &recording), legs(&Free::Hover.moved(&own, DIFFERENCE), &recording));
+        let push = -own.gain_mm_per_s2_per_percent * 0.1 * DIFFERENCE;
+        let (mut nudged, mut before_s) = (Nudged::nowhere(), 0.0);
+        let (mut product, mut square) = (0.0, 0.0);
+        for ((taken, leg), (moved, _)) in here.iter().zip(&there).skip(1) {
+            let by_push = nudged.go(&own, leg, (leg.time_s - before_s, push, 0.0), taken);
+            before_s = leg.time_s;
+            let by_hover = moved.expected_mm - taken.expected_mm;
+            // The ball takes off from the bottom, where a push does nothing; later that is forgotten.
+            if leg.time_s > 10.0 {
+                product += by_push * by_hover;
+                square += by_hover * by_hover;
+            }
+        }
+        // Readings far out are taken the less the further they are, which the sensitivity leaves out.
+        assert!((product / square - 1.0).abs() < 0.03, "{}", product / square);
+    }
+
+    /// A flight with a force of height and time, mm/s², that no effect of the catalogue has, given as duty that nobody logged.
+    fn with_force(force: impl Fn(f64, f64) -> f64, seed: u64) -> Recording {
+        let rig = model();
+        let mut simulator = Simulator::new(rig.clone(), seed);
+        let rows = (0..4000).map(|k| {
+            let time_s = 0.02 * f64::from(k);
+            simulator.advance_to(time_s);
+            let reading = simulator.reading_mm();
+            let target = if time_s % 6.0 < 3.0 { 350.0 } else { 250.0 };
+            let duty_percent = rig.hover_duty_percent + 0.01 * (target - reading);
+            simulator.drive(duty_percent + force(reading, time_s) / rig.gain_mm_per_s2_per_percent);
+            Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
+        });
+        Recording::new(rows.collect()).unwrap()
+    }
+
+    /// A flight of a rig whose gain swings: 10 periods of the flight.
+    fn with_swing_of_gain() -> Recording {
+        let mut rows = with_force(|_, _| 0.0, 5).samples().to_vec();
+        let hover = model().hover_duty_percent;
+        // The logged duty is what acted, over the gain.
+        for row in &mut rows {
+            let swing = 1.0 + 0.5 * (std::f64::consts::TAU * row.time_s / 8.0).sin();
+            row.duty_percent = hover + (row.duty_percent - hover) / swing;
+        }
+        Recording::new(rows).unwrap()
+    }
+
+    /// A flight whose readings slip at 50 s.
+    fn with_slip() -> Recording {
+        let mut rows = with_force(|_, _| 0.0, 4).samples().to_vec();
+        rows.iter_mut()
+            .filter(|row| row.time_s > 50.0)
+            .for_each(|row| row.position_mm = row.position_mm.map(|mm| mm + 12.0));
+        Recording::new(rows).unwrap()
+    }
+
+    fn found(recording: &Recording) -> Found {
+        let folds = Folds::new(&model(), recording);
+        let problem = Problem { recording, belief: &model(), folds: &folds, prior: Prior::Belief };
+        let fit = problem.fit(&model(), &BASE);
+        omitted(&problem, &fit, &|row| folds.counts(row), 1.0)
+    }
+
+    /// Nats and words: terms, moments.
+    fn asked(recording: &Recording) -> [(f64, Vec<String>); 2] {
+        let Found { terms, moments, .. } = found(recording);
+        let words = |question: &Question| question.terms.iter().map(|term| term.words.clone()).collect();
+        [(terms.nats, words(&terms)), (moments.nats, words(&moments))]
+    }
+
+    #[test]
+    fn a_ripple_of_height_is_asked_for_and_nothing_where_there_is_none() {
+        let [(nats, words), _] = asked(&with_force(|mm, _| 60.0 * (mm / 14.0).sin(), 1));
+        let of_height = words.iter().any(|words| words.contains("wave of height"));
+        assert!(nats > 10.0 && of_height, "{nats} nats for {words:?}");
+        for seed in 0..10 {
+            for (nats, words) in asked(&with_force(|_, _| 0.0, seed)) {
+                assert!(nats < 6.5, "seed {seed}: {nats} nats for {words:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_gain_that_swings_is_asked_for_by_its_period() {
+        let [(nats, words), _] = asked(&with_swing_of_gain());
+        let by_period = words.iter().any(|words| words.contains("u times") && words.contains(" 10 periods"));
+        assert!(nats > 12.0 && by_period, "{nats} nats for {words:?}");
+    }
+
+    #[test]
+    fn most_of_what_is_asked_for_acts_at_the_stage_that_is_wrong() {
+        let most = |question: &Question, stage: Stage| {
+            let nats = |own: bool| -> f64 {
+                let terms = question.terms.iter().filter(|term| !own || term.stage == Some(stage));
+                terms.map(|term| term.z * term.z).sum()
+            };
+            assert!(nats(true) > 0.5 * nats(false), "{stage:?}: {:?}", question.terms);
+        };
+        most(&found(&with_force(|mm, _| 60.0 * (mm / 14.0).sin(), 1)).terms, Stage::Air);
+        most(&found(&with_swing_of_gain()).terms, Stage::Actuator);
+        most(&found(&with_slip()).moments, Stage::Sensor);
+    }
+
+    #[test]
+    fn gusts_come_in_bursts_and_what_blows_all_the_time_does_not() {
+        let gust =
+            |_, time_s: f64| if time_s % 7.0 < 0.5 { 250.0 * (time_s / 7.0).floor().sin().signum() } else { 0.0 };
+        let bursts = found(&with_force(gust, 6)).bursts;
+        assert!(bursts > 4.0, "{bursts}");
+        for seed in 0..10 {
+            let bursts = found(&with_force(|_, _| 0.0, seed)).bursts;
+            assert!(bursts < 3.3, "seed {seed}: {bursts}");
+        }
+    }
+
+    #[test]
+    fn what_has_made_the_air_seem_restless_is_asked_for_all_the_same() {
+        // With the noise of the air that was fitted without it, it is asked for by 32 nats.
+        let [(nats, words), _] = asked(&with_force(|mm, _| 90.0 * (mm / 14.0).sin(), 1));
+        assert!(nats > 45.0, "{nats} nats for {words:?}");
+    }
+
+    #[test]
+    fn pushes_and_slips_are_found_when_they_happen() {
+        let push = |_, time_s: f64| if (40.0..40.4).contains(&time_s) { 400.0 } else { 0.0 };
+        let [_, (nats, words)] = asked(&with_force(push, 3));
+        let when = |words: &[String], at: &str| words.iter().any(|words| words.contains(at));
+        assert!(nats > 8.0 && (when(&words, "push") && when(&words, "at 40.")), "{nats} nats for {words:?}");
+        let [_, (nats, words)] = asked(&with_slip());
+        assert!(nats > 8.0 && when(&words, "slipped at 50."), "{nats} nats for {words:?}");
+    }
+
+    /// Nats that are asked for of a rig whose lag is two in series, believed to be one.
+    fn of_two_lags(small_s: f64, seed: u64) -> f64 {
+        let mut rig = model();
+        rig.effects.set("fan_lag", &[0.2 - small_s]);
+        rig.effects.set("sensor_lag", &[small_s]);
+        let (belief, recording) = (model(), shaken(&rig, seed, 120));
+        let folds = Folds::new(&belief, &recording);
+        let search =
+            Search::of(Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief });
+        omitted(&search.problem, &search.refitted(), &|row| folds.counts(row), 1.0).terms.nats
+    }
+
+    #[test]
+    fn the_small_one_of_two_lags_is_not_asked_for_as_it_is_the_form_of_the_other() {
+        for seed in 0..3 {
+            let nats = of_two_lags(0.02, seed);
+            assert!(nats < 6.5, "seed {seed}: {nats} nats for the form");
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Scores of many forces, one by one, beside what the fitted numbers of a model can do.
+//!
+//! ```text
+//! q_i           orthonormal columns of what the fitted numbers do to the expected readings: Gram and Schmidt
+//! e' = e − Σ q_i·(q_i·e)
+//! z² = (f·e')²/(f·f − Σ (q_i·f)²)             f: what the force does to them
+//! ```
+
+use super::scores::OF_ITS_OWN;
+use super::sensitivities::{Step, Walk};
+use crate::filter::ekf::Nudged;
+
+/// What the innovations of a walk hold that the fitted numbers do not explain.
+pub(crate) struct Beside<'a> {
+    walk: &'a Walk,
+    own: Vec<Vec<f64>>,
+    innovations: Vec<f64>,
+}
+
+impl<'a> Beside<'a> {
+    pub(crate) fn of(walk: &'a Walk) -> Self {
+        let column = |of: &dyn Fn(usize, &Step) -> f64| -> Vec<f64> {
+            let values = walk.steps.iter().enumerate();
+            values.map(|(k, step)| if counts(step) { of(k, step) } else { 0.0 }).collect()
+        };
+        let mut own: Vec<Vec<f64>> = Vec::new();
+        for numbers in &walk.own {
+            let mut left = column(&|k, step| step.says() * numbers[k]);
+            let before = dot(&left, &left);
+            own.iter().for_each(|other| take_out(&mut left, other));
+            let after = dot(&left, &left);
+            if after > OF_ITS_OWN * before && after.is_finite() {
+                left.iter_mut().for_each(|value| *value /= after.sqrt());
+                own.push(left);
+            }
+        }
+        let mut innovations = column(&|_, step| step.surprise.pull / step.says());
+        own.iter().for_each(|other| take_out(&mut innovations, other));
+        Self { walk, own, innovations }
+    }
+
+    /// z² of a force: `push` is what it is on the way to each reading, mm/s², by the number of the reading and the seconds since the one before.
+    pub(crate) fn score(&self, mut push: impl FnMut(usize, f64) -> f64) -> f64 {
+        let mut nudged = Nudged::nowhere();
+        let column = self.walk.steps.iter().enumerate().map(|(k, step)| {
+            let Some(dt) = step.dt else {
+                nudged = Nudged::nowhere();
+                return 0.0;
+            };
+            let moved_mm = nudged.go(&self.walk.fit.model, &step.leg, (dt, push(k, dt), 0.0), &step.surprise);
+            if counts(step) { step.says() * moved_mm / step.surprise.variance_mm2.sqrt() } else { 0.0 }
+        });
+        let column: Vec<f64> = column.collect();
+        let whole = dot(&column, &column);
+        let square = whole - self.own.iter().map(|own| dot(own, &column).powi(2)).sum::<f64>();
+        // Not a number compares as false: what cannot be judged is not asked for.
+        if square > OF_ITS_OWN * whole { dot(&column, &self.innovations).powi(2) / square } else { 0.0 }
+    }
+}
+
+fn counts(step: &Step) -> bool {
+    step.judged && step.says_something()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Takes out of `column` what goes with `unit`.
+fn take_out(column: &mut [f64], unit: &[f64]) {
+    let share = dot(column, unit);
+    column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);
+}

@@ -1,0 +1,192 @@
+//! A filter's way along a record, and the scores that it gives: of forces and shifts, and of spreads.
+
+use super::scores::Scores;
+use super::terms::{Known, Term};
+use crate::filter::ekf::{Leg, Nudged};
+use crate::filter::innovation::Surprise;
+use crate::filter::track::{expected_mm, legs};
+use crate::fit::estimate::{Fit, Problem};
+use crate::fit::lag_form::{LAGS, form_s};
+use crate::fit::parameter::Free;
+use crate::record::recording::Recording;
+use nalgebra::DVector;
+use plant::Model;
+use std::ops::Range;
+
+/// Length of the differences in the scales of the fitted numbers.
+pub(super) const DIFFERENCE: f64 = 0.01;
+/// A reading that says less than this of what was expected is left out.
+const SAYS_NOTHING: f64 = 1e-3;
+/// Readings further apart than this are no part of one walk, seconds.
+const GAP_S: f64 = 1.0;
+
+/// A filter's way along a record: what was known before each reading, and what came.
+pub(crate) struct Walk {
+    pub(super) fit: Fit,
+    pub(super) steps: Vec<Step>,
+    /// By each fitted number: how far the expected readings move, in deviations.
+    pub(super) own: Vec<Vec<f64>>,
+    /// The same by the form of each of its lags, in the scale within which that is known.
+    forms: Vec<Vec<f64>>,
+}
+
+/// A reading, the way to it, and what was known before it.
+pub(super) struct Step {
+    /// Time of the reading, seconds.
+    pub(super) time_s: f64,
+    pub(super) leg: Leg,
+    pub(super) surprise: Surprise,
+    /// Since the reading before, seconds; `None`: there is none.
+    pub(super) dt: Option<f64>,
+    known: Known,
+    pub(super) judged: bool,
+}
+
+impl Step {
+    /// The root of what a reading counts: as far as it says something.
+    pub(super) fn says(&self) -> f64 {
+        self.surprise.weight.max(SAYS_NOTHING).sqrt()
+    }
+
+    pub(super) fn says_something(&self) -> bool {
+        self.surprise.weight > SAYS_NOTHING
+    }
+}
+
+impl Walk {
+    /// Leads the filter of `fit` along the record. Only rows that are `judged` are scored.
+    pub(crate) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
+        let way = legs(&fit.model, problem.recording);
+        let own = fit.free.iter().filter(|free| !matches!(free, Free::SensorNoise | Free::AirNoise));
+        let own = own.map(|free| moved(problem, &fit.model, *free, &way)).collect();
+        let forms = forms_of_lags(&fit.model).map(|(model, late)| moved(problem, &model, late, &way)).collect();
+        let known = known(problem, &fit, &way);
+        let steps = way.into_iter().zip(known).map(|((surprise, leg), (dt, known))| {
+            let judged = dt.is_some() && judged(surprise.row);
+            Step { time_s: problem.recording.samples()[surprise.row].time_s, leg, surprise, dt, known, judged }
+        });
+        Self { fit, steps: steps.collect(), own, forms }
+    }
+
+    /// Scores of forces and shifts, in this order, beside what the fitted numbers do.
+    pub(super) fn motions(&self, forces: &[Term], shifts: &[Term]) -> Scores {
+        let terms = forces.len() + shifts.len();
+        let mut scores = Scores::new(self.own.len(), self.forms.len(), terms);
+        let before = self.own.len() + self.forms.len();
+        let mut nudged = vec![Nudged::nowhere(); terms];
+        let mut row = DVector::zeros(before + terms);
+        for (k, step) in self.steps.iter().enumerate() {
+            let Some(dt) = step.dt else {
+                nudged.fill(Nudged::nowhere());
+                continue;
+            };
+            let (surprise, says) = (&step.surprise, step.says());
+            let deviation = surprise.variance_mm2.sqrt();
+            for (at, (nudged, term)) in nudged.iter_mut().zip(forces.iter().chain(shifts)).enumerate() {
+                let value = (term.of)(&step.known);
+                let (push, shift_mm) = if at < forces.len() { (value, 0.0) } else { (0.0, value) };
+                let moved_mm = nudged.go(&self.fit.model, &step.leg, (dt, push, shift_mm), surprise);
+                row[before + at] = says * moved_mm / deviation;
+            }
+            for (at, own) in self.own.iter().chain(&self.forms).enumerate() {
+                row[at] = says * own[k];
+            }
+            if step.judged && step.says_something() && row.iter().all(|value| value.is_finite()) {
+                scores.add(&row, surprise.pull / says);
+            }
+        }
+        scores
+    }
+
+    /// The rows whose duties were in force on the way to each reading.
+    pub(crate) fn rows_on_the_way(&self, recording: &Recording) -> Vec<Range<usize>> {
+        let samples = recording.samples();
+        let delay_s = self.fit.model.effects.transport_delay.map_or(0.0, |delay| delay.delay_s);
+        let (mut before, mut rows) = (0, Vec::with_capacity(self.steps.len()));
+        for step in &self.steps {
+            let flight = recording.flight_of(step.surprise.row);
+            let until_s = samples[flight.start].time_s + step.leg.time_s - delay_s;
+            let from = before.max(flight.start);
+            let end = from + samples[from..flight.end].partition_point(|row| row.time_s < until_s);
+            rows.push(from..end.max(from + 1).min(flight.end));
+            before = end.saturating_sub(1);
+        }
+        rows
+    }
+
+    /// Scores of spreads beside a noise that is larger everywhere, and the variance of what they are scores of.
+    pub(super) fn spreads(&self, terms: &[Term]) -> (Scores, f64) {
+        let mut scores = Scores::new(1, 0, terms.len());
+        let judged = || self.steps.iter().filter(|step| step.judged && step.says_something());
+        // A square is far from normal, and its third root is near: a few large ones are no spread.
+        let size = |step: &Step| step.surprise.pull.abs().powf(2.0 / 3.0);
+        let count = judged().count().max(1) as f64;
+        let mean = judged().map(size).sum::<f64>() / count;
+        let variance = judged().map(|step| (size(step) - mean).powi(2)).sum::<f64>() / count;
+        for step in judged() {
+            let row = DVector::from_iterator(
+                1 + terms.len(),
+                std::iter::once(1.0).chain(terms.iter().map(|term| (term.of)(&step.known))),
+            );
+            scores.add(&row, size(step));
+        }
+        scores.settle();
+        (scores, variance.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// For each lag of `model`, the model with a place for what stands for its form, and that number.
+fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Free)> + '_ {
+    LAGS.iter().filter_map(|(lag, late)| {
+        if model.effects.values(lag).is_none() || model.effects.values(late).is_some() {
+            return None;
+        }
+        let mut with_late = model.clone();
+        with_late.effects.set(late, &[0.0]);
+        let size = form_s(&model.effects, lag);
+        Some((with_late, Free::Effect { name: late, index: 0, size }))
+    })
+}
+
+/// How far each expected reading moves with a fitted number, in deviations by the number's scale.
+fn moved(problem: &Problem<'_>, model: &Model, free: Free, way: &[(Surprise, Leg)]) -> Vec<f64> {
+    let there = expected_mm(&free.moved(model, DIFFERENCE), problem.recording);
+    let shift = |(surprise, _): &(Surprise, Leg)| {
+        let moved_mm = there[surprise.row].map_or(0.0, |there| there - surprise.expected_mm);
+        moved_mm / DIFFERENCE / surprise.variance_mm2.sqrt()
+    };
+    way.iter().map(shift).collect()
+}
+
+/// Mean, and deviation never 0.
+fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let count = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let variance = values.map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+    (mean, variance.sqrt().max(f64::MIN_POSITIVE))
+}
+
+/// What was known before each reading, and the time since the one before.
+fn known(problem: &Problem<'_>, fit: &Fit, way: &[(Surprise, Leg)]) -> Vec<(Option<f64>, Known)> {
+    let samples = problem.recording.samples();
+    let u = |at: usize| samples[way[at].0.row].duty_percent - fit.model.hover_duty_percent;
+    let scale_u = spread((0..way.len()).map(u)).1;
+    let (middle, scale_x) = spread(way.iter().map(|(_, leg)| leg.known.0));
+    let scale_v = spread(way.iter().map(|(_, leg)| leg.known.1)).1;
+    let mut known = Known::default();
+    let step = |k: usize| {
+        let flight = problem.recording.flight_of(way[k].0.row);
+        let before = k.checked_sub(1).filter(|before| flight.contains(&way[*before].0.row));
+        let Some(before) = before else {
+            known = Known::default();
+            return (None, known);
+        };
+        let length_s = samples[flight.end - 1].time_s - samples[flight.start].time_s;
+        let dt = (way[k].1.time_s - way[before].1.time_s).clamp(0.0, GAP_S);
+        let (x, v) = way[before].1.known;
+        let t = 2.0 * way[k].1.time_s / length_s.max(f64::MIN_POSITIVE) - 1.0;
+        known.go_on(dt, [u(before) / scale_u, (x - middle) / scale_x, v / scale_v, t]);
+        (Some(dt), known)
+    };
+    (0..way.len()).map(step).collect()
+}

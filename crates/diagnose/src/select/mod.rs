@@ -1,0 +1,11 @@
+//! Which effect explains the gap: candidates, screening, stepwise search and ranking.
+
+pub(crate) mod believed;
+pub(crate) mod candidates;
+pub(crate) mod duty_step_scan;
+pub(crate) mod initial_values;
+pub(crate) mod plausibility;
+pub(crate) mod posterior;
+pub(crate) mod ranking;
+pub(crate) mod screening;
+pub(crate) mod stepwise;

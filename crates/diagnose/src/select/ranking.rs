@@ -1,0 +1,118 @@
+//! The order of what was found: first that without which the forecasts err most.
+//!
+//! ```text
+//! a before b:  E²(1 s) without a > 2·E²(1 s) without b        E as in `gap`; else as they were found, and turbulence last
+//! ```
+//!
+//! A search finds first what one step ahead shows best, which on a rig of low noise is the quick and the small. What matters to whoever
+//! mends a simulator is what leads its forecasts astray.
+
+use crate::fit::estimate::Fit;
+use crate::gap::forecast_error::Gap;
+use crate::select::candidates::Search;
+use crate::select::stepwise::{Change, Named, TURBULENCE};
+use plant::Model;
+use rayon::prelude::*;
+
+/// Mean squares are no other where neither is so many times the other.
+const TWICE: f64 = 2.0;
+
+impl Search<'_> {
+    /// Puts the effects that were added to `fit` in order; what became of those that were believed comes after them. `on_the_way`: other fits of
+    /// the same search, one of which may be the best without an effect.
+    pub(crate) fn most_important_first(&self, effects: &mut [Named], fit: &Fit, on_the_way: &[Fit]) {
+        let stays = |named: &Named| named.change != Change::Added || named.candidate.entry.name == TURBULENCE;
+        let moves = effects.iter().position(stays).unwrap_or(effects.len());
+        let added = &mut effects[..moves];
+        if added.len() < 2 {
+            return;
+        }
+        let without =
+            |named: &Named| self.square_at_1_s(&self.best_without(named.candidate.entry.name, fit, on_the_way));
+        let without: Vec<f64> = added.par_iter().map(without).collect();
+        let mut order: Vec<usize> = Vec::with_capacity(added.len());
+        for (at, square) in without.iter().enumerate() {
+            let behind = order.iter().rposition(|before| *square <= TWICE * without[*before]);
+            order.insert(behind.map_or(0, |behind| behind + 1), at);
+        }
+        let in_order: Vec<Named> = order.iter().map(|at| added[*at].clone()).collect();
+        added.clone_from_slice(&in_order);
+    }
+
+    /// The most likely model without an effect, and with no other than `fit` has.
+    fn best_without(&self, name: &str, fit: &Fit, on_the_way: &[Fit]) -> Model {
+        let removed = self.removed(fit, name);
+        let has = |fit: &Fit, name: &str| fit.model.effects.values(name).is_some();
+        let is_part =
+            |other: &&Fit| other.model.effects.present().iter().all(|entry| entry.name != name && has(fit, entry.name));
+        let others = on_the_way.iter().filter(is_part);
+        let best = others.fold(&removed, |best, other| {
+            if self.problem.total_of(other) > self.problem.total_of(best) { other } else { best }
+        });
+        best.model.clone()
+    }
+
+    /// Mean square of the forecasts 1 s ahead, mm²; 0, so that all are alike, where the record is too short to say.
+    fn square_at_1_s(&self, model: &Model) -> f64 {
+        let gap = Gap::measure_where(model, self.problem.recording, &|row| self.problem.folds.counts(row));
+        gap.error_mm[2].map_or(0.0, |error_mm| error_mm.powi(2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::fit::estimate::Problem;
+    use crate::fit::parameter::{BASE, Free, Prior, free_of_effect};
+    use crate::record::folds::Folds;
+    use crate::select::candidates::{Candidate, Search};
+    use crate::select::stepwise::{Change, Named};
+    use crate::tests_support::{model, record};
+    use plant::{Effects, Model};
+
+    /// The order in which these come on a record of so many seconds of a rig that has a strong gradient and traces of the others.
+    fn order(found: [&'static str; 3], seconds: u32) -> [&'static str; 3] {
+        let belief = Model { effects: Effects::default(), ..model() };
+        let mut rig = belief.clone();
+        for (name, values) in [
+            ("quadratic_drag", &[1e-5][..]),
+            ("wall_friction", &[0.01]),
+            ("turbulence", &[0.1, 0.5]),
+            ("height_dependent_flow", &[12.0]),
+        ] {
+            if found.contains(&name) {
+                rig.effects.set(name, values);
+            }
+        }
+        let recording = record(&rig, 2, seconds);
+        let folds = Folds::new(&belief, &recording);
+        let search =
+            Search::of(Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief });
+        let of_effect = |name| free_of_effect(name, &rig.effects.values(name).unwrap());
+        let free: Vec<Free> = BASE.into_iter().chain(found.into_iter().flat_map(of_effect)).collect();
+        let fit = search.problem.fit(&rig, &free);
+        let named = |name| Named {
+            change: Change::Added,
+            candidate: Candidate { entry: *Effects::entry(name).unwrap(), fit: fit.clone(), gain: 0.0, evidence: 0.0 },
+            probability: 1.0,
+            indistinguishable_from: Vec::new(),
+            rivals: Vec::new(),
+        };
+        let mut effects = found.map(named);
+        search.most_important_first(&mut effects, &fit, &[]);
+        effects.map(|named| named.candidate.entry.name)
+    }
+
+    #[test]
+    fn what_leads_the_forecasts_astray_comes_before_what_hardly_does_and_alike_stay_as_they_were_found() {
+        let order = order(["quadratic_drag", "wall_friction", "height_dependent_flow"], 60);
+        assert_eq!(order, ["height_dependent_flow", "quadratic_drag", "wall_friction"]);
+    }
+
+    #[test]
+    fn nothing_is_put_before_turbulence_nor_in_order_where_a_record_is_too_short_to_say() {
+        let found = ["quadratic_drag", "turbulence", "height_dependent_flow"];
+        assert_eq!(order(found, 60), found);
+        let found = ["quadratic_drag", "wall_friction", "height_dependent_flow"];
+        assert_eq!(order(found, 2), found);
+    }
+}

@@ -9,12 +9,12 @@ pub struct Options {
     /// Effects that the search may not name, as if the catalogue did not hold them.
     pub without: Vec<String>,
     /// Who is told how far the search has come.
-    pub watch: Watch,
+    pub progress: Progress,
 }
 
 /// News of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum ProgressStep {
     /// So many fits more are to be made: what is found makes further ones worthwhile.
     Planned(usize),
     /// One of them has been made.
@@ -23,30 +23,30 @@ pub enum Step {
 
 /// Who is told; nobody by default. Told from several threads.
 #[derive(Clone, Default)]
-pub struct Watch(Option<Arc<dyn Fn(Step) + Send + Sync>>);
+pub struct Progress(Option<Arc<dyn Fn(ProgressStep) + Send + Sync>>);
 
-impl Watch {
+impl Progress {
     /// Tells `who`.
-    pub fn new(who: impl Fn(Step) + Send + Sync + 'static) -> Self {
+    pub fn new(who: impl Fn(ProgressStep) + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(who)))
     }
 
-    pub(crate) fn tell(&self, step: Step) {
+    pub(crate) fn tell(&self, step: ProgressStep) {
         if let Some(who) = &self.0 {
             who(step);
         }
     }
 }
 
-impl fmt::Debug for Watch {
+impl fmt::Debug for Progress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.0.is_some() { "Watch(somebody)" } else { "Watch(nobody)" })
+        f.write_str(if self.0.is_some() { "Progress(somebody)" } else { "Progress(nobody)" })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Step, Watch};
+    use super::{Progress, ProgressStep};
     use crate::tests_support::{model, record};
     use crate::{Options, diagnose};
     use std::sync::Arc;
@@ -56,14 +56,14 @@ mod tests {
     fn every_fit_that_was_planned_is_made() {
         let counts = Arc::new([AtomicUsize::new(0), AtomicUsize::new(0)]);
         let heard = Arc::clone(&counts);
-        let watch = Watch::new(move |step| {
+        let progress = Progress::new(move |step| {
             let (which, by) = match step {
-                Step::Planned(fits) => (0, fits),
-                Step::Made => (1, 1),
+                ProgressStep::Planned(fits) => (0, fits),
+                ProgressStep::Made => (1, 1),
             };
             heard[which].fetch_add(by, Ordering::Relaxed);
         });
-        let found = diagnose(&model(), &record(&model(), 1, 30), &Options { watch, ..Options::default() });
+        let found = diagnose(&model(), &record(&model(), 1, 30), &Options { progress, ..Options::default() });
         assert!(found.effects.is_empty());
         let [planned, made] = [&counts[0], &counts[1]].map(|count| count.load(Ordering::Relaxed));
         assert!(planned >= plant::Effects::CATALOGUE.len() && planned == made, "{made} of {planned}");

@@ -91,7 +91,7 @@ impl Axis {
 
 /// The one effect named, and its only number.
 fn only(found: &Diagnosis) -> (&'static str, f64) {
-    assert_eq!(found.verdict, Verdict::Effect, "{:?}", found.residue);
+    assert_eq!(found.verdict, Verdict::Effect, "{:?}", found.misfit);
     assert_eq!(found.effects.len(), 1);
     let name = found.effects[0].candidate.entry.name;
     let values = found.mended.model.effects.values(name).unwrap_or_default();
@@ -101,7 +101,7 @@ fn only(found: &Diagnosis) -> (&'static str, f64) {
 #[test]
 fn an_axis_as_believed_has_no_gap() {
     let found = BELIEVED.diagnosed();
-    assert_eq!((found.verdict, found.effects.len()), (Verdict::NoGap, 0), "{:?}", found.residue);
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::NoGap, 0), "{:?}", found.misfit);
     let sensor_mm = found.mended.model.noise.sensor_mm;
     assert!((sensor_mm / COUNT_MM * 12f64.sqrt() - 1.0).abs() < 0.1, "{sensor_mm} mm of a count's 1/√12");
 }
@@ -109,7 +109,7 @@ fn an_axis_as_believed_has_no_gap() {
 #[test]
 fn an_axis_of_another_mass_needs_parameters_alone() {
     let found = Axis { gain: 16.0, drag: 5.2, ..BELIEVED }.diagnosed();
-    assert_eq!((found.verdict, found.effects.len()), (Verdict::Parameters, 0), "{:?}", found.residue);
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::Parameters, 0), "{:?}", found.misfit);
     let gain = found.mended.model.gain_mm_per_s2_per_percent;
     assert!((gain / 16.0 - 1.0).abs() < 1e-4, "{gain}");
 }
@@ -119,7 +119,7 @@ fn neither_no_noise_nor_far_too_much_in_the_belief_turns_another_mass_into_an_ef
     for (sensor_mm, acceleration_psd_mm2_per_s3) in [(0.0, 0.0), (0.05, 1000.0)] {
         let noise = Noise { sensor_mm, acceleration_psd_mm2_per_s3 };
         let found = Axis { gain: 16.0, drag: 5.2, ..BELIEVED }.diagnosed_with(noise);
-        assert_eq!((found.verdict, found.effects.len()), (Verdict::Parameters, 0), "{noise:?}: {:?}", found.residue);
+        assert_eq!((found.verdict, found.effects.len()), (Verdict::Parameters, 0), "{noise:?}: {:?}", found.misfit);
     }
 }
 
@@ -142,7 +142,7 @@ fn friction_that_stops_and_holds_an_axis_is_found_to_a_hundredth() {
 #[test]
 fn readings_without_any_noise_leave_nothing_over() {
     let found = Axis { counts: false, ..BELIEVED }.diagnosed();
-    assert_eq!((found.verdict, found.effects.len()), (Verdict::NoGap, 0), "{:?}", found.residue);
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::NoGap, 0), "{:?}", found.misfit);
     let (name, delay_s) = only(&Axis { counts: false, late_rows: 3, ..BELIEVED }.diagnosed());
     assert!(name.ends_with("_delay") && (delay_s - 0.003).abs() < 1e-5, "{name}: {delay_s} s");
 }

@@ -33,9 +33,11 @@ impl Actuator {
     /// Writes a duty at `time_s`. Times must not fall from call to call, of this and of [`Self::commanded`].
     #[inline]
     pub fn write(&mut self, model: &Model, time_s: f64, duty_percent: f64) {
-        match model.effects.transport_delay.filter(|delay| delay.delay_s > 0.0) {
-            Some(delay) => self.on_their_way.push_back((delay.acts_at(time_s), duty_percent)),
-            None => self.take(model, time_s, duty_percent),
+        let delay_s = model.effects.duty_delay_s();
+        if delay_s > 0.0 {
+            self.on_their_way.push_back((time_s + delay_s, duty_percent));
+        } else {
+            self.take(model, time_s, duty_percent);
         }
     }
 
@@ -60,7 +62,7 @@ impl Actuator {
     /// Whether the command moves between its jumps.
     #[must_use]
     pub fn drifts(model: &Model) -> bool {
-        model.effects.hover_drift.is_some() || model.effects.gain_drift.is_some()
+        model.effects.command_drifts()
     }
 
     /// Puts a duty in force; the play first goes where the old one has drifted until then.
@@ -74,7 +76,7 @@ impl Actuator {
     /// The play moves between duties where the hover drifts; else it stands where the last duty has put it.
     #[inline]
     fn drift_to(&mut self, model: &Model, time_s: f64) {
-        if model.effects.hover_drift.is_some() {
+        if model.effects.hover_shifts() {
             self.follow(model, time_s);
         }
     }
@@ -82,7 +84,7 @@ impl Actuator {
     #[inline]
     fn follow(&mut self, model: &Model, time_s: f64) {
         let input = about_hover(model, self.duty_percent, time_s);
-        self.play_percent = model.effects.hysteresis.map_or(input, |play| play.follow(self.play_percent, input));
+        self.play_percent = model.effects.play(self.play_percent, input);
     }
 }
 
@@ -90,20 +92,15 @@ impl Actuator {
 #[inline]
 fn about_hover(model: &Model, duty_percent: f64, time_s: f64) -> f64 {
     let effects = &model.effects;
-    let duty_percent = effects.duty_quantisation.map_or(duty_percent, |steps| steps.rounded(duty_percent));
-    duty_percent - model.hover_duty_percent - effects.hover_drift.map_or(0.0, |drift| drift.shift_percent(time_s))
+    effects.duty(duty_percent) - model.hover_duty_percent - effects.hover_shift_percent(time_s)
 }
 
 /// The acceleration that a duty about hover commands once it is through the play, mm/s².
 #[inline]
 fn force(model: &Model, about_hover_percent: f64, time_s: f64) -> f64 {
     let effects = &model.effects;
-    let u = effects.dead_zone.map_or(about_hover_percent, |zone| zone.effective(about_hover_percent));
-    let u = effects.thrust_curve.map_or(u, |curve| curve.bent(u));
-    let asymmetry = effects.force_asymmetry.map_or(1.0, |asymmetry| asymmetry.gain_factor(u));
-    let drift = effects.gain_drift.map_or(1.0, |drift| drift.gain_factor(time_s));
-    let commanded = model.gain_mm_per_s2_per_percent * asymmetry * drift * u;
-    effects.saturation.map_or(commanded, |saturation| saturation.limited(commanded))
+    let u = effects.effective(about_hover_percent);
+    effects.limited(effects.gain(model.gain_mm_per_s2_per_percent, u, time_s) * u)
 }
 
 #[cfg(test)]

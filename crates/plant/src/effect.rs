@@ -1,6 +1,7 @@
-//! What an effect is: one small module with its equation, parameters, looks and mend, and an [`Entry`] that
+//! What an effect is: one small module with its equation, its parameters and what it does to the signal path, and an [`Entry`] that
 //! the config file, the simulator, the diagnosis and the report all read.
 
+use crate::acts::{Acts, Summary};
 use crate::model::Model;
 use crate::unsound::Unsound;
 use control::check::within;
@@ -18,7 +19,23 @@ pub enum Stage {
     Sensor,
 }
 
-/// A number of an effect.
+impl Stage {
+    /// All stages in the order of the signal path.
+    pub const ALL: [Self; 4] = [Self::Actuator, Self::Air, Self::Ball, Self::Sensor];
+
+    /// Its name in tables and documents.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Actuator => "actuator",
+            Self::Air => "air",
+            Self::Ball => "ball",
+            Self::Sensor => "sensor",
+        }
+    }
+}
+
+/// A parameter: of an effect, or one of the base parameters of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Param {
     /// Its key in the config file, with its unit.
@@ -29,15 +46,28 @@ pub struct Param {
     pub max: f64,
     /// The value at which the effect does nothing.
     pub neutral: Neutral,
+    /// The size of the steps that a fit takes.
+    pub scale: Scale,
 }
 
-/// Where a number does nothing, the others of its effect being neutral too.
+/// Where a parameter does nothing, the others of its effect being neutral too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Neutral {
     /// At this value.
     At(f64),
     /// At the model's length of the pipe.
     PipeLength,
+    /// At any value, as long as the others are neutral; this value stands for all.
+    Any(f64),
+}
+
+/// The size of the steps that a fit takes in a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// The value itself, but no less than a tenth of the first of the entry's sizes.
+    Value,
+    /// This many of the parameter's units, whatever its value: for a place, whose value says nothing of how finely it is known.
+    Fixed(f64),
 }
 
 /// What an effect is easily taken for.
@@ -49,6 +79,66 @@ pub struct Neighbour {
     pub told_by: &'static str,
 }
 
+/// Where a search for an effect starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// At the entry's sizes.
+    Sizes,
+    /// At these values of its parameters.
+    Values(&'static [&'static [f64]]),
+    /// At these values of its one parameter by the length of the record in seconds: for a drift.
+    OverRecord(&'static [f64]),
+    /// At the entry's sizes, and where the believed gain would balance the slope of duty over height; hover moves so that the ball
+    /// stays balanced at its mean height.
+    DutyOverHeight,
+    /// At shares of the range of commanded acceleration: limits that the record never reaches have no slope to climb.
+    CommandedRange,
+    /// At the heights beyond which hardly any reading lies.
+    HeightsSeen,
+    /// At the steps of duty that score highest: the likelihood has a narrow valley for each.
+    DutySteps,
+    /// At the step of the grid on which the readings lie; the readings show it, and no fit moves it.
+    ReadingStep,
+    /// At the time for which readings repeat; the readings show it, and no fit moves it.
+    ReadingHold,
+}
+
+impl Start {
+    /// Whether the value is read off the readings, so that no fit moves it.
+    #[must_use]
+    pub const fn is_read_off(self) -> bool {
+        matches!(self, Self::ReadingStep | Self::ReadingHold)
+    }
+
+    /// Whether the record suggests the values, so that others would be no nearer to it.
+    #[must_use]
+    pub const fn is_of_the_record(self) -> bool {
+        matches!(self, Self::CommandedRange | Self::HeightsSeen | Self::DutySteps) || self.is_read_off()
+    }
+}
+
+/// How near the equation of the catalogue comes to what rigs do: by it the intervals of the parameters are widened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As near as most.
+    Usual,
+    /// A shape that no rig has exactly: a curve cut after its first terms, one play for a spread of them, a lag of first order.
+    Approximate,
+    /// Impacts, after which a filter takes for normal what is not.
+    Impacts,
+}
+
+/// Two parameters of which the difference is known far better than each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// The name of the difference.
+    pub name: &'static str,
+    /// Its name with its unit, as a key.
+    pub key: &'static str,
+    /// The indices of the parameters: the one that is subtracted, and the one that it is subtracted from.
+    pub of: [usize; 2],
+}
+
 /// An effect's line in the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
@@ -56,34 +146,93 @@ pub struct Entry {
     pub name: &'static str,
     /// Where it acts.
     pub stage: Stage,
+    /// The article before its name in a sentence, with a space; empty where it is spoken of without one.
+    pub article: &'static str,
     /// Its numbers, as far as a log can tell them.
     pub params: &'static [Param],
-    /// Sizes that a rig may show: where a search for the effect starts.
+    /// Sizes that a rig may show, as values of its parameters. The first is the scale of a fit.
     pub sizes: &'static [&'static [f64]],
+    /// Where a search for it starts.
+    pub start: Start,
+    /// How near its equation comes to what rigs do.
+    pub form: Form,
+    /// Effects that look the same in duty and position whatever is flown, or nearly so.
+    pub twins: &'static [&'static str],
+    /// Why: what both do to the readings.
+    pub twin_because: &'static str,
+    /// The simpler effect that it is a generalisation of.
+    pub contains: Option<&'static str>,
+    /// Two of its parameters of which the difference is known far better than each.
+    pub difference: Option<Difference>,
+    /// Whether it stands for its stage where an experiment is chosen: between them such effects ask for small force, large force,
+    /// speed and height.
+    pub is_representative: bool,
     /// How a log shows it.
     pub in_a_log: &'static str,
     /// How to mend it on a rig.
     pub mend: &'static str,
     /// Its nearest neighbours, the nearest first.
     pub told_from: &'static [Neighbour],
+    /// What it does to the signal path; the catalogue fills it in from [`Effect::ACTS`].
+    pub acts: Summary,
 }
 
 impl Entry {
+    /// An entry that says nothing of itself: what a new effect leaves open is as here.
+    pub const PLAIN: Self = Self {
+        name: "",
+        stage: Stage::Air,
+        article: "",
+        params: &[],
+        sizes: &[],
+        start: Start::Sizes,
+        form: Form::Usual,
+        twins: &[],
+        twin_because: "",
+        contains: None,
+        difference: None,
+        is_representative: false,
+        in_a_log: "",
+        mend: "",
+        told_from: &[],
+        acts: Summary::NONE,
+    };
+
+    /// The same entry of an effect that acts so.
+    pub(crate) const fn acting(self, acts: Summary) -> Self {
+        Self { acts, ..self }
+    }
+
     /// The values at which the effect does nothing to `model`, in the order of `params`.
     #[must_use]
     pub fn neutral(&self, model: &Model) -> Vec<f64> {
         let value = |param: &Param| match param.neutral {
-            Neutral::At(value) => value,
+            Neutral::At(value) | Neutral::Any(value) => value,
             Neutral::PipeLength => model.pipe_length_mm,
         };
         self.params.iter().map(value).collect()
     }
+
+    /// The size of the steps that a fit takes in parameter `index` where it has this value, in its unit.
+    #[must_use]
+    pub fn step_size(&self, index: usize, value: f64) -> f64 {
+        match self.params.get(index).map(|param| param.scale) {
+            Some(Scale::Fixed(size)) => size,
+            _ => {
+                let usual = self.sizes.first().and_then(|sizes| sizes.get(index)).copied().unwrap_or(1.0);
+                value.abs().max(0.1 * usual.abs())
+            }
+        }
+    }
 }
 
 /// Implemented by each effect of the catalogue.
-pub trait Effect: Sized {
+pub trait Effect: Sized + 'static {
     /// The effect's line in the catalogue.
     const ENTRY: Entry;
+
+    /// What it does to the signal path.
+    const ACTS: Acts<Self>;
 
     /// The values of `ENTRY.params`, in their order.
     fn values(&self) -> Vec<f64>;

@@ -1,4 +1,4 @@
-//! The catalogue of effects. A new effect is its module and one line in the list below; config file,
+//! The catalogue of effects. A new effect is its module and one line in each list below; config file,
 //! simulator, diagnosis and report pick it up.
 
 mod dead_zone;
@@ -28,8 +28,9 @@ use crate::effect::{Effect, Entry};
 use crate::unsound::Unsound;
 use serde::{Deserialize, Serialize};
 
+// `$d` is a dollar sign: the macro writes another one, which has metavariables of its own.
 macro_rules! catalogue {
-    ($($name:ident: $effect:ident),* $(,)?) => {
+    ($d:tt $($name:ident: $effect:ident),* $(,)?) => {
         $(pub use $name::$effect;)*
 
         /// The effects that are on. `None` is off; there are no other switches.
@@ -45,7 +46,7 @@ macro_rules! catalogue {
 
         impl Effects {
             /// Every effect there is, in the order of the signal path.
-            pub const CATALOGUE: &[Entry] = &[$(<$effect>::ENTRY),*];
+            pub const CATALOGUE: &[Entry] = &[$(<$effect>::ENTRY.acting(<$effect>::ACTS.summary())),*];
 
             /// The entries of the effects that are on, in the order of the signal path.
             #[must_use]
@@ -105,10 +106,23 @@ macro_rules! catalogue {
                 Ok(())
             }
         }
+
+        /// Evaluates an expression for each effect that is on, in the order of the catalogue.
+        macro_rules! for_each_effect {
+            ($d effects:expr, $d effect:ident => $d body:expr) => {
+                $(
+                    if let Some($d effect) = &$d effects.$name {
+                        $d body
+                    }
+                )*
+            };
+        }
+        pub(crate) use for_each_effect;
     };
 }
 
 catalogue! {
+    $
     transport_delay: TransportDelay,
     duty_quantisation: DutyQuantisation,
     dead_zone: DeadZone,
@@ -134,13 +148,17 @@ catalogue! {
 }
 
 impl Effects {
-    /// Two effects that cannot act together: one contains the other.
-    pub const EXCLUSIVE: [&str; 2] = ["fan_lag", "spin_asymmetry"];
-
     /// The catalogue's entry of that name.
     #[must_use]
     pub fn entry(name: &str) -> Option<&'static Entry> {
         Self::CATALOGUE.iter().find(|entry| entry.name == name)
+    }
+
+    /// Whether two effects fill the same place of the signal path, and cannot act together.
+    #[must_use]
+    pub fn exclude_each_other(one: &str, other: &str) -> bool {
+        let both = Self::entry(one).zip(Self::entry(other));
+        one != other && both.is_some_and(|(one, other)| one.acts.excludes(&other.acts))
     }
 
     /// Checks the numbers of every effect that is on, and that the effects go together.
@@ -148,9 +166,11 @@ impl Effects {
     /// # Errors
     /// The effect's name and what is wrong with it.
     pub fn check(&self) -> Result<(), (&'static str, Unsound)> {
-        if Self::EXCLUSIVE.iter().all(|name| self.values(name).is_some()) {
-            let message = "spin_asymmetry contains fan_lag (up_s = down_s); delete one of the two tables";
-            return Err(("spin_asymmetry", Unsound::Contradiction { key: "", message }));
+        let present = self.present();
+        for (number, entry) in present.iter().enumerate() {
+            if let Some(other) = present[..number].iter().find(|other| other.acts.excludes(&entry.acts)) {
+                return Err((entry.name, Unsound::Exclusive { other: other.name }));
+            }
         }
         self.check_each()
     }

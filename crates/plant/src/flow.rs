@@ -10,6 +10,7 @@
 //! Linear about hover: v_f − v_eq and v are small beside v_eq.
 //! Source: the thesis, equations 3.1.1.8 and 3.1.1.10 with K_g = gain.
 
+use crate::acts::Ball;
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::rk4;
@@ -37,21 +38,20 @@ impl Flow<'_> {
         let (fan, turbulence) = (self.fans(motion, dt_s), self.turbulences(motion, dt_s));
         let force = std::array::from_fn(|i| fan[i] + turbulence[i] + friction);
         let effects = &self.model.effects;
-        let [position_mm, velocity_mm_per_s] =
-            if effects.quadratic_drag.is_none() && effects.height_dependent_flow.is_none() {
-                rk4::step(|x, force| [x[1], force - self.model.drag_per_s * x[1]], &[y, v], force, dt_s)
-            } else {
-                rk4::step(|x, force| [x[1], self.acceleration(x[0], x[1], force)], &[y, v], force, dt_s)
-            };
+        let [position_mm, velocity_mm_per_s] = if !effects.has_force() {
+            rk4::step(|x, force| [x[1], force - self.model.drag_per_s * x[1]], &[y, v], force, dt_s)
+        } else {
+            rk4::step(|x, force| [x[1], self.acceleration(x[0], x[1], force)], &[y, v], force, dt_s)
+        };
         Motion {
             position_mm,
             velocity_mm_per_s,
             fan_mm_per_s2: fan[2],
             turbulence_mm_per_s2: turbulence[2],
-            sensed_mm: self.model.effects.sensor_lag.map_or(position_mm, |lag| {
+            sensed_mm: {
                 let middle = f64::midpoint(y, position_mm) + dt_s / 8.0 * (v - velocity_mm_per_s);
-                lag.after(motion.sensed_mm, [y, middle, position_mm], dt_s)
-            }),
+                effects.sensed(motion.sensed_mm, [y, middle, position_mm], dt_s)
+            },
         }
     }
 
@@ -63,38 +63,23 @@ impl Flow<'_> {
             velocity_mm_per_s: 0.0,
             fan_mm_per_s2: self.fan(motion, dt_s),
             turbulence_mm_per_s2: self.turbulences(motion, dt_s)[2],
-            sensed_mm: self.model.effects.sensor_lag.map_or(y, |lag| lag.after(motion.sensed_mm, [y; 3], dt_s)),
+            sensed_mm: self.model.effects.sensed(motion.sensed_mm, [y; 3], dt_s),
         }
     }
 
     fn acceleration(&self, y: f64, v: f64, force: f64) -> f64 {
-        let effects = &self.model.effects;
-        let mut acceleration = force - self.model.drag_per_s * v;
-        if let Some(drag) = effects.quadratic_drag {
-            acceleration += drag.acceleration(v);
-        }
-        if let Some(flow) = effects.height_dependent_flow {
-            acceleration += flow.lift(y, self.model.pipe_length_mm);
-        }
-        acceleration
+        let ball = Ball { position_mm: y, velocity_mm_per_s: v, pipe_length_mm: self.model.pipe_length_mm };
+        self.model.effects.accelerated(force - self.model.drag_per_s * v, &ball)
     }
 
     /// The fan's acceleration after `dt_s`.
     fn fan(&self, motion: &Motion, dt_s: f64) -> f64 {
-        let (effects, fan) = (&self.model.effects, motion.fan_mm_per_s2);
-        if let Some(spin) = effects.spin_asymmetry {
-            spin.after(self.commanded, fan, dt_s)
-        } else if let Some(lag) = effects.fan_lag {
-            lag.after(self.commanded, fan, dt_s)
-        } else {
-            self.commanded
-        }
+        self.model.effects.fan(self.commanded, motion.fan_mm_per_s2, dt_s)
     }
 
     /// The fan's acceleration at the start, the middle and the end of `dt_s`.
     fn fans(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
-        let effects = &self.model.effects;
-        if effects.spin_asymmetry.is_some() || effects.fan_lag.is_some() {
+        if self.model.effects.has_fan_state() {
             [0.0, dt_s / 2.0, dt_s].map(|t| self.fan(motion, t))
         } else {
             [self.commanded; 3]
@@ -103,7 +88,7 @@ impl Flow<'_> {
 
     /// The turbulence at the start, the middle and the end of `dt_s`, without what it adds at random.
     fn turbulences(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
-        self.model.effects.turbulence.map_or([0.0; 3], |turbulence| {
+        self.model.effects.coloured_force().map_or([0.0; 3], |turbulence| {
             [0.0, dt_s / 2.0, dt_s].map(|t| motion.turbulence_mm_per_s2 * turbulence.decay(t))
         })
     }

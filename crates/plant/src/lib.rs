@@ -10,6 +10,7 @@
 //! Position in mm, upward; velocity in mm/s; acceleration in mm/s²; duty in percent; time in s.
 //! Mathematics comes from `libm` only, so that every target computes the same bits.
 
+mod acts;
 mod actuator;
 mod effect;
 pub mod effects;
@@ -22,12 +23,15 @@ mod normal;
 mod rk4;
 mod root;
 mod rotor;
+mod rounding;
 mod sensor;
+mod signal_path;
 mod simulator;
 mod unsound;
 
+pub use acts::{Acts, Ball, Changes, Late, Readings, Summary};
 pub use actuator::Actuator;
-pub use effect::{Effect, Entry, Neighbour, Neutral, Param, Stage};
+pub use effect::{Difference, Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start};
 pub use effects::Effects;
 pub use model::{Model, Noise};
 pub use motion::Motion;

@@ -10,39 +10,19 @@
 use crate::model::Model;
 use control::design::Linear;
 
-/// The effects of which [`Model::linear`] keeps the linear part.
-const KEPT: [&str; 7] = [
-    "transport_delay",
-    "fan_lag",
-    "spin_asymmetry",
-    "height_dependent_flow",
-    "sensor_lag",
-    "sensor_delay",
-    "stale_samples",
-];
-
 impl Model {
     /// The linear plant about hover at mid-pipe.
     #[must_use]
     pub fn linear(&self) -> Linear {
-        let effects = &self.effects;
-        let spin_s = effects.spin_asymmetry.map_or(0.0, |spin| (spin.up_s + spin.down_s) / 2.0);
-        Linear {
-            gain: self.gain_mm_per_s2_per_percent,
-            drag_per_s: self.drag_per_s,
-            gradient_per_s2: effects.height_dependent_flow.map_or(0.0, |flow| flow.gradient_per_s2),
-            fan_lag_s: effects.fan_lag.map_or(spin_s, |lag| lag.time_constant_s),
-            sensor_lag_s: effects.sensor_lag.map_or(0.0, |lag| lag.time_constant_s),
-            delay_s: effects.transport_delay.map_or(0.0, |delay| delay.delay_s)
-                + effects.sensor_delay.map_or(0.0, |delay| delay.delay_s)
-                + effects.stale_samples.map_or(0.0, |stale| stale.hold_s / 2.0),
-        }
+        let mut plant = Linear::two_poles(self.gain_mm_per_s2_per_percent, self.drag_per_s);
+        self.effects.linearise(&mut plant);
+        plant
     }
 
     /// The names of the effects that are on and that [`Model::linear`] leaves out.
     #[must_use]
     pub fn not_linear(&self) -> Vec<&'static str> {
-        self.effects.present().iter().map(|entry| entry.name).filter(|name| !KEPT.contains(name)).collect()
+        self.effects.present().iter().filter(|entry| !entry.acts.is_linear).map(|entry| entry.name).collect()
     }
 }
 

@@ -6,6 +6,7 @@
 //!
 //! Source: the thesis, equation 3.1.1.14. The effects come on top, in the order of the signal path.
 
+use crate::acts::Ball;
 use crate::actuator::Actuator;
 use crate::effects::Effects;
 use crate::unsound::Unsound;
@@ -68,15 +69,22 @@ impl Model {
         Actuator::new(self, duty_percent).commanded(self, 0.0)
     }
 
+    /// The acceleration that the effects add to a ball at rest at a height, mm/s².
+    #[must_use]
+    pub fn force_at_rest(&self, position_mm: f64) -> f64 {
+        self.effects
+            .accelerated(0.0, &Ball { position_mm, velocity_mm_per_s: 0.0, pipe_length_mm: self.pipe_length_mm })
+    }
+
     /// Where the ball's way ends, mm: bottom and top.
     #[must_use]
     pub fn ends_mm(&self) -> (f64, f64) {
-        self.effects.end_stop.map_or((0.0, self.pipe_length_mm), |stop| (stop.bottom_mm, stop.top_mm))
+        self.effects.ends().map_or((0.0, self.pipe_length_mm), |stop| (stop.bottom_mm, stop.top_mm))
     }
 
     /// The velocity after a hit at an end, mm/s. The ends of the pipe itself give no bounce.
     pub(crate) fn rebound(&self, velocity_mm_per_s: f64) -> f64 {
-        self.effects.end_stop.map_or(0.0, |stop| stop.rebound(velocity_mm_per_s))
+        self.effects.ends().map_or(0.0, |stop| stop.rebound(velocity_mm_per_s))
     }
 }
 

@@ -102,7 +102,7 @@ impl Motion {
 
     #[inline(always)]
     fn advance(self, flow: &Flow<'_>, ends: Ends, dt_s: f64) -> Self {
-        if ends.way_out(self.position_mm) == 0.0 && flow.model.effects.wall_friction.is_none() {
+        if ends.way_out(self.position_mm) == 0.0 && flow.model.effects.friction().is_none() {
             // The usual case, and the only one that has to be fast: in the air before the step and after it.
             let free = flow.free(&self, 0.0, dt_s);
             if ends.passed(free.position_mm).is_none() {
@@ -134,7 +134,7 @@ impl Motion {
         if self.velocity_mm_per_s * out > 0.0 {
             self.velocity_mm_per_s = flow.model.rebound(self.velocity_mm_per_s);
         }
-        let friction = flow.model.effects.wall_friction.filter(|friction| friction.acceleration_mm_per_s2 > 0.0);
+        let friction = flow.model.effects.friction().filter(|friction| friction.acceleration_mm_per_s2 > 0.0);
         let v = self.velocity_mm_per_s;
         if v == 0.0 && friction.is_some_and(|friction| friction.holds(flow.net(&self))) {
             return (flow.held(&self, dt_s), dt_s);
@@ -168,7 +168,7 @@ impl Motion {
 
     /// The same at another position and velocity.
     fn moved_to(self, position_mm: f64, velocity_mm_per_s: f64, model: &Model) -> Self {
-        let sensed_mm = if model.effects.sensor_lag.is_some() { self.sensed_mm } else { position_mm };
+        let sensed_mm = if model.effects.has_sensor_state() { self.sensed_mm } else { position_mm };
         Self { position_mm, velocity_mm_per_s, sensed_mm, ..self }
     }
 }

@@ -1,14 +1,13 @@
 //! The rotor of the fan: how fast it turns, in percent of the duty that would keep it at that speed.
 //!
 //! ```text
-//! duty(t − delay) → nearest step = u      dw/dt = (u − w)/τ      τ of fan_lag or of spin_asymmetry
+//! duty(t − delay) → as the fan takes it = u      dw/dt = (u − w)/τ      τ: inertia of the fan
 //! ```
 //!
-//! Of the actuator's effects these move the rotor; the others (play, dead zone, curve, asymmetry, drifts, limits) lie between rotor and force.
+//! Effects that act before hover is taken away, and the inertia of the fan, move the rotor; the others lie between rotor and force.
 //! Leaves out that a real fan's speed is never quite a straight line of its duty.
 
 use crate::actuator::Actuator;
-use crate::effects::Effects;
 use crate::model::Model;
 
 /// A rotor along its duty.
@@ -25,8 +24,7 @@ impl Rotor {
     /// The rotor of `model` at time 0, which has followed `duty_percent` for long.
     #[must_use]
     pub fn new(model: &Model, duty_percent: f64) -> Self {
-        let Effects { transport_delay, duty_quantisation, fan_lag, spin_asymmetry, .. } = model.effects.clone();
-        let effects = Effects { transport_delay, duty_quantisation, fan_lag, spin_asymmetry, ..Effects::default() };
+        let effects = model.effects.of_rotor();
         let model = Model { gain_mm_per_s2_per_percent: 1.0, hover_duty_percent: 0.0, effects, ..model.clone() };
         Self { actuator: Actuator::new(&model, duty_percent), model, now_s: 0.0, speed_percent: duty_percent }
     }
@@ -54,11 +52,7 @@ impl Rotor {
 
     /// The speed after `dt_s` of a constant command.
     fn followed(&self, commanded: f64, dt_s: f64) -> f64 {
-        match (self.model.effects.fan_lag, self.model.effects.spin_asymmetry) {
-            (Some(lag), _) => lag.after(commanded, self.speed_percent, dt_s),
-            (_, Some(spin)) => spin.after(commanded, self.speed_percent, dt_s),
-            _ => commanded,
-        }
+        self.model.effects.fan(commanded, self.speed_percent, dt_s)
     }
 }
 

@@ -10,6 +10,7 @@
 
 use crate::model::Model;
 use crate::normal::Normal;
+use crate::rounding::rounded;
 use std::collections::VecDeque;
 
 /// Stream numbers of the sensor's random numbers: one each, so that one effect leaves another's numbers alone.
@@ -51,7 +52,7 @@ impl Sensor {
 
     /// The reading at `time_s`, mm, where the ball is at `sensed_mm` behind the lag.
     pub(crate) fn reading(&mut self, model: &Model, time_s: f64, sensed_mm: f64) -> f64 {
-        let Some(stale) = model.effects.stale_samples.filter(|stale| stale.hold_s > 0.0) else {
+        let Some(stale) = model.effects.hold().filter(|stale| stale.hold_s > 0.0) else {
             return self.measure(model, time_s, sensed_mm);
         };
         let refreshed_s = stale.refreshed_at(time_s);
@@ -67,13 +68,13 @@ impl Sensor {
     /// A fresh measurement at `time_s`.
     fn measure(&mut self, model: &Model, time_s: f64, sensed_mm: f64) -> f64 {
         let effects = &model.effects;
-        let seen_at = effects.sensor_delay.map_or(time_s, |delay| delay.seen_at(time_s));
-        let sigma = effects.sensor_noise.map_or(model.noise.sensor_mm, |noise| noise.total_mm(model.noise.sensor_mm));
+        let seen_at = time_s - effects.reading_delay_s();
+        let sigma = effects.reading_sigma_mm(model.noise.sensor_mm);
         let mut reading = self.seen(seen_at).unwrap_or(sensed_mm) + sigma * self.noise.draw();
-        if let Some(outliers) = effects.sensor_outliers {
+        if let Some(outliers) = effects.outliers() {
             reading += outliers.offset_mm(self.outliers.uniform());
         }
-        effects.sensor_quantisation.map_or(reading, |steps| steps.rounded(reading))
+        effects.reading_step_mm().map_or(reading, |step_mm| rounded(step_mm, reading))
     }
 
     /// The position at `time_s`. `None`: nothing is remembered, because nothing needs it.
@@ -89,8 +90,7 @@ impl Sensor {
 
 /// How far back a reading may reach, seconds.
 fn reach_s(model: &Model) -> f64 {
-    let delay = model.effects.sensor_delay.map_or(0.0, |delay| delay.delay_s);
-    delay + model.effects.stale_samples.map_or(0.0, |stale| stale.hold_s)
+    model.effects.reading_delay_s() + model.effects.hold().map_or(0.0, |stale| stale.hold_s)
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ impl Simulator {
     pub fn new(model: Model, seed: u64) -> Self {
         let mut motion = Motion::at_rest(model.ends_mm().0, model.commanded(0.0));
         let mut turbulence = Normal::new(seed, TURBULENCE_STREAM);
-        if let Some(effect) = model.effects.turbulence {
+        if let Some(effect) = model.effects.coloured_force() {
             motion.turbulence_mm_per_s2 = effect.sigma_mm_per_s2 * turbulence.draw();
         }
         let mut sensor = Sensor::new(seed);
@@ -93,7 +93,7 @@ impl Simulator {
         let steps = ceil(ahead / MAX_STEP_S);
         let dt = ahead / steps;
         let white = sqrt(self.model.noise.acceleration_psd_mm2_per_s3 * dt);
-        let coloured = self.model.effects.turbulence.map(|turbulence| turbulence.kick(dt));
+        let coloured = self.model.effects.coloured_force().map(|turbulence| turbulence.kick(dt));
         let drifts = Actuator::drifts(&self.model);
         let mut commanded = self.actuator.commanded(&self.model, start);
         let mut motion = self.motion;

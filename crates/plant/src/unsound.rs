@@ -14,6 +14,11 @@ pub enum Unsound {
         /// What excludes what, and what to do.
         message: &'static str,
     },
+    /// Two effects fill the same place of the signal path.
+    Exclusive {
+        /// The other effect.
+        other: &'static str,
+    },
 }
 
 impl Unsound {
@@ -23,6 +28,7 @@ impl Unsound {
         match self {
             Self::Range(error) => error.key,
             Self::Contradiction { key, .. } => key,
+            Self::Exclusive { .. } => "",
         }
     }
 }
@@ -38,6 +44,9 @@ impl std::fmt::Display for Unsound {
         match self {
             Self::Range(error) => error.fmt(f),
             Self::Contradiction { message, .. } => f.write_str(message),
+            Self::Exclusive { other } => {
+                write!(f, "fills the same place of the signal path as {other}; delete one of the two tables")
+            }
         }
     }
 }

@@ -14,23 +14,18 @@ use crate::gap::share_closed::Closed;
 use crate::options::Options;
 use crate::record::check::{Finding, other_rig};
 use crate::record::folds::Folds;
-use crate::record::prepare::{Noted, Prepared};
+use crate::record::prepare::{FlightFinding, Prepared};
 use crate::record::recording::Recording;
 use crate::residual::location::{Place, places_of, rows};
-use crate::residual::misfit::{Residue, is_quiet};
+use crate::residual::misfit::{Misfit, is_quiet};
 use crate::residual::spectrum::{Band, band};
-use crate::select::candidates::Search;
-use crate::select::posterior::{Tried, chances};
-use crate::select::stepwise::{Explanation, Named, explain};
+use crate::select::posterior::{Scored, chances};
+use crate::select::refit;
+use crate::select::search::Search;
+use crate::select::stepwise::{NamedEffect, Selection, select_effects};
+use crate::thresholds::{ENOUGH_READINGS, PARAMETERS_MM, PARAMETERS_SHARE, TRUST, TRUST_BESIDE_RESIDUAL};
 use plant::Model;
 use rayon::prelude::*;
-
-/// Readings in free flight that a diagnosis needs.
-const ENOUGH_READINGS: usize = 300;
-/// How far names are to be trusted. Something outside the catalogue may look like one of its effects and leave nothing over; and where
-/// something is left over, what was named is mostly just what came nearest. Shares of right names among withheld rigs.
-const TRUST: f64 = 0.96;
-const TRUST_BESIDE_A_REST: f64 = 0.15;
 
 /// What is wrong, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -54,9 +49,9 @@ pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
     /// What was found: what is to be added, the most important first, then what became of the believed.
-    pub effects: Vec<Named>,
+    pub effects: Vec<NamedEffect>,
     /// What each effect gained that was tried, search by search.
-    pub rounds: Vec<Vec<Tried>>,
+    pub rounds: Vec<Vec<Scored>>,
     /// The belief with its base parameters refitted.
     pub refitted: Fit,
     /// The belief with refitted parameters and the effects that were found.
@@ -68,11 +63,11 @@ pub struct Diagnosis {
     /// The frequencies at which the refitted belief is most wrong.
     pub band: Option<Band>,
     /// What is left over.
-    pub residue: Residue,
+    pub misfit: Misfit,
     /// How much of the gap at 1 s the mended model closes; `None` where there is too little to close.
     pub closed: Option<Closed>,
     /// What the record cannot answer, flight by flight.
-    pub findings: Vec<Noted>,
+    pub findings: Vec<FlightFinding>,
     /// How far the numbers of the mended model may be off.
     pub(crate) reaches: Vec<Reach>,
 }
@@ -85,26 +80,26 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let belief = &with_rounding(belief, recording);
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
-    let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| Noted { flight, finding });
+    let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| FlightFinding { flight, finding });
     let too_few = too_few(recording, &folds).filter(|_| can_answer);
     findings.extend(too_few.into_iter().flat_map(about_all));
     let mut answers = can_answer && too_few.is_none();
-    let refitted = if answers { search.refitted() } else { search.problem.fit(belief, &[]) };
+    let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
     let asks = answers && !is_quiet(&refitted);
-    let mut found = if asks { explain(&search, &refitted) } else { Explanation::nothing(&search, &refitted) };
-    let other_rig = other_rig(belief, &found.fit.model).filter(|_| answers && !found.leaves_something());
+    let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
+    let other_rig = other_rig(belief, &found.fit.model).filter(|_| answers && !found.is_incomplete());
     findings.extend(other_rig.into_iter().flat_map(about_all));
     if other_rig.is_some() && !found.effects.is_empty() {
         // An effect that needs another rig around it is not what this rig lacks.
         answers = false;
-        found = Explanation::nothing(&search, &refitted);
+        found = Selection::nothing(&search, &refitted);
     }
     let stretches = held_out(&search, belief, [&refitted, &found.fit]);
     let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
     let closed = Closed::of(&stretches[0], &stretches[2]).filter(|_| answers);
     let verdict = if !answers {
         Verdict::InsufficientData
-    } else if found.leaves_something() {
+    } else if found.is_incomplete() {
         Verdict::Unexplained
     } else if !found.effects.is_empty() {
         Verdict::Effect
@@ -115,10 +110,10 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     };
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
-    let Explanation { mut effects, rounds, fit: mended, residue, .. } = found;
+    let Selection { mut effects, rounds, fit: mended, misfit, .. } = found;
     effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
     let reaches = reaches(&search.problem, &mended);
-    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, residue, closed, findings, reaches }
+    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, misfit, closed, findings, reaches }
 }
 
 /// What is to be said where fewer readings count than a diagnosis needs.
@@ -139,7 +134,7 @@ fn with_rounding(belief: &Model, recording: &Recording) -> Model {
 
 /// How far a name beside this verdict is to be trusted.
 fn trust(verdict: Verdict) -> f64 {
-    if verdict == Verdict::Unexplained { TRUST_BESIDE_A_REST } else { TRUST }
+    if verdict == Verdict::Unexplained { TRUST_BESIDE_RESIDUAL } else { TRUST }
 }
 
 /// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.
@@ -160,7 +155,9 @@ fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>
 /// Moving the base parameters lowers the error at 1 s by more than 5 % of the floor and 0.5 mm.
 fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
     match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
-        (Some(nominal), Some(refitted), Some(floor)) => nominal - refitted > (0.05 * floor).max(0.5),
+        (Some(nominal), Some(refitted), Some(floor)) => {
+            nominal - refitted > (PARAMETERS_SHARE * floor).max(PARAMETERS_MM)
+        }
         _ => false,
     }
 }
@@ -169,7 +166,7 @@ impl Diagnosis {
     /// The chance that each effect of a search acts, trusted as far as the names of the verdict are; `None` of those that were not
     /// fitted in full.
     #[must_use]
-    pub fn chances(&self, tried: &[Tried]) -> Vec<Option<f64>> {
+    pub fn chances(&self, tried: &[Scored]) -> Vec<Option<f64>> {
         chances(tried).into_iter().map(|chance| Some(trust(self.verdict) * chance?)).collect()
     }
 }
@@ -179,7 +176,7 @@ mod tests {
     use super::{Verdict, diagnose};
     use crate::options::Options;
     use crate::tests_support::{model, record};
-    use crate::{Finding, Free, Recording, Sample};
+    use crate::{Finding, Parameter, Recording, Sample};
     use plant::{Effects, Model};
 
     /// A flight of a rig that sticks, which the belief does not, every row spoilt by its number.
@@ -231,8 +228,7 @@ mod tests {
     fn a_record_that_is_too_short_says_how_short() {
         let found = diagnose(&model(), &record(&model(), 5, 5), &Options::default());
         assert_eq!(found.verdict, Verdict::InsufficientData);
-        let short =
-            |noted: &crate::Noted| matches!(noted.finding, Finding::TooFew { readings, needed } if readings < needed);
+        let short = |noted: &crate::FlightFinding| matches!(noted.finding, Finding::TooFew { readings, needed } if readings < needed);
         assert!(found.findings.iter().any(short), "{:?}", found.findings);
     }
 
@@ -256,12 +252,12 @@ mod tests {
             let found = diagnose(&model(), &with_weak_supply(0.5, seed), &Options::default());
             assert_eq!(found.verdict, Verdict::Unexplained, "seed {seed}: {:?}", found.effects);
             assert!(
-                found.residue.instead_of.is_some() && found.effects[0].probability < 0.2,
+                found.misfit.outdone_effect.is_some() && found.effects[0].probability < 0.2,
                 "seed {seed}: {:?}",
-                found.residue
+                found.misfit
             );
             // It goes with a duty of before.
-            let first = &found.residue.asked_for[0].words;
+            let first = &found.misfit.omitted_terms[0].words;
             assert!(first.contains("u") && first.contains('~'), "seed {seed}: {first}");
         }
     }
@@ -295,8 +291,8 @@ mod tests {
         let found = diagnose(&model(), &record(&stop(260.0, 340.0), 3, 80), &Options::default());
         let intervals = found.intervals();
         let of = |wanted| {
-            let mine = |free: &Free| matches!(free, Free::Effect { name: "end_stop", index, .. } if *index == wanted);
-            let (_, low, high) = intervals.iter().find(|(free, ..)| mine(free)).unwrap();
+            let mine = |parameter: &Parameter| matches!(parameter, Parameter::Effect { name: "end_stop", index, .. } if *index == wanted);
+            let (_, low, high) = intervals.iter().find(|(parameter, ..)| mine(parameter)).unwrap();
             (*low, *high)
         };
         let ((bottom_low, bottom_high), (top_low, top_high)) = (of(0), of(1));

@@ -10,26 +10,26 @@ use crate::gap::forecast_error::{FreeRun, free_runs};
 use crate::record::folds::Folds;
 use crate::record::prepare::Prepared;
 use crate::record::recording::Recording;
-use crate::residual::plots::Leftover;
+use crate::residual::plots::ResidualPlots;
 use plant::Model;
 use rayon::prelude::*;
 
 /// Series to draw. The noise of the air is the least that was believed or found, so that what is missing does not hide in it. Rows of the runs are rows of the recording that is here.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct Series {
     /// The rows that the diagnosis worked on.
     pub recording: Recording,
-    /// Free runs of the belief.
+    /// Parameter runs of the belief.
     pub nominal: Vec<FreeRun>,
-    /// Free runs of the mended model, each fitted without the stretch that it starts in.
+    /// Parameter runs of the mended model, each fitted without the stretch that it starts in.
     pub mended: Vec<FreeRun>,
     /// The force that the belief lacks once its base parameters are fitted; none where the ball never flew free.
     pub missing: Vec<MissingForce>,
     /// What the belief with fitted numbers leaves over, and what the mended model does.
-    pub left: [Leftover; 2],
+    pub left: [ResidualPlots; 2],
 }
 
-impl Picture {
+impl Series {
     /// The series of what was `found` when a recording, or several of one rig, were compared with `belief`.
     #[must_use]
     pub fn of(found: &Diagnosis, belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized)) -> Self {
@@ -51,14 +51,14 @@ impl Picture {
             *noise = noise.min(model.noise.acceleration_psd_mm2_per_s3);
         }
         let missing = missing_force(&lacking, &recording);
-        let left = [&found.refitted, &found.mended].map(|fit| Leftover::of(&fit.model, &recording, &folds));
+        let left = [&found.refitted, &found.mended].map(|fit| ResidualPlots::of(&fit.model, &recording, &folds));
         Self { recording, nominal, mended, missing, left }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Picture;
+    use super::Series;
     use crate::tests_support::{model, record};
     use crate::{Options, diagnose};
     use plant::{Effects, Model};
@@ -67,7 +67,7 @@ mod tests {
     fn mended_runs_start_where_the_believed_do_and_keep_nearer_to_the_record() {
         let belief = Model { effects: Effects::default(), ..model() };
         let recording = record(&model(), 4, 80);
-        let picture = Picture::of(&diagnose(&belief, &recording, &Options::default()), &belief, &recording);
+        let picture = Series::of(&diagnose(&belief, &recording, &Options::default()), &belief, &recording);
         let starts = |runs: &[crate::FreeRun]| runs.iter().map(|run| run.row).collect::<Vec<_>>();
         assert_eq!(starts(&picture.nominal), starts(&picture.mended));
         let off = |runs: &[crate::FreeRun]| {

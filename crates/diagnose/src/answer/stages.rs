@@ -9,7 +9,7 @@
 //! ratio", Annals of Mathematical Statistics 9 (1938); n by Bonferroni.
 
 use crate::answer::diagnosis::{Diagnosis, Verdict};
-use crate::select::stepwise::Named;
+use crate::select::stepwise::NamedEffect;
 use crate::stats::chi_square::survival;
 use plant::{Effects, Stage};
 
@@ -17,23 +17,23 @@ impl Diagnosis {
     /// Likelihood gained at a stage by the effects that were found, and asked for there by what they leave unexplained, nats.
     #[must_use]
     pub fn nats_at(&self, stage: Stage) -> f64 {
-        self.found_at(stage).map(|named| named.candidate.gain).sum::<f64>() + self.left_at(stage)
+        self.found_at(stage).map(|named| named.candidate.held_out_gain).sum::<f64>() + self.left_at(stage)
     }
 
     /// The chance of so much at that stage if the model were right, all effects that were tried taken into account.
     #[must_use]
     pub fn chance_at(&self, stage: Stage) -> f64 {
         let looks = Effects::CATALOGUE.len() as f64;
-        let of_effect =
-            |named: &Named| looks * survival(named.candidate.entry.params.len(), 2.0 * named.candidate.gain);
-        let left =
-            if self.left_at(stage) > 0.0 { (-self.residue.omitted.max(self.residue.moments)).exp() } else { 1.0 };
+        let of_effect = |named: &NamedEffect| {
+            looks * survival(named.candidate.entry.params.len(), 2.0 * named.candidate.held_out_gain)
+        };
+        let left = if self.left_at(stage) > 0.0 { (-self.misfit.omitted.max(self.misfit.events)).exp() } else { 1.0 };
         self.found_at(stage).map(of_effect).fold(left, f64::min).min(1.0)
     }
 
     /// The effects of a stage that are not doubted.
-    fn found_at(&self, stage: Stage) -> impl Iterator<Item = &Named> {
-        let doubted = self.residue.instead_of;
+    fn found_at(&self, stage: Stage) -> impl Iterator<Item = &NamedEffect> {
+        let doubted = self.misfit.outdone_effect;
         self.effects.iter().filter(move |named| {
             let entry = named.candidate.entry;
             entry.stage == stage && doubted != Some(entry.name)
@@ -41,7 +41,7 @@ impl Diagnosis {
     }
 
     fn left_at(&self, stage: Stage) -> f64 {
-        if self.verdict == Verdict::Unexplained { self.residue.nats_at(stage) } else { 0.0 }
+        if self.verdict == Verdict::Unexplained { self.misfit.nats_at(stage) } else { 0.0 }
     }
 }
 
@@ -57,7 +57,7 @@ mod tests {
         let found = diagnose(&belief, &record(&model(), 4, 80), &Options::default());
         let [named] = &found.effects[..] else { panic!("{:?}", found.effects) };
         let entry = named.candidate.entry;
-        assert!((found.nats_at(entry.stage) - named.candidate.gain).abs() < 1e-12);
+        assert!((found.nats_at(entry.stage) - named.candidate.held_out_gain).abs() < 1e-12);
         assert!(found.chance_at(entry.stage) < 1e-6);
         assert_eq!((found.nats_at(Stage::Ball), found.chance_at(Stage::Ball)), (0.0, 1.0));
     }

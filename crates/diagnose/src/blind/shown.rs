@@ -13,11 +13,13 @@ use super::closed::true_model;
 use super::names::imitators;
 use super::truth::{CaseTruth, TrueEffect};
 use crate::fit::estimate::Problem;
-use crate::fit::parameter::{BASE, Free, Prior, free_of_effect};
+use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect};
 use crate::record::folds::Folds;
 use crate::record::prepare::prepared;
 use crate::record::recording::Recording;
-use crate::select::candidates::Search;
+use crate::select::candidates::candidates;
+use crate::select::refit::with_noise_that_fits;
+use crate::select::search::Search;
 use plant::Model;
 
 /// Nats by which the true model beats its best rival; of two effects, those of the one that shows less. `None`: no effect, or none that
@@ -31,7 +33,7 @@ pub fn shown(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option
     let (_, recording) = prepared(std::slice::from_ref(recording), belief);
     let folds = Folds::new(belief, &recording);
     let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Nothing };
-    let truly = problem.total_of(&problem.fit(&model, &[Free::SensorNoise, Free::AirNoise]));
+    let truly = problem.total_of(&problem.fit(&model, &[Parameter::SensorNoise, Parameter::AirNoise]));
     let above = |effect: &TrueEffect| truly - best_rival(problem, &model, truth, &effect.name);
     truth.effects.iter().map(above).reduce(f64::min)
 }
@@ -46,13 +48,12 @@ fn best_rival(problem: Problem<'_>, model: &Model, truth: &CaseTruth, name: &str
         };
     }
     let others = start.effects.present().into_iter().filter(|entry| entry.name != name);
-    let of_effect = |name| free_of_effect(name, &start.effects.values(name).unwrap_or_default());
-    let free: Vec<Free> = BASE.into_iter().chain(others.flat_map(|entry| of_effect(entry.name))).collect();
-    let search = Search::of(problem).without_too(name);
-    let search = imitators(name).iter().fold(search, |search, twin| search.without_too(twin));
-    start.noise = search.with_noise_that_fits(&free).noise;
+    let of_effect = |name| parameters_of_effect(name, &start.effects.values(name).unwrap_or_default());
+    let free: Vec<Parameter> = BASE.into_iter().chain(others.flat_map(|entry| of_effect(entry.name))).collect();
+    let search = Search::of(problem).without(|entry| entry.name == name || imitators(name).contains(&entry.name));
+    start.noise = with_noise_that_fits(&problem, &free).noise;
     let as_believed = problem.fit(&start, &free);
-    let rivals = search.candidates(&as_believed).0;
+    let rivals = candidates(&search, &as_believed).0;
     let rivals = rivals.iter().map(|rival| problem.total_of(&rival.fit));
     rivals.fold(problem.total_of(&as_believed), f64::max)
 }

@@ -20,7 +20,7 @@ const WILD_SCATTER: f64 = 0.1;
 
 /// One reading as a model saw it coming; a speed of the fan has rpm where others have mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surprise {
+pub struct Innovation {
     /// The row of the reading.
     pub row: usize,
     /// ŷ: what was expected, mm.
@@ -30,9 +30,9 @@ pub struct Surprise {
     /// How much the reading says of ŷ: 1 for a usual one, 0 for a wild one.
     pub weight: f64,
     /// √S·∂ln p/∂ŷ: for a usual reading ν/√S, normal with variance 1 when the model is right.
-    pub pull: f64,
+    pub standardised: f64,
     /// 2·∂ln p/∂ln S at the same ν: for a usual reading ν²/S − 1.
-    pub stretch: f64,
+    pub variance_score: f64,
     /// ln p(ν), nats.
     pub log_density: f64,
     /// The sensor only repeated itself: nothing was expected.
@@ -50,7 +50,7 @@ pub(crate) struct Reading {
     pub(crate) coarse: Option<(f64, f64)>,
 }
 
-impl Surprise {
+impl Innovation {
     /// Weighs a reading against its expectation.
     pub(crate) fn of(reading: Reading, expected_mm: f64, variance_mm2: f64) -> Self {
         let deviation = variance_mm2.sqrt();
@@ -68,8 +68,8 @@ impl Surprise {
                     expected_mm,
                     variance_mm2,
                     weight: share * (1.0 - cell.spread),
-                    pull: share * cell.shift,
-                    stretch: share * (cell.spread + cell.shift * cell.shift - 1.0),
+                    standardised: share * cell.shift,
+                    variance_score: share * (cell.spread + cell.shift * cell.shift - 1.0),
                     log_density,
                     repeat: false,
                 }
@@ -100,8 +100,8 @@ impl Surprise {
             expected_mm,
             variance_mm2,
             weight,
-            pull: weight * e,
-            stretch: weight * (e * e - 1.0),
+            standardised: weight * e,
+            variance_score: weight * (e * e - 1.0),
             log_density,
             repeat: false,
         }
@@ -115,8 +115,8 @@ impl Surprise {
             expected_mm: 0.0,
             variance_mm2: 1.0,
             weight: 0.0,
-            pull: 0.0,
-            stretch: 0.0,
+            standardised: 0.0,
+            variance_score: 0.0,
             log_density,
             repeat: true,
         }
@@ -125,17 +125,17 @@ impl Surprise {
 
 #[cfg(test)]
 mod tests {
-    use super::{Reading, Surprise};
+    use super::{Innovation, Reading};
 
-    fn surprise(residual: f64, outliers: Option<(f64, f64)>, coarse: Option<(f64, f64)>) -> Surprise {
-        Surprise::of(Reading { row: 0, position_mm: residual, outliers, coarse }, 0.0, 4.0)
+    fn innovation(residual: f64, outliers: Option<(f64, f64)>, coarse: Option<(f64, f64)>) -> Innovation {
+        Innovation::of(Reading { row: 0, position_mm: residual, outliers, coarse }, 0.0, 4.0)
     }
 
     #[test]
     fn the_density_integrates_to_one() {
         let step = 0.01;
         for outliers in [None, Some((0.1, 30.0)), Some((1.0, 0.0))] {
-            let density = |k| surprise(f64::from(k) * step, outliers, None).log_density.exp();
+            let density = |k| innovation(f64::from(k) * step, outliers, None).log_density.exp();
             let total: f64 = (-20_000..20_000).map(|k| density(k) * step).sum();
             assert!((total - 1.0).abs() < 1e-9, "{outliers:?}: {total}");
         }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn the_probabilities_of_coarse_readings_add_up_to_one() {
-        let density = |k: i32| surprise(7.0 * f64::from(k) + 2.0, None, Some((7.0, 0.5))).log_density.exp();
+        let density = |k: i32| innovation(7.0 * f64::from(k) + 2.0, None, Some((7.0, 0.5))).log_density.exp();
         let total: f64 = (-40..40).map(|k| density(k) * 0.5).sum();
         assert!((total - 1.0).abs() < 1e-6, "{total}");
     }
@@ -153,14 +153,15 @@ mod tests {
         for coarse in [None, Some((5.0, 1.0))] {
             for residual in [-3.0, 0.7, 2.5] {
                 let reading = Reading { row: 0, position_mm: residual, outliers: None, coarse };
-                let at = |expected: f64, variance: f64| Surprise::of(reading, expected, variance);
-                let pull = (at(1e-5, 4.0).log_density - at(-1e-5, 4.0).log_density) / 2e-5 * 2.0;
-                let stretch = (at(0.0, 4.0004).log_density - at(0.0, 3.9996).log_density) / 1e-4 * 2.0 / 2.0;
+                let at = |expected: f64, variance: f64| Innovation::of(reading, expected, variance);
+                let standardised = (at(1e-5, 4.0).log_density - at(-1e-5, 4.0).log_density) / 2e-5 * 2.0;
+                let variance_score = (at(0.0, 4.0004).log_density - at(0.0, 3.9996).log_density) / 1e-4 * 2.0 / 2.0;
                 let here = at(0.0, 4.0);
                 // What the wild part adds to the slopes is left out.
                 assert!(
-                    (here.pull - pull).abs() < 0.01 && (here.stretch - stretch).abs() < 0.01,
-                    "{here:?} {pull} {stretch}"
+                    (here.standardised - standardised).abs() < 0.01
+                        && (here.variance_score - variance_score).abs() < 0.01,
+                    "{here:?} {standardised} {variance_score}"
                 );
             }
         }
@@ -168,8 +169,8 @@ mod tests {
 
     #[test]
     fn a_usual_reading_counts_fully_and_a_wild_one_hardly() {
-        assert!(surprise(2.0, None, None).weight > 0.99);
-        let wild = surprise(20.0, None, None);
+        assert!(innovation(2.0, None, None).weight > 0.99);
+        let wild = innovation(20.0, None, None);
         assert!(wild.weight < 1e-10 && wild.log_density > -13.0, "{wild:?}");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! ÿ = model + f        df = √q·dW        a free force that remembers all and wanders by √q in a second
-//! f̂(t), σ(t)           from all readings, before and after t: the smoother of `cursor::back`
+//! f̂(t), σ(t)           from all readings, before and after t: the smoother of `ekf::back`
 //! q                    where the readings are most likely
 //! ```
 //!
@@ -10,11 +10,10 @@
 //! drawn against duty has a shape under a right model too. It takes the place of a turbulence that the model may have.
 //! Source: Durbin and Koopman, *Time Series Analysis by State Space Methods*, chapters 2 and 4.
 
-use crate::filter::track::{hindsight, surprises};
+use crate::filter::track::{innovations, smoothed_states};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
 use plant::Model;
-use plant::effects::Turbulence;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -22,7 +21,7 @@ use serde::Serialize;
 const FORGETS_S: f64 = 1e4;
 /// Orders of the intensity that are tried, about that which moves the ball by the readings' deviation in a second.
 const ORDERS: std::ops::RangeInclusive<i32> = -3..=9;
-/// Steps of the second look, about the best order.
+/// PropagationCache of the second look, about the best order.
 const FINER: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
 
 /// The missing force at a moment.
@@ -43,14 +42,14 @@ pub struct MissingForce {
 }
 
 /// The force that `model` lacks on `recording`, at each reading in free flight. Its white noise is believed: noise that was fitted
-/// to a record has grown by what is missing.
+/// to a record has predict_covariance by what is missing.
 #[must_use]
 pub fn missing_force(model: &Model, recording: &Recording) -> Vec<MissingForce> {
     let folds = Folds::new(model, recording);
     let samples = recording.samples();
     let free = with_likely_force(model, recording, &folds);
     let mut row_then = 0;
-    let known = hindsight(&free, recording).into_iter().filter(|(row, _)| folds.counts(*row));
+    let known = smoothed_states(&free, recording).into_iter().filter(|(row, _)| folds.counts(*row));
     known
         .map(|(row, known)| {
             let time_s = samples[recording.flight_of(row).start].time_s + known.time_s;
@@ -74,7 +73,7 @@ pub fn missing_force(model: &Model, recording: &Recording) -> Vec<MissingForce> 
 fn with_likely_force(model: &Model, recording: &Recording, folds: &Folds) -> Model {
     let scale = model.noise.sensor_mm.max(recording.resolution_mm()).powi(2);
     let likelihood = |free: &Model| -> f64 {
-        surprises(free, recording).iter().filter(|s| folds.counts(s.row)).map(|s| s.log_density).sum()
+        innovations(free, recording).iter().filter(|s| folds.counts(s.row)).map(|s| s.log_density).sum()
     };
     let best = |orders: Vec<f64>| {
         let rated = orders.into_par_iter().map(|order| {
@@ -91,10 +90,9 @@ fn with_likely_force(model: &Model, recording: &Recording, folds: &Folds) -> Mod
 
 /// The model with a free force of `intensity` mm²/s⁵.
 fn with_force(model: &Model, intensity: f64) -> Model {
-    let mut free = model.clone();
     let sigma_mm_per_s2 = (0.5 * intensity * FORGETS_S).sqrt();
-    free.effects.turbulence = Some(Turbulence { sigma_mm_per_s2, correlation_s: FORGETS_S });
-    free
+    let effects = model.effects.with_coloured_force(sigma_mm_per_s2, FORGETS_S);
+    Model { effects, ..model.clone() }
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ pub(crate) struct Refresh {
 impl Refresh {
     /// The sensor of `model`, if it is believed to be slow, after its first reading.
     pub(crate) fn of(model: &Model, period_s: f64, time_s: f64, reading_mm: f64) -> Option<Self> {
-        let hold_s = model.effects.stale_samples?.hold_s;
+        let hold_s = model.effects.hold()?.hold_s;
         (hold_s > 0.0).then_some(Self { hold_s, period_s, new_s: time_s, before_s: time_s, last_mm: reading_mm })
     }
 
@@ -105,7 +105,7 @@ mod tests {
     fn the_hold_that_a_record_has_is_the_likeliest() {
         let recording = held(5, 1.0);
         let nats = |hold_s: f64| {
-            crate::filter::track::surprises(&slow(hold_s), &recording).iter().map(|s| s.log_density).sum::<f64>()
+            crate::filter::track::innovations(&slow(hold_s), &recording).iter().map(|s| s.log_density).sum::<f64>()
         };
         assert!(nats(0.1) > nats(0.085) + 20.0 && nats(0.1) > nats(0.115) + 20.0);
     }

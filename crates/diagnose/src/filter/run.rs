@@ -1,7 +1,7 @@
 //! The way of a model's filter along a recording, reading by reading.
 
-use crate::filter::ekf::{Back, Cursor, Steps};
-use crate::filter::innovation::{Reading, Surprise};
+use crate::filter::ekf::{Ekf, PropagationCache, SmootherMemory};
+use crate::filter::innovation::{Innovation, Reading};
 use crate::filter::refresh::Refresh;
 use crate::record::quantisation::{Grid, OFF_GRID};
 use crate::record::recording::{Recording, Sample};
@@ -12,20 +12,20 @@ use plant::Model;
 /// Runs the filter of `model` over `recording` and shows it after each reading: the row, how the reading was seen coming,
 /// and the filter, unless the model says that the sensor only repeated itself. Each flight begins with a new filter. With `back`, the
 /// filter remembers its way. With `second`, it takes what a second sensor says as well, and writes down how it saw that coming.
-pub(crate) fn along<'a>(
+pub(crate) fn run_filter<'a>(
     model: &'a Model,
     recording: &'a Recording,
-    back: Option<Back>,
-    second: Option<&mut Vec<Surprise>>,
-    mut show: impl FnMut(usize, Surprise, Option<&Cursor<'a>>),
+    back: Option<SmootherMemory>,
+    second: Option<&mut Vec<Innovation>>,
+    mut show: impl FnMut(usize, Innovation, Option<&Ekf<'a>>),
 ) {
-    let mut steps = Steps::of(model);
+    let mut steps = PropagationCache::of(model);
     let mut beside = second.and_then(|seen| Some(Beside { sensor: recording.second()?, next: 0, seen }));
-    let grid = model.effects.sensor_quantisation.map(|coarse| Grid::of(recording, coarse.step_mm));
-    let outliers = model.effects.sensor_outliers.map(|o| (o.probability, o.size_mm));
+    let grid = model.effects.reading_step_mm().map(|step_mm| Grid::of(recording, step_mm));
+    let outliers = model.effects.outliers().map(|o| (o.probability, o.size_mm));
     for flight in recording.flights() {
         let (rows, writes) = (&recording.samples()[flight.clone()], &recording.writes()[flight.clone()]);
-        let mut filter: Option<Cursor<'a>> = None;
+        let mut filter: Option<Ekf<'a>> = None;
         let mut refresh: Option<Refresh> = None;
         for &row in recording.readings_of(flight) {
             let at = row - flight.start;
@@ -33,35 +33,35 @@ pub(crate) fn along<'a>(
             let coarse = grid.as_ref().and_then(|grid| grid.cell(reading));
             let seen = Reading { row, position_mm: reading, outliers, coarse };
             let off_grid = if grid.is_some() && coarse.is_none() { OFF_GRID } else { 0.0 };
-            let Some(cursor) = &mut filter else {
-                let new = Cursor::new(model, writes, at, reading, &mut steps);
-                let cursor = filter.insert(new.of_means(recording.mean_of(row)).remembering(back));
+            let Some(ekf) = &mut filter else {
+                let new = Ekf::new(model, writes, at, reading, &mut steps);
+                let ekf = filter.insert(new.of_means(recording.mean_of(row)).remembering(back));
                 refresh = Refresh::of(model, recording.reading_period_s(flight), sample.time_s, reading);
-                show(row, cursor.take(seen), Some(cursor));
+                show(row, ekf.take(seen), Some(ekf));
                 beside.iter_mut().for_each(|beside| beside.next = row);
                 continue;
             };
             if let Some(beside) = &mut beside {
-                beside.up_to(cursor.time_of(at), flight.start, rows, cursor, &mut steps);
+                beside.up_to(ekf.time_of(at), flight.start, rows, ekf, &mut steps);
             }
-            cursor.go_to_row(at, &mut steps);
+            ekf.advance_to_row(at, &mut steps);
             let (new, log_density) =
                 arrival(refresh.as_ref(), sample.time_s, reading, recording.resolution_mm(), || {
-                    cursor.foresee(seen).log_density - off_grid
+                    ekf.predict(seen).log_density - off_grid
                 });
             if let Some(refresh) = &mut refresh {
                 refresh.go_on(sample.time_s, reading, new);
             }
             if new {
-                let surprise = cursor.take(seen);
-                let log_density = log_density.unwrap_or(surprise.log_density - off_grid);
-                show(row, Surprise { log_density, ..surprise }, Some(cursor));
+                let innovation = ekf.take(seen);
+                let log_density = log_density.unwrap_or(innovation.log_density - off_grid);
+                show(row, Innovation { log_density, ..innovation }, Some(ekf));
             } else {
-                show(row, Surprise::of_repeat(row, log_density.unwrap_or_default()), None);
+                show(row, Innovation::of_repeat(row, log_density.unwrap_or_default()), None);
             }
         }
-        if let Some((beside, cursor)) = beside.as_mut().zip(filter.as_mut()) {
-            beside.up_to(f64::INFINITY, flight.start, rows, cursor, &mut steps);
+        if let Some((beside, ekf)) = beside.as_mut().zip(filter.as_mut()) {
+            beside.up_to(f64::INFINITY, flight.start, rows, ekf, &mut steps);
         }
     }
 }
@@ -71,19 +71,19 @@ struct Beside<'s> {
     sensor: Second,
     /// The row whose reading comes next.
     next: usize,
-    seen: &'s mut Vec<Surprise>,
+    seen: &'s mut Vec<Innovation>,
 }
 
 impl Beside<'_> {
     /// Takes the readings of a flight that were made up to `until_s`: a first sensor that is late tells of a moment that the second has seen long since.
-    fn up_to(&mut self, until_s: f64, start: usize, rows: &[Sample], cursor: &mut Cursor<'_>, steps: &mut Steps) {
+    fn up_to(&mut self, until_s: f64, start: usize, rows: &[Sample], ekf: &mut Ekf<'_>, steps: &mut PropagationCache) {
         let start_s = rows.first().map_or(0.0, |first| first.time_s);
         while let Some(sample) = rows.get(self.next - start).filter(|sample| sample.time_s - start_s <= until_s) {
             if let Some(second_mm) = sample.position2_mm {
                 let position_mm = second_mm - self.sensor.offset_mm;
                 let reading = Reading { row: self.next, position_mm, outliers: None, coarse: None };
                 let time_s = sample.time_s - start_s;
-                self.seen.push(cursor.take_second(time_s, reading, self.sensor.variance_mm2, steps));
+                self.seen.push(ekf.update_by_second_sensor(time_s, reading, self.sensor.variance_mm2, steps));
             }
             self.next += 1;
         }

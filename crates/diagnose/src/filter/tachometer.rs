@@ -12,7 +12,7 @@
 //! stands beside that of the readings. Source: Cochrane and Orcutt, "Application of least squares regression to
 //! relationships containing autocorrelated error terms", Journal of the American Statistical Association 44 (1949).
 
-use crate::filter::innovation::{Reading, Surprise};
+use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::{Recording, Sample};
 use plant::{Model, Rotor};
 
@@ -41,13 +41,13 @@ struct Line {
 }
 
 /// Every recorded speed as `model` saw it coming; none where there are too few.
-pub(crate) fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
+pub(crate) fn innovations(model: &Model, recording: &Recording) -> Vec<Innovation> {
     if !recording.has_fan_speed() {
         return Vec::new();
     }
     let of_flight = |flight: &std::ops::Range<usize>| speeds(model, &recording.samples()[flight.clone()], flight.start);
     let all: Vec<Speed> = recording.flights().iter().flat_map(of_flight).collect();
-    Line::of(&all).map_or_else(Vec::new, |line| line.surprises(&all))
+    Line::of(&all).map_or_else(Vec::new, |line| line.innovations(&all))
 }
 
 /// The recorded speeds of a flight, and w along its duty.
@@ -98,13 +98,13 @@ impl Line {
         Some(Self { variance: line.variance.max(1e-9 * line.b.powi(2)), ..line })
     }
 
-    fn surprises(&self, all: &[Speed]) -> Vec<Surprise> {
+    fn innovations(&self, all: &[Speed]) -> Vec<Innovation> {
         let on_line = |speed: &Speed| self.a + self.b * speed.duty_percent;
         let pairs = all.iter().zip(all.iter().skip(1)).filter(|pair| pair.1.follows);
         let one = |(before, now): (&Speed, &Speed)| {
             let expected = on_line(now) + self.colour * (before.rpm - on_line(before));
             let reading = Reading { row: now.row, position_mm: now.rpm, outliers: None, coarse: None };
-            Surprise::of(reading, expected, self.variance)
+            Innovation::of(reading, expected, self.variance)
         };
         pairs.map(one).collect()
     }

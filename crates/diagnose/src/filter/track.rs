@@ -1,8 +1,8 @@
 //! A model's filter along a whole recording, and forecasts from any of its readings.
 
-use crate::filter::ekf::{Back, Cursor, Leg, Smoothed, Steps, Trace, smoothed};
-use crate::filter::innovation::Surprise;
-use crate::filter::run::along;
+use crate::filter::ekf::{Ekf, FilteredStep, PropagationCache, Segment, Smoothed, SmootherMemory, smoothed};
+use crate::filter::innovation::Innovation;
+use crate::filter::run::run_filter;
 use crate::filter::tachometer;
 use crate::record::recording::Recording;
 use plant::Model;
@@ -14,9 +14,9 @@ pub struct Track<'a> {
     model: &'a Model,
     recording: &'a Recording,
     /// Rows that hold a reading, and the filter after it.
-    estimates: Vec<(usize, Cursor<'a>)>,
+    estimates: Vec<(usize, Ekf<'a>)>,
     /// Every reading but the first, as it was seen coming.
-    surprises: Vec<Surprise>,
+    innovations: Vec<Innovation>,
     /// Whether each row holds a reading that is no repeat.
     new: Vec<bool>,
 }
@@ -35,39 +35,39 @@ pub struct Forecast {
 /// Every reading but the first, which has nothing to be compared with, as the model saw it coming; then every
 /// reading of a second sensor, and every speed of the fan, in rpm where others have mm.
 #[must_use]
-pub fn surprises(model: &Model, recording: &Recording) -> Vec<Surprise> {
+pub fn innovations(model: &Model, recording: &Recording) -> Vec<Innovation> {
     let mut all = Vec::with_capacity(recording.readings());
     let mut second = Vec::new();
-    along(model, recording, None, Some(&mut second), |_, surprise, _| all.push(surprise));
+    run_filter(model, recording, None, Some(&mut second), |_, innovation, _| all.push(innovation));
     if !all.is_empty() {
         all.remove(0);
     }
     all.extend(second);
-    all.extend(tachometer::surprises(model, recording));
+    all.extend(tachometer::innovations(model, recording));
     all
 }
 
 /// What is expected of each row's reading, mm; `None` where there is none, or the model says that the sensor only repeated itself.
 pub(crate) fn expected_mm(model: &Model, recording: &Recording) -> Vec<Option<f64>> {
     let mut all = vec![None; recording.samples().len()];
-    along(model, recording, None, None, |row, surprise, cursor| all[row] = cursor.map(|_| surprise.expected_mm));
+    run_filter(model, recording, None, None, |row, innovation, ekf| all[row] = ekf.map(|_| innovation.expected_mm));
     all
 }
 
 /// The way from reading to reading, and how each was seen coming.
-pub(crate) fn legs(model: &Model, recording: &Recording) -> Vec<(Surprise, Leg)> {
+pub(crate) fn segments(model: &Model, recording: &Recording) -> Vec<(Innovation, Segment)> {
     let mut all = Vec::with_capacity(recording.readings());
-    along(model, recording, Some(Back::default()), None, |_, surprise, cursor| {
-        all.extend(cursor.and_then(Cursor::leg).map(|leg| (surprise, leg)));
+    run_filter(model, recording, Some(SmootherMemory::default()), None, |_, innovation, ekf| {
+        all.extend(ekf.and_then(Ekf::leg).map(|leg| (innovation, leg)));
     });
     all
 }
 
 /// What the whole flight, before and after it, says of each reading's moment: the row and the states.
-pub(crate) fn hindsight(model: &Model, recording: &Recording) -> Vec<(usize, Smoothed)> {
-    let (mut rows, mut traces) = (Vec::new(), Vec::<Trace>::new());
-    along(model, recording, Some(Back::default()), None, |row, _, cursor| {
-        if let Some(trace) = cursor.and_then(Cursor::trace) {
+pub(crate) fn smoothed_states(model: &Model, recording: &Recording) -> Vec<(usize, Smoothed)> {
+    let (mut rows, mut traces) = (Vec::new(), Vec::<FilteredStep>::new());
+    run_filter(model, recording, Some(SmootherMemory::default()), None, |row, _, ekf| {
+        if let Some(trace) = ekf.and_then(Ekf::trace) {
             rows.push(row);
             traces.push(trace);
         }
@@ -87,30 +87,30 @@ impl<'a> Track<'a> {
     /// Runs the filter of `model` over `recording`.
     #[must_use]
     pub fn new(model: &'a Model, recording: &'a Recording) -> Self {
-        let (mut estimates, mut surprises) = (Vec::new(), Vec::new());
+        let (mut estimates, mut innovations) = (Vec::new(), Vec::new());
         let mut new = vec![false; recording.samples().len()];
-        along(model, recording, None, None, |row, surprise, cursor| {
-            let Some(cursor) = cursor else { return };
+        run_filter(model, recording, None, None, |row, innovation, ekf| {
+            let Some(ekf) = ekf else { return };
             new[row] = true;
             if !estimates.is_empty() {
-                surprises.push(surprise);
+                innovations.push(innovation);
             }
-            estimates.push((row, cursor.clone()));
+            estimates.push((row, ekf.clone()));
         });
-        Self { model, recording, estimates, surprises, new }
+        Self { model, recording, estimates, innovations, new }
     }
 
     /// Every reading but the first, as the model saw it coming.
     #[must_use]
-    pub fn into_surprises(self) -> Vec<Surprise> {
-        self.surprises
+    pub fn into_surprises(self) -> Vec<Innovation> {
+        self.innovations
     }
 
     /// What was known after each reading but the last: its row, position and velocity.
     pub fn states(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let known = self.estimates.iter().take(self.estimates.len().saturating_sub(1));
-        known.map(|(row, cursor)| {
-            let (position_mm, velocity) = cursor.position_and_velocity();
+        known.map(|(row, ekf)| {
+            let (position_mm, velocity) = ekf.position_and_velocity();
             (*row, position_mm, velocity)
         })
     }
@@ -134,15 +134,15 @@ impl<'a> Track<'a> {
         let start = self.estimates.get(from);
         let mut row = start.map_or(self.new.len(), |(row, _)| *row);
         let flight = self.recording.flight_of(row);
-        let mut cursor = start.map(|(_, cursor)| cursor.clone());
-        let mut steps = Steps::of(self.model);
+        let mut ekf = start.map(|(_, ekf)| ekf.clone());
+        let mut steps = PropagationCache::of(self.model);
         std::iter::from_fn(move || {
-            let cursor = cursor.as_mut()?;
+            let ekf = ekf.as_mut()?;
             loop {
                 row += 1;
                 if *self.new[..flight.end].get(row)? {
-                    cursor.go_to_row(row - flight.start, &mut steps);
-                    let (position_mm, variance_mm2) = cursor.expect_rounded();
+                    ekf.advance_to_row(row - flight.start, &mut steps);
+                    let (position_mm, variance_mm2) = ekf.predicted_rounded_reading();
                     return Some(Forecast { row, position_mm, variance_mm2 });
                 }
             }
@@ -218,8 +218,8 @@ mod tests {
         own.effects.set("transport_delay", &[0.05]);
         let flights = [record(&own, 5, 20), record(&own, 6, 15)];
         let both = crate::Recording::together(flights.clone());
-        let together = super::surprises(&own, &both);
-        let apart: Vec<_> = flights.iter().flat_map(|flight| super::surprises(&own, flight)).collect();
+        let together = super::innovations(&own, &both);
+        let apart: Vec<_> = flights.iter().flat_map(|flight| super::innovations(&own, flight)).collect();
         // The first reading of the second flight has nothing to be compared with either.
         let compared = together.iter().filter(|s| s.row != both.flights()[1].start);
         for (a, b) in compared.zip(&apart) {
@@ -239,9 +239,10 @@ mod tests {
     fn rows_without_a_reading_are_flown_through() {
         let own = model();
         let full = record(&own, 5, 20);
-        let thinned = full.samples().iter().enumerate();
-        let thinned = thinned.map(|(k, s)| crate::Sample { position_mm: s.position_mm.filter(|_| k % 3 == 0), ..*s });
-        let recording = crate::Recording::new(thinned.collect()).unwrap();
+        let decimated = full.samples().iter().enumerate();
+        let decimated =
+            decimated.map(|(k, s)| crate::Sample { position_mm: s.position_mm.filter(|_| k % 3 == 0), ..*s });
+        let recording = crate::Recording::new(decimated.collect()).unwrap();
         let track = Track::new(&own, &recording);
         assert_eq!(track.readings(), full.samples().len().div_ceil(3));
         assert!(track.forecasts(10).all(|forecast| forecast.row % 3 == 0));

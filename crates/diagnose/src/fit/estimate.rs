@@ -7,16 +7,16 @@
 //! ```
 //!
 //! What shapes p itself, as the share of wild readings does, adds its scores: g = Σ ∂ln p, H = Σ ∂ln p·∂ln pᵀ.
-//! Derivatives are differences of whole filter runs, in the scales of [`Free`], so that one λ serves all. Gradient and information are kept by
+//! Derivatives are differences of whole filter runs, in the scales of [`Parameter`], so that one λ serves all. Gradient and information are kept by
 //! fold, so that a fit without a fold is one step away. The covariance of θ is H⁻¹ when the model is right.
 //! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
 
-use crate::filter::innovation::Surprise;
-use crate::filter::track::surprises;
-use crate::fit::parameter::{Free, Prior, prior};
+use crate::filter::innovation::Innovation;
+use crate::filter::track::innovations;
+use crate::fit::parameter::{Parameter, Prior, prior};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
-use crate::residual::misfit::LONG;
+use crate::thresholds::LONG;
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
 
@@ -38,7 +38,7 @@ const PROMISING: f64 = 1.0;
 const SHORTEST: usize = 14;
 
 /// Nats, fold by fold.
-pub type Worth = [f64; Folds::COUNT];
+pub type LogLikByFold = [f64; Folds::COUNT];
 
 /// A model fitted to a recording.
 #[derive(Clone, Debug)]
@@ -46,22 +46,22 @@ pub struct Fit {
     /// The model at its best.
     pub model: Model,
     /// What was moved.
-    pub free: Vec<Free>,
+    pub parameters: Vec<Parameter>,
     /// The readings as the model sees them.
-    pub surprises: Vec<Surprise>,
+    pub innovations: Vec<Innovation>,
     /// ln prior at the best, up to a constant.
     pub log_prior: f64,
-    slope: Slope,
+    slope: Derivatives,
 }
 
 /// Gradient and information of the likelihood fold by fold, and of the prior.
 #[derive(Clone, Debug)]
-struct Slope {
+struct Derivatives {
     folds: Vec<(DVector<f64>, DMatrix<f64>)>,
     prior: (DVector<f64>, DMatrix<f64>),
 }
 
-impl Slope {
+impl Derivatives {
     /// Sums over all folds but `left_out`.
     fn total(&self, left_out: Option<usize>) -> (DVector<f64>, DMatrix<f64>) {
         let kept = self.folds.iter().enumerate().filter(|(fold, _)| Some(*fold) != left_out);
@@ -73,7 +73,7 @@ impl Fit {
     /// Σ ln p(ν) over the readings for which `counts` holds, nats.
     #[must_use]
     pub fn log_likelihood(&self, counts: impl Fn(usize) -> bool) -> f64 {
-        self.surprises.iter().filter(|s| counts(s.row)).map(|s| s.log_density).sum()
+        self.innovations.iter().filter(|s| counts(s.row)).map(|s| s.log_density).sum()
     }
 
     /// Standard deviations of the moved numbers in their own scale; infinite where the record says nothing of a number.
@@ -86,8 +86,9 @@ impl Fit {
     /// Covariance of the moved numbers in their own scale; a variance is infinite where the record says nothing of a number.
     pub(crate) fn covariance(&self) -> DMatrix<f64> {
         let information = self.slope.total(None).1;
-        let told: Vec<usize> = (0..self.free.len()).filter(|i| information[(*i, *i)] > NOTHING_TOLD).collect();
-        let mut covariance = DMatrix::from_diagonal_element(self.free.len(), self.free.len(), f64::INFINITY);
+        let told: Vec<usize> = (0..self.parameters.len()).filter(|i| information[(*i, *i)] > NOTHING_TOLD).collect();
+        let mut covariance =
+            DMatrix::from_diagonal_element(self.parameters.len(), self.parameters.len(), f64::INFINITY);
         if let Some(known) = information.select_rows(&told).select_columns(&told).try_inverse() {
             for (i, row) in told.iter().enumerate() {
                 for (j, column) in told.iter().enumerate() {
@@ -112,9 +113,9 @@ pub struct Problem<'a> {
     pub prior: Prior,
 }
 
-/// How long a climb goes on.
+/// How long a maximise goes on.
 #[derive(Clone, Copy)]
-struct Patience {
+struct StepLimits {
     /// Steps.
     steps: usize,
     /// Steps after the last on a steep slope.
@@ -126,29 +127,30 @@ struct Patience {
 /// Everything about one point of a fit.
 struct Point {
     model: Model,
-    surprises: Vec<Surprise>,
+    innovations: Vec<Innovation>,
     total: f64,
 }
 
 impl Problem<'_> {
     /// Moves the numbers `free` of `start` to where the readings that count are most likely.
     #[must_use]
-    pub fn fit(&self, start: &Model, free: &[Free]) -> Fit {
-        let (best, slope) = self.climb(start, free, Patience { steps: STEPS, more: STEPS, most: MOST_STEPS });
-        let slope = slope.unwrap_or_else(|| self.slope(&best, free));
-        let log_prior = self.log_prior(free, &best.model);
-        Fit { model: best.model, free: free.to_vec(), surprises: best.surprises, log_prior, slope }
+    pub fn fit(&self, start: &Model, parameters: &[Parameter]) -> Fit {
+        let (best, slope) =
+            self.maximise(start, parameters, StepLimits { steps: STEPS, more: STEPS, most: MOST_STEPS });
+        let slope = slope.unwrap_or_else(|| self.slope(&best, parameters));
+        let log_prior = self.log_prior(parameters, &best.model);
+        Fit { model: best.model, parameters: parameters.to_vec(), innovations: best.innovations, log_prior, slope }
     }
 
     /// The model after so many steps at most.
     #[must_use]
-    pub fn fit_in_steps(&self, start: &Model, free: &[Free], most_steps: usize) -> Model {
-        self.climb(start, free, Patience { steps: most_steps, more: 0, most: most_steps }).0.model
+    pub fn fit_in_steps(&self, start: &Model, parameters: &[Parameter], most_steps: usize) -> Model {
+        self.maximise(start, parameters, StepLimits { steps: most_steps, more: 0, most: most_steps }).0.model
     }
 
     /// A first look: the model after so many steps, and as many more as the slope is steep; its likelihood and prior, nats.
-    pub(crate) fn look(&self, start: &Model, free: &[Free], steps: usize) -> (Model, f64) {
-        let (best, _) = self.climb(start, free, Patience { steps, more: 1, most: STEPS });
+    pub(crate) fn fit_briefly(&self, start: &Model, parameters: &[Parameter], steps: usize) -> (Model, f64) {
+        let (best, _) = self.maximise(start, parameters, StepLimits { steps, more: 1, most: STEPS });
         (best.model, best.total)
     }
 
@@ -158,22 +160,22 @@ impl Problem<'_> {
     }
 
     /// Likelihood and prior of `model` as it is, nats.
-    pub(crate) fn total(&self, model: &Model, free: &[Free]) -> f64 {
-        self.point(model.clone(), free).total
+    pub(crate) fn total(&self, model: &Model, parameters: &[Parameter]) -> f64 {
+        self.point(model.clone(), parameters).total
     }
 
     /// Climbs from `start`. The slope is that of the last step's start, if that step hardly moved.
-    fn climb(&self, start: &Model, free: &[Free], patience: Patience) -> (Point, Option<Slope>) {
+    fn maximise(&self, start: &Model, parameters: &[Parameter], patience: StepLimits) -> (Point, Option<Derivatives>) {
         // A noise of 0 has no slope: each number starts where it may be.
-        let mut best = self.point(moved(start, free, &DVector::zeros(free.len())), free);
+        let mut best = self.point(moved(start, parameters, &DVector::zeros(parameters.len())), parameters);
         let steep = STEEP * (self.recording.readings() as f64 / LONG).max(1.0);
         let (mut damping, mut end) = (1e-3, patience.steps);
         for taken in 1..=patience.most {
             if taken > end {
                 break;
             }
-            let slope = self.slope(&best, free);
-            let Some(next) = self.step(&best, free, &slope.total(None), &mut damping) else {
+            let slope = self.slope(&best, parameters);
+            let Some(next) = self.step(&best, parameters, &slope.total(None), &mut damping) else {
                 return (best, Some(slope));
             };
             let gain = next.total - best.total;
@@ -196,20 +198,20 @@ impl Problem<'_> {
 
     /// What each fold is worth under the model that was fitted without it, nats.
     #[must_use]
-    pub fn held_out(&self, fit: &Fit) -> Worth {
+    pub fn held_out(&self, fit: &Fit) -> LogLikByFold {
         std::array::from_fn(|fold| self.without(fit, fold).1[fold])
     }
 
     /// The fit without a fold, and what each fold is worth under it. A number of an added effect that the other folds do not
     /// determine goes back to where it does nothing, else a fold would vouch for what it alone has seen.
-    fn without(&self, fit: &Fit, fold: usize) -> (Model, Worth) {
-        let kept = |worth: &Worth| worth.iter().sum::<f64>() - worth[fold];
-        let here = self.of_each_fold(&fit.surprises);
+    fn without(&self, fit: &Fit, fold: usize) -> (Model, LogLikByFold) {
+        let kept = |worth: &LogLikByFold| worth.iter().sum::<f64>() - worth[fold];
+        let here = self.of_each_fold(&fit.innovations);
         let before = kept(&here) + fit.log_prior;
         let (mut gradient, mut information) = fit.slope.total(Some(fold));
         let mut slack = GAIN_ENOUGH;
-        for (i, free) in fit.free.iter().enumerate() {
-            let Some(off) = free.off_neutral(&fit.model, self.belief) else { continue };
+        for (i, parameter) in fit.parameters.iter().enumerate() {
+            let Some(off) = parameter.distance_from_neutral(&fit.model, self.belief) else { continue };
             gradient[i] -= off;
             information[(i, i)] += 1.0;
             slack += 0.5 * off * off;
@@ -218,9 +220,9 @@ impl Problem<'_> {
             return (fit.model.clone(), here);
         };
         for _ in 0..SHORTER {
-            let model = moved(&fit.model, &fit.free, &direction);
+            let model = moved(&fit.model, &fit.parameters, &direction);
             let there = self.by_fold(&model);
-            if kept(&there) + self.log_prior(&fit.free, &model) > before - slack {
+            if kept(&there) + self.log_prior(&fit.parameters, &model) > before - slack {
                 return (model, there);
             }
             direction /= 4.0;
@@ -229,19 +231,19 @@ impl Problem<'_> {
     }
 
     /// ln prior of the numbers `free` of `model`, up to a constant; 0 where the record alone speaks.
-    pub(crate) fn log_prior(&self, free: &[Free], model: &Model) -> f64 {
-        if self.prior == Prior::Belief { prior(free, model, self.belief) } else { 0.0 }
+    pub(crate) fn log_prior(&self, parameters: &[Parameter], model: &Model) -> f64 {
+        if self.prior == Prior::Belief { prior(parameters, model, self.belief) } else { 0.0 }
     }
 
     /// What each fold is worth under `model` as it is, nats.
     #[must_use]
-    pub fn by_fold(&self, model: &Model) -> Worth {
-        self.of_each_fold(&surprises(model, self.recording))
+    pub fn by_fold(&self, model: &Model) -> LogLikByFold {
+        self.of_each_fold(&innovations(model, self.recording))
     }
 
-    fn of_each_fold(&self, surprises: &[Surprise]) -> Worth {
-        let mut worth = Worth::default();
-        for s in surprises {
+    fn of_each_fold(&self, innovations: &[Innovation]) -> LogLikByFold {
+        let mut worth = LogLikByFold::default();
+        for s in innovations {
             if let Some(fold) = self.folds.of(s.row) {
                 worth[fold] += s.log_density;
             }
@@ -249,31 +251,32 @@ impl Problem<'_> {
         worth
     }
 
-    fn point(&self, model: Model, free: &[Free]) -> Point {
-        let surprises = surprises(&model, self.recording);
-        let likelihood: f64 = surprises.iter().filter(|s| self.folds.of(s.row).is_some()).map(|s| s.log_density).sum();
-        let total = likelihood + self.log_prior(free, &model);
-        Point { model, surprises, total }
+    fn point(&self, model: Model, parameters: &[Parameter]) -> Point {
+        let innovations = innovations(&model, self.recording);
+        let likelihood: f64 =
+            innovations.iter().filter(|s| self.folds.of(s.row).is_some()).map(|s| s.log_density).sum();
+        let total = likelihood + self.log_prior(parameters, &model);
+        Point { model, innovations, total }
     }
 
     /// One damped scoring step to a better point. `None`: none was found.
     fn step(
         &self,
         best: &Point,
-        free: &[Free],
+        parameters: &[Parameter],
         (gradient, information): &(DVector<f64>, DMatrix<f64>),
         damping: &mut f64,
     ) -> Option<Point> {
         for shortened in 0..SHORTEST {
             let mut damped = information.clone();
-            for i in 0..free.len() {
+            for i in 0..parameters.len() {
                 damped[(i, i)] = damped[(i, i)] * (1.0 + *damping) + 1e-9;
             }
             let direction = damped.cholesky().map(|factor| factor.solve(gradient))?;
             if shortened >= SHORTER && 0.5 * gradient.dot(&direction) < PROMISING {
                 return None;
             }
-            let there = self.point(moved(&best.model, free, &direction), free);
+            let there = self.point(moved(&best.model, parameters, &direction), parameters);
             if there.total > best.total {
                 *damping = (*damping * 0.2).max(1e-6);
                 return Some(there);
@@ -284,14 +287,16 @@ impl Problem<'_> {
     }
 
     /// Gradient and information of likelihood and prior at `point`.
-    fn slope(&self, point: &Point, free: &[Free]) -> Slope {
-        let nudged: Vec<Vec<Surprise>> =
-            free.iter().map(|free| surprises(&free.moved(&point.model, DIFFERENCE), self.recording)).collect();
-        let n = free.len();
+    fn slope(&self, point: &Point, parameters: &[Parameter]) -> Derivatives {
+        let nudged: Vec<Vec<Innovation>> = parameters
+            .iter()
+            .map(|parameter| innovations(&parameter.stepped(&point.model, DIFFERENCE), self.recording))
+            .collect();
+        let n = parameters.len();
         let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
         let mut folds = vec![zero.clone(); Folds::COUNT];
         let (mut shift, mut spread, mut density) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for (k, s) in point.surprises.iter().enumerate() {
+        for (k, s) in point.innovations.iter().enumerate() {
             let Some(fold) = self.folds.of(s.row) else { continue };
             let deviation = s.variance_mm2.sqrt();
             for i in 0..n {
@@ -300,7 +305,7 @@ impl Problem<'_> {
                     (shift[i], spread[i], density[i]) = (0.0, 0.0, 0.0);
                     continue;
                 }
-                if free[i].is_of_the_density() {
+                if parameters[i].is_of_the_density() {
                     density[i] = (nudged[i][k].log_density - s.log_density) / DIFFERENCE;
                     continue;
                 }
@@ -309,7 +314,7 @@ impl Problem<'_> {
             }
             let (gradient, information) = &mut folds[fold];
             for i in 0..n {
-                gradient[i] += s.pull * shift[i] + 0.5 * s.stretch * spread[i] + density[i];
+                gradient[i] += s.standardised * shift[i] + 0.5 * s.variance_score * spread[i] + density[i];
                 for j in 0..=i {
                     let normal = s.weight * (shift[i] * shift[j] + 0.5 * spread[i] * spread[j]);
                     information[(i, j)] += normal + density[i] * density[j];
@@ -320,18 +325,18 @@ impl Problem<'_> {
             information.fill_upper_triangle_with_lower_triangle();
         }
         let mut prior = zero;
-        for (i, free) in free.iter().enumerate().filter(|_| self.prior == Prior::Belief) {
-            let (_, slope, curvature) = free.prior(&point.model, self.belief);
+        for (i, parameter) in parameters.iter().enumerate().filter(|_| self.prior == Prior::Belief) {
+            let (_, slope, curvature) = parameter.prior(&point.model, self.belief);
             prior.0[i] = slope;
             prior.1[(i, i)] = curvature;
         }
-        Slope { folds, prior }
+        Derivatives { folds, prior }
     }
 }
 
 /// The model with every free number moved along `direction`.
-fn moved(model: &Model, free: &[Free], direction: &DVector<f64>) -> Model {
-    free.iter().zip(direction.iter()).fold(model.clone(), |model, (free, by)| free.moved(&model, *by))
+fn moved(model: &Model, parameters: &[Parameter], direction: &DVector<f64>) -> Model {
+    parameters.iter().zip(direction.iter()).fold(model.clone(), |model, (parameter, by)| parameter.stepped(&model, *by))
 }
 
 #[cfg(test)]

@@ -9,11 +9,11 @@
 //! sensor is measured on a ball at rest and better known (2 %), the noise of the air less (10 %), both with ν = 10: what they
 //! would have to grow by to explain a record is worth an effect. The numbers of an effect that is not believed are free.
 
-use plant::{Effects, Model, Param};
+use plant::{Changes, Effects, Entry, Model, Param};
 
 /// A number of the model that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Free {
+pub enum Parameter {
     /// `gain_mm_per_s2_per_percent`, as a ratio.
     Gain,
     /// `drag_per_s`, as a ratio.
@@ -38,25 +38,18 @@ pub enum Free {
 /// What a fit knows of the numbers before it sees the record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prior {
-    /// What the owner's belief in them is worth, see [`Free`].
+    /// What the owner's belief in them is worth, see [`Parameter`].
     Belief,
     /// Nothing: the record alone speaks.
     Nothing,
 }
 
 /// The numbers that every model has, noise last.
-pub const BASE: [Free; 5] = [Free::Gain, Free::Drag, Free::Hover, Free::SensorNoise, Free::AirNoise];
+pub const BASE: [Parameter; 5] =
+    [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::SensorNoise, Parameter::AirNoise];
 
 /// Share of its value within which an owner knows a number of an effect.
 const EFFECT_KNOWN: f64 = 0.07;
-/// Effects whose number is read off the readings: it has no slope to climb.
-pub(crate) const COARSE: &str = "sensor_quantisation";
-pub(crate) const STALE: &str = "stale_samples";
-
-pub(crate) fn is_read_off(name: &str) -> bool {
-    name == COARSE || name == STALE
-}
-
 /// What drag and noises are kept above, so that a belief of 0 can move: 1/s, mm and mm²/s³. Both noises are far below those of an encoder's step.
 const LEAST_DRAG: f64 = 1e-3;
 const LEAST_SENSOR_MM: f64 = 1e-5;
@@ -65,26 +58,14 @@ const LEAST_AIR: f64 = 1e-6;
 /// Farthest that a number of a scale of ratios moves at once: a noise believed 0 to that of the worst sensor.
 const FARTHEST: f64 = 25.0;
 
-/// A stop's height says nothing of how finely a record shows it: the size of its changes, mm.
-const STOP_MM: f64 = 10.0;
-
-/// The numbers of an effect that a fit moves, each in the size of `values`. A coarse step and a hold are no such numbers: the readings
-/// show them to a hair, and have no slope to climb.
-pub(crate) fn free_of_effect(name: &'static str, values: &[f64]) -> Vec<Free> {
-    if is_read_off(name) {
-        return Vec::new();
-    }
-    let entry = Effects::entry(name);
-    let usual = |index: usize| entry.and_then(|e| e.sizes.first()).and_then(|sizes| sizes.get(index)).copied();
-    let size = |index: usize, value: f64| {
-        let stop = name == "end_stop" && index < 2;
-        if stop { STOP_MM } else { value.abs().max(0.1 * usual(index).unwrap_or(1.0).abs()) }
-    };
-    let numbers = values.iter().enumerate().take(entry.map_or(0, |e| e.sizes.first().map_or(0, |s| s.len())));
-    numbers.map(|(index, value)| Free::Effect { name, index, size: size(index, *value) }).collect()
+/// The parameters of an effect that a fit moves, each in steps of the size of `values`; none of an effect whose value the readings show.
+pub(crate) fn parameters_of_effect(name: &'static str, values: &[f64]) -> Vec<Parameter> {
+    let Some(entry) = Effects::entry(name).filter(|entry| !entry.start.is_read_off()) else { return Vec::new() };
+    let all = values.iter().enumerate().take(entry.params.len());
+    all.map(|(index, value)| Parameter::Effect { name, index, size: entry.step_size(index, *value) }).collect()
 }
 
-impl Free {
+impl Parameter {
     /// Scale and degrees of freedom of the owner's belief; `None` where nothing is believed.
     fn belief(self, belief: &Model) -> Option<(f64, f64)> {
         match self {
@@ -149,13 +130,27 @@ impl Free {
         matches!(self, Self::Effect { name, .. } if name == effect)
     }
 
-    /// Whether the number shapes the density of a reading, and not its expectation or variance.
+    /// Its index among the parameters of this effect; `None` of others.
+    pub(crate) fn index_in(self, effect: &str) -> Option<usize> {
+        match self {
+            Self::Effect { name, index, .. } if name == effect => Some(index),
+            _ => None,
+        }
+    }
+
+    /// The effect that it belongs to; `None` of base parameters.
+    pub(crate) fn entry(self) -> Option<&'static Entry> {
+        let Self::Effect { name, .. } = self else { return None };
+        Effects::entry(name)
+    }
+
+    /// Whether it shapes the density of a reading, and not its expectation or variance.
     pub(crate) fn is_of_the_density(self) -> bool {
-        matches!(self, Self::Effect { name: "sensor_outliers", .. })
+        self.entry().is_some_and(|entry| entry.acts.changes == Changes::Density)
     }
 
     /// How far a number of an effect that is not believed is from doing nothing, in its own scale, as far as 1.
-    pub(crate) fn off_neutral(self, model: &Model, belief: &Model) -> Option<f64> {
+    pub(crate) fn distance_from_neutral(self, model: &Model, belief: &Model) -> Option<f64> {
         let Self::Effect { name, index, size } = self else { return None };
         if belief.effects.values(name).is_some() {
             return None;
@@ -175,7 +170,7 @@ impl Free {
 
     /// The model with this number moved by `by` in its own scale, within its bounds.
     #[must_use]
-    pub fn moved(self, model: &Model, by: f64) -> Model {
+    pub fn stepped(self, model: &Model, by: f64) -> Model {
         let mut model = model.clone();
         let ratio = by.clamp(-FARTHEST, FARTHEST).exp();
         let scaled = |number: f64, least: f64| (number.max(least) * ratio).max(least);
@@ -202,6 +197,6 @@ impl Free {
 
 /// ln of the prior density of `model`, up to a constant, over the numbers that a fit moved.
 #[must_use]
-pub fn prior(free: &[Free], model: &Model, belief: &Model) -> f64 {
-    free.iter().map(|free| free.prior(model, belief).0).sum()
+pub fn prior(parameters: &[Parameter], model: &Model, belief: &Model) -> f64 {
+    parameters.iter().map(|parameter| parameter.prior(model, belief).0).sum()
 }

@@ -9,7 +9,7 @@
 //! Source: Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", Applied Statistics 37 (1988).
 
 use crate::fit::estimate::{Fit, Problem};
-use crate::fit::parameter::Free;
+use crate::fit::parameter::Parameter;
 
 /// Near enough to where the likelihood shall have dropped to, as a share of the drop, and so many drops that a search loses its way.
 const NEAR: f64 = 0.04;
@@ -39,8 +39,9 @@ pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize, z: f64) -> [
 /// Where the likelihood has dropped enough, on the side of `deviation`, or where the number may go no further.
 fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> Option<f64> {
     let (top, enough) = (problem.total_of(fit), 0.5 * z * z);
-    let number: Free = fit.free[at];
-    let others: Vec<Free> = fit.free.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, free)| *free).collect();
+    let number: Parameter = fit.parameters[at];
+    let others: Vec<Parameter> =
+        fit.parameters.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, parameter)| *parameter).collect();
     let room = number.room(&fit.model, deviation);
     let furthest = room.min((TOO_FAR * deviation.abs()).max(UNIT));
     // The root of the drop is nearly a straight line through 0.
@@ -51,7 +52,7 @@ fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> O
             here = furthest;
         }
         let by = here.copysign(deviation);
-        let (model, total) = problem.look(&number.moved(&fit.model, by), &others, STEPS);
+        let (model, total) = problem.fit_briefly(&number.stepped(&fit.model, by), &others, STEPS);
         let drop = top - total - problem.log_prior(&[number], &model);
         // A model that predicts nothing is far beyond the end.
         let drop = if drop.is_finite() { drop.clamp(0.0, FAR * enough) } else { FAR * enough };

@@ -8,7 +8,7 @@
 //! without the part of it that is chance, so that equal duties are exactly 0 apart.
 //! Source: Kullback and Leibler, "On information and sufficiency", Annals of Mathematical Statistics 22 (1951), of two normal densities.
 
-use crate::filter::track::surprises;
+use crate::filter::track::innovations;
 use crate::record::free_flight::in_free_flight;
 use crate::record::recording::Recording;
 use plant::Model;
@@ -16,18 +16,18 @@ use plant::Model;
 /// Nats that the readings in free flight of `flown` lose where `model` is told the duty of `other`. Both hold the same readings in the
 /// same order; rows without a reading may differ.
 #[must_use]
-pub fn nats_apart(model: &Model, flown: &Recording, other: &Recording) -> f64 {
+pub fn kl_divergence(model: &Model, flown: &Recording, other: &Recording) -> f64 {
     let counts = in_free_flight(model, flown);
-    let (seen, told) = rayon::join(|| surprises(model, flown), || surprises(model, other));
+    let (seen, told) = rayon::join(|| innovations(model, flown), || innovations(model, other));
     let both = seen.iter().zip(&told).filter(|(seen, _)| counts[seen.row]);
     both.map(|(seen, told)| 0.5 * seen.weight * (told.expected_mm - seen.expected_mm).powi(2) / seen.variance_mm2).sum()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::nats_apart;
+    use super::kl_divergence;
     use crate::tests_support::{model, record};
-    use crate::{Recording, Sample, surprises};
+    use crate::{Recording, Sample, innovations};
 
     #[test]
     fn what_a_wrong_duty_costs_is_what_the_likelihood_loses_on_average() {
@@ -37,11 +37,11 @@ mod tests {
             let wrong =
                 flown.samples().iter().map(|s| Sample { duty_percent: s.duty_percent + 0.05 * s.time_s.sin(), ..*s });
             let wrong = Recording::new(wrong.collect()).unwrap();
-            assert_eq!(nats_apart(&model(), &flown, &flown), 0.0);
-            apart += nats_apart(&model(), &flown, &wrong);
+            assert_eq!(kl_divergence(&model(), &flown, &flown), 0.0);
+            apart += kl_divergence(&model(), &flown, &wrong);
             // The first seconds show the prior, and do not count.
             let total = |recording: &Recording| {
-                let late = surprises(&model(), recording).into_iter().filter(|s| s.row > 100);
+                let late = innovations(&model(), recording).into_iter().filter(|s| s.row > 100);
                 late.map(|s| s.log_density).sum::<f64>()
             };
             lost += total(&flown) - total(&wrong);

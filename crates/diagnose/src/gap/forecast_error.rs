@@ -144,7 +144,7 @@ pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize
     all
 }
 
-/// The readings that forecasts start from, thinned where all would take too many steps.
+/// The readings that forecasts start from, decimated where all would take too many steps.
 fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item = usize> + 'a {
     let rows_per_s = recording.samples().len() as f64 / recording.duration_s().max(1e-9);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
@@ -201,7 +201,7 @@ pub struct FreeRun {
     pub forecasts: Vec<Forecast>,
 }
 
-/// Free runs one after another, as many as each flight of the recording holds whole.
+/// Parameter runs one after another, as many as each flight of the recording holds whole.
 #[must_use]
 pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
     runs(&Track::new(model, recording), recording)

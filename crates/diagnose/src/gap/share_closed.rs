@@ -9,13 +9,12 @@
 //! stationary observations", Annals of Statistics 17 (1989).
 
 use crate::gap::forecast_error::Tally;
+use crate::thresholds::OPEN_GAP;
 use plant::Normal;
 use serde::Serialize;
 
 /// Times that the stretches are drawn.
 const DRAWS: usize = 500;
-/// An error this much above the floor is a gap whose share can be told: of less, chance in the record closes or opens too much.
-const OPEN: f64 = 1.5;
 
 /// A share of the gap, with its 90 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -50,7 +49,7 @@ impl Closed {
 
 /// Whether mean squares before and by noise alone leave a gap that is worth closing.
 pub(crate) fn is_open(before: f64, floor: f64) -> bool {
-    before.sqrt() >= OPEN * floor.sqrt()
+    before.sqrt() >= OPEN_GAP * floor.sqrt()
 }
 
 /// The share of the gap that is closed, from mean squares before, after and by noise alone.

@@ -10,22 +10,22 @@
 //! Source: Ljung, *System Identification*, 2nd edition, chapters 7 and 13; the thesis, sections 3.1.3 and 3.1.4.
 
 use crate::fit::estimate::{Fit, Problem};
-use crate::fit::parameter::{BASE, Free, Prior, free_of_effect};
+use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect};
 use crate::fit::profile::{OF_90_PERCENT, interval};
 use crate::identify::residual_tests::ResidualTests;
 use crate::identify::validation::HeldOut;
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
-use crate::select::candidates::Search;
-use plant::Model;
+use crate::select::refit::with_noise_that_fits;
+use crate::thresholds::ENOUGH_READINGS;
+use plant::effects::FanLag;
+use plant::{Effect, Model};
 use serde::Serialize;
 
 /// Lags of the fan from which a fit of three poles begins, seconds; the best wins.
 const LAGS_S: [f64; 3] = [0.05, 0.2, 0.6];
 /// Steps of the first look from each, at least.
 const FIRST_LOOK: usize = 4;
-/// Readings in free flight that an identification needs.
-const ENOUGH_READINGS: usize = 300;
 
 /// How many poles the plant has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -70,7 +70,7 @@ pub struct GreyBox {
 pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
-        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s, or longer stretches \
+        "{readings} readings in parameters flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s, or longer stretches \
          without control, which count from 4 s on"
     )]
     Readings {
@@ -103,57 +103,57 @@ impl GreyBox {
 
 /// The start with a fan's lag where three poles are asked for, and without where two are.
 fn with_poles(start: &Model, poles: Poles) -> Model {
-    let mut model = start.clone();
-    model.effects.remove("spin_asymmetry");
-    if poles == Poles::Two {
-        model.effects.remove("fan_lag");
-    } else if model.effects.fan_lag.is_none_or(|lag| lag.time_constant_s <= 0.0) {
-        model.effects.set("fan_lag", &[LAGS_S[1]]);
-    }
-    model
+    let lag_s = match poles {
+        Poles::Two => None,
+        Poles::Three => start.effects.fan_lag_s().filter(|lag_s| *lag_s > 0.0).or(Some(LAGS_S[1])),
+    };
+    with_lag(start, lag_s)
+}
+
+/// The model whose fan has this lag, or none.
+fn with_lag(model: &Model, lag_s: Option<f64>) -> Model {
+    Model { effects: model.effects.with_fan_lag(lag_s), ..model.clone() }
 }
 
 /// The most likely model, from the start's own lag and from others.
 fn best_fit(problem: &Problem<'_>, poles: Poles) -> Fit {
-    let free = free(problem.belief);
-    let near = Search::of(*problem).with_noise_that_fits(&free);
+    let parameters = parameters(problem.belief);
+    let near = with_noise_that_fits(problem, &parameters);
     let mut starts = vec![near.clone()];
     if poles == Poles::Three {
-        starts.extend(LAGS_S.map(|lag_s| {
-            let mut other = near.clone();
-            other.effects.set("fan_lag", &[lag_s]);
-            other
-        }));
+        starts.extend(LAGS_S.map(|lag_s| with_lag(&near, Some(lag_s))));
     }
-    let looks = starts.iter().map(|start| problem.look(start, &free, FIRST_LOOK));
+    let looks = starts.iter().map(|start| problem.fit_briefly(start, &parameters, FIRST_LOOK));
     let best = looks.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(near, |(model, _)| model);
     // A lag moves in units of what it is about.
-    problem.fit(&best, &self::free(&best))
+    problem.fit(&best, &self::parameters(&best))
 }
 
 /// What a fit moves: gain, drag, hover, both noises, and the fan's lag where there is one.
-fn free(model: &Model) -> Vec<Free> {
-    let lag = model.effects.fan_lag.map_or_else(Vec::new, |lag| free_of_effect("fan_lag", &[lag.time_constant_s]));
+fn parameters(model: &Model) -> Vec<Parameter> {
+    let lag =
+        model.effects.fan_lag_s().map_or_else(Vec::new, |lag_s| parameters_of_effect(FanLag::ENTRY.name, &[lag_s]));
     [&BASE[..], &lag].concat()
 }
 
 /// The key of a number in the config's `[plant]`. `None`: a nuisance.
-const fn key(free: Free) -> Option<&'static str> {
-    match free {
-        Free::Gain => Some("gain_mm_per_s2_per_percent"),
-        Free::Drag => Some("drag_per_s"),
-        Free::Hover => Some("hover_duty_percent"),
-        Free::SensorNoise | Free::AirNoise => None,
-        Free::Effect { .. } => Some("fan_lag.time_constant_s"),
+const fn key(parameter: Parameter) -> Option<&'static str> {
+    match parameter {
+        Parameter::Gain => Some("gain_mm_per_s2_per_percent"),
+        Parameter::Drag => Some("drag_per_s"),
+        Parameter::Hover => Some("hover_duty_percent"),
+        Parameter::SensorNoise | Parameter::AirNoise => None,
+        Parameter::Effect { .. } => Some("fan_lag.time_constant_s"),
     }
 }
 
 /// Every number but the nuisances, with its interval.
 fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
-    let one = |(at, free): (usize, &Free)| {
-        let (name, value) = (key(*free)?, free.value(&fit.model)?);
-        let [low, high] = interval(problem, fit, at, OF_90_PERCENT).map(|by| free.value(&free.moved(&fit.model, by?)));
+    let one = |(at, parameter): (usize, &Parameter)| {
+        let (name, value) = (key(*parameter)?, parameter.value(&fit.model)?);
+        let [low, high] =
+            interval(problem, fit, at, OF_90_PERCENT).map(|by| parameter.value(&parameter.stepped(&fit.model, by?)));
         Some(Estimate { name, value, low, high })
     };
-    fit.free.iter().enumerate().filter_map(one).collect()
+    fit.parameters.iter().enumerate().filter_map(one).collect()
 }

@@ -13,7 +13,6 @@ use crate::identify::grey_box::{GreyBox, Poles, TooLittle};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::line::line;
 use plant::Model;
-use plant::effects::Turbulence;
 
 /// The shortest stretch that is used, seconds: a filter forgets its start in half of it.
 const SHORTEST_S: f64 = 4.0;
@@ -42,7 +41,9 @@ impl OpenLoop {
     pub fn of(flights: &[Recording], belief: &Model) -> Self {
         let mut there = Model { pipe_length_mm: (LONGER * belief.pipe_length_mm).min(1e6), ..belief.clone() };
         let sigma_mm_per_s2 = HOVER_PERCENT * belief.gain_mm_per_s2_per_percent;
-        there.effects.turbulence.get_or_insert(Turbulence { sigma_mm_per_s2, correlation_s: FOR_EVER_S });
+        if there.effects.coloured_force().is_none() {
+            there.effects = there.effects.with_coloured_force(sigma_mm_per_s2, FOR_EVER_S);
+        }
         let free = |s: &Sample| s.position_mm.is_none_or(|mm| mm > AT_END_MM && mm < belief.pipe_length_mm - AT_END_MM);
         let open = |s: &Sample| s.setpoint_mm.is_none() && free(s);
         let of_flight = |flight: &Recording| {
@@ -62,7 +63,7 @@ impl OpenLoop {
         let mut found = GreyBox::identify(&self.detrended, &self.recording, poles)?;
         found.estimates.retain(|estimate| estimate.name != "hover_duty_percent");
         for model in [&mut found.fit.model, &mut found.held_out.model] {
-            model.effects.turbulence = self.believed.effects.turbulence;
+            model.effects = model.effects.with_coloured_force_of(&self.believed.effects);
             model.pipe_length_mm = self.believed.pipe_length_mm;
             model.hover_duty_percent = self.believed.hover_duty_percent;
         }

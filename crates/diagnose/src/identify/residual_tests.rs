@@ -9,8 +9,8 @@
 //! loop as well, because the duty of a row never knows the innovations after it.
 //! Sources: Ljung, *System Identification*, 2nd edition, section 16.6; Breusch, "Testing for autocorrelation in dynamic linear models" (1978).
 
-use crate::filter::innovation::Surprise;
-use crate::filter::track::surprises;
+use crate::filter::innovation::Innovation;
+use crate::filter::track::innovations;
 use crate::fit::estimate::Fit;
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
@@ -90,38 +90,41 @@ impl ResidualTests {
     }
 }
 
-/// The readings of `surprises`, without the speeds of the fan that follow them.
-fn readings(all: &[Surprise]) -> &[Surprise] {
+/// The readings of `innovations`, without the speeds of the fan that follow them.
+fn readings(all: &[Innovation]) -> &[Innovation] {
     let end = all.windows(2).position(|pair| pair[1].row <= pair[0].row).map_or(all.len(), |at| at + 1);
     &all[..end]
 }
 
 fn rows(fit: &Fit, recording: &Recording, folds: &Folds) -> Vec<Row> {
-    let nudged: Vec<Vec<Surprise>> =
-        fit.free.iter().map(|free| surprises(&free.moved(&fit.model, DIFFERENCE), recording)).collect();
-    let seen = readings(&fit.surprises);
+    let nudged: Vec<Vec<Innovation>> = fit
+        .parameters
+        .iter()
+        .map(|parameter| innovations(&parameter.stepped(&fit.model, DIFFERENCE), recording))
+        .collect();
+    let seen = readings(&fit.innovations);
     let samples = recording.samples();
     let mean = samples.iter().map(|s| s.duty_percent).sum::<f64>() / samples.len().max(1) as f64;
     let mut rows = Vec::with_capacity(seen.len());
-    let (mut flight, mut pulls, mut duties) = (0..0, Vec::new(), Vec::new());
+    let (mut flight, mut standardised_before, mut duties) = (0..0, Vec::new(), Vec::new());
     for (k, s) in seen.iter().enumerate() {
         if !flight.contains(&s.row) {
             flight = recording.flight_of(s.row);
-            (pulls, duties) = (Vec::new(), Vec::new());
+            (standardised_before, duties) = (Vec::new(), Vec::new());
         }
         let before = |all: &[f64], lag: usize| all.len().checked_sub(lag).map_or(0.0, |at| all[at]);
         if folds.counts(s.row) && !s.repeat {
             let slope =
-                |other: &Vec<Surprise>| (other[k].expected_mm - s.expected_mm) / DIFFERENCE / s.variance_mm2.sqrt();
+                |other: &Vec<Innovation>| (other[k].expected_mm - s.expected_mm) / DIFFERENCE / s.variance_mm2.sqrt();
             rows.push(Row {
-                e: s.pull,
+                e: s.standardised,
                 slopes: nudged.iter().map(slope).collect(),
-                past: (1..=LAGS).map(|lag| before(&pulls, lag)).collect(),
+                past: (1..=LAGS).map(|lag| before(&standardised_before, lag)).collect(),
                 duty: (1..=LAGS).map(|lag| before(&duties, lag)).collect(),
                 windows: WINDOWS.windows(2).map(|ends| window(&duties, ends[0], ends[1])).collect(),
             });
         }
-        pulls.push(if s.repeat { 0.0 } else { s.pull });
+        standardised_before.push(if s.repeat { 0.0 } else { s.standardised });
         duties.push(samples[s.row].duty_percent - mean);
     }
     rows

@@ -7,7 +7,7 @@
 //! The model is fitted anew without that third. What noise alone allows is beside it: no model can be better than that but by chance.
 //! Source: the measure of `compare` in MATLAB's System Identification Toolbox.
 
-use crate::filter::track::surprises;
+use crate::filter::track::innovations;
 use crate::fit::estimate::{Fit, Problem};
 use crate::gap::forecast_error::{FreeRun, Gap, free_runs};
 use crate::record::folds::Folds;
@@ -51,20 +51,24 @@ impl HeldOut {
         let recording = problem.recording;
         let is_late = late(recording);
         let early = problem.folds.only(|row| !is_late[row]);
-        let model = Problem { folds: &early, ..*problem }.fit(&fit.model, &fit.free).model;
+        let model = Problem { folds: &early, ..*problem }.fit(&fit.model, &fit.parameters).model;
         let counts = |row: usize| problem.folds.counts(row) && is_late[row];
         let gap = Gap::measure_where(&model, recording, &counts);
         let readings = recording.samples().iter().enumerate().filter(|(row, _)| counts(*row));
         let spread_mm = spread(readings.filter_map(|(_, s)| s.position_mm));
         let percent = |error: Option<f64>| Some(100.0 * (1.0 - error? / spread_mm?));
-        let of = |ahead: [Option<f64>; 3], free: Option<f64>| Percent {
+        let of = |ahead: [Option<f64>; 3], parameters: Option<f64>| Percent {
             ahead: ahead.map(percent),
-            simulated_10s: percent(free),
+            simulated_10s: percent(parameters),
         };
         Self {
             percent: of(gap.error_mm, gap.free_run_10s_mm),
             allowed: of(gap.floor_mm, gap.floor_free_run_10s_mm),
-            log_likelihood: surprises(&model, recording).iter().filter(|s| counts(s.row)).map(|s| s.log_density).sum(),
+            log_likelihood: innovations(&model, recording)
+                .iter()
+                .filter(|s| counts(s.row))
+                .map(|s| s.log_density)
+                .sum(),
             runs: free_runs(&model, recording).into_iter().filter(|run| counts(run.row)).collect(),
             gap,
             model,

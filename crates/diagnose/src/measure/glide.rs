@@ -11,7 +11,7 @@
 //! Source: the thesis, equations 3.1.1.14 and 3.1.3.6; the filter: Anderson & Moore, *Optimal Filtering*.
 
 use super::hold::Hold;
-use crate::filter::innovation::{Reading, Surprise};
+use crate::filter::innovation::{Innovation, Reading};
 use nalgebra::{Matrix4, Vector4};
 
 /// Nothing is known of the force: its deviation beforehand, mm/s².
@@ -101,9 +101,9 @@ impl Glide {
             before_s = time_s;
             let variance = covariance[(0, 0)] + self.sensor_variance;
             let reading = Reading { row: 0, position_mm: reading, outliers: None, coarse: None };
-            let seen = Surprise::of(reading, state[0], variance);
+            let seen = Innovation::of(reading, state[0], variance);
             let gain = covariance.column(0) / variance;
-            state += gain * (seen.pull * variance.sqrt());
+            state += gain * (seen.standardised * variance.sqrt());
             covariance -= gain * gain.transpose() * (variance * seen.weight);
             nats += seen.log_density;
         }

@@ -11,7 +11,7 @@ use plant::Model;
 const LIES: usize = 5;
 
 /// One flight without the rows before its take-off and after its landing, and what to say of that. `None`: it has none, or never takes off.
-pub(crate) fn aloft(flight: &Recording, belief: &Model) -> Option<(Finding, Recording)> {
+pub(crate) fn airborne(flight: &Recording, belief: &Model) -> Option<(Finding, Recording)> {
     let rows = flight.samples();
     let flies = |at: &usize| rows[*at].position_mm.is_some_and(|mm| !is_at_end(belief, mm));
     let (first, last) = ((0..rows.len()).find(flies)?, (0..rows.len()).rev().find(flies)?);
@@ -28,7 +28,7 @@ pub(crate) fn aloft(flight: &Recording, belief: &Model) -> Option<(Finding, Reco
 
 #[cfg(test)]
 mod tests {
-    use super::aloft;
+    use super::airborne;
     use crate::record::check::Finding;
     use crate::tests_support::{model, record};
     use crate::{Options, Recording, Sample, Verdict, diagnose};
@@ -46,24 +46,24 @@ mod tests {
     fn from_ground_to_ground(flight: &Recording) -> Recording {
         let lying = |time_s: f64| Sample { time_s, duty_percent: 25.0, position_mm: Some(0.0), ..Sample::default() };
         let before = (0..100).map(|k| lying(f64::from(k) * 0.02));
-        let aloft = flight.samples().iter().map(|row| Sample { time_s: row.time_s + 2.0, ..*row });
+        let airborne = flight.samples().iter().map(|row| Sample { time_s: row.time_s + 2.0, ..*row });
         let end_s = 2.0 + flight.duration_s();
         let after = (1..=50).map(|k| lying(end_s + f64::from(k) * 0.02));
-        Recording::new(before.chain(aloft).chain(after).collect()).unwrap()
+        Recording::new(before.chain(airborne).chain(after).collect()).unwrap()
     }
 
     #[test]
     fn rows_on_the_ground_are_left_out_and_said() {
         let flight = flight(&model(), 40);
-        let (finding, found) = aloft(&from_ground_to_ground(&flight), &model()).unwrap();
+        let (finding, found) = airborne(&from_ground_to_ground(&flight), &model()).unwrap();
         let Finding::AtEnd { before_s, after_s } = finding else { panic!("{finding:?}") };
         assert!((before_s - 2.0).abs() < 0.03 && (after_s - 1.0).abs() < 0.03, "{finding}");
         assert_eq!(found.samples().len(), flight.samples().len());
-        assert!(aloft(&flight, &model()).is_none());
+        assert!(airborne(&flight, &model()).is_none());
         let never: Vec<Sample> = (0..500)
             .map(|k| Sample { time_s: f64::from(k) * 0.02, position_mm: Some(0.0), ..Sample::default() })
             .collect();
-        assert!(aloft(&Recording::new(never).unwrap(), &model()).is_none());
+        assert!(airborne(&Recording::new(never).unwrap(), &model()).is_none());
     }
 
     #[test]

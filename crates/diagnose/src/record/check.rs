@@ -5,6 +5,7 @@
 
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
+use crate::thresholds::OTHER_RIG;
 use plant::Model;
 
 /// A time between rows so many times longer than usual is a gap.
@@ -20,8 +21,6 @@ const STILL_PERCENT: f64 = 0.1;
 
 /// A hover beyond this cannot be met by duties that are fractions.
 const FRACTION_OF_HOVER: f64 = 2.0;
-/// A gain that is off by more than this, either way, or a drag that is larger by more, is that of another rig or unit.
-const OTHER_RIG: f64 = 5.0;
 /// Share of readings outside the pipe that makes it another pipe.
 const ELSEWHERE: f64 = 0.1;
 /// Rows further apart than the longest forecast that is asked for, seconds, show nothing.
@@ -118,7 +117,7 @@ pub enum Finding {
     LeftOut,
     /// The diagnosis worked on fewer readings.
     #[error("a fast clock: the diagnosis used every duty, and one reading in {merged}")]
-    Thinned {
+    Decimated {
         /// One reading in so many was used.
         merged: usize,
     },

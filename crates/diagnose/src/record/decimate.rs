@@ -1,4 +1,4 @@
-//! Recordings of a fast clock, thinned to what a rig of this kind can show.
+//! Recordings of a fast clock, decimated to what a rig of this kind can show.
 //!
 //! Every duty is kept, since what a fan makes of a duty that chatters is not what it makes of its mean. Readings are merged to some that are a
 //! hundredth of a second apart: a ball in a pipe, or an arm, does not show more than that. Each is the mean of the readings about it, and
@@ -25,21 +25,21 @@ const ENOUGH_WHOLE: f64 = 0.9;
 
 /// How readings were merged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Thinned {
+pub(crate) struct Decimated {
     /// How many became one.
     pub(crate) merged: usize,
     /// Whether the one is their mean.
     pub(crate) means: bool,
 }
 
-/// The thinned flight, one of `all`, of a rig that is believed to be `belief`, and how; `None` where it is used as it is. `smooth`: the
+/// The decimated flight, one of `all`, of a rig that is believed to be `belief`, and how; `None` where it is used as it is. `smooth`: the
 /// mean of readings of a ball at rest is a reading.
-pub(crate) fn thinned(
+pub(crate) fn decimated(
     flight: &Recording,
     all: &[Recording],
     belief: &Model,
     smooth: bool,
-) -> Option<(Thinned, Recording)> {
+) -> Option<(Decimated, Recording)> {
     let samples = flight.samples();
     let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
     let (all_rows, all_s) =
@@ -57,10 +57,10 @@ pub(crate) fn thinned(
     let means = if smooth && straight { means(samples, count) } else { None };
     if let Some(rows) = means {
         let recording = Recording::new(rows).ok()?.of_means(count);
-        return Some((Thinned { merged: count, means: true }, recording));
+        return Some((Decimated { merged: count, means: true }, recording));
     }
     let rows = samples.iter().enumerate().map(|(k, row)| if k.is_multiple_of(merged) { *row } else { unread(row) });
-    Recording::new(rows.collect()).ok().map(|recording| (Thinned { merged, means: false }, recording))
+    Recording::new(rows.collect()).ok().map(|recording| (Decimated { merged, means: false }, recording))
 }
 
 /// How far the mean of a block of `count` rows lies off its middle, mm: a·T²/24 for the acceleration that the ball gets from how far the
@@ -94,7 +94,7 @@ fn unread(row: &Sample) -> Sample {
 
 #[cfg(test)]
 mod tests {
-    use super::{Thinned, thinned};
+    use super::{Decimated, decimated};
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
 
@@ -112,11 +112,11 @@ mod tests {
     #[test]
     fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_every_duty_and_some_readings() {
         let slow = record(&model(), 1, 20);
-        assert!(thinned(&slow, slow.as_ref(), &model(), true).is_none());
+        assert!(decimated(&slow, slow.as_ref(), &model(), true).is_none());
         let fast = fast(|_| true);
         for (smooth, merged) in [(false, 10), (true, 11)] {
-            let (how, thin) = thinned(&fast, fast.as_ref(), &model(), smooth).unwrap();
-            assert_eq!(how, Thinned { merged, means: smooth });
+            let (how, thin) = decimated(&fast, fast.as_ref(), &model(), smooth).unwrap();
+            assert_eq!(how, Decimated { merged, means: smooth });
             assert_eq!((thin.samples().len(), thin.readings()), (40_000, 40_000 / merged));
             assert_eq!(thin.mean_of(0), if smooth { merged } else { 1 });
             for (sample, full) in thin.samples().iter().zip(fast.samples()) {
@@ -134,7 +134,7 @@ mod tests {
         // 254.6 mm/s² per percent, blocks of 11 ms whose duties spread by 2.9 %: 0.0037 mm. That within a block bends nothing.
         for (sensor_mm, means) in [(0.05, true), (0.03, false)] {
             quiet.noise.sensor_mm = sensor_mm;
-            let (how, _) = thinned(&fast, fast.as_ref(), &quiet, true).unwrap();
+            let (how, _) = decimated(&fast, fast.as_ref(), &quiet, true).unwrap();
             assert_eq!(how.means, means, "{sensor_mm} mm");
         }
     }
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn readings_with_too_many_holes_are_picked() {
         let holes = fast(|k| k % 12 != 5);
-        let (how, thin) = thinned(&holes, holes.as_ref(), &model(), true).unwrap();
+        let (how, thin) = decimated(&holes, holes.as_ref(), &model(), true).unwrap();
         assert!(!how.means && thin.mean_of(0) == 1, "{how:?}");
     }
 }

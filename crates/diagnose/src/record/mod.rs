@@ -9,6 +9,7 @@ pub(crate) mod folds;
 pub(crate) mod free_flight;
 pub(crate) mod prepare;
 pub(crate) mod quantisation;
+pub(crate) mod read_off;
 pub(crate) mod reading_variance;
 pub(crate) mod recording;
 pub(crate) mod sample_hold;

@@ -1,21 +1,21 @@
 //! From the flights as they were recorded to the rows that a diagnosis works on.
 //!
-//! Each flight is checked by itself; codes of the sensor are taken out, a fast clock is thinned, and a flight that says nothing, or
+//! Each flight is checked by itself; codes of the sensor are taken out, a fast clock is decimated, and a flight that says nothing, or
 //! is of another rig, is left out where there are others. Then they are put into an order of their own, so that the
 //! answer does not depend on the one in which they were named.
 
-use crate::record::airborne::aloft;
+use crate::record::airborne::airborne;
 use crate::record::check::{Finding, check, is_hopeless, without_codes};
-use crate::record::decimate::thinned;
+use crate::record::decimate::decimated;
 use crate::record::quantisation::coarse_step;
 use crate::record::reading_variance::reading_variance;
 use crate::record::recording::{Recording, Sample};
-use plant::Model;
+use plant::{Changes, Model};
 use std::borrow::Cow;
 
 /// A finding, and which of the flights it is about, from 0 in the order in which they were given.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noted {
+pub struct FlightFinding {
     /// The flight.
     pub flight: usize,
     /// What is to be known of it.
@@ -24,7 +24,7 @@ pub struct Noted {
 
 /// What a diagnosis works on.
 pub(crate) struct Prepared<'a> {
-    pub(crate) findings: Vec<Noted>,
+    pub(crate) findings: Vec<FlightFinding>,
     pub(crate) recording: Cow<'a, Recording>,
     /// Whether any flight can answer.
     pub(crate) can_answer: bool,
@@ -36,12 +36,14 @@ impl<'a> Prepared<'a> {
         let (mut findings, mut flights, mut hopeless) = (Vec::new(), Vec::new(), Vec::new());
         for (number, flight) in recordings.iter().enumerate() {
             let (found, flight, answers) = one(flight, recordings, belief);
-            findings.extend(found.into_iter().map(|finding| Noted { flight: number, finding }));
+            findings.extend(found.into_iter().map(|finding| FlightFinding { flight: number, finding }));
             if answers { flights.push(flight) } else { hopeless.push((number, flight)) }
         }
         let can_answer = !flights.is_empty();
         if can_answer {
-            findings.extend(hopeless.iter().map(|(flight, _)| Noted { flight: *flight, finding: Finding::LeftOut }));
+            findings.extend(
+                hopeless.iter().map(|(flight, _)| FlightFinding { flight: *flight, finding: Finding::LeftOut }),
+            );
         } else {
             flights.extend(hopeless.into_iter().map(|(_, flight)| flight));
         }
@@ -52,16 +54,14 @@ impl<'a> Prepared<'a> {
 /// Whether the mean of some readings in a row is a reading itself, only surer: none is wild, held or coarse, and noise hides their resolution.
 fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
     let odd = |finding: &Finding| matches!(finding, Finding::Outliers { .. } | Finding::Repeats { .. });
-    let effects = &belief.effects;
-    let believed =
-        effects.sensor_quantisation.is_some() || effects.stale_samples.is_some() || effects.sensor_outliers.is_some();
+    let believed = belief.effects.present().iter().any(|entry| entry.acts.changes == Changes::Density);
     let noisy = reading_variance(belief).sqrt() > flight.resolution_mm();
     noisy && !believed && !findings.iter().any(odd) && coarse_step(flight, belief).is_none()
 }
 
 /// The rows of `recordings`, one flight each, as every method here uses them, and what is to be known of each.
 #[must_use]
-pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<Noted>, Recording) {
+pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<FlightFinding>, Recording) {
     let Prepared { findings, recording, .. } = Prepared::of(recordings, belief);
     (findings, recording.into_owned())
 }
@@ -71,21 +71,21 @@ fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Fin
     let mut findings = check(flight, belief);
     let flight = without_codes(flight).map_or(Cow::Borrowed(flight), Cow::Owned);
     let answers = !is_hopeless(&findings, &flight, belief);
-    let flight = match aloft(&flight, belief) {
-        Some((finding, aloft)) => {
+    let flight = match airborne(&flight, belief) {
+        Some((finding, airborne)) => {
             findings.push(finding);
-            Cow::Owned(aloft)
+            Cow::Owned(airborne)
         }
         None => flight,
     };
     let smooth = is_smooth(&findings, &flight, belief);
-    let Some((how, thinned)) = thinned(&flight, all, belief, smooth) else { return (findings, flight, answers) };
+    let Some((how, decimated)) = decimated(&flight, all, belief, smooth) else { return (findings, flight, answers) };
     findings.push(if how.means {
         Finding::Averaged { merged: how.merged }
     } else {
-        Finding::Thinned { merged: how.merged }
+        Finding::Decimated { merged: how.merged }
     });
-    (findings, Cow::Owned(thinned), answers)
+    (findings, Cow::Owned(decimated), answers)
 }
 
 /// One recording of all flights, in an order that depends on what they hold alone.
@@ -103,9 +103,9 @@ fn together(mut flights: Vec<Cow<'_, Recording>>) -> Cow<'_, Recording> {
 
 #[cfg(test)]
 mod tests {
-    use super::Noted;
+    use super::FlightFinding;
     use crate::tests_support::{model, record};
-    use crate::{Diagnosis, Finding, Free, Options, Recording, Sample, Verdict, diagnose};
+    use crate::{Diagnosis, Finding, Options, Parameter, Recording, Sample, Verdict, diagnose};
     use plant::{Effects, Model};
 
     fn without_lag() -> Model {
@@ -114,9 +114,10 @@ mod tests {
 
     /// Width of the interval of the lag's time constant: ln of the ratio of its ends, since a shorter lag is known as well as a longer one in shares of itself.
     fn width_of_lag(found: &Diagnosis) -> f64 {
-        let is_lag = |free: &Free| matches!(free, Free::Effect { name: "fan_lag" | "sensor_lag", .. });
+        let is_lag =
+            |parameter: &Parameter| matches!(parameter, Parameter::Effect { name: "fan_lag" | "sensor_lag", .. });
         let intervals = found.intervals();
-        let (_, low, high) = intervals.iter().find(|(free, ..)| is_lag(free)).unwrap();
+        let (_, low, high) = intervals.iter().find(|(parameter, ..)| is_lag(parameter)).unwrap();
         (high / low).ln()
     }
 
@@ -166,7 +167,7 @@ mod tests {
         let still = Recording::new(still).unwrap();
         let found = diagnose(&without_lag(), &[good, still.clone()], &Options::default());
         assert_eq!(found.verdict, Verdict::Effect);
-        let of_second = |finding| Noted { flight: 1, finding };
+        let of_second = |finding| FlightFinding { flight: 1, finding };
         assert_eq!(found.findings, [of_second(Finding::StillDuty { range_percent: 0.0 }), of_second(Finding::LeftOut)]);
         let found = diagnose(&without_lag(), &[still.clone(), still], &Options::default());
         assert_eq!(found.verdict, Verdict::InsufficientData);

@@ -46,7 +46,7 @@ pub(crate) struct Row {
     /// Duty, height, velocity, and time since the start of the flight.
     pub(crate) known: [f64; 4],
     /// The innovation in deviations, as far as it is no wild one.
-    pub(crate) pull: f64,
+    pub(crate) standardised: f64,
 }
 
 /// Every place, the most significant first.
@@ -72,8 +72,8 @@ impl Weighed {
         (length > 0.0).then_some(Self { signal, from, to, weights })
     }
 
-    fn z(&self, pull: impl Fn(usize) -> f64) -> f64 {
-        self.weights.iter().map(|(k, weight)| pull(*k) * weight).sum()
+    fn z(&self, standardised: impl Fn(usize) -> f64) -> f64 {
+        self.weights.iter().map(|(k, weight)| standardised(*k) * weight).sum()
     }
 }
 
@@ -83,12 +83,14 @@ pub(crate) fn places_of(rows: &[Row], recording: &Recording) -> Vec<Place> {
         Weighed::new(SIGNALS[signal], [from, to], spot.into_iter().map(|k| (k, 1.0)).collect())
     };
     let weighed: Vec<Weighed> = spots(rows).into_iter().filter_map(evenly).chain(lags(rows, recording)).collect();
-    let found: Vec<f64> = weighed.iter().map(|place| place.z(|k| rows[k].pull).abs()).collect();
+    let found: Vec<f64> = weighed.iter().map(|place| place.z(|k| rows[k].standardised).abs()).collect();
     let mut coins = Normal::new(0, 7);
     let largest: Vec<f64> = (0..FLIPS)
         .map(|_| {
-            let flipped: Vec<f64> =
-                rows.iter().map(|row| if coins.uniform() < 0.5 { row.pull } else { -row.pull }).collect();
+            let flipped: Vec<f64> = rows
+                .iter()
+                .map(|row| if coins.uniform() < 0.5 { row.standardised } else { -row.standardised })
+                .collect();
             weighed.iter().map(|place| place.z(|k| flipped[k]).abs()).fold(0.0, f64::max)
         })
         .collect();
@@ -136,7 +138,9 @@ pub(crate) fn rows(model: &Model, recording: &Recording, folds: &Folds) -> Vec<R
         })
         .collect();
     let known = before.into_iter().zip(track.into_surprises()).filter(|(_, s)| folds.counts(s.row));
-    known.map(|(known, s)| Row { row: s.row, time_s: samples[s.row].time_s, known, pull: s.pull }).collect()
+    known
+        .map(|(known, s)| Row { row: s.row, time_s: samples[s.row].time_s, known, standardised: s.standardised })
+        .collect()
 }
 
 /// A place: which of what was known, from, to, and which rows.

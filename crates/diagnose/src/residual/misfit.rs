@@ -13,45 +13,46 @@
 
 use crate::fit::estimate::Fit;
 use crate::fit::estimate::Problem;
-use crate::fit::parameter::Free;
+use crate::fit::parameter::Parameter;
 use crate::residual::location::{Row, Spot, rows, spots};
 use crate::residual::score_test::{Found, Omitted, omitted};
 use crate::residual::spectrum::periodogram;
+use crate::thresholds::{COARSE, LONG, QUIET, SHARE_OF_FORM};
 use plant::Model;
 use serde::Serialize;
 
 /// Statistics of what is left over. Each is large where something is; of a long record each is what 6000 readings like it would show.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Residue {
+pub struct Misfit {
     /// Portmanteau over half a second, deviations.
-    pub colour: f64,
+    pub whiteness: f64,
     /// −ln of the chance of so strong a line anywhere in the spectrum.
-    pub line: f64,
+    pub spectral_line: f64,
     /// Uneven energy over places: −ln of its chance.
-    pub energy: f64,
+    pub variance_by_place: f64,
     /// Uneven mean over places: −ln of its chance.
-    pub mean: f64,
+    pub mean_by_place: f64,
     /// Terms that the model omits and the innovations ask for: −ln of the chance that they ask for so much.
     pub omitted: f64,
     /// Those terms.
-    pub asked_for: Vec<Omitted>,
+    pub omitted_terms: Vec<Omitted>,
     /// Moments at which something happened: −ln of the chance that they say so much.
-    pub moments: f64,
+    pub events: f64,
     /// What happened.
-    pub happened: Vec<Omitted>,
+    pub event_terms: Vec<Omitted>,
     /// How much the pushes that it leaves come in bursts, deviations: a turbulence pushes all the time.
     pub bursts: f64,
     /// Nats of it that the form of what was found may leave, which is never quite that of the catalogue.
-    pub of_form: f64,
+    pub form_allowance: f64,
     /// The effect without which this is left: its terms say more than that name explains, and are likelier what is missing.
-    pub instead_of: Option<&'static str>,
+    pub outdone_effect: Option<&'static str>,
     /// An effect was named.
     #[serde(skip)]
-    pub(crate) beside_a_name: bool,
+    pub(crate) beside_named_effect: bool,
     /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
     pub coarse: bool,
     /// Growth of the air's noise, deviations.
-    pub air: f64,
+    pub air_growth: f64,
     /// The same as a ratio of the believed one.
     pub air_ratio: f64,
     /// What each reading counts: of a long record less than 1.
@@ -59,52 +60,45 @@ pub struct Residue {
     pub(crate) weight: f64,
 }
 
-/// Share of what effects explain that their form may leave.
-const SHARE_OF_FORM: f64 = 0.02;
-/// Cells that are wider than so many deviations of the noise leave readings of another shape than normal.
-const COARSE: f64 = 2.0;
-/// Mean square of innovations that are rounding, in variances of their own: a fitted noise leaves 1.
-const QUIET: f64 = 0.05;
 /// A ball this near to a stop may have met it, mm; and so long the filter is not normal afterwards, seconds.
 const NEAR_STOP_MM: f64 = 10.0;
 const FORGET_STOP_S: f64 = 0.5;
 /// One part in so many of the readings must be left to judge.
 const LEFT_TO_JUDGE: usize = 5;
-/// No model is quite right, and with readings enough any is found wrong: a misfit that so many readings do not show is no gap.
-pub(crate) const LONG: f64 = 6000.0;
 /// Lags of the portmanteau, seconds.
 const LAGS_S: f64 = 0.5;
 
-impl Residue {
+impl Misfit {
     /// Judges the innovations of `fit`, whose effects explain so many nats by what the rig does; `None`: none was named.
     #[must_use]
     pub fn of(problem: &Problem<'_>, fit: &Fit, explained: Option<f64>) -> Self {
         if is_quiet(fit) {
             // Rounding, which nothing is to be asked of.
-            return Self { beside_a_name: explained.is_some(), air_ratio: 1.0, weight: 1.0, ..Self::default() };
+            return Self { beside_named_effect: explained.is_some(), air_ratio: 1.0, weight: 1.0, ..Self::default() };
         }
         let rows = clear_of_stops(&fit.model, rows(&fit.model, problem.recording, problem.folds));
         let spots = spots(&rows);
-        let e: Vec<f64> = rows.iter().map(|row| row.pull).collect();
-        let (air, air_ratio) = air(problem, fit);
+        let e: Vec<f64> = rows.iter().map(|row| row.standardised).collect();
+        let (air_growth, air_ratio) = air_growth(problem, fit);
         let judged: Vec<usize> = rows.iter().map(|row| row.row).collect();
         let long = (LONG / rows.len().max(1) as f64).min(1.0);
-        let Found { terms, moments, bursts } = omitted(problem, fit, &|row| judged.binary_search(&row).is_ok(), long);
+        let Found { terms, moments: events, bursts } =
+            omitted(problem, fit, &|row| judged.binary_search(&row).is_ok(), long);
         Self {
-            colour: long * colour(&e, lags(&rows)),
-            line: long * line(&periodogram(&rows)),
-            energy: long * largest(&rows, &spots, |row| row.pull * row.pull),
-            mean: long * largest(&rows, &spots, |row| row.pull),
+            whiteness: long * whiteness(&e, lags(&rows)),
+            spectral_line: long * spectral_line(&periodogram(&rows)),
+            variance_by_place: long * largest(&rows, &spots, |row| row.standardised * row.standardised),
+            mean_by_place: long * largest(&rows, &spots, |row| row.standardised),
             omitted: terms.nats,
-            of_form: SHARE_OF_FORM * explained.unwrap_or(0.0),
-            asked_for: terms.terms,
-            moments: moments.nats,
-            happened: moments.terms,
+            form_allowance: SHARE_OF_FORM * explained.unwrap_or(0.0),
+            omitted_terms: terms.terms,
+            events: events.nats,
+            event_terms: events.terms,
             bursts,
-            instead_of: None,
-            beside_a_name: explained.is_some(),
+            outdone_effect: None,
+            beside_named_effect: explained.is_some(),
             coarse: is_coarse(&fit.model),
-            air: long.sqrt() * air,
+            air_growth: long.sqrt() * air_growth,
             air_ratio,
             weight: long,
         }
@@ -113,18 +107,18 @@ impl Residue {
 
 /// Whether the readings are seen coming far nearer than the least noise that a model may have lets expect, as those of a simulation without any.
 pub(crate) fn is_quiet(fit: &Fit) -> bool {
-    let power: f64 = fit.surprises.iter().map(|surprise| surprise.stretch + 1.0).sum();
-    power < QUIET * fit.surprises.len() as f64
+    let power: f64 = fit.innovations.iter().map(|innovation| innovation.variance_score + 1.0).sum();
+    power < QUIET * fit.innovations.len() as f64
 }
 
 /// Whether the noise leaves readings within one cell of the sensor for long.
 fn is_coarse(model: &Model) -> bool {
-    model.effects.sensor_quantisation.is_some_and(|cells| cells.step_mm > COARSE * model.noise.sensor_mm)
+    model.effects.reading_step_mm().is_some_and(|step_mm| step_mm > COARSE * model.noise.sensor_mm)
 }
 
 /// The rows where the ball has not met a stop lately: a filter takes what it knows for normal, and at a bounce that is not so.
 fn clear_of_stops(model: &Model, rows: Vec<Row>) -> Vec<Row> {
-    let Some(stops) = model.effects.end_stop else { return rows };
+    let Some(stops) = model.effects.ends() else { return rows };
     let near_mm = NEAR_STOP_MM.max(5.0 * model.noise.sensor_mm);
     let mut clear_from_s = f64::NEG_INFINITY;
     let clear = |row: &Row| {
@@ -146,7 +140,7 @@ fn lags(rows: &[Row]) -> usize {
 }
 
 /// The portmanteau of white innovations: 0 on average, in standard deviations of its own.
-fn colour(e: &[f64], lags: usize) -> f64 {
+fn whiteness(e: &[f64], lags: usize) -> f64 {
     let n = e.len() as f64;
     let power: f64 = e.iter().map(|e| e * e).sum();
     let correlation = |lag: usize| e.iter().zip(e.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>() / power.max(1e-12);
@@ -155,14 +149,14 @@ fn colour(e: &[f64], lags: usize) -> f64 {
     (q - lags as f64) / (2.0 * lags as f64).sqrt()
 }
 
-fn line(periodogram: &[(f64, f64)]) -> f64 {
+fn spectral_line(periodogram: &[(f64, f64)]) -> f64 {
     // Two steps an independent frequency.
     let independent = (periodogram.len() as f64 / 2.0).max(1.0);
     periodogram.iter().map(|(_, power)| *power).fold(0.0, f64::max) - independent.ln()
 }
 
 /// −ln of the chance that any of `count` normal numbers is so far out.
-fn surprise(z: f64, count: usize) -> f64 {
+fn neg_log_chance(z: f64, count: usize) -> f64 {
     let chance = libm::erfc(z.abs() / std::f64::consts::SQRT_2);
     -(count as f64 * chance).max(1e-300).ln()
 }
@@ -178,17 +172,17 @@ fn largest(rows: &[Row], spots: &[Spot], value: impl Fn(&Row) -> f64) -> f64 {
         (excess / (count * (1.0 - count / n) * variance).max(1e-12).sqrt()).abs()
     };
     let most = spots.iter().map(z).fold(0.0, f64::max);
-    surprise(most, spots.len())
+    neg_log_chance(most, spots.len())
 }
 
 /// How far the noise of the air had to grow: in deviations, and as a ratio of the believed.
-fn air(problem: &Problem<'_>, fit: &Fit) -> (f64, f64) {
-    let at = fit.free.iter().position(|free| *free == Free::AirNoise);
+fn air_growth(problem: &Problem<'_>, fit: &Fit) -> (f64, f64) {
+    let at = fit.parameters.iter().position(|parameter| *parameter == Parameter::AirNoise);
     let deviation = at.and_then(|at| fit.deviations().get(at).copied()).filter(|deviation| deviation.is_finite());
     let Some(deviation) = deviation else { return (0.0, 1.0) };
-    let d = Free::AirNoise.distance(&fit.model, problem.belief);
-    let (_, slope, curvature) = Free::AirNoise.prior(&fit.model, problem.belief);
-    // What the record alone says: the prior's part of the information is taken away, and with it its pull.
+    let d = Parameter::AirNoise.distance(&fit.model, problem.belief);
+    let (_, slope, curvature) = Parameter::AirNoise.prior(&fit.model, problem.belief);
+    // What the record alone says: the prior's part of the information is taken away, and with it its slope.
     let information = (1.0 / deviation.powi(2) - curvature).max(1e-6);
     let alone = d - slope / information;
     (alone * information.sqrt(), alone.exp())
@@ -196,18 +190,18 @@ fn air(problem: &Problem<'_>, fit: &Fit) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::Residue;
+    use super::Misfit;
     use crate::fit::estimate::Problem;
     use crate::fit::parameter::{BASE, Prior};
     use crate::record::folds::Folds;
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
 
-    fn residue(belief: &Model, rig: &Model, seed: u64) -> Residue {
+    fn residue(belief: &Model, rig: &Model, seed: u64) -> Misfit {
         let recording = record(rig, seed, 60);
         let folds = Folds::new(belief, &recording);
         let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
-        Residue::of(&problem, &problem.fit(belief, &BASE), None)
+        Misfit::of(&problem, &problem.fit(belief, &BASE), None)
     }
 
     #[test]

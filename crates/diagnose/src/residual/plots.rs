@@ -23,7 +23,7 @@ const OF_95_PERCENT: f64 = 1.96;
 
 /// What the innovations of a model show.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Leftover {
+pub struct ResidualPlots {
     /// Middle of each band, Hz, and the power in it beside that of white noise.
     pub spectrum: Vec<(f64, f64)>,
     /// Lag, seconds, and the correlation of an innovation with the duty so long before.
@@ -32,7 +32,7 @@ pub struct Leftover {
     pub by_chance: f64,
 }
 
-impl Leftover {
+impl ResidualPlots {
     /// What `model` leaves over of the rows that count.
     #[must_use]
     pub fn of(model: &Model, recording: &Recording, folds: &Folds) -> Self {
@@ -56,12 +56,12 @@ fn after_duty(rows: &[Row]) -> Vec<(f64, f64)> {
     let n = rows.len() as f64;
     let period_s = (last.time_s - first.time_s) / n;
     let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / n;
-    let (duty, pull) = (mean(|row| row.known[0]), mean(|row| row.pull));
+    let (duty, standardised) = (mean(|row| row.known[0]), mean(|row| row.standardised));
     let power = |of: &dyn Fn(&Row) -> f64| rows.iter().map(|row| of(row).powi(2)).sum::<f64>();
-    let scale = (power(&|row| row.known[0] - duty) * power(&|row| row.pull - pull)).sqrt().max(1e-300);
+    let scale = (power(&|row| row.known[0] - duty) * power(&|row| row.standardised - standardised)).sqrt().max(1e-300);
     let correlation = |lag: usize| {
         let pairs = rows.iter().zip(rows.iter().skip(lag));
-        pairs.map(|(before, now)| (before.known[0] - duty) * (now.pull - pull)).sum::<f64>() / scale
+        pairs.map(|(before, now)| (before.known[0] - duty) * (now.standardised - standardised)).sum::<f64>() / scale
     };
     let lags = (0..rows.len()).map(|lag| (lag, lag as f64 * period_s));
     lags.take_while(|(_, lag_s)| *lag_s <= LONGEST_S).map(|(lag, lag_s)| (lag_s, correlation(lag))).collect()
@@ -69,7 +69,7 @@ fn after_duty(rows: &[Row]) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::Leftover;
+    use super::ResidualPlots;
     use crate::record::folds::Folds;
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
@@ -77,13 +77,13 @@ mod tests {
     #[test]
     fn a_right_model_leaves_white_noise_and_a_missing_lag_leaves_power_and_what_duty_foretells() {
         let recording = record(&model(), 4, 80);
-        let left = |model: &Model| Leftover::of(model, &recording, &Folds::new(model, &recording));
-        let beyond = |left: &Leftover| {
+        let left = |model: &Model| ResidualPlots::of(model, &recording, &Folds::new(model, &recording));
+        let beyond = |left: &ResidualPlots| {
             let out = left.after_duty.iter().filter(|(_, r)| r.abs() > left.by_chance).count();
             out as f64 / left.after_duty.len() as f64
         };
         let (right, wrong) = (left(&model()), left(&Model { effects: Effects::default(), ..model() }));
-        let most = |left: &Leftover| left.spectrum.iter().map(|(_, power)| *power).fold(0.0, f64::max);
+        let most = |left: &ResidualPlots| left.spectrum.iter().map(|(_, power)| *power).fold(0.0, f64::max);
         assert!(beyond(&right) < 0.2 && beyond(&wrong) > 0.5, "{} and {}", beyond(&right), beyond(&wrong));
         assert!(most(&wrong) > 2.0 * most(&right), "{} and {}", most(&wrong), most(&right));
         assert!(right.spectrum.is_sorted_by_key(|band| band.0) && right.spectrum.len() > 15);

@@ -49,8 +49,8 @@ impl<'a> Power<'a> {
     /// `None` of no rows.
     fn of(rows: &'a [Row]) -> Option<Self> {
         let (first, last) = (rows.first()?, rows.last()?);
-        let mean = rows.iter().map(|row| row.pull).sum::<f64>() / rows.len() as f64;
-        let total = rows.iter().map(|row| (row.pull - mean).powi(2)).sum::<f64>().max(1e-300);
+        let mean = rows.iter().map(|row| row.standardised).sum::<f64>() / rows.len() as f64;
+        let total = rows.iter().map(|row| (row.standardised - mean).powi(2)).sum::<f64>().max(1e-300);
         Some(Self { rows, mean, total, span_s: (last.time_s - first.time_s).max(1.0) })
     }
 
@@ -60,7 +60,7 @@ impl<'a> Power<'a> {
         let start_s = piece.first().map_or(0.0, |row| row.time_s);
         let (s, c) = piece.iter().fold((0.0, 0.0), |(s, c), row| {
             let (sin, cos) = (turn * (row.time_s - start_s)).sin_cos();
-            (s + (row.pull - self.mean) * sin, c + (row.pull - self.mean) * cos)
+            (s + (row.standardised - self.mean) * sin, c + (row.standardised - self.mean) * cos)
         });
         (s * s + c * c) / self.total
     }
@@ -135,8 +135,8 @@ mod tests {
         let mut noise = Normal::new(seed, 0);
         let row = |k: u32| {
             let time_s = 0.02 * f64::from(k);
-            let pull = noise.draw() + line * (std::f64::consts::TAU * hz * time_s).sin();
-            Row { row: k as usize, time_s, known: [0.0; 4], pull }
+            let standardised = noise.draw() + line * (std::f64::consts::TAU * hz * time_s).sin();
+            Row { row: k as usize, time_s, known: [0.0; 4], standardised }
         };
         (0..4000).map(row).collect()
     }

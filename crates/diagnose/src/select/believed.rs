@@ -1,49 +1,48 @@
 //! What became of the effects that were believed: retuned, where their numbers are others, or not there at all.
 
 use crate::fit::estimate::Fit;
-use crate::fit::parameter::Free;
-use crate::select::candidates::{ALIKE, Candidate, Search};
+use crate::fit::parameter::Parameter;
+use crate::select::candidates::Candidate;
+use crate::select::search::Search;
 use crate::select::stepwise::Change;
+use crate::thresholds::{EQUIVALENT, RETUNED};
+
 use plant::{Entry, Model};
 
-/// A believed number that is off by more than this factor is another one.
-const RETUNED: f64 = 1.5;
+/// The effects of the belief whose numbers `fit` had to move by more than [`RETUNED`]: what is to be done, what it gains, and
+/// the fit without the effect if it is not there.
+pub(crate) fn changed(search: &Search<'_>, fit: &Fit) -> Vec<(Change, Candidate, Option<Fit>)> {
+    let present = search.problem.belief.effects.present();
+    let moved = present.iter().filter(|entry| is_moved(search, fit, entry));
+    moved.map(|entry| change(search, fit, entry)).collect()
+}
 
-impl Search<'_> {
-    /// The effects of the belief whose numbers `fit` had to move by more than [`RETUNED`]: what is to be done, what it gains, and
-    /// the fit without the effect if it is not there.
-    pub(crate) fn changed(&self, fit: &Fit) -> Vec<(Change, Candidate, Option<Fit>)> {
-        let present = self.problem.belief.effects.present();
-        let moved = present.iter().filter(|entry| self.is_moved(fit, entry));
-        moved.map(|entry| self.change(fit, entry)).collect()
-    }
+/// Whether a number of a believed effect has moved by more than the factor, or to the other side.
+fn is_moved(search: &Search<'_>, fit: &Fit, entry: &Entry) -> bool {
+    let values = |model: &Model| model.effects.values(entry.name).unwrap_or_default();
+    let (believed, found) = (values(search.problem.belief), values(&fit.model));
+    let neutral = entry.neutral(search.problem.belief);
+    believed.iter().zip(&found).zip(&neutral).any(|((believed, found), neutral)| {
+        let ratio = (found - neutral) / (believed - neutral);
+        believed != neutral && !(1.0 / RETUNED..=RETUNED).contains(&ratio)
+    })
+}
 
-    /// Whether a number of a believed effect has moved by more than the factor, or to the other side.
-    fn is_moved(&self, fit: &Fit, entry: &Entry) -> bool {
-        let values = |model: &Model| model.effects.values(entry.name).unwrap_or_default();
-        let (believed, found) = (values(self.problem.belief), values(&fit.model));
-        let neutral = entry.neutral(self.problem.belief);
-        believed.iter().zip(&found).zip(&neutral).any(|((believed, found), neutral)| {
-            let ratio = (found - neutral) / (believed - neutral);
-            believed != neutral && !(1.0 / RETUNED..=RETUNED).contains(&ratio)
-        })
-    }
-
-    fn change(&self, fit: &Fit, entry: &Entry) -> (Change, Candidate, Option<Fit>) {
-        let free: Vec<Free> = fit.free.iter().filter(|free| !free.is_of(entry.name)).copied().collect();
-        let with = |values: &[f64]| {
-            let mut model = fit.model.clone();
-            model.effects.set(entry.name, values);
-            self.problem.fit(&model, &free)
-        };
-        let total = |fit: &Fit| self.problem.total_of(fit);
-        let as_believed = with(&self.problem.belief.effects.values(entry.name).unwrap_or_default());
-        let absent = with(&entry.neutral(self.problem.belief));
-        let removed = total(&absent) > total(fit) - ALIKE;
-        let gain = total(if removed { &absent } else { fit }) - total(&as_believed);
-        let candidate = Candidate { entry: *entry, fit: fit.clone(), gain, evidence: gain };
-        if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
-    }
+fn change(search: &Search<'_>, fit: &Fit, entry: &Entry) -> (Change, Candidate, Option<Fit>) {
+    let parameters: Vec<Parameter> =
+        fit.parameters.iter().filter(|parameter| !parameter.is_of(entry.name)).copied().collect();
+    let with = |values: &[f64]| {
+        let mut model = fit.model.clone();
+        model.effects.set(entry.name, values);
+        search.problem.fit(&model, &parameters)
+    };
+    let total = |fit: &Fit| search.problem.total_of(fit);
+    let as_believed = with(&search.problem.belief.effects.values(entry.name).unwrap_or_default());
+    let absent = with(&entry.neutral(search.problem.belief));
+    let removed = total(&absent) > total(fit) - EQUIVALENT;
+    let gain = total(if removed { &absent } else { fit }) - total(&as_believed);
+    let candidate = Candidate { entry: *entry, fit: fit.clone(), held_out_gain: gain, penalised_gain: gain };
+    if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@
 use crate::fit::estimate::{Fit, Problem};
 use crate::record::commanded::commanded;
 use crate::residual::score_test::{Beside, Walk};
-use plant::effects::DutyQuantisation;
+use plant::{Entry, Model};
 use rayon::prelude::*;
 
 /// Steps of duty that are looked for, percent.
@@ -25,18 +25,17 @@ const BEST: usize = 12;
 const CLOSER: [f64; 5] = [-0.4, -0.2, 0.0, 0.2, 0.4];
 
 /// The steps that score highest beside `fit`, percent of duty, and among how many they were chosen.
-pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit) -> (Vec<f64>, usize) {
+pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f64>, usize) {
     let samples = problem.recording.samples();
     let walk = Walk::of(problem, fit.clone(), &|row| problem.folds.counts(row));
     let (beside, rows) = (Beside::of(&walk), walk.rows_on_the_way(problem.recording));
-    let lag_s = fit.model.effects.fan_lag.map_or(0.0, |lag| lag.time_constant_s);
+    let lag_s = fit.model.linear().fan_lag_s;
     // The rows on the way to a reading are those that act then.
-    let mut model = fit.model.clone();
-    model.effects.transport_delay = None;
+    let model = Model { effects: fit.model.effects.without_duty_delay(), ..fit.model.clone() };
     let fine = commanded(&model, problem.recording);
     let score = |step_percent: f64| {
         let mut coarse = model.clone();
-        coarse.effects.duty_quantisation = Some(DutyQuantisation { step_percent });
+        coarse.effects.set(effect.name, &[step_percent]);
         let coarse = commanded(&coarse, problem.recording);
         let mut late = 0.0;
         beside.score(|at, dt| {
@@ -90,7 +89,8 @@ mod tests {
             let recording = record(&Model { effects, ..belief.clone() }, 1, 80);
             let folds = Folds::new(&belief, &recording);
             let problem = Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief };
-            let (found, among) = steps(&problem, &problem.fit(&belief, &BASE));
+            let (found, among) =
+                steps(&problem, &problem.fit(&belief, &BASE), Effects::entry("duty_quantisation").unwrap());
             assert!(found.iter().any(|found| (found / step_percent - 1.0).abs() < 1e-3), "{found:?} of {step_percent}");
             assert!(among > 500 && found.len() < 20, "{} of {among}", found.len());
         }
@@ -105,7 +105,7 @@ mod tests {
         let recording = record(&Model { effects, ..known.clone() }, 1, 80);
         let folds = Folds::new(&known, &recording);
         let problem = Problem { recording: &recording, belief: &known, folds: &folds, prior: Prior::Belief };
-        let found = steps(&problem, &problem.fit(&known, &BASE)).0;
+        let found = steps(&problem, &problem.fit(&known, &BASE), Effects::entry("duty_quantisation").unwrap()).0;
         assert!(found.iter().any(|found| (found / step_percent - 1.0).abs() < 1e-3), "{found:?} of {step_percent}");
     }
 

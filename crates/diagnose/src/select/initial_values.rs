@@ -1,18 +1,17 @@
 //! Where a search for an effect starts: its usual sizes, or what the record suggests.
 //!
-//! A limit that the record never reaches, a stop that the ball never meets or a grid that is a little off have no slope to climb:
+//! A limit that the record never reaches, a stop that the ball never meets or a grid that is a little off have no slope to maximise:
 //! their searches start where the record says that there is something to find.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::record::commanded::commanded;
-use crate::record::quantisation::coarse_step;
+use crate::record::read_off::read_off;
 use crate::record::recording::Recording;
-use crate::record::sample_hold::hold;
-use crate::select::candidates::Search;
 use crate::select::duty_step_scan;
+use crate::select::search::Search;
 use crate::stats::line::line;
 use crate::stats::quantile::quantile;
-use plant::{Entry, Model};
+use plant::{Entry, Model, Start};
 
 /// Shares of the range of commanded acceleration at which a saturation is looked for.
 const LIMITS: [f64; 3] = [0.9, 0.6, 0.35];
@@ -31,13 +30,10 @@ pub(crate) struct Starts {
     pub(crate) are_tops: bool,
 }
 
-/// Effects whose starts the record suggests: others would be no nearer to it.
-const SUGGESTED: [&str; 5] = ["saturation", "end_stop", "duty_quantisation", "sensor_quantisation", "stale_samples"];
-
 impl Starts {
     /// These shares of the way from where `entry` does nothing to each of the starts; `None` where the record suggested them.
     pub(crate) fn nearer(&self, entry: &Entry, model: &Model, shares: &[f64]) -> Option<Self> {
-        if SUGGESTED.contains(&entry.name) {
+        if entry.start.is_of_the_record() {
             return None;
         }
         let neutral = entry.neutral(model);
@@ -53,8 +49,8 @@ impl Starts {
 /// Values of `entry` to start from, for a record of a rig that so far is `fit`.
 pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
     let problem = &search.problem;
-    if entry.name == "duty_quantisation" {
-        let (steps, among) = duty_step_scan::steps(problem, fit);
+    if entry.start == Start::DutySteps {
+        let (steps, among) = duty_step_scan::steps(problem, fit, entry);
         let values: Vec<_> = steps.into_iter().map(|step| vec![step]).collect();
         return Starts { usual: values.len(), values, among, are_tops: true };
     }
@@ -67,31 +63,25 @@ pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
 }
 
 fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
-    let usual = || entry.sizes.iter().map(|sizes| sizes.to_vec()).collect();
-    match entry.name {
-        "saturation" => limits(model, recording),
-        "end_stop" => stops(model, recording),
-        "sensor_quantisation" => coarse_step(recording, model).map(|step| vec![step.mm]).into_iter().collect(),
-        "stale_samples" => hold(recording).map(|hold| vec![hold.seconds]).into_iter().collect(),
-        "gain_drift" | "hover_drift" => {
-            let whole = 0.2 / recording.duration_s().max(1.0);
-            vec![vec![whole], vec![-whole]]
+    let listed = |all: &[&[f64]]| all.iter().map(|values| values.to_vec()).collect();
+    match entry.start {
+        Start::CommandedRange => limits(model, recording),
+        Start::HeightsSeen => stops(model, recording),
+        Start::ReadingStep | Start::ReadingHold => {
+            read_off(entry, recording, model).map(|read| vec![read.value]).into_iter().collect()
         }
-        "sensor_outliers" => [20.0, 40.0, 80.0, 160.0].map(|size| vec![0.015, size]).to_vec(),
-        "turbulence" => vec![vec![25.0, 0.3], vec![40.0, 1.0]],
-        "thrust_curve" => [0.01, 0.03, -0.01, -0.03].map(|curvature| vec![curvature]).to_vec(),
-        "hysteresis" => [0.1, 0.2, 0.4, 0.8].map(|half_width| vec![half_width]).to_vec(),
-        "wall_friction" => [8.0, 20.0, 50.0].map(|friction| vec![friction]).to_vec(),
-        _ => usual(),
+        Start::OverRecord(shares) => shares.iter().map(|share| vec![share / recording.duration_s().max(1.0)]).collect(),
+        Start::Values(values) => listed(values),
+        Start::Sizes | Start::DutyOverHeight | Start::DutySteps => listed(entry.sizes),
     }
 }
 
 /// Values that the believed gain asks for, where the fit has gone far from it: limits on what it commands, or a lift that falls with height and
 /// would balance the duty as it was flown, whose gradient is the gain times the slope of duty over height.
 fn as_believed(entry: &Entry, problem: &Problem<'_>) -> Vec<Vec<f64>> {
-    match entry.name {
-        "saturation" => limits(problem.belief, problem.recording),
-        "height_dependent_flow" => {
+    match entry.start {
+        Start::CommandedRange => limits(problem.belief, problem.recording),
+        Start::DutyOverHeight => {
             let rows = problem.recording.samples().iter().enumerate().filter(|(row, _)| problem.folds.counts(*row));
             let pairs: Vec<(f64, f64)> = rows.filter_map(|(_, s)| Some((s.position_mm?, s.duty_percent))).collect();
             let balance = line(&pairs).map(|(slope, _)| vec![problem.belief.gain_mm_per_s2_per_percent * slope]);

@@ -7,5 +7,7 @@ pub(crate) mod initial_values;
 pub(crate) mod plausibility;
 pub(crate) mod posterior;
 pub(crate) mod ranking;
+pub(crate) mod refit;
 pub(crate) mod screening;
+pub(crate) mod search;
 pub(crate) mod stepwise;

@@ -1,7 +1,7 @@
 //! The order of what was found: first that without which the forecasts err most.
 //!
 //! ```text
-//! a before b:  E²(1 s) without a > 2·E²(1 s) without b        E as in `gap`; else as they were found, and turbulence last
+//! a before b:  E²(1 s) without a > 2·E²(1 s) without b        E as in `gap`; else as they were found, and a random force last
 //! ```
 //!
 //! A search finds first what one step ahead shows best, which on a rig of low noise is the quick and the small. What matters to whoever
@@ -9,63 +9,62 @@
 
 use crate::fit::estimate::Fit;
 use crate::gap::forecast_error::Gap;
-use crate::select::candidates::Search;
-use crate::select::stepwise::{Change, Named, TURBULENCE};
-use plant::Model;
+use crate::select::search::Search;
+use crate::select::stepwise::{Change, NamedEffect, is_random_force};
+use crate::thresholds::LARGER;
+use plant::{Entry, Model};
 use rayon::prelude::*;
 
-/// Mean squares are no other where neither is so many times the other.
-const TWICE: f64 = 2.0;
-
-impl Search<'_> {
-    /// Puts the effects that were added to `fit` in order; what became of those that were believed comes after them. `on_the_way`: other fits of
-    /// the same search, one of which may be the best without an effect.
-    pub(crate) fn most_important_first(&self, effects: &mut [Named], fit: &Fit, on_the_way: &[Fit]) {
-        let stays = |named: &Named| named.change != Change::Added || named.candidate.entry.name == TURBULENCE;
-        let moves = effects.iter().position(stays).unwrap_or(effects.len());
-        let added = &mut effects[..moves];
-        if added.len() < 2 {
-            return;
-        }
-        let without =
-            |named: &Named| self.square_at_1_s(&self.best_without(named.candidate.entry.name, fit, on_the_way));
-        let without: Vec<f64> = added.par_iter().map(without).collect();
-        let mut order: Vec<usize> = Vec::with_capacity(added.len());
-        for (at, square) in without.iter().enumerate() {
-            let behind = order.iter().rposition(|before| *square <= TWICE * without[*before]);
-            order.insert(behind.map_or(0, |behind| behind + 1), at);
-        }
-        let in_order: Vec<Named> = order.iter().map(|at| added[*at].clone()).collect();
-        added.clone_from_slice(&in_order);
+/// Puts the effects that were added to `fit` in order; what became of those that were believed comes after them. `on_the_way`: other fits of
+/// the same search, one of which may be the best without an effect.
+pub(crate) fn rank(search: &Search<'_>, effects: &mut [NamedEffect], fit: &Fit, on_the_way: &[Fit]) {
+    let stays = |named: &NamedEffect| named.change != Change::Added || is_random_force(&named.candidate.entry);
+    let moves = effects.iter().position(stays).unwrap_or(effects.len());
+    let added = &mut effects[..moves];
+    if added.len() < 2 {
+        return;
     }
-
-    /// The most likely model without an effect, and with no other than `fit` has.
-    fn best_without(&self, name: &str, fit: &Fit, on_the_way: &[Fit]) -> Model {
-        let removed = self.removed(fit, name);
-        let has = |fit: &Fit, name: &str| fit.model.effects.values(name).is_some();
-        let is_part =
-            |other: &&Fit| other.model.effects.present().iter().all(|entry| entry.name != name && has(fit, entry.name));
-        let others = on_the_way.iter().filter(is_part);
-        let best = others.fold(&removed, |best, other| {
-            if self.problem.total_of(other) > self.problem.total_of(best) { other } else { best }
-        });
-        best.model.clone()
+    let without =
+        |named: &NamedEffect| square_at_1_s(search, &best_without(search, &named.candidate.entry, fit, on_the_way));
+    let without: Vec<f64> = added.par_iter().map(without).collect();
+    let mut order: Vec<usize> = Vec::with_capacity(added.len());
+    for (at, square) in without.iter().enumerate() {
+        let behind = order.iter().rposition(|before| *square <= LARGER * without[*before]);
+        order.insert(behind.map_or(0, |behind| behind + 1), at);
     }
+    let in_order: Vec<NamedEffect> = order.iter().map(|at| added[*at].clone()).collect();
+    added.clone_from_slice(&in_order);
+}
 
-    /// Mean square of the forecasts 1 s ahead, mm²; 0, so that all are alike, where the record is too short to say.
-    fn square_at_1_s(&self, model: &Model) -> f64 {
-        let gap = Gap::measure_where(model, self.problem.recording, &|row| self.problem.folds.counts(row));
-        gap.error_mm[2].map_or(0.0, |error_mm| error_mm.powi(2))
-    }
+/// The most likely model without an effect, and with no other than `fit` has.
+fn best_without(search: &Search<'_>, effect: &Entry, fit: &Fit, on_the_way: &[Fit]) -> Model {
+    let removed = search.removed(fit, effect);
+    let has = |fit: &Fit, name: &str| fit.model.effects.values(name).is_some();
+    let is_part = |other: &&Fit| {
+        other.model.effects.present().iter().all(|entry| entry.name != effect.name && has(fit, entry.name))
+    };
+    let others = on_the_way.iter().filter(is_part);
+    let best = others.fold(&removed, |best, other| {
+        if search.problem.total_of(other) > search.problem.total_of(best) { other } else { best }
+    });
+    best.model.clone()
+}
+
+/// Mean square of the forecasts 1 s ahead, mm²; 0, so that all are alike, where the record is too short to say.
+fn square_at_1_s(search: &Search<'_>, model: &Model) -> f64 {
+    let gap = Gap::measure_where(model, search.problem.recording, &|row| search.problem.folds.counts(row));
+    gap.error_mm[2].map_or(0.0, |error_mm| error_mm.powi(2))
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::estimate::Problem;
-    use crate::fit::parameter::{BASE, Free, Prior, free_of_effect};
+    use super::rank;
+    use crate::fit::parameter::{BASE, Parameter, parameters_of_effect};
+    use crate::options::Options;
     use crate::record::folds::Folds;
-    use crate::select::candidates::{Candidate, Search};
-    use crate::select::stepwise::{Change, Named};
+    use crate::select::candidates::Candidate;
+    use crate::select::search::Search;
+    use crate::select::stepwise::{Change, NamedEffect};
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
 
@@ -85,20 +84,24 @@ mod tests {
         }
         let recording = record(&rig, 2, seconds);
         let folds = Folds::new(&belief, &recording);
-        let search =
-            Search::of(Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief });
-        let of_effect = |name| free_of_effect(name, &rig.effects.values(name).unwrap());
-        let free: Vec<Free> = BASE.into_iter().chain(found.into_iter().flat_map(of_effect)).collect();
-        let fit = search.problem.fit(&rig, &free);
-        let named = |name| Named {
+        let search = Search::new(&belief, &recording, &folds, &Options::default());
+        let of_effect = |name| parameters_of_effect(name, &rig.effects.values(name).unwrap());
+        let parameters: Vec<Parameter> = BASE.into_iter().chain(found.into_iter().flat_map(of_effect)).collect();
+        let fit = search.problem.fit(&rig, &parameters);
+        let named = |name| NamedEffect {
             change: Change::Added,
-            candidate: Candidate { entry: *Effects::entry(name).unwrap(), fit: fit.clone(), gain: 0.0, evidence: 0.0 },
+            candidate: Candidate {
+                entry: *Effects::entry(name).unwrap(),
+                fit: fit.clone(),
+                held_out_gain: 0.0,
+                penalised_gain: 0.0,
+            },
             probability: 1.0,
             indistinguishable_from: Vec::new(),
             rivals: Vec::new(),
         };
         let mut effects = found.map(named);
-        search.most_important_first(&mut effects, &fit, &[]);
+        rank(&search, &mut effects, &fit, &[]);
         effects.map(|named| named.candidate.entry.name)
     }
 

@@ -10,7 +10,8 @@
 //! that only the width is certain from a log.
 //! Source: the thesis, section 3.2.1, whose rig has 21.1 to 21.7 % about a hover of 21.4 %.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Difference, Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// No force between the edges; outside, force is measured from the edge.
@@ -27,11 +28,14 @@ impl Effect for DeadZone {
     const ENTRY: Entry = Entry {
         name: "dead_zone",
         stage: Stage::Actuator,
+        article: "a ",
         params: &[
-            Param { name: "lower_percent", min: -10.0, max: 0.0, neutral: Neutral::At(0.0) },
-            Param { name: "upper_percent", min: 0.0, max: 10.0, neutral: Neutral::At(0.0) },
+            Param { name: "lower_percent", min: -10.0, max: 0.0, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "upper_percent", min: 0.0, max: 10.0, neutral: Neutral::At(0.0), scale: Scale::Value },
         ],
         sizes: &[&[-0.15, 0.15], &[-0.4, 0.4]],
+        difference: Some(Difference { name: "width", key: "width_percent", of: [0, 1] }),
+        is_representative: true,
         in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop hunts",
         mend: "correct it in [compensation.dead_zone] with the same two numbers, or fan and driver with finer steps",
         told_from: &[
@@ -48,7 +52,10 @@ impl Effect for DeadZone {
                 told_by: "one flat place, at hover; steps of duty come again and again: fly a slow ramp over several percent",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { on_command: Some(Self::effective), ..Acts::NONE };
 
     values_in_order!(lower_percent, upper_percent);
 }

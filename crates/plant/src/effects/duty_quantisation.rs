@@ -7,8 +7,9 @@
 //! The grid starts at duty 0. Leaves out that a real fan's steps differ in height and in the way up and down.
 //! Source: the thesis, section 3.2.2: the force has steps of about 0.8 % of duty, whatever drives the fan.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
-use libm::round;
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::rounding::rounded;
 use serde::{Deserialize, Serialize};
 
 /// The duty in force is the nearest multiple of a step.
@@ -23,8 +24,9 @@ impl Effect for DutyQuantisation {
     const ENTRY: Entry = Entry {
         name: "duty_quantisation",
         stage: Stage::Actuator,
-        params: &[Param { name: "step_percent", min: 0.0, max: 20.0, neutral: Neutral::At(0.0) }],
+        params: &[Param { name: "step_percent", min: 0.0, max: 20.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.4], &[0.8]],
+        start: Start::DutySteps,
         in_a_log: "the force jumps at certain duties and is flat between them, and the loop cycles between two of its levels",
         mend: "dither the duty so that its mean falls between the steps, or take a driver with finer steps",
         told_from: &[
@@ -37,7 +39,10 @@ impl Effect for DutyQuantisation {
                 told_by: "the force hangs on the duty alone: a slow ramp up and the same ramp down meet the jumps at the same duties",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { on_duty: Some(Self::rounded), ..Acts::NONE };
 
     values_in_order!(step_percent);
 }
@@ -46,7 +51,7 @@ impl DutyQuantisation {
     /// The duty that the fan makes of `duty_percent`.
     #[must_use]
     pub fn rounded(&self, duty_percent: f64) -> f64 {
-        if self.step_percent > 0.0 { self.step_percent * round(duty_percent / self.step_percent) } else { duty_percent }
+        rounded(self.step_percent, duty_percent)
     }
 }
 

@@ -9,7 +9,10 @@
 //! Source: Newton's law of restitution; a table tennis ball dropped 305 mm on steel comes back
 //! 240 to 260 mm (ITTF), e = 0.89 to 0.92.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order, within_bounds};
+use crate::acts::Acts;
+use crate::effect::{
+    Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order, within_bounds,
+};
 use crate::unsound::Unsound;
 use serde::{Deserialize, Serialize};
 
@@ -29,12 +32,21 @@ impl Effect for EndStop {
     const ENTRY: Entry = Entry {
         name: "end_stop",
         stage: Stage::Ball,
+        article: "an ",
         params: &[
-            Param { name: "bottom_mm", min: -1000.0, max: 1000.0, neutral: Neutral::At(0.0) },
-            Param { name: "top_mm", min: 0.0, max: 1e6, neutral: Neutral::PipeLength },
-            Param { name: "restitution", min: 0.0, max: 1.0, neutral: Neutral::At(0.0) },
+            Param {
+                name: "bottom_mm",
+                min: -1000.0,
+                max: 1000.0,
+                neutral: Neutral::At(0.0),
+                scale: Scale::Fixed(10.0),
+            },
+            Param { name: "top_mm", min: 0.0, max: 1e6, neutral: Neutral::PipeLength, scale: Scale::Fixed(10.0) },
+            Param { name: "restitution", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value },
         ],
         sizes: &[&[20.0, 560.0, 0.3]],
+        start: Start::HeightsSeen,
+        form: Form::Impacts,
         in_a_log: "the position never passes a certain height, and the speed turns round there",
         mend: "keep the setpoints away from the ends ([safety]); a soft pad at the end that is hit",
         told_from: &[
@@ -47,7 +59,10 @@ impl Effect for EndStop {
                 told_by: "nothing is missing until the ball touches, and then its speed turns round: hold heights far from the ends as well",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { ends: Some(|stop| *stop), ..Acts::NONE };
 
     values_in_order!(bottom_mm, top_mm, restitution);
 

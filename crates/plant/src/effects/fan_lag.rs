@@ -8,7 +8,9 @@
 //! Source: linearised momentum balance of the rotor; the thesis, equation 3.1.1.12, and its model G_c with
 //! τ = 1/3.896 s.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effects::Effects;
 use crate::lag::decay;
 use serde::{Deserialize, Serialize};
 
@@ -24,8 +26,18 @@ impl Effect for FanLag {
     const ENTRY: Entry = Entry {
         name: "fan_lag",
         stage: Stage::Actuator,
-        params: &[Param { name: "time_constant_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0) }],
+        article: "a ",
+        params: &[Param {
+            name: "time_constant_s",
+            min: 0.0,
+            max: 5.0,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[0.05], &[0.2]],
+        form: Form::Approximate,
+        twins: &["sensor_lag"],
+        twin_because: "a lag before the ball and one behind it turn the same duty into the same readings, but for the colour of the noise",
         in_a_log: "the ball answers late to every change of duty, and oscillates at gains that the simulator calls safe",
         mend: "a lighter rotor or a fan with active braking; in the controller, more derivative action or less gain",
         told_from: &[
@@ -42,6 +54,15 @@ impl Effect for FanLag {
                 told_by: "rises and falls of duty take equally long: fly equal steps up and down",
             },
         ],
+        ..Entry::PLAIN
+    };
+
+    const ACTS: Acts<Self> = Acts {
+        follows: Some(Self::after),
+        is_linear: true,
+        late_s: Some(|lag| lag.time_constant_s),
+        linearise: Some(|lag, plant| plant.fan_lag_s = lag.time_constant_s),
+        ..Acts::NONE
     };
 
     values_in_order!(time_constant_s);
@@ -52,6 +73,25 @@ impl FanLag {
     #[must_use]
     pub fn after(&self, commanded: f64, acceleration: f64, dt_s: f64) -> f64 {
         commanded + (acceleration - commanded) * decay(self.time_constant_s, dt_s)
+    }
+}
+
+impl Effects {
+    /// The first-order lag of the fan, seconds; `None`: there is none.
+    #[must_use]
+    pub fn fan_lag_s(&self) -> Option<f64> {
+        self.fan_lag.map(|lag| lag.time_constant_s)
+    }
+
+    /// The same effects with a fan of this first-order lag, or of none, in the place of whatever inertia it had.
+    #[must_use]
+    pub fn with_fan_lag(&self, time_constant_s: Option<f64>) -> Self {
+        let mut effects = self.clone();
+        for entry in self.present().iter().filter(|entry| Self::exclude_each_other(entry.name, FanLag::ENTRY.name)) {
+            effects.remove(entry.name);
+        }
+        effects.fan_lag = time_constant_s.map(|time_constant_s| FanLag { time_constant_s });
+        effects
     }
 }
 

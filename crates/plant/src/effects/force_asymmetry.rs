@@ -9,7 +9,8 @@
 //! curve bends smoothly through hover.
 //! Source: the thesis, section 3.2.2: 3.7 % of duty above standstill its fan gives 978 mm/s², 3.7 % below −805.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use libm::sqrt;
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +26,8 @@ impl Effect for ForceAsymmetry {
     const ENTRY: Entry = Entry {
         name: "force_asymmetry",
         stage: Stage::Actuator,
-        params: &[Param { name: "up_over_down", min: 0.05, max: 20.0, neutral: Neutral::At(1.0) }],
+        article: "a ",
+        params: &[Param { name: "up_over_down", min: 0.05, max: 20.0, neutral: Neutral::At(1.0), scale: Scale::Value }],
         sizes: &[&[1.15], &[0.85]],
         in_a_log: "equal steps of duty up and down from hover move the ball by different distances",
         mend: "invert the measured force curve between controller and fan (predistortion)",
@@ -43,7 +45,10 @@ impl Effect for ForceAsymmetry {
                 told_by: "a step that is held long ends in another force up than down; with unequal spinning only the way there differs",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { gain_by_command: Some(Self::gain_factor), ..Acts::NONE };
 
     values_in_order!(up_over_down);
 }

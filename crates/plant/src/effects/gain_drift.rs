@@ -7,7 +7,8 @@
 //! A straight line: warming up, which levels off, is one only over a short record.
 //! Source: supply voltage and air density enter the gain as factors; a battery falls about linearly.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The gain grows or falls linearly with time.
@@ -22,15 +23,26 @@ impl Effect for GainDrift {
     const ENTRY: Entry = Entry {
         name: "gain_drift",
         stage: Stage::Actuator,
-        params: &[Param { name: "fraction_per_s", min: -0.1, max: 0.1, neutral: Neutral::At(0.0) }],
+        article: "a ",
+        params: &[Param {
+            name: "fraction_per_s",
+            min: -0.1,
+            max: 0.1,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[0.002], &[-0.002]],
+        start: Start::OverRecord(&[0.2, -0.2]),
         in_a_log: "the same step of duty moves the ball further, or less far, late in the log than early",
         mend: "regulate the fan's supply, let the rig warm up first, or identify the gain again before a flight",
         told_from: &[Neighbour {
             name: "hover_drift",
             told_by: "the duty that holds the ball stays, its steps move the ball more or less: fly the same steps about hover early and late",
         }],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { gain_by_time: Some(Self::gain_factor), ..Acts::NONE };
 
     values_in_order!(fraction_per_s);
 }

@@ -8,7 +8,8 @@
 //! measured: moving it is the same as moving hover, so that a log cannot tell it and no diagnosis varies it.
 //! Source: leaks and wall drag take pressure along the pipe, Bernoulli's equation with losses.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, within_bounds};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, within_bounds};
 use crate::unsound::Unsound;
 use control::check::within;
 use serde::{Deserialize, Serialize};
@@ -28,8 +29,16 @@ impl Effect for HeightDependentFlow {
     const ENTRY: Entry = Entry {
         name: "height_dependent_flow",
         stage: Stage::Air,
-        params: &[Param { name: "gradient_per_s2", min: -50.0, max: 50.0, neutral: Neutral::At(0.0) }],
+        params: &[Param {
+            name: "gradient_per_s2",
+            min: -50.0,
+            max: 50.0,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[0.5], &[-0.5]],
+        start: Start::DutyOverHeight,
+        is_representative: true,
         in_a_log: "the duty that holds the ball depends on the height, and a released ball drifts back to one height",
         mend: "seal the pipe and its joints; identify hover at the height of the flight; an integral term in the controller",
         told_from: &[
@@ -42,6 +51,14 @@ impl Effect for HeightDependentFlow {
                 told_by: "the pull grows evenly along the pipe; an end acts at its height alone: hold several heights far from the ends",
             },
         ],
+        ..Entry::PLAIN
+    };
+
+    const ACTS: Acts<Self> = Acts {
+        force: Some(|flow, ball| flow.lift(ball.position_mm, ball.pipe_length_mm)),
+        is_linear: true,
+        linearise: Some(|flow, plant| plant.gradient_per_s2 = flow.gradient_per_s2),
+        ..Acts::NONE
     };
 
     fn values(&self) -> Vec<f64> {

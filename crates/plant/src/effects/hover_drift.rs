@@ -7,7 +7,8 @@
 //! A straight line: warming up, which levels off, is one only over a short record.
 //! Source: motor temperature and supply voltage shift the speed at a given duty.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The duty at hover grows or falls linearly with time.
@@ -22,8 +23,10 @@ impl Effect for HoverDrift {
     const ENTRY: Entry = Entry {
         name: "hover_drift",
         stage: Stage::Actuator,
-        params: &[Param { name: "percent_per_s", min: -1.0, max: 1.0, neutral: Neutral::At(0.0) }],
+        article: "a ",
+        params: &[Param { name: "percent_per_s", min: -1.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.002], &[-0.002]],
+        start: Start::OverRecord(&[0.2, -0.2]),
         in_a_log: "the mean duty of a held ball climbs or falls over the log, and an open-loop flight bends away",
         mend: "let the rig warm up first, regulate the fan's supply, and give the controller an integral term",
         told_from: &[
@@ -40,7 +43,10 @@ impl Effect for HoverDrift {
                 told_by: "it goes one way at one pace through the whole log; turbulence comes back: hold one height for minutes",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { shifts_hover: Some(Self::shift_percent), ..Acts::NONE };
 
     values_in_order!(percent_per_s);
 }

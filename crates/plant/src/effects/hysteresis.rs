@@ -9,7 +9,8 @@
 //! Starts centred, p = u. Leaves out minor loops of any other shape: everything inside the play is lost.
 //! Source: the play operator, Krasnosel'skii and Pokrovskii, *Systems with Hysteresis*, chapter 1.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The force follows the duty only when it has pushed through the play.
@@ -24,8 +25,16 @@ impl Effect for Hysteresis {
     const ENTRY: Entry = Entry {
         name: "hysteresis",
         stage: Stage::Actuator,
-        params: &[Param { name: "half_width_percent", min: 0.0, max: 10.0, neutral: Neutral::At(0.0) }],
+        params: &[Param {
+            name: "half_width_percent",
+            min: 0.0,
+            max: 10.0,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[0.1], &[0.3]],
+        start: Start::Values(&[&[0.1], &[0.2], &[0.4], &[0.8]]),
+        form: Form::Approximate,
         in_a_log: "the same duty holds the ball or lifts it, by where the duty came from; small reversals of duty do nothing",
         mend: "a fan driver that regulates the speed by the tachometer; dither wider than the play",
         told_from: &[
@@ -42,7 +51,10 @@ impl Effect for Hysteresis {
                 told_by: "the force stays behind by the same duty however slowly that moves; a lag vanishes in a slow ramp",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { plays: Some(Self::follow), ..Acts::NONE };
 
     values_in_order!(half_width_percent);
 }

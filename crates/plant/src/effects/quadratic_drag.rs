@@ -8,7 +8,8 @@
 //! of which the linear drag is the first term.
 //! Source: the thesis, equation 3.1.1.3, the square of its relative speed.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Drag that grows with the square of the speed.
@@ -23,7 +24,13 @@ impl Effect for QuadraticDrag {
     const ENTRY: Entry = Entry {
         name: "quadratic_drag",
         stage: Stage::Ball,
-        params: &[Param { name: "coefficient_per_mm", min: 0.0, max: 0.05, neutral: Neutral::At(0.0) }],
+        params: &[Param {
+            name: "coefficient_per_mm",
+            min: 0.0,
+            max: 0.05,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[0.002], &[0.006]],
         in_a_log: "slow moves fit the drag, fast ones are braked harder than the simulator says",
         mend: "nothing to mend: it is the physics of a sphere. Limit the speed of the setpoint, or put it into the simulator",
@@ -41,7 +48,10 @@ impl Effect for QuadraticDrag {
                 told_by: "it brakes both ways alike and only once the ball is fast; a bend pushes from the first moment: fly steps up and down",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { force: Some(|drag, ball| drag.acceleration(ball.velocity_mm_per_s)), ..Acts::NONE };
 
     values_in_order!(coefficient_per_mm);
 }

@@ -8,7 +8,8 @@
 //! rounds off towards its limits.
 //! Source: the thesis, figure 3.2.5: about −800 and +1100 mm/s², where the table of its predistortion ends too.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The commanded acceleration stays within limits.
@@ -26,10 +27,11 @@ impl Effect for Saturation {
         name: "saturation",
         stage: Stage::Actuator,
         params: &[
-            Param { name: "lower_mm_per_s2", min: -1e6, max: -1.0, neutral: Neutral::At(-1e6) },
-            Param { name: "upper_mm_per_s2", min: 1.0, max: 1e6, neutral: Neutral::At(1e6) },
+            Param { name: "lower_mm_per_s2", min: -1e6, max: -1.0, neutral: Neutral::At(-1e6), scale: Scale::Value },
+            Param { name: "upper_mm_per_s2", min: 1.0, max: 1e6, neutral: Neutral::At(1e6), scale: Scale::Value },
         ],
         sizes: &[&[-800.0, 800.0], &[-400.0, 400.0]],
+        start: Start::CommandedRange,
         in_a_log: "beyond some duty the ball climbs or falls no faster, and large steps overshoot where small ones do not",
         mend: "keep the controller within the limits, with anti-windup and slower setpoints; or a stronger fan",
         told_from: &[
@@ -46,7 +48,10 @@ impl Effect for Saturation {
                 told_by: "small steps up and down fit the same gain: fly pairs of steps of several sizes",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { limits: Some(Self::limited), ..Acts::NONE };
 
     values_in_order!(lower_mm_per_s2, upper_mm_per_s2);
 }

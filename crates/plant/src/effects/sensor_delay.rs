@@ -7,7 +7,8 @@
 //! From a log alone it is the same as a delay of the duty, but for the rows at the very ends of the record.
 //! Source: a VL53L0X gives the mean over its timing budget, 20 ms at least, after the budget has passed.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The reading is where the ball was a fixed time ago.
@@ -22,8 +23,11 @@ impl Effect for SensorDelay {
     const ENTRY: Entry = Entry {
         name: "sensor_delay",
         stage: Stage::Sensor,
-        params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0) }],
+        article: "a ",
+        params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.03], &[0.1]],
+        twins: &["transport_delay"],
+        twin_because: "a duty that acts late and a reading that is late shift the same readings by the same time",
         in_a_log: "everything that the duty does shows a fixed time late, and the loop oscillates at gains called safe",
         mend: "a shorter timing budget, reading right after the measurement is ready; a filter that predicts over the delay",
         told_from: &[
@@ -40,6 +44,14 @@ impl Effect for SensorDelay {
                 told_by: "every reading is equally old and none repeats while the ball moves: look at neighbouring readings of a fast ball",
             },
         ],
+        ..Entry::PLAIN
+    };
+
+    const ACTS: Acts<Self> = Acts {
+        delays_reading: Some(|delay| delay.delay_s),
+        late_s: Some(|delay| delay.delay_s),
+        linearise: Some(|delay, plant| plant.delay_s += delay.delay_s),
+        ..Acts::NONE
     };
 
     values_in_order!(delay_s);

@@ -10,7 +10,8 @@
 //! and stable for any τ. Starts at its input. Leaves out that a sensor averages over a window, not for ever.
 //! Source: Hochbruck and Ostermann, *Exponential Integrators*, Acta Numerica 19 (2010).
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use libm::expm1;
 use serde::{Deserialize, Serialize};
 
@@ -26,8 +27,18 @@ impl Effect for SensorLag {
     const ENTRY: Entry = Entry {
         name: "sensor_lag",
         stage: Stage::Sensor,
-        params: &[Param { name: "time_constant_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0) }],
+        article: "a ",
+        params: &[Param {
+            name: "time_constant_s",
+            min: 0.0,
+            max: 5.0,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[0.03], &[0.1]],
+        form: Form::Approximate,
+        twins: &["fan_lag"],
+        twin_because: "a lag before the ball and one behind it turn the same duty into the same readings, but for the colour of the noise",
         in_a_log: "the reading turns round after the ball does, and its noise is no larger for it",
         mend: "a shorter timing budget, less averaging in the sensor; a Kalman filter that knows the lag",
         told_from: &[
@@ -44,6 +55,15 @@ impl Effect for SensorLag {
                 told_by: "the reading changes with every cycle and never jumps to where the ball is: look at neighbouring readings of a fast ball",
             },
         ],
+        ..Entry::PLAIN
+    };
+
+    const ACTS: Acts<Self> = Acts {
+        senses: Some(Self::after),
+        is_linear: true,
+        late_s: Some(|lag| lag.time_constant_s),
+        linearise: Some(|lag, plant| plant.sensor_lag_s = lag.time_constant_s),
+        ..Acts::NONE
     };
 
     values_in_order!(time_constant_s);

@@ -8,7 +8,8 @@
 //! distance and with ambient light.
 //! Source: independent errors add in quadrature; a VL53L0X on a public rig has 2.5 to 3.5 mm.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use libm::hypot;
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +25,7 @@ impl Effect for SensorNoise {
     const ENTRY: Entry = Entry {
         name: "sensor_noise",
         stage: Stage::Sensor,
-        params: &[Param { name: "sigma_mm", min: 0.0, max: 100.0, neutral: Neutral::At(0.0) }],
+        params: &[Param { name: "sigma_mm", min: 0.0, max: 100.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[1.5], &[4.0]],
         in_a_log: "readings of a ball at rest scatter more than configured, from one reading to the next",
         mend: "a longer timing budget, a white ball, less ambient light; a stronger filter in the controller",
@@ -42,7 +43,10 @@ impl Effect for SensorNoise {
                 told_by: "every reading scatters a little; outliers are few and far among readings as believed: look at a ball at rest",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { spreads: Some(Self::total_mm), ..Acts::NONE };
 
     values_in_order!(sigma_mm);
 }

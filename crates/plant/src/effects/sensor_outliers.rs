@@ -8,7 +8,8 @@
 //! Independent from reading to reading, and all of one size; real ones come in runs and sizes.
 //! Source: a time-of-flight sensor sees the wall or a second path instead of the ball.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::{Acts, Readings};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Some readings are off by a fixed amount, up or down.
@@ -26,10 +27,11 @@ impl Effect for SensorOutliers {
         name: "sensor_outliers",
         stage: Stage::Sensor,
         params: &[
-            Param { name: "probability", min: 0.0, max: 1.0, neutral: Neutral::At(0.0) },
-            Param { name: "size_mm", min: 0.0, max: 2000.0, neutral: Neutral::At(0.0) },
+            Param { name: "probability", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "size_mm", min: 0.0, max: 2000.0, neutral: Neutral::Any(0.0), scale: Scale::Value },
         ],
         sizes: &[&[0.01, 30.0]],
+        start: Start::Values(&[&[0.015, 20.0], &[0.015, 40.0], &[0.015, 80.0], &[0.015, 160.0]]),
         in_a_log: "single readings jump away and back faster than a ball can move, and the duty answers with spikes",
         mend: "narrow the sensor's view, darken the pipe; refuse readings that no ball could have reached",
         told_from: &[
@@ -42,12 +44,25 @@ impl Effect for SensorOutliers {
                 told_by: "the next reading is back where the ball was: nothing that pushes a ball is gone after one reading",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> =
+        Acts { outliers: Some(|wild| *wild), can_show: Some(Self::is_beyond_the_noise), ..Acts::NONE };
 
     values_in_order!(probability, size_mm);
 }
 
+/// Wild readings are so many standard deviations of the noise away: nearer ones are its tails.
+const BEYOND_SIGMAS: f64 = 5.0;
+
 impl SensorOutliers {
+    /// Whether the wild readings are no tails of the noise.
+    #[must_use]
+    pub fn is_beyond_the_noise(&self, readings: &Readings) -> bool {
+        self.size_mm > BEYOND_SIGMAS * readings.sigma_mm
+    }
+
     /// What is added to a reading, mm, by a number `uniform` in [0, 1).
     #[must_use]
     pub fn offset_mm(&self, uniform: f64) -> f64 {

@@ -7,8 +7,8 @@
 //! The grid starts at the bottom of the pipe.
 //! Source: a VL53L0X reports whole millimetres; other sensors, and logs that were rounded, are coarser.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
-use libm::round;
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// A reading is the nearest multiple of a step.
@@ -23,8 +23,9 @@ impl Effect for SensorQuantisation {
     const ENTRY: Entry = Entry {
         name: "sensor_quantisation",
         stage: Stage::Sensor,
-        params: &[Param { name: "step_mm", min: 0.0, max: 200.0, neutral: Neutral::At(0.0) }],
+        params: &[Param { name: "step_mm", min: 0.0, max: 200.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[3.0], &[8.0]],
+        start: Start::ReadingStep,
         in_a_log: "only certain positions occur, and the speed from one reading to the next is zero or a jump",
         mend: "a sensor or a log format with finer steps; a filter in place of bare differences",
         told_from: &[
@@ -37,15 +38,10 @@ impl Effect for SensorQuantisation {
                 told_by: "a value lasts until the ball has gone a step, so that a fast ball repeats none; a stale one lasts until the clock says so",
             },
         ],
+        ..Entry::PLAIN
     };
 
-    values_in_order!(step_mm);
-}
+    const ACTS: Acts<Self> = Acts { rounds: Some(|steps| steps.step_mm), ..Acts::NONE };
 
-impl SensorQuantisation {
-    /// What becomes of `reading_mm`.
-    #[must_use]
-    pub fn rounded(&self, reading_mm: f64) -> f64 {
-        if self.step_mm > 0.0 { self.step_mm * round(reading_mm / self.step_mm) } else { reading_mm }
-    }
+    values_in_order!(step_mm);
 }

@@ -8,7 +8,8 @@
 //! times depend on the speed.
 //! Source: motor torque spins the rotor up, only drag slows it down.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use crate::lag::decay;
 use serde::{Deserialize, Serialize};
 
@@ -26,11 +27,13 @@ impl Effect for SpinAsymmetry {
     const ENTRY: Entry = Entry {
         name: "spin_asymmetry",
         stage: Stage::Actuator,
+        article: "a ",
         params: &[
-            Param { name: "up_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0) },
-            Param { name: "down_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0) },
+            Param { name: "up_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "down_s", min: 0.0, max: 5.0, neutral: Neutral::At(0.0), scale: Scale::Value },
         ],
         sizes: &[&[0.1, 0.25], &[0.25, 0.1]],
+        contains: Some("fan_lag"),
         in_a_log: "the ball answers a rise of duty sooner than a fall, and rides higher when the duty moves fast about hover",
         mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); less gain for moves down",
         told_from: &[
@@ -43,6 +46,14 @@ impl Effect for SpinAsymmetry {
                 told_by: "steps that are held long end in equal forces up and down: hold each for several time constants of the fan",
             },
         ],
+        ..Entry::PLAIN
+    };
+
+    const ACTS: Acts<Self> = Acts {
+        follows: Some(Self::after),
+        late_s: Some(|spin| (spin.up_s + spin.down_s) / 2.0),
+        linearise: Some(|spin, plant| plant.fan_lag_s = (spin.up_s + spin.down_s) / 2.0),
+        ..Acts::NONE
     };
 
     values_in_order!(up_s, down_s);

@@ -7,7 +7,8 @@
 //! The sensor's clock starts with the record. Leaves out that it runs a little off the loop's.
 //! Source: a VL53L0X keeps its last range until the next timing budget has passed.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use libm::floor;
 use serde::{Deserialize, Serialize};
 
@@ -26,8 +27,9 @@ impl Effect for StaleSamples {
     const ENTRY: Entry = Entry {
         name: "stale_samples",
         stage: Stage::Sensor,
-        params: &[Param { name: "hold_s", min: 0.0, max: 2.0, neutral: Neutral::At(0.0) }],
+        params: &[Param { name: "hold_s", min: 0.0, max: 2.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.04], &[0.1]],
+        start: Start::ReadingHold,
         in_a_log: "readings repeat to the last digit, several in a row, while the ball moves",
         mend: "a shorter timing budget, or a longer period of the loop; use only readings that are marked as fresh",
         told_from: &[
@@ -44,6 +46,13 @@ impl Effect for StaleSamples {
                 told_by: "the age of the reading grows until it is refreshed, which repeats show; a delay is one age without repeats",
             },
         ],
+        ..Entry::PLAIN
+    };
+
+    const ACTS: Acts<Self> = Acts {
+        holds: Some(|stale| *stale),
+        linearise: Some(|stale, plant| plant.delay_s += stale.hold_s / 2.0),
+        ..Acts::NONE
     };
 
     values_in_order!(hold_s);

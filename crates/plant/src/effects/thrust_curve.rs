@@ -9,7 +9,8 @@
 //! duty. Leaves out everything of third order and above.
 //! Source: affinity laws of fans, thrust ∝ speed².
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The force is a parabola of the duty about hover, held beyond its vertex.
@@ -24,8 +25,18 @@ impl Effect for ThrustCurve {
     const ENTRY: Entry = Entry {
         name: "thrust_curve",
         stage: Stage::Actuator,
-        params: &[Param { name: "curvature_per_percent", min: -1.0, max: 1.0, neutral: Neutral::At(0.0) }],
+        article: "a ",
+        params: &[Param {
+            name: "curvature_per_percent",
+            min: -1.0,
+            max: 1.0,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[0.05], &[-0.05]],
+        start: Start::Values(&[&[0.01], &[0.03], &[-0.01], &[-0.03]]),
+        form: Form::Approximate,
+        is_representative: true,
         in_a_log: "small steps of duty fit the gain, large ones overshoot it on one side and fall short on the other",
         mend: "invert the measured force curve between controller and fan (predistortion)",
         told_from: &[
@@ -42,7 +53,10 @@ impl Effect for ThrustCurve {
                 told_by: "the error is there right after a step, while the ball is still slow, and differs between up and down",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { on_command: Some(Self::bent), ..Acts::NONE };
 
     values_in_order!(curvature_per_percent);
 }

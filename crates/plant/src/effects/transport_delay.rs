@@ -8,7 +8,8 @@
 //! a delay of the sensor, but for the rows at the very ends of the record.
 //! Source: PWM period, driver and the way of the air from fan to ball, as one dead time.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The duty acts a fixed time after it was written.
@@ -23,8 +24,12 @@ impl Effect for TransportDelay {
     const ENTRY: Entry = Entry {
         name: "transport_delay",
         stage: Stage::Actuator,
-        params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0) }],
+        article: "a ",
+        params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.03], &[0.1]],
+        twins: &["sensor_delay"],
+        twin_because: "a duty that acts late and a reading that is late shift the same readings by the same time",
+        is_representative: true,
         in_a_log: "nothing happens for a fixed time after every change of duty, then the answer is as it should be",
         mend: "write the duty right after the reading, raise the PWM frequency, shorten the way from fan to ball; or less gain",
         told_from: &[
@@ -37,6 +42,14 @@ impl Effect for TransportDelay {
                 told_by: "the answer to a step of duty begins after a pause and is whole at once; a lag begins at once and grows: fly steps",
             },
         ],
+        ..Entry::PLAIN
+    };
+
+    const ACTS: Acts<Self> = Acts {
+        delays_duty: Some(|delay| delay.delay_s),
+        late_s: Some(|delay| delay.delay_s),
+        linearise: Some(|delay, plant| plant.delay_s += delay.delay_s),
+        ..Acts::NONE
     };
 
     values_in_order!(delay_s);

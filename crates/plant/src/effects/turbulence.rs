@@ -9,7 +9,9 @@
 //! Source: Uhlenbeck and Ornstein, *On the Theory of the Brownian Motion*, Phys. Rev. 36 (1930); the update is
 //! Gillespie's, Phys. Rev. E 54 (1996).
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::{Acts, Readings};
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effects::Effects;
 use crate::lag;
 use libm::sqrt;
 use serde::{Deserialize, Serialize};
@@ -29,10 +31,11 @@ impl Effect for Turbulence {
         name: "turbulence",
         stage: Stage::Air,
         params: &[
-            Param { name: "sigma_mm_per_s2", min: 0.0, max: 1e4, neutral: Neutral::At(0.0) },
-            Param { name: "correlation_s", min: 0.01, max: 10.0, neutral: Neutral::At(0.5) },
+            Param { name: "sigma_mm_per_s2", min: 0.0, max: 1e4, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "correlation_s", min: 0.01, max: 10.0, neutral: Neutral::Any(0.5), scale: Scale::Value },
         ],
         sizes: &[&[100.0, 0.5]],
+        start: Start::Values(&[&[25.0, 0.3], &[40.0, 1.0]]),
         in_a_log: "the ball wanders slowly and never twice the same way, whatever the duty, height, speed or time",
         mend: "a flow straightener above the fan (a bundle of straws), a smoother inlet, no draught in the room",
         told_from: &[
@@ -45,12 +48,29 @@ impl Effect for Turbulence {
                 told_by: "it turns back and is another in the next flight: repeat the flight, and a ramp repeats only if the rig drifts",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> =
+        Acts { coloured_force: Some(|force| *force), can_show: Some(Self::is_coloured), ..Acts::NONE };
 
     values_in_order!(sigma_mm_per_s2, correlation_s);
 }
 
+/// Readings within which a coloured force does not forget itself, and the seconds that are always enough.
+const FORGETS_READINGS: f64 = 3.0;
+const FORGETS_S: f64 = 0.1;
+/// Air in a pipe does not remember a swirl for so long, seconds.
+const DRIFTS_S: f64 = 5.0;
+
 impl Turbulence {
+    /// Whether readings can show the force as one: a force that forgets itself within a few of them is white noise, and one that
+    /// remembers itself for long is a drift.
+    #[must_use]
+    pub fn is_coloured(&self, readings: &Readings) -> bool {
+        ((FORGETS_READINGS * readings.period_s).min(FORGETS_S)..DRIFTS_S).contains(&self.correlation_s)
+    }
+
     /// ρ: what is left of a push after `dt_s`.
     #[must_use]
     pub fn decay(&self, dt_s: f64) -> f64 {
@@ -62,6 +82,26 @@ impl Turbulence {
     pub fn kick(&self, dt_s: f64) -> f64 {
         let decay = self.decay(dt_s);
         self.sigma_mm_per_s2 * sqrt(1.0 - decay * decay)
+    }
+}
+
+impl Effects {
+    /// The same effects with this random force in the place of the one that is on, if any: its standard deviation, and the time over
+    /// which it forgets itself.
+    #[must_use]
+    pub fn with_coloured_force(&self, sigma_mm_per_s2: f64, correlation_s: f64) -> Self {
+        Self { turbulence: Some(Turbulence { sigma_mm_per_s2, correlation_s }), ..self.clone() }
+    }
+
+    /// The same effects with the random force of `other`, or without one.
+    #[must_use]
+    pub fn with_coloured_force_of(&self, other: &Self) -> Self {
+        Self { turbulence: other.coloured_force(), ..self.clone() }
+    }
+
+    /// Multiplies the random force by a factor. False, and nothing has changed: there is none.
+    pub fn scale_coloured_force(&mut self, factor: f64) -> bool {
+        self.turbulence.as_mut().map(|force| force.sigma_mm_per_s2 *= factor).is_some()
     }
 }
 

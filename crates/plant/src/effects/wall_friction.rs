@@ -9,7 +9,8 @@
 //! Source: Karnopp, *Computer Simulation of Stick-Slip Friction in Mechanical Dynamic Systems*, J. Dyn. Sys.,
 //! Meas., Control 107 (1985); without its band of low speed, because the instant of standstill is solved for.
 
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Stage, values_in_order};
+use crate::acts::Acts;
+use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Dry friction against the pipe.
@@ -24,8 +25,15 @@ impl Effect for WallFriction {
     const ENTRY: Entry = Entry {
         name: "wall_friction",
         stage: Stage::Ball,
-        params: &[Param { name: "acceleration_mm_per_s2", min: 0.0, max: 1e4, neutral: Neutral::At(0.0) }],
+        params: &[Param {
+            name: "acceleration_mm_per_s2",
+            min: 0.0,
+            max: 1e4,
+            neutral: Neutral::At(0.0),
+            scale: Scale::Value,
+        }],
         sizes: &[&[20.0], &[60.0]],
+        start: Start::Values(&[&[8.0], &[20.0], &[50.0]]),
         in_a_log: "the ball stands still while the duty changes, then breaks away with a jump; it stops dead at reversals",
         mend: "set the pipe upright, clean pipe and ball, earth them against static charge; dither the duty",
         told_from: &[
@@ -42,7 +50,10 @@ impl Effect for WallFriction {
                 told_by: "slow moves suffer most, and reversals stop; drag leaves slow moves alone: fly a slow ramp and large steps",
             },
         ],
+        ..Entry::PLAIN
     };
+
+    const ACTS: Acts<Self> = Acts { friction: Some(|friction| *friction), ..Acts::NONE };
 
     values_in_order!(acceleration_mm_per_s2);
 }

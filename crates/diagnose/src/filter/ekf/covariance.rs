@@ -10,41 +10,38 @@ use super::{STATES, Square, State};
 use nalgebra::SMatrix;
 use plant::{Model, Motion};
 
-/// Steps of the differences, each small beside a flight and large beside rounding.
+/// PropagationCache of the differences, each small beside a flight and large beside rounding.
 const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3];
-/// Lengths of steps that are remembered: a clock of whole milliseconds has few.
+/// Lengths of steps that are active_states: a clock of whole milliseconds has few.
 const STEPS_KNOWN: usize = 16;
 
-/// Doubt that is none, in any unit. What nothing disturbs, as a fan's lag, is known ever better, and numbers so small that a processor has no
+/// Propagation that is none, in any unit. What nothing disturbs, as a fan's lag, is known ever better, and numbers so small that a processor has no
 /// normal form for them make a step ten times as slow.
-const NO_DOUBT: f64 = 1e-100;
+const NEGLIGIBLE: f64 = 1e-100;
 
 /// The number, or none where it is as small as no doubt.
-pub(super) fn unless_faded(number: f64) -> f64 {
-    if number.abs() < NO_DOUBT { 0.0 } else { number }
+pub(super) fn flush_tiny(number: f64) -> f64 {
+    if number.abs() < NEGLIGIBLE { 0.0 } else { number }
 }
 
 /// How a step of a certain length moves doubt: Φ and Q.
-pub(super) type Doubt = (Square, Square);
+pub(super) type Propagation = (Square, Square);
 
 /// The last steps' Φ and Q by their length: where the model is linear, steps of one length share them.
 #[derive(Debug)]
-pub(crate) struct Steps {
+pub(crate) struct PropagationCache {
     linear: bool,
-    known: Vec<(f64, Doubt)>,
+    known: Vec<(f64, Propagation)>,
     next: usize,
 }
 
-impl Steps {
-    /// Steps of `model`.
+impl PropagationCache {
+    /// PropagationCache of `model`.
     pub(crate) fn of(model: &Model) -> Self {
-        let effects = &model.effects;
-        let bent =
-            effects.quadratic_drag.is_some() || effects.wall_friction.is_some() || effects.spin_asymmetry.is_some();
-        Self { linear: !bent, known: Vec::new(), next: 0 }
+        Self { linear: model.effects.motion_is_linear(), known: Vec::new(), next: 0 }
     }
 
-    pub(super) fn doubt(&mut self, dt: f64, compute: impl FnOnce() -> Doubt) -> Doubt {
+    pub(super) fn doubt(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> Propagation {
         if !self.linear {
             return compute();
         }
@@ -64,30 +61,35 @@ impl Steps {
 
 /// P ← Φ·P·Φᵀ + Q, in the states that `model` remembers alone: what follows from them or from the command is never asked for its doubt. Most models
 /// remember two of five, and this product is most of what a search takes.
-pub(super) fn grown(model: &Model, (transition, noise): &Doubt, covariance: &Square) -> Square {
+pub(super) fn predict_covariance(model: &Model, (transition, noise): &Propagation, covariance: &Square) -> Square {
     let mut own = [0; STATES];
     let mut count = 0;
-    for (i, _) in remembered(model).iter().enumerate().filter(|(_, remembered)| **remembered) {
+    for (i, _) in active_states(model).iter().enumerate().filter(|(_, active_states)| **active_states) {
         own[count] = i;
         count += 1;
     }
     let [a, b, c, d, e] = own;
     match count {
-        2 => grown_in([a, b], transition, noise, covariance),
-        3 => grown_in([a, b, c], transition, noise, covariance),
-        4 => grown_in([a, b, c, d], transition, noise, covariance),
-        _ => grown_in([a, b, c, d, e], transition, noise, covariance),
+        2 => predict_covariance_in([a, b], transition, noise, covariance),
+        3 => predict_covariance_in([a, b, c], transition, noise, covariance),
+        4 => predict_covariance_in([a, b, c, d], transition, noise, covariance),
+        _ => predict_covariance_in([a, b, c, d, e], transition, noise, covariance),
     }
 }
 
-fn grown_in<const N: usize>(own: [usize; N], transition: &Square, noise: &Square, covariance: &Square) -> Square {
+fn predict_covariance_in<const N: usize>(
+    own: [usize; N],
+    transition: &Square,
+    noise: &Square,
+    covariance: &Square,
+) -> Square {
     let of = |all: &Square| SMatrix::<f64, N, N>::from_fn(|i, j| all[(own[i], own[j])]);
     let transition = of(transition);
     let known = transition * of(covariance) * transition.transpose() + of(noise);
     let mut all = Square::zeros();
     for (i, at) in own.iter().enumerate() {
         for (j, and) in own.iter().enumerate() {
-            all[(*at, *and)] = unless_faded(known[(i, j)]);
+            all[(*at, *and)] = flush_tiny(known[(i, j)]);
         }
     }
     all
@@ -101,7 +103,7 @@ pub(super) fn process_noise(model: &Model, transition: &Square, dt: f64) -> Squa
     let outer = |g: State| g * g.transpose();
     let white = model.noise.acceleration_psd_mm2_per_s3 * dt / 6.0;
     let mut noise = (outer(first) + 4.0 * outer(middle) + outer(last)) * white;
-    if let Some(turbulence) = model.effects.turbulence {
+    if let Some(turbulence) = model.effects.coloured_force() {
         noise[(3, 3)] += turbulence.kick(dt).powi(2);
     }
     noise
@@ -119,16 +121,15 @@ pub(super) fn vector(motion: &Motion) -> State {
 }
 
 /// Which states this model remembers; the others follow from them or from the command.
-pub(super) const fn remembered(model: &Model) -> [bool; STATES] {
+pub(super) fn active_states(model: &Model) -> [bool; STATES] {
     let effects = &model.effects;
-    let lags = effects.fan_lag.is_some() || effects.spin_asymmetry.is_some();
-    [true, true, lags, effects.turbulence.is_some(), effects.sensor_lag.is_some()]
+    [true, true, effects.has_fan_state(), effects.coloured_force().is_some(), effects.has_sensor_state()]
 }
 
 /// ∂flow/∂x at `motion` by differences, for the states that this model remembers.
 pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
     let mut transition = Square::zeros();
-    for (i, _) in remembered(model).iter().enumerate().filter(|(_, remembered)| **remembered) {
+    for (i, _) in active_states(model).iter().enumerate().filter(|(_, active_states)| **active_states) {
         let nudged = |by: f64| {
             let mut nudged = *motion;
             match i {
@@ -147,7 +148,7 @@ pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion
 
 #[cfg(test)]
 mod tests {
-    use super::{Square, grown};
+    use super::{Square, predict_covariance};
     use crate::tests_support::model;
     use plant::{Effects, Model};
 
@@ -169,11 +170,11 @@ mod tests {
             let of_own = |m: Square| Square::from_fn(|i, j| if is_own(i) && is_own(j) { m[(i, j)] } else { 0.0 });
             let [transition, noise, before] = [1.0, 2.0, 3.0].map(|seed| of_own(any(seed)));
             let whole = transition * before * transition.transpose() + noise;
-            let grown = grown(&model, &(transition, noise), &before);
-            assert!((grown - whole).abs().max() < 1e-14, "{grown} for {whole}");
+            let predict_covariance = predict_covariance(&model, &(transition, noise), &before);
+            assert!((predict_covariance - whole).abs().max() < 1e-14, "{predict_covariance} for {whole}");
             // What the others have is not asked for.
             let spoilt = Square::from_fn(|i, j| if is_own(i) && is_own(j) { before[(i, j)] } else { f64::NAN });
-            assert_eq!(super::grown(&model, &(transition, noise), &spoilt), grown);
+            assert_eq!(super::predict_covariance(&model, &(transition, noise), &spoilt), predict_covariance);
         }
     }
 
@@ -181,7 +182,7 @@ mod tests {
     fn doubt_that_fades_becomes_none_and_no_number_too_small_for_the_processor() {
         let (mut doubt, halve) = (any(1.0), Square::identity() * 0.5);
         for _ in 0..600 {
-            doubt = grown(&model(), &(halve, Square::zeros()), &doubt);
+            doubt = predict_covariance(&model(), &(halve, Square::zeros()), &doubt);
             assert!(doubt.iter().all(|number| *number == 0.0 || number.is_normal()), "{doubt}");
         }
         assert_eq!(doubt, Square::zeros());

@@ -12,7 +12,7 @@ const CHATTER_S: f64 = 0.005;
 
 /// How the duties between two readings are flown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Flown {
+pub(super) enum DutyAveraging {
     /// Each by itself.
     Each,
     /// As their mean.
@@ -21,7 +21,7 @@ pub(super) enum Flown {
     Halves,
 }
 
-impl Flown {
+impl DutyAveraging {
     /// How duties are flown of which so many are written in `duration_s`.
     pub(super) fn of(duration_s: f64, writes: usize) -> Self {
         if duration_s < CHATTER_S * writes as f64 { Self::Halves } else { Self::Each }
@@ -33,13 +33,13 @@ impl Flown {
     }
 
     /// Whether duties are flown together.
-    pub(super) const fn chatters(self) -> bool {
+    pub(super) const fn averages(self) -> bool {
         !matches!(self, Self::Each)
     }
 }
 
 /// Duties on their way to be flown together.
-pub(super) struct Chatter {
+pub(super) struct DutyBlock {
     from_s: f64,
     /// Up to when they are summed, seconds since the start of the record.
     pub(super) until_s: f64,
@@ -51,7 +51,7 @@ pub(super) struct Chatter {
     count: u32,
 }
 
-impl Chatter {
+impl DutyBlock {
     /// None yet, at `from_s` seconds since the start of the record.
     pub(super) const fn from(from_s: f64) -> Self {
         Self { from_s, until_s: from_s, impulse: 0.0, moment: 0.0, count: 0 }
@@ -67,11 +67,11 @@ impl Chatter {
     }
 
     /// The commands that do what all of them do, mm/s², and how long each is in force, seconds.
-    pub(super) fn as_few(&self, flown: Flown) -> (impl Iterator<Item = f64> + use<>, f64) {
+    pub(super) fn as_few(&self, flown: DutyAveraging) -> (impl Iterator<Item = f64> + use<>, f64) {
         let all_s = self.until_s - self.from_s;
         let (mean, half_s) = (self.impulse / all_s, all_s / 2.0);
         let rise = (self.moment - self.impulse * half_s) / (half_s * half_s);
-        let halves = flown == Flown::Halves && self.count > 1;
+        let halves = flown == DutyAveraging::Halves && self.count > 1;
         let first = if halves { mean - rise } else { mean };
         let second = halves.then_some(mean + rise);
         (std::iter::once(first).chain(second), if halves { half_s } else { all_s })
@@ -80,7 +80,7 @@ impl Chatter {
 
 #[cfg(test)]
 mod tests {
-    use super::{Chatter, Flown};
+    use super::{DutyAveraging, DutyBlock};
 
     /// Where a ball at rest at 0 is, and how fast, after commands of so long each.
     fn flown(commands: impl Iterator<Item = f64>, step_s: f64) -> (f64, f64) {
@@ -90,10 +90,10 @@ mod tests {
     #[test]
     fn two_halves_end_where_all_commands_do_and_their_mean_as_fast() {
         let all = [3.0, -8.0, 41.0, 5.0, -2.5, 17.0, 0.0, 90.0, 12.0, -33.0];
-        let mut chatter = Chatter::from(2.0);
+        let mut chatter = DutyBlock::from(2.0);
         (1..=10).zip(all).for_each(|(k, command)| chatter.add(command, 2.0 + 0.001 * f64::from(k)));
         let truth = flown(all.into_iter(), 0.001);
-        let [mean, halves] = [Flown::Mean, Flown::Halves].map(|how| {
+        let [mean, halves] = [DutyAveraging::Mean, DutyAveraging::Halves].map(|how| {
             let (commands, step_s) = chatter.as_few(how);
             let there = flown(commands, step_s);
             assert!((there.1 - truth.1).abs() < 1e-12, "{how:?}: {} mm/s, not {}", there.1, truth.1);
@@ -105,16 +105,19 @@ mod tests {
 
     #[test]
     fn a_command_alone_is_flown_as_it_is() {
-        let mut chatter = Chatter::from(2.0);
+        let mut chatter = DutyBlock::from(2.0);
         chatter.add(7.0, 2.25);
-        let (commands, step_s) = chatter.as_few(Flown::Halves);
+        let (commands, step_s) = chatter.as_few(DutyAveraging::Halves);
         assert_eq!((commands.collect::<Vec<_>>(), step_s), (vec![7.0], 0.25));
     }
 
     #[test]
     fn duties_are_flown_together_where_many_are_written_a_second() {
-        assert_eq!(Flown::of(10.0, 500), Flown::Each);
-        assert_eq!(Flown::of(10.0, 10_000), Flown::Halves);
-        assert_eq!((Flown::Each.roughly(), Flown::Halves.roughly()), (Flown::Each, Flown::Mean));
+        assert_eq!(DutyAveraging::of(10.0, 500), DutyAveraging::Each);
+        assert_eq!(DutyAveraging::of(10.0, 10_000), DutyAveraging::Halves);
+        assert_eq!(
+            (DutyAveraging::Each.roughly(), DutyAveraging::Halves.roughly()),
+            (DutyAveraging::Each, DutyAveraging::Mean)
+        );
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! The extended Kalman filter: exact for the linear part, which central differences reproduce to rounding, and for
 //! whatever acts on the duty alone. A reading that is old is a reading of an earlier time: the filter comes by there
-//! first. Each stretch uses its real length and ends where the command jumps.
+//! first. Each variance_score uses its real length and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
 mod covariance;
@@ -16,12 +16,12 @@ mod fast_duty;
 mod smoother;
 
 use crate::record::reading_variance::reading_variance;
-pub(crate) use covariance::Steps;
-use covariance::{derivative, grown, process_noise, remembered, vector};
-use fast_duty::{Chatter, Flown};
-pub(crate) use smoother::{Back, Leg, Nudged, Smoothed, Trace, smoothed};
+pub(crate) use covariance::PropagationCache;
+use covariance::{active_states, derivative, predict_covariance, process_noise, vector};
+use fast_duty::{DutyAveraging, DutyBlock};
+pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
 
-use crate::filter::innovation::{Reading, Surprise};
+use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
 use nalgebra::{SMatrix, SVector};
 use plant::{Actuator, Model, Motion};
@@ -45,7 +45,7 @@ const WILD_IN_A_BURST: u32 = 5;
 
 /// The filter, where it is, and the fan's part of the way there.
 #[derive(Clone, Debug)]
-pub(crate) struct Cursor<'a> {
+pub(crate) struct Ekf<'a> {
     model: &'a Model,
     /// The duties of the flight, row by row.
     writes: &'a [Write],
@@ -58,22 +58,28 @@ pub(crate) struct Cursor<'a> {
     next_write: usize,
     wild_run: u32,
     /// How the duties between two readings are flown.
-    flown: Flown,
+    flown: DutyAveraging,
     /// Variance of a reading, mm².
     reading_mm2: f64,
     /// What the way back needs, apart because most filters lack it; `None`: nobody goes back.
-    back: Option<Box<Back>>,
+    back: Option<Box<SmootherMemory>>,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> Ekf<'a> {
     /// A filter that knows the first reading of a flight, at row `row` of its `writes`, and nothing else.
-    pub(crate) fn new(model: &'a Model, writes: &'a [Write], row: usize, reading_mm: f64, steps: &mut Steps) -> Self {
+    pub(crate) fn new(
+        model: &'a Model,
+        writes: &'a [Write],
+        row: usize,
+        reading_mm: f64,
+        steps: &mut PropagationCache,
+    ) -> Self {
         let (first, last) = (writes.first(), writes.last());
         let first_duty = first.map_or(0.0, |first| first.duty_percent);
         let duration_s = first.zip(last).map_or(0.0, |(first, last)| last.time_s - first.time_s);
         let time_s = reading_time(model, writes, row).unwrap_or_default();
         let (state, covariance) = prior(model, reading_mm, first_duty);
-        let mut cursor = Self {
+        let mut ekf = Self {
             model,
             writes,
             state,
@@ -83,14 +89,14 @@ impl<'a> Cursor<'a> {
             next_write: 0,
             wild_run: 0,
             reading_mm2: reading_variance(model),
-            flown: Flown::of(duration_s, writes.len()),
+            flown: DutyAveraging::of(duration_s, writes.len()),
             back: None,
         };
-        cursor.go_to(time_s, steps);
-        cursor.covariance = covariance;
-        cursor.state[0] = reading_mm;
-        cursor.state[4] = reading_mm;
-        cursor
+        ekf.advance_to(time_s, steps);
+        ekf.covariance = covariance;
+        ekf.state[0] = reading_mm;
+        ekf.state[4] = reading_mm;
+        ekf
     }
 
     /// The same filter for readings that are means of so many.
@@ -100,66 +106,66 @@ impl<'a> Cursor<'a> {
     }
 
     /// Moves the filter to when the reading of `row` was taken.
-    pub(crate) fn go_to_row(&mut self, row: usize, steps: &mut Steps) {
+    pub(crate) fn advance_to_row(&mut self, row: usize, steps: &mut PropagationCache) {
         if let Some(time_s) = reading_time(self.model, self.writes, row) {
-            self.go_to(time_s, steps);
+            self.advance_to(time_s, steps);
         }
     }
 
     /// What the reading here would be, mm, and its variance, mm².
-    pub(crate) fn expect(&self) -> (f64, f64) {
+    pub(crate) fn predicted_reading(&self) -> (f64, f64) {
         let seen = seen_state(self.model);
         (self.state[seen], self.covariance[(seen, seen)] + self.reading_mm2)
     }
 
     /// The same for a reading as the file shows it, rounded by a coarse sensor.
-    pub(crate) fn expect_rounded(&self) -> (f64, f64) {
-        let rounding = self.model.effects.sensor_quantisation.map_or(0.0, |steps| steps.step_mm.powi(2) / 12.0);
-        let (position_mm, variance_mm2) = self.expect();
+    pub(crate) fn predicted_rounded_reading(&self) -> (f64, f64) {
+        let rounding = self.model.effects.reading_step_mm().map_or(0.0, |step_mm| step_mm.powi(2) / 12.0);
+        let (position_mm, variance_mm2) = self.predicted_reading();
         (position_mm, variance_mm2 + rounding)
     }
 
     /// How a reading is seen coming.
-    pub(crate) fn foresee(&self, reading: Reading) -> Surprise {
-        let (expected, variance) = self.expect();
-        Surprise::of(reading, expected, variance)
+    pub(crate) fn predict(&self, reading: Reading) -> Innovation {
+        let (expected, variance) = self.predicted_reading();
+        Innovation::of(reading, expected, variance)
     }
 
     /// Takes a reading as far as it is no wild one: a wild one moves nothing.
-    pub(crate) fn take(&mut self, reading: Reading) -> Surprise {
+    pub(crate) fn take(&mut self, reading: Reading) -> Innovation {
         if let Some(back) = &mut self.back {
             back.arrive(self.state, self.covariance);
         }
-        let surprise = self.foresee(reading);
-        let (expected, variance) = (surprise.expected_mm, surprise.variance_mm2);
-        let (weight, pull) =
+        let innovation = self.predict(reading);
+        let (expected, variance) = (innovation.expected_mm, innovation.variance_mm2);
+        let (weight, standardised) =
             if self.wild_run >= if reading.outliers.is_some() { WILD_IN_A_BURST } else { WILD_IN_A_ROW } {
                 (1.0, (reading.position_mm - expected) / variance.sqrt())
             } else {
-                (surprise.weight, surprise.pull)
+                (innovation.weight, innovation.standardised)
             };
         let towards = self.covariance.column(seen_state(self.model)).into_owned();
-        self.state += towards * (pull / variance.sqrt());
+        self.state += towards * (standardised / variance.sqrt());
         self.covariance -= towards * towards.transpose() * (weight / variance);
-        self.wild_run = if surprise.weight < 0.5 && reading.coarse.is_none() { self.wild_run + 1 } else { 0 };
-        surprise
+        self.wild_run = if innovation.weight < 0.5 && reading.coarse.is_none() { self.wild_run + 1 } else { 0 };
+        innovation
     }
 
     /// Flies on to `time_s` since the start of the flight, and takes what a second sensor says of the ball itself.
-    pub(crate) fn take_second(
+    pub(crate) fn update_by_second_sensor(
         &mut self,
         time_s: f64,
         reading: Reading,
         variance_mm2: f64,
-        steps: &mut Steps,
-    ) -> Surprise {
-        self.go_to(time_s, steps);
+        steps: &mut PropagationCache,
+    ) -> Innovation {
+        self.advance_to(time_s, steps);
         let variance = self.covariance[(0, 0)] + variance_mm2;
-        let surprise = Surprise::of(reading, self.state[0], variance);
+        let innovation = Innovation::of(reading, self.state[0], variance);
         let towards = self.covariance.column(0).into_owned();
-        self.state += towards * (surprise.pull / variance.sqrt());
-        self.covariance -= towards * towards.transpose() * (surprise.weight / variance);
-        surprise
+        self.state += towards * (innovation.standardised / variance.sqrt());
+        self.covariance -= towards * towards.transpose() * (innovation.weight / variance);
+        innovation
     }
 
     /// When the reading of `row` was taken, seconds since the start of the flight.
@@ -173,9 +179,9 @@ impl<'a> Cursor<'a> {
     }
 
     /// Flies on to `time_s`, through every duty that is written and every jump of the command on the way.
-    fn go_to(&mut self, time_s: f64, steps: &mut Steps) {
+    fn advance_to(&mut self, time_s: f64, steps: &mut PropagationCache) {
         let start_s = self.writes.first().map_or(0.0, |first| first.time_s);
-        let mut chatter = Chatter::from(self.time_s);
+        let mut chatter = DutyBlock::from(self.time_s);
         while self.time_s < time_s || self.next_write == 0 {
             let written = self.writes.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
             let write_s = written.map_or(f64::INFINITY, |(at_s, _)| at_s);
@@ -189,17 +195,17 @@ impl<'a> Cursor<'a> {
             }
             let jump_s = self.actuator.next_jump_s(chatter.until_s).unwrap_or(f64::INFINITY);
             let next_s = time_s.min(write_s).min(jump_s);
-            if self.flown.chatters() {
-                self.fly_on(&mut chatter, next_s, next_s >= time_s, steps);
+            if self.flown.averages() {
+                self.average_duty(&mut chatter, next_s, next_s >= time_s, steps);
             } else {
-                self.fly_to(next_s, steps);
+                self.propagate_to(next_s, steps);
                 chatter.until_s = next_s;
             }
         }
     }
 
     /// Where duties are written faster than a ball follows, each is in `chatter` until all are flown at once.
-    fn fly_on(&mut self, chatter: &mut Chatter, next_s: f64, last: bool, known: &mut Steps) {
+    fn average_duty(&mut self, chatter: &mut DutyBlock, next_s: f64, last: bool, known: &mut PropagationCache) {
         let middle_s = 0.5 * (chatter.until_s + next_s);
         chatter.add(self.actuator.commanded(self.model, middle_s.max(0.0)), next_s);
         let dt = next_s - self.time_s;
@@ -207,12 +213,12 @@ impl<'a> Cursor<'a> {
             let (commands, step_s) = chatter.as_few(self.flown);
             commands.for_each(|commanded| self.step(commanded, step_s, known));
             self.time_s = next_s;
-            *chatter = Chatter::from(next_s);
+            *chatter = DutyBlock::from(next_s);
         }
     }
 
     /// Flies on to `time_s`, until which the command does not jump.
-    fn fly_to(&mut self, time_s: f64, known: &mut Steps) {
+    fn propagate_to(&mut self, time_s: f64, known: &mut PropagationCache) {
         let (start, ahead) = (self.time_s, time_s - self.time_s);
         let steps = (ahead / MAX_STEP_S).ceil().max(1.0);
         let dt = ahead / steps;
@@ -228,7 +234,7 @@ impl<'a> Cursor<'a> {
         self.time_s = time_s;
     }
 
-    fn step(&mut self, commanded: f64, dt: f64, known: &mut Steps) {
+    fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
         let x = &self.state;
         let motion = Motion {
             position_mm: x[0],
@@ -240,7 +246,7 @@ impl<'a> Cursor<'a> {
         let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
         // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
         let endless = |nudged: &Motion| {
-            let friction = self.model.effects.wall_friction.map(|friction| friction.acceleration_mm_per_s2);
+            let friction = self.model.effects.friction().map(|friction| friction.acceleration_mm_per_s2);
             match friction.filter(|friction| roughness > KNOWN * friction * dt) {
                 Some(friction) => {
                     let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction * dt));
@@ -249,7 +255,7 @@ impl<'a> Cursor<'a> {
                 None => nudged.step_in_endless_pipe(self.model, commanded, dt),
             }
         };
-        let next = if self.model.effects.wall_friction.is_some() {
+        let next = if self.model.effects.friction().is_some() {
             endless(&motion)
         } else {
             motion.step(self.model, commanded, dt)
@@ -262,7 +268,7 @@ impl<'a> Cursor<'a> {
             back.go(&doubt.0);
         }
         self.state = vector(&next);
-        self.covariance = grown(self.model, &doubt, &self.covariance);
+        self.covariance = predict_covariance(self.model, &doubt, &self.covariance);
     }
 }
 
@@ -275,7 +281,7 @@ fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
 /// When the reading of `row` was taken, seconds since the start of the flight. `None`: there is no such row.
 fn reading_time(model: &Model, writes: &[Write], row: usize) -> Option<f64> {
     let since_start_s = writes.get(row)?.time_s - writes.first()?.time_s;
-    Some(since_start_s - model.effects.sensor_delay.map_or(0.0, |delay| delay.delay_s))
+    Some(since_start_s - model.effects.reading_delay_s())
 }
 
 /// The filter before its first reading, which it then takes as it takes every other: state and covariance.
@@ -283,16 +289,19 @@ fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> (State, Square) {
     let commanded = model.commanded(duty_percent);
     let effects = &model.effects;
     // How far the fan may be from where it is told to go: it may stand still.
-    let lags = effects.fan_lag.is_some() || effects.spin_asymmetry.is_some();
-    let fan = if lags { model.hover_duty_percent.abs().max(1.0) * model.gain_mm_per_s2_per_percent } else { 0.0 };
-    let air = effects.turbulence.map_or(0.0, |turbulence| turbulence.sigma_mm_per_s2);
-    let sensed = if effects.sensor_lag.is_some() { model.pipe_length_mm } else { 0.0 };
+    let fan = if effects.has_fan_state() {
+        model.hover_duty_percent.abs().max(1.0) * model.gain_mm_per_s2_per_percent
+    } else {
+        0.0
+    };
+    let air = effects.coloured_force().map_or(0.0, |force| force.sigma_mm_per_s2);
+    let sensed = if effects.has_sensor_state() { model.pipe_length_mm } else { 0.0 };
     let deviations = State::from([model.pipe_length_mm, VELOCITY_PRIOR_MM_PER_S, fan, air, sensed]);
     let state = State::from([reading_mm, 0.0, commanded, 0.0, reading_mm]);
     (state, Square::from_diagonal(&deviations.component_mul(&deviations)))
 }
 
 /// Which part of the state the reading shows.
-const fn seen_state(model: &Model) -> usize {
-    if model.effects.sensor_lag.is_some() { 4 } else { 0 }
+fn seen_state(model: &Model) -> usize {
+    if model.effects.has_sensor_state() { 4 } else { 0 }
 }

@@ -10,9 +10,9 @@
 //! position does without a lag, are left out of the inverse.
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
-use super::covariance::unless_faded;
-use super::{Cursor, Square, State, remembered, seen_state};
-use crate::filter::innovation::Surprise;
+use super::covariance::flush_tiny;
+use super::{Ekf, Square, State, active_states, seen_state};
+use crate::filter::innovation::Innovation;
 use plant::Model;
 
 /// What keeps an inverse from failing where two states are as good as one: a share of their variance.
@@ -23,20 +23,20 @@ type Known = (State, Square);
 
 /// What a filter remembers for the way back.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Back {
+pub(crate) struct SmootherMemory {
     /// Φ since the last reading.
     since: Square,
     /// Φ between the last two readings, and what was known before the last one was taken.
     leg: (Square, Known),
 }
 
-impl Default for Back {
+impl Default for SmootherMemory {
     fn default() -> Self {
         Self { since: Square::identity(), leg: (Square::identity(), (State::zeros(), Square::zeros())) }
     }
 }
 
-impl Back {
+impl SmootherMemory {
     pub(super) fn go(&mut self, transition: &Square) {
         self.since = transition * self.since;
     }
@@ -48,18 +48,18 @@ impl Back {
 }
 
 /// The way from one reading to the next, as it matters to those who follow it on.
-pub(crate) struct Leg {
+pub(crate) struct Segment {
     /// The moment of the reading, seconds since the start of the flight.
     pub(crate) time_s: f64,
     transition: Square,
-    /// How far the reading moves each state, but for its surprise over its variance.
+    /// How far the reading moves each state, but for its innovation over its variance.
     towards: State,
     /// Height and velocity, as they are known after the reading, mm and mm/s.
     pub(crate) known: (f64, f64),
 }
 
 /// The same as it matters to those who come back along it.
-pub(crate) struct Trace {
+pub(crate) struct FilteredStep {
     time_s: f64,
     transition: Square,
     expected: Known,
@@ -79,33 +79,33 @@ pub(crate) struct Smoothed {
     pub(crate) air_mm_per_s2: (f64, f64),
 }
 
-impl Cursor<'_> {
+impl Ekf<'_> {
     /// The same filter, which remembers what the way back needs.
-    pub(crate) fn remembering(self, back: Option<Back>) -> Self {
+    pub(crate) fn remembering(self, back: Option<SmootherMemory>) -> Self {
         Self { back: back.map(Box::new), ..self }
     }
 
     /// The way to the reading that was taken last. `None`: this filter does not remember.
-    pub(crate) fn leg(&self) -> Option<Leg> {
+    pub(crate) fn leg(&self) -> Option<Segment> {
         let (transition, (_, expected)) = &self.back.as_ref()?.leg;
         let towards = expected.column(seen_state(self.model)).into_owned();
-        Some(Leg { time_s: self.time_s, transition: *transition, towards, known: self.position_and_velocity() })
+        Some(Segment { time_s: self.time_s, transition: *transition, towards, known: self.position_and_velocity() })
     }
 
     /// The same for the way back.
-    pub(crate) fn trace(&self) -> Option<Trace> {
+    pub(crate) fn trace(&self) -> Option<FilteredStep> {
         let (transition, expected) = self.back.as_ref()?.leg;
-        Some(Trace { time_s: self.time_s, transition, expected, filtered: (self.state, self.covariance) })
+        Some(FilteredStep { time_s: self.time_s, transition, expected, filtered: (self.state, self.covariance) })
     }
 }
 
 /// How far a small push along the way, or a small shift of readings, moves what a filter expects.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Nudged(State);
+pub(crate) struct Sensitivity(State);
 
-impl Nudged {
+impl Sensitivity {
     /// Nothing was pushed yet.
-    pub(crate) fn nowhere() -> Self {
+    pub(crate) fn zero() -> Self {
         Self(State::zeros())
     }
 
@@ -114,9 +114,9 @@ impl Nudged {
     pub(crate) fn go(
         &mut self,
         model: &Model,
-        leg: &Leg,
+        leg: &Segment,
         (dt, push, shift_mm): (f64, f64, f64),
-        taken: &Surprise,
+        taken: &Innovation,
     ) -> f64 {
         let seen = seen_state(model);
         // The trapezoid of what a change of velocity has become at the end of the leg.
@@ -125,15 +125,15 @@ impl Nudged {
         self.0 = leg.transition * self.0 + pushed;
         let moved_mm = self.0[seen] + shift_mm;
         self.0 -= leg.towards * (taken.weight * moved_mm / taken.variance_mm2);
-        self.0.apply(|moved| *moved = unless_faded(*moved));
+        self.0.apply(|moved| *moved = flush_tiny(*moved));
         moved_mm
     }
 }
 
-/// What is known in hindsight at the end of each leg.
-pub(crate) fn smoothed(model: &Model, traces: &[Trace]) -> Vec<Smoothed> {
+/// What is known in smoothed_states at the end of each leg.
+pub(crate) fn smoothed(model: &Model, traces: &[FilteredStep]) -> Vec<Smoothed> {
     let mut all = Vec::with_capacity(traces.len());
-    let mut later: Option<(Known, &Trace)> = None;
+    let mut later: Option<(Known, &FilteredStep)> = None;
     for trace in traces.iter().rev() {
         let known = later.map_or(trace.filtered, |(known, next)| back(model, trace.filtered, next, known));
         let (state, covariance) = known;
@@ -150,7 +150,7 @@ pub(crate) fn smoothed(model: &Model, traces: &[Trace]) -> Vec<Smoothed> {
 }
 
 /// What is known of a moment, `filtered` so far, once `later` is known of the end of the leg that follows.
-fn back(model: &Model, filtered: Known, next: &Trace, later: Known) -> Known {
+fn back(model: &Model, filtered: Known, next: &FilteredStep, later: Known) -> Known {
     let (state, covariance) = filtered;
     let Some(gain) = gain(model, &covariance, next) else { return filtered };
     let (expected, spread) = next.expected;
@@ -158,9 +158,9 @@ fn back(model: &Model, filtered: Known, next: &Trace, later: Known) -> Known {
 }
 
 /// G. `None`: the covariance has no inverse, and nothing is learnt from later.
-fn gain(model: &Model, covariance: &Square, next: &Trace) -> Option<Square> {
+fn gain(model: &Model, covariance: &Square, next: &FilteredStep) -> Option<Square> {
     let spread = next.expected.1;
-    let own = remembered(model);
+    let own = active_states(model);
     // In units of each state's own deviation: positions and accelerations differ by orders of magnitude.
     let scale = State::from_fn(|i, _| if own[i] && spread[(i, i)] > 0.0 { spread[(i, i)].sqrt().recip() } else { 0.0 });
     let scaled = Square::from_fn(|i, j| {

@@ -1,5 +1,5 @@
 use super::{MissingForce, missing_force, with_force};
-use crate::filter::track::hindsight;
+use crate::filter::track::smoothed_states;
 use crate::tests_support::model;
 use crate::{Recording, Sample};
 use plant::{Effects, Model, Noise, Normal, Simulator};
@@ -77,7 +77,7 @@ fn the_sigma_of_a_force_on_a_free_mass_is_that_of_the_wiener_smoother() {
     for intensity in [50.0, 2000.0, 80_000.0] {
         let cut_per_s = f64::powf(intensity / (2.5 * 2.5 * PERIOD_S), 1.0 / 6.0);
         let exact = (intensity / (3.0 * cut_per_s)).sqrt();
-        let (_, middle) = hindsight(&with_force(&mass, intensity), &recording)[1500];
+        let (_, middle) = smoothed_states(&with_force(&mass, intensity), &recording)[1500];
         assert!((middle.air_mm_per_s2.1 / exact - 1.0).abs() < 0.02, "{:?}, exact {exact}", middle.air_mm_per_s2);
     }
 }

@@ -1,7 +1,7 @@
 //! What a fit recovers.
 
 use super::Problem;
-use crate::fit::parameter::{BASE, Free, Prior};
+use crate::fit::parameter::{BASE, Parameter, Prior};
 use crate::record::folds::Folds;
 use crate::tests_support::{model, record};
 use plant::Model;
@@ -10,13 +10,13 @@ use plant::Model;
 fn a_fit_recovers_the_numbers_of_the_rig_within_their_own_deviations() {
     let rig = model();
     let wrong = Model { gain_mm_per_s2_per_percent: 200.0, drag_per_s: 2.5, hover_duty_percent: 21.6, ..rig.clone() };
-    let free = [&BASE[..], &[Free::Effect { name: "fan_lag", index: 0, size: 0.1 }]].concat();
+    let parameters = [&BASE[..], &[Parameter::Effect { name: "fan_lag", index: 0, size: 0.1 }]].concat();
     let (mut inside, mut all) = (0, 0);
     for seed in 0..8 {
         let recording = record(&rig, seed, 60);
         let folds = Folds::new(&rig, &recording);
         let problem = Problem { recording: &recording, belief: &rig, folds: &folds, prior: Prior::Belief };
-        let fitted = problem.fit(&wrong, &free);
+        let fitted = problem.fit(&wrong, &parameters);
         let deviations = fitted.deviations();
         let off = [
             (fitted.model.gain_mm_per_s2_per_percent / rig.gain_mm_per_s2_per_percent).ln() / deviations[0],

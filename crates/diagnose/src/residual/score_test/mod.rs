@@ -28,6 +28,7 @@ pub(crate) use projection::Beside;
 pub(crate) use sensitivities::Walk;
 
 use crate::fit::estimate::{Fit, Problem};
+use crate::thresholds::UNEVEN_SPREAD;
 use moments::Moments;
 use plant::Stage;
 use rayon::prelude::*;
@@ -37,8 +38,6 @@ use terms::Term;
 
 /// Shares of the air's noise, or of its turbulence, at which terms are asked for beside all of it.
 const QUIETER: [f64; 2] = [0.5, 0.2];
-/// Nats that an uneven spread must say more than a force: a filter whose model is right but for its form is not equally sure everywhere.
-const UNEVEN: f64 = 2.0;
 
 /// What the innovations ask for.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -78,10 +77,10 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
     let mut levels = vec![Level::of(&as_fitted, &forces, &shifts)];
     let (spread, variance) = as_fitted.spreads(&spreads);
     // What a coarse sensor's cells do to a filter that takes its doubt for normal is a spread of its own.
-    let coarse = fit.model.effects.sensor_quantisation.is_some();
+    let coarse = fit.model.effects.reading_step_mm().is_some();
     let spread = if coarse { Vec::new() } else { spread.asked(variance, weight, 0.0) };
     let pushed = Moments::of(&fit.model, &as_fitted.steps);
-    let (moments, bursts) = (pushed.happened(&as_fitted.steps, weight), pushed.bursts(weight));
+    let (moments, bursts) = (pushed.events_found(&as_fitted.steps, weight), pushed.bursts(weight));
     drop(as_fitted);
     levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&walk(*share), &forces, &shifts)));
     let best = levels.iter().map(|level| level.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
@@ -96,7 +95,7 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
         together(&level.motions.asked(1.0, weight, behind), in_motion)
     };
     let mut spread = together(&spread, in_spread);
-    spread.nats -= UNEVEN;
+    spread.nats -= UNEVEN_SPREAD;
     let all = levels.into_iter().map(of_level).chain([spread]);
     let nothing = Question { nats: 0.0, terms: Vec::new() };
     let terms = all.fold(nothing, |most, other| if other.nats > most.nats { other } else { most });
@@ -106,14 +105,13 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
 /// `fit` with a share of the air's noise: of the coloured one, where there is one.
 fn quieter(fit: &Fit, share: f64) -> Fit {
     let mut fit = fit.clone();
-    match &mut fit.model.effects.turbulence {
-        Some(air) => air.sigma_mm_per_s2 *= share,
-        None => fit.model.noise.acceleration_psd_mm2_per_s3 *= share,
+    if !fit.model.effects.scale_coloured_force(share) {
+        fit.model.noise.acceleration_psd_mm2_per_s3 *= share;
     }
     fit
 }
 
-/// As many of them as surprise most together, each with its words and stage.
+/// As many of them as innovation most together, each with its words and stage.
 fn together(asked: &[Asked], said: impl Fn(usize) -> (String, Option<Stage>)) -> Question {
     let most = (0..asked.len()).max_by(|a, b| asked[*a].nats.total_cmp(&asked[*b].nats));
     let Some(most) = most else { return Question { nats: 0.0, terms: Vec::new() } };
@@ -134,7 +132,7 @@ impl Level {
     fn of(walk: &Walk, forces: &[Term], shifts: &[Term]) -> Self {
         let mut motions = walk.motions(forces, shifts);
         let judged = walk.steps.iter().filter(|step| step.judged);
-        let log_likelihood = judged.map(|step| step.surprise.log_density).sum::<f64>() + motions.settle();
+        let log_likelihood = judged.map(|step| step.innovation.log_density).sum::<f64>() + motions.settle();
         Self { motions, log_likelihood }
     }
 }
@@ -143,12 +141,13 @@ impl Level {
 mod tests {
     use super::sensitivities::DIFFERENCE;
     use super::{Found, Question, omitted};
-    use crate::filter::ekf::Nudged;
-    use crate::filter::track::legs;
+    use crate::filter::ekf::Sensitivity;
+    use crate::filter::track::segments;
     use crate::fit::estimate::Problem;
-    use crate::fit::parameter::{BASE, Free, Prior};
+    use crate::fit::parameter::{BASE, Parameter, Prior};
     use crate::record::folds::Folds;
-    use crate::select::candidates::Search;
+    use crate::select::refit::refitted;
+    use crate::select::search::Search;
     use crate::tests_support::{model, record, shaken};
     use crate::{Recording, Sample};
     use plant::{Effects, Model, Simulator, Stage};
@@ -157,9 +156,10 @@ mod tests {
     fn a_constant_push_moves_what_is_expected_as_another_hover_does() {
         let own = Model { effects: Effects::default(), ..model() };
         let recording = record(&own, 3, 20);
-        let (here, there) = (legs(&own, &recording), legs(&Free::Hover.moved(&own, DIFFERENCE), &recording));
+        let (here, there) =
+            (segments(&own, &recording), segments(&Parameter::Hover.stepped(&own, DIFFERENCE), &recording));
         let push = -own.gain_mm_per_s2_per_percent * 0.1 * DIFFERENCE;
-        let (mut nudged, mut before_s) = (Nudged::nowhere(), 0.0);
+        let (mut nudged, mut before_s) = (Sensitivity::zero(), 0.0);
         let (mut product, mut square) = (0.0, 0.0);
         for ((taken, leg), (moved, _)) in here.iter().zip(&there).skip(1) {
             let by_push = nudged.go(&own, leg, (leg.time_s - before_s, push, 0.0), taken);
@@ -297,7 +297,7 @@ mod tests {
         let folds = Folds::new(&belief, &recording);
         let search =
             Search::of(Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief });
-        omitted(&search.problem, &search.refitted(), &|row| folds.counts(row), 1.0).terms.nats
+        omitted(&search.problem, &refitted(&search), &|row| folds.counts(row), 1.0).terms.nats
     }
 
     #[test]

@@ -11,7 +11,7 @@
 use super::bursts::bursts;
 use super::sensitivities::Step;
 use super::{Omitted, Question};
-use crate::filter::ekf::Nudged;
+use crate::filter::ekf::Sensitivity;
 use crate::stats::chi_square::ln_chance;
 use plant::{Model, Stage};
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const OTHER_SHARE: f64 = 0.2;
 const MOST: usize = 12;
 const MOST_STARTS: usize = 20_000;
 
-/// What may have happened.
+/// What may have events_found.
 const SHAPES: [Shape; 1 + PUSHES_S.len()] =
     [Shape::Slip, Shape::Push(PUSHES_S[0]), Shape::Push(PUSHES_S[1]), Shape::Push(PUSHES_S[2])];
 
@@ -90,7 +90,7 @@ impl Moments {
     }
 
     /// What happened at the moments that together are least by chance. A `weight` below 1 counts each reading for less.
-    pub(super) fn happened(&self, steps: &[Step], weight: f64) -> Question {
+    pub(super) fn events_found(&self, steps: &[Step], weight: f64) -> Question {
         let rated = self.rated(weight);
         let looks = looks(steps);
         let (mut times_s, mut terms, mut total, mut ways) = (Vec::<f64>::new(), Vec::new(), 0.0, 0.0);
@@ -143,15 +143,15 @@ fn looks(steps: &[Step]) -> f64 {
 
 /// The score of a shape that begins with the first of these steps, deviations.
 fn score(model: &Model, steps: &[Step], shape: Shape) -> f64 {
-    let mut nudged = Nudged::nowhere();
+    let mut nudged = Sensitivity::zero();
     let (mut since_s, mut product, mut square) = (0.0, 0.0, 0.0);
     for step in steps {
         let Some(dt) = step.dt.filter(|_| since_s < REACH_S) else { break };
         let (push, shift_mm) = shape.after(since_s);
-        let moved_mm = nudged.go(model, &step.leg, (dt, push, shift_mm), &step.surprise);
-        let moved = step.says() * moved_mm / step.surprise.variance_mm2.sqrt();
+        let moved_mm = nudged.go(model, &step.leg, (dt, push, shift_mm), &step.innovation);
+        let moved = step.says() * moved_mm / step.innovation.variance_mm2.sqrt();
         if step.judged && moved.is_finite() {
-            product += moved * step.surprise.pull / step.says();
+            product += moved * step.innovation.standardised / step.says();
             square += moved * moved;
         }
         since_s += dt;

@@ -8,7 +8,7 @@
 
 use super::scores::OF_ITS_OWN;
 use super::sensitivities::{Step, Walk};
-use crate::filter::ekf::Nudged;
+use crate::filter::ekf::Sensitivity;
 
 /// What the innovations of a walk hold that the fitted numbers do not explain.
 pub(crate) struct Beside<'a> {
@@ -34,21 +34,21 @@ impl<'a> Beside<'a> {
                 own.push(left);
             }
         }
-        let mut innovations = column(&|_, step| step.surprise.pull / step.says());
+        let mut innovations = column(&|_, step| step.innovation.standardised / step.says());
         own.iter().for_each(|other| take_out(&mut innovations, other));
         Self { walk, own, innovations }
     }
 
     /// z² of a force: `push` is what it is on the way to each reading, mm/s², by the number of the reading and the seconds since the one before.
     pub(crate) fn score(&self, mut push: impl FnMut(usize, f64) -> f64) -> f64 {
-        let mut nudged = Nudged::nowhere();
+        let mut nudged = Sensitivity::zero();
         let column = self.walk.steps.iter().enumerate().map(|(k, step)| {
             let Some(dt) = step.dt else {
-                nudged = Nudged::nowhere();
+                nudged = Sensitivity::zero();
                 return 0.0;
             };
-            let moved_mm = nudged.go(&self.walk.fit.model, &step.leg, (dt, push(k, dt), 0.0), &step.surprise);
-            if counts(step) { step.says() * moved_mm / step.surprise.variance_mm2.sqrt() } else { 0.0 }
+            let moved_mm = nudged.go(&self.walk.fit.model, &step.leg, (dt, push(k, dt), 0.0), &step.innovation);
+            if counts(step) { step.says() * moved_mm / step.innovation.variance_mm2.sqrt() } else { 0.0 }
         });
         let column: Vec<f64> = column.collect();
         let whole = dot(&column, &column);

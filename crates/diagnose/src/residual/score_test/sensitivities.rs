@@ -2,12 +2,12 @@
 
 use super::scores::Scores;
 use super::terms::{Known, Term};
-use crate::filter::ekf::{Leg, Nudged};
-use crate::filter::innovation::Surprise;
-use crate::filter::track::{expected_mm, legs};
+use crate::filter::ekf::{Segment, Sensitivity};
+use crate::filter::innovation::Innovation;
+use crate::filter::track::{expected_mm, segments};
 use crate::fit::estimate::{Fit, Problem};
-use crate::fit::lag_form::{LAGS, form_s};
-use crate::fit::parameter::Free;
+use crate::fit::lag_form::{dead_time_beside, form_s, lags};
+use crate::fit::parameter::Parameter;
 use crate::record::recording::Recording;
 use nalgebra::DVector;
 use plant::Model;
@@ -34,8 +34,8 @@ pub(crate) struct Walk {
 pub(super) struct Step {
     /// Time of the reading, seconds.
     pub(super) time_s: f64,
-    pub(super) leg: Leg,
-    pub(super) surprise: Surprise,
+    pub(super) leg: Segment,
+    pub(super) innovation: Innovation,
     /// Since the reading before, seconds; `None`: there is none.
     pub(super) dt: Option<f64>,
     known: Known,
@@ -45,25 +45,28 @@ pub(super) struct Step {
 impl Step {
     /// The root of what a reading counts: as far as it says something.
     pub(super) fn says(&self) -> f64 {
-        self.surprise.weight.max(SAYS_NOTHING).sqrt()
+        self.innovation.weight.max(SAYS_NOTHING).sqrt()
     }
 
     pub(super) fn says_something(&self) -> bool {
-        self.surprise.weight > SAYS_NOTHING
+        self.innovation.weight > SAYS_NOTHING
     }
 }
 
 impl Walk {
     /// Leads the filter of `fit` along the record. Only rows that are `judged` are scored.
     pub(crate) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
-        let way = legs(&fit.model, problem.recording);
-        let own = fit.free.iter().filter(|free| !matches!(free, Free::SensorNoise | Free::AirNoise));
-        let own = own.map(|free| moved(problem, &fit.model, *free, &way)).collect();
+        let way = segments(&fit.model, problem.recording);
+        let own = fit
+            .parameters
+            .iter()
+            .filter(|parameter| !matches!(parameter, Parameter::SensorNoise | Parameter::AirNoise));
+        let own = own.map(|parameter| moved(problem, &fit.model, *parameter, &way)).collect();
         let forms = forms_of_lags(&fit.model).map(|(model, late)| moved(problem, &model, late, &way)).collect();
         let known = known(problem, &fit, &way);
-        let steps = way.into_iter().zip(known).map(|((surprise, leg), (dt, known))| {
-            let judged = dt.is_some() && judged(surprise.row);
-            Step { time_s: problem.recording.samples()[surprise.row].time_s, leg, surprise, dt, known, judged }
+        let steps = way.into_iter().zip(known).map(|((innovation, leg), (dt, known))| {
+            let judged = dt.is_some() && judged(innovation.row);
+            Step { time_s: problem.recording.samples()[innovation.row].time_s, leg, innovation, dt, known, judged }
         });
         Self { fit, steps: steps.collect(), own, forms }
     }
@@ -73,26 +76,26 @@ impl Walk {
         let terms = forces.len() + shifts.len();
         let mut scores = Scores::new(self.own.len(), self.forms.len(), terms);
         let before = self.own.len() + self.forms.len();
-        let mut nudged = vec![Nudged::nowhere(); terms];
+        let mut nudged = vec![Sensitivity::zero(); terms];
         let mut row = DVector::zeros(before + terms);
         for (k, step) in self.steps.iter().enumerate() {
             let Some(dt) = step.dt else {
-                nudged.fill(Nudged::nowhere());
+                nudged.fill(Sensitivity::zero());
                 continue;
             };
-            let (surprise, says) = (&step.surprise, step.says());
-            let deviation = surprise.variance_mm2.sqrt();
+            let (innovation, says) = (&step.innovation, step.says());
+            let deviation = innovation.variance_mm2.sqrt();
             for (at, (nudged, term)) in nudged.iter_mut().zip(forces.iter().chain(shifts)).enumerate() {
                 let value = (term.of)(&step.known);
                 let (push, shift_mm) = if at < forces.len() { (value, 0.0) } else { (0.0, value) };
-                let moved_mm = nudged.go(&self.fit.model, &step.leg, (dt, push, shift_mm), surprise);
+                let moved_mm = nudged.go(&self.fit.model, &step.leg, (dt, push, shift_mm), innovation);
                 row[before + at] = says * moved_mm / deviation;
             }
             for (at, own) in self.own.iter().chain(&self.forms).enumerate() {
                 row[at] = says * own[k];
             }
             if step.judged && step.says_something() && row.iter().all(|value| value.is_finite()) {
-                scores.add(&row, surprise.pull / says);
+                scores.add(&row, innovation.standardised / says);
             }
         }
         scores
@@ -101,10 +104,10 @@ impl Walk {
     /// The rows whose duties were in force on the way to each reading.
     pub(crate) fn rows_on_the_way(&self, recording: &Recording) -> Vec<Range<usize>> {
         let samples = recording.samples();
-        let delay_s = self.fit.model.effects.transport_delay.map_or(0.0, |delay| delay.delay_s);
+        let delay_s = self.fit.model.effects.duty_delay_s();
         let (mut before, mut rows) = (0, Vec::with_capacity(self.steps.len()));
         for step in &self.steps {
-            let flight = recording.flight_of(step.surprise.row);
+            let flight = recording.flight_of(step.innovation.row);
             let until_s = samples[flight.start].time_s + step.leg.time_s - delay_s;
             let from = before.max(flight.start);
             let end = from + samples[from..flight.end].partition_point(|row| row.time_s < until_s);
@@ -119,7 +122,7 @@ impl Walk {
         let mut scores = Scores::new(1, 0, terms.len());
         let judged = || self.steps.iter().filter(|step| step.judged && step.says_something());
         // A square is far from normal, and its third root is near: a few large ones are no spread.
-        let size = |step: &Step| step.surprise.pull.abs().powf(2.0 / 3.0);
+        let size = |step: &Step| step.innovation.standardised.abs().powf(2.0 / 3.0);
         let count = judged().count().max(1) as f64;
         let mean = judged().map(size).sum::<f64>() / count;
         let variance = judged().map(|step| (size(step) - mean).powi(2)).sum::<f64>() / count;
@@ -136,24 +139,25 @@ impl Walk {
 }
 
 /// For each lag of `model`, the model with a place for what stands for its form, and that number.
-fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Free)> + '_ {
-    LAGS.iter().filter_map(|(lag, late)| {
-        if model.effects.values(lag).is_none() || model.effects.values(late).is_some() {
+fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Parameter)> + '_ {
+    lags().filter_map(|lag| {
+        let late = dead_time_beside(lag)?;
+        if model.effects.values(lag.name).is_none() || model.effects.values(late.name).is_some() {
             return None;
         }
         let mut with_late = model.clone();
-        with_late.effects.set(late, &[0.0]);
+        with_late.effects.set(late.name, &[0.0]);
         let size = form_s(&model.effects, lag);
-        Some((with_late, Free::Effect { name: late, index: 0, size }))
+        Some((with_late, Parameter::Effect { name: late.name, index: 0, size }))
     })
 }
 
 /// How far each expected reading moves with a fitted number, in deviations by the number's scale.
-fn moved(problem: &Problem<'_>, model: &Model, free: Free, way: &[(Surprise, Leg)]) -> Vec<f64> {
-    let there = expected_mm(&free.moved(model, DIFFERENCE), problem.recording);
-    let shift = |(surprise, _): &(Surprise, Leg)| {
-        let moved_mm = there[surprise.row].map_or(0.0, |there| there - surprise.expected_mm);
-        moved_mm / DIFFERENCE / surprise.variance_mm2.sqrt()
+fn moved(problem: &Problem<'_>, model: &Model, parameter: Parameter, way: &[(Innovation, Segment)]) -> Vec<f64> {
+    let there = expected_mm(&parameter.stepped(model, DIFFERENCE), problem.recording);
+    let shift = |(innovation, _): &(Innovation, Segment)| {
+        let moved_mm = there[innovation.row].map_or(0.0, |there| there - innovation.expected_mm);
+        moved_mm / DIFFERENCE / innovation.variance_mm2.sqrt()
     };
     way.iter().map(shift).collect()
 }
@@ -167,7 +171,7 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
 }
 
 /// What was known before each reading, and the time since the one before.
-fn known(problem: &Problem<'_>, fit: &Fit, way: &[(Surprise, Leg)]) -> Vec<(Option<f64>, Known)> {
+fn known(problem: &Problem<'_>, fit: &Fit, way: &[(Innovation, Segment)]) -> Vec<(Option<f64>, Known)> {
     let samples = problem.recording.samples();
     let u = |at: usize| samples[way[at].0.row].duty_percent - fit.model.hover_duty_percent;
     let scale_u = spread((0..way.len()).map(u)).1;

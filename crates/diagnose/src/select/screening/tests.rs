@@ -1,15 +1,17 @@
 use crate::record::folds::Folds;
-use crate::select::candidates::{Candidate, Search};
+use crate::select::candidates::{Candidate, candidates};
+use crate::select::refit::refitted;
+use crate::select::search::Search;
 use crate::tests_support::{model, record, shaken};
 use plant::effects::{Hysteresis, Saturation};
 use plant::{Effects, Model};
 
-/// The base gain that `belief` is refitted to, and what `search.candidates` finds, the best first.
+/// The base gain that `belief` is refitted to, and the candidates, the best first.
 fn found(belief: &Model, recording: &crate::Recording) -> (f64, Vec<Candidate>) {
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, &crate::Options::default());
-    let so_far = search.refitted();
-    (so_far.model.gain_mm_per_s2_per_percent, search.candidates(&so_far).0)
+    let so_far = refitted(&search);
+    (so_far.model.gain_mm_per_s2_per_percent, candidates(&search, &so_far).0)
 }
 
 #[test]

@@ -1,0 +1,206 @@
+//! What an effect may do to the signal path: one function a place, in the order of the path, as constants of the effect's type.
+//!
+//! ```text
+//! duty → delays_duty → on_duty → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
+//!      → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds → holds → reading
+//! ```
+//!
+//! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion follow from it.
+//! Places with one owner at most are slots: two effects that fill the same one exclude each other.
+
+use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction};
+use control::design::Linear;
+
+/// What a record and its model let expect of the readings: what an effect may be asked whether it can show in them.
+#[derive(Clone, Copy, Debug)]
+pub struct Readings {
+    /// Standard deviation of one reading as it is believed, mm.
+    pub sigma_mm: f64,
+    /// Time from one reading to the next, seconds.
+    pub period_s: f64,
+}
+
+/// Height and velocity of the ball, and the pipe that it is in: what a force may depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    /// Height, mm.
+    pub position_mm: f64,
+    /// Velocity, mm/s, upward.
+    pub velocity_mm_per_s: f64,
+    /// Length of the pipe, mm.
+    pub pipe_length_mm: f64,
+}
+
+/// What an effect of type `E` does at each place of the signal path; `None`: nothing.
+#[derive(Debug)]
+pub struct Acts<E: 'static> {
+    /// By how much a duty acts late, seconds.
+    pub delays_duty: Option<fn(&E) -> f64>,
+    /// The duty that the fan makes of one, both in percent.
+    pub on_duty: Option<fn(&E, f64) -> f64>,
+    /// How far hover has moved at a time in seconds, percent.
+    pub shifts_hover: Option<fn(&E, f64) -> f64>,
+    /// Slot. Where a play stands that stood there, once the duty has gone to where it is; all in percent about hover.
+    pub plays: Option<fn(&E, f64, f64) -> f64>,
+    /// The effective duty of one, both in percent about hover.
+    pub on_command: Option<fn(&E, f64) -> f64>,
+    /// What the gain is multiplied by at an effective duty, percent about hover.
+    pub gain_by_command: Option<fn(&E, f64) -> f64>,
+    /// What the gain is multiplied by at a time, seconds.
+    pub gain_by_time: Option<fn(&E, f64) -> f64>,
+    /// The acceleration that the fan gives of a commanded one, both in mm/s² about hover.
+    pub limits: Option<fn(&E, f64) -> f64>,
+    /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command (first).
+    pub follows: Option<fn(&E, f64, f64, f64) -> f64>,
+    /// The acceleration that it adds to the ball, mm/s².
+    pub force: Option<fn(&E, &Ball) -> f64>,
+    /// Slot. The random force of the air.
+    pub coloured_force: Option<fn(&E) -> Turbulence>,
+    /// Slot. Dry friction.
+    pub friction: Option<fn(&E) -> WallFriction>,
+    /// Slot. The ends of the ball's way.
+    pub ends: Option<fn(&E) -> EndStop>,
+    /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle and end (second).
+    pub senses: Option<fn(&E, f64, [f64; 3], f64) -> f64>,
+    /// How old a reading is, seconds.
+    pub delays_reading: Option<fn(&E) -> f64>,
+    /// Standard deviation of a reading, mm, of the one without the effect.
+    pub spreads: Option<fn(&E, f64) -> f64>,
+    /// Slot. Wild readings.
+    pub outliers: Option<fn(&E) -> SensorOutliers>,
+    /// Slot. The step of the readings, mm.
+    pub rounds: Option<fn(&E) -> f64>,
+    /// Slot. Readings that are held.
+    pub holds: Option<fn(&E) -> StaleSamples>,
+    /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
+    pub is_linear: bool,
+    /// How late it makes things, seconds: of lags and delays.
+    pub late_s: Option<fn(&E) -> f64>,
+    /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a design.
+    pub linearise: Option<fn(&E, &mut Linear)>,
+    /// Whether such values can show in readings as the effect's own; `None`: any can.
+    pub can_show: Option<fn(&E, &Readings) -> bool>,
+}
+
+impl<E> Acts<E> {
+    /// An effect that does nothing.
+    pub const NONE: Self = Self {
+        delays_duty: None,
+        on_duty: None,
+        shifts_hover: None,
+        plays: None,
+        on_command: None,
+        gain_by_command: None,
+        gain_by_time: None,
+        limits: None,
+        follows: None,
+        force: None,
+        coloured_force: None,
+        friction: None,
+        ends: None,
+        senses: None,
+        delays_reading: None,
+        spreads: None,
+        outliers: None,
+        rounds: None,
+        holds: None,
+        is_linear: false,
+        late_s: None,
+        linearise: None,
+        can_show: None,
+    };
+
+    /// The same without its types.
+    #[must_use]
+    pub const fn summary(&self) -> Summary {
+        let lag = self.follows.is_some() || self.senses.is_some();
+        let late = match (self.late_s.is_some(), lag) {
+            (false, _) => None,
+            (true, true) => Some(Late::Lag),
+            (true, false) => Some(Late::DeadTime),
+        };
+        let changes = if self.outliers.is_some() || self.rounds.is_some() || self.holds.is_some() {
+            Changes::Density
+        } else if self.coloured_force.is_some() || self.spreads.is_some() {
+            Changes::Scatter
+        } else {
+            Changes::Path
+        };
+        Summary {
+            changes,
+            late,
+            slots: self.slots(),
+            reaches_rotor: self.reaches_rotor(),
+            is_linear: self.linearise.is_some(),
+        }
+    }
+
+    /// One bit a slot that it fills.
+    const fn slots(&self) -> u16 {
+        (self.plays.is_some() as u16)
+            | (self.follows.is_some() as u16) << 1
+            | (self.coloured_force.is_some() as u16) << 2
+            | (self.friction.is_some() as u16) << 3
+            | (self.ends.is_some() as u16) << 4
+            | (self.senses.is_some() as u16) << 5
+            | (self.outliers.is_some() as u16) << 6
+            | (self.rounds.is_some() as u16) << 7
+            | (self.holds.is_some() as u16) << 8
+    }
+
+    /// Whether it acts between the duty and the speed of the rotor.
+    const fn reaches_rotor(&self) -> bool {
+        self.delays_duty.is_some() || self.on_duty.is_some() || self.follows.is_some()
+    }
+}
+
+/// What of the readings an effect changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Changes {
+    /// Their expectation: the ball goes another way.
+    Path,
+    /// Their variance.
+    Scatter,
+    /// The shape of their density.
+    Density,
+}
+
+/// How an effect makes things late.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Late {
+    /// Unchanged.
+    DeadTime,
+    /// As a lag, which smooths what it delays.
+    Lag,
+}
+
+/// What an effect does to the signal path, without its types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Summary {
+    /// What of the readings it changes.
+    pub changes: Changes,
+    /// How it makes things late, if it does.
+    pub late: Option<Late>,
+    /// Whether it moves the speed of the rotor.
+    pub reaches_rotor: bool,
+    /// Whether a design can use its linear part.
+    pub is_linear: bool,
+    slots: u16,
+}
+
+impl Summary {
+    /// Of an effect that does nothing.
+    pub const NONE: Self = Acts::<()>::NONE.summary();
+
+    /// Whether the two fill the same slot of the signal path, and so exclude each other.
+    #[must_use]
+    pub const fn excludes(&self, other: &Self) -> bool {
+        self.slots & other.slots != 0
+    }
+
+    /// Whether it is a random force of the air, which can follow any force that a model lacks.
+    #[must_use]
+    pub const fn follows_any_force(&self) -> bool {
+        self.slots & (1 << 2) != 0
+    }
+}

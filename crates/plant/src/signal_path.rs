@@ -1,0 +1,257 @@
+//! The effects that are on, put together place by place along the signal path. Nothing here knows a single effect.
+
+use crate::acts::{Acts, Ball, Readings};
+use crate::effect::{Effect, Stage};
+use crate::effects::{Effects, EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction, for_each_effect};
+use control::design::Linear;
+
+/// What the type of an effect does. A constant, so that a place where it does nothing costs nothing.
+#[inline(always)]
+const fn acts<E: Effect>(_: &E) -> Acts<E> {
+    E::ACTS
+}
+
+const fn stage<E: Effect>(_: &E) -> Stage {
+    E::ENTRY.stage
+}
+
+/// Folds the functions of one place over the effects that are on.
+macro_rules! fold {
+    ($effects:expr, $place:ident, $start:expr, |$sum:ident, $act:ident, $effect:ident| $next:expr) => {{
+        let mut $sum = $start;
+        for_each_effect!($effects, $effect => if let Some($act) = acts($effect).$place { $sum = $next });
+        $sum
+    }};
+}
+
+/// What fills a slot: the first effect that is on and does.
+macro_rules! slot {
+    ($effects:expr, $place:ident, |$act:ident, $effect:ident| $value:expr) => {{
+        for_each_effect!($effects, $effect => if let Some($act) = acts($effect).$place { return Some($value) });
+        None
+    }};
+}
+
+/// Whether an effect that is on acts at a place.
+macro_rules! any {
+    ($effects:expr, $place:ident) => {
+        fold!($effects, $place, false, |_sum, _act, _effect| true)
+    };
+}
+
+/// Actuator.
+impl Effects {
+    /// By how much a duty acts late, seconds.
+    #[inline(always)]
+    #[must_use]
+    pub fn duty_delay_s(&self) -> f64 {
+        fold!(self, delays_duty, 0.0, |sum, act, effect| sum + act(effect))
+    }
+
+    /// The duty that the fan makes of one, percent.
+    #[inline(always)]
+    pub(crate) fn duty(&self, percent: f64) -> f64 {
+        fold!(self, on_duty, percent, |duty, act, effect| act(effect, duty))
+    }
+
+    /// How far hover has moved, percent.
+    #[inline(always)]
+    pub(crate) fn hover_shift_percent(&self, time_s: f64) -> f64 {
+        fold!(self, shifts_hover, 0.0, |sum, act, effect| sum + act(effect, time_s))
+    }
+
+    /// Whether hover moves with time.
+    #[inline(always)]
+    pub(crate) fn hover_shifts(&self) -> bool {
+        any!(self, shifts_hover)
+    }
+
+    /// Where the play stands once the duty has gone to `about_hover_percent`.
+    #[inline(always)]
+    pub(crate) fn play(&self, stands_percent: f64, about_hover_percent: f64) -> f64 {
+        fold!(self, plays, about_hover_percent, |_stands, act, effect| act(effect, stands_percent, about_hover_percent))
+    }
+
+    /// The effective duty about hover, percent.
+    #[inline(always)]
+    pub(crate) fn effective(&self, about_hover_percent: f64) -> f64 {
+        fold!(self, on_command, about_hover_percent, |u, act, effect| act(effect, u))
+    }
+
+    /// The gain at an effective duty and a time, in the unit of `gain`.
+    #[inline(always)]
+    pub(crate) fn gain(&self, gain: f64, effective_percent: f64, time_s: f64) -> f64 {
+        let gain = fold!(self, gain_by_command, gain, |gain, act, effect| gain * act(effect, effective_percent));
+        fold!(self, gain_by_time, gain, |gain, act, effect| gain * act(effect, time_s))
+    }
+
+    /// Whether the command moves with time under a constant duty.
+    #[inline(always)]
+    pub(crate) fn command_drifts(&self) -> bool {
+        self.hover_shifts() || any!(self, gain_by_time)
+    }
+
+    /// The acceleration that the fan can give of the commanded one, mm/s².
+    #[inline(always)]
+    pub(crate) fn limited(&self, commanded: f64) -> f64 {
+        fold!(self, limits, commanded, |a, act, effect| act(effect, a))
+    }
+
+    /// The fan's acceleration, mm/s², `dt_s` after it was `acceleration`, under a constant command.
+    #[inline(always)]
+    pub(crate) fn fan(&self, commanded: f64, acceleration: f64, dt_s: f64) -> f64 {
+        fold!(self, follows, commanded, |_a, act, effect| act(effect, commanded, acceleration, dt_s))
+    }
+
+    /// Whether the fan has inertia, and so a state.
+    #[inline(always)]
+    #[must_use]
+    pub fn has_fan_state(&self) -> bool {
+        any!(self, follows)
+    }
+
+    /// The same effects without those that act behind the rotor, or delay nothing of it.
+    #[must_use]
+    pub fn of_rotor(&self) -> Self {
+        let mut effects = self.clone();
+        for entry in self.present().iter().filter(|entry| !entry.acts.reaches_rotor) {
+            effects.remove(entry.name);
+        }
+        effects
+    }
+
+    /// The same effects without those by which a duty acts late as a whole.
+    #[must_use]
+    pub fn without_duty_delay(&self) -> Self {
+        let mut effects = self.clone();
+        for_each_effect!(self, effect => if acts(effect).delays_duty.is_some() { effects.remove(name(effect)); });
+        effects
+    }
+}
+
+const fn name<E: Effect>(_: &E) -> &'static str {
+    E::ENTRY.name
+}
+
+/// Air and ball.
+impl Effects {
+    /// The acceleration, mm/s², of a ball that is `acceleration` without these effects: what acts on the ball, then the air.
+    #[inline(always)]
+    pub(crate) fn accelerated(&self, acceleration: f64, ball: &Ball) -> f64 {
+        let sum = fold!(self, force, acceleration, |sum, act, effect| {
+            if matches!(stage(effect), Stage::Air) { sum } else { sum + act(effect, ball) }
+        });
+        fold!(self, force, sum, |sum, act, effect| {
+            if matches!(stage(effect), Stage::Air) { sum + act(effect, ball) } else { sum }
+        })
+    }
+
+    /// Whether a force depends on height or velocity.
+    #[inline(always)]
+    pub(crate) fn has_force(&self) -> bool {
+        any!(self, force)
+    }
+
+    /// The random force of the air.
+    #[inline(always)]
+    #[must_use]
+    pub fn coloured_force(&self) -> Option<Turbulence> {
+        slot!(self, coloured_force, |act, effect| act(effect))
+    }
+
+    /// Dry friction.
+    #[inline(always)]
+    #[must_use]
+    pub fn friction(&self) -> Option<WallFriction> {
+        slot!(self, friction, |act, effect| act(effect))
+    }
+
+    /// The ends of the ball's way; `None`: those of the pipe.
+    #[inline(always)]
+    #[must_use]
+    pub fn ends(&self) -> Option<EndStop> {
+        slot!(self, ends, |act, effect| act(effect))
+    }
+
+    /// Whether the smooth motion is linear in its state, so that its derivatives are the same everywhere.
+    #[must_use]
+    pub fn motion_is_linear(&self) -> bool {
+        let mut linear = self.friction().is_none();
+        for_each_effect!(self, effect => {
+            let acts = acts(effect);
+            linear &= acts.is_linear || (acts.follows.is_none() && acts.force.is_none());
+        });
+        linear
+    }
+}
+
+/// Sensor.
+impl Effects {
+    /// The sensed position, mm, `dt_s` after it was `sensed_mm`, of a ball on a path through start, middle and end.
+    #[inline(always)]
+    pub(crate) fn sensed(&self, sensed_mm: f64, path_mm: [f64; 3], dt_s: f64) -> f64 {
+        fold!(self, senses, path_mm[2], |_s, act, effect| act(effect, sensed_mm, path_mm, dt_s))
+    }
+
+    /// Whether the sensor has inertia, and so a state.
+    #[inline(always)]
+    #[must_use]
+    pub fn has_sensor_state(&self) -> bool {
+        any!(self, senses)
+    }
+
+    /// How old a reading is, seconds.
+    #[inline(always)]
+    #[must_use]
+    pub fn reading_delay_s(&self) -> f64 {
+        fold!(self, delays_reading, 0.0, |sum, act, effect| sum + act(effect))
+    }
+
+    /// Standard deviation of a reading, mm, where it is `believed_mm` without these effects.
+    #[inline(always)]
+    #[must_use]
+    pub fn reading_sigma_mm(&self, believed_mm: f64) -> f64 {
+        fold!(self, spreads, believed_mm, |sigma, act, effect| act(effect, sigma))
+    }
+
+    /// Wild readings.
+    #[inline(always)]
+    #[must_use]
+    pub fn outliers(&self) -> Option<SensorOutliers> {
+        slot!(self, outliers, |act, effect| act(effect))
+    }
+
+    /// The step of the readings, mm.
+    #[inline(always)]
+    #[must_use]
+    pub fn reading_step_mm(&self) -> Option<f64> {
+        slot!(self, rounds, |act, effect| act(effect))
+    }
+
+    /// Readings that are held.
+    #[inline(always)]
+    #[must_use]
+    pub fn hold(&self) -> Option<StaleSamples> {
+        slot!(self, holds, |act, effect| act(effect))
+    }
+}
+
+/// What follows from several places.
+impl Effects {
+    /// How late an effect makes things, seconds; 0 where it is off or no lag and no delay.
+    #[must_use]
+    pub fn late_s(&self, effect_name: &str) -> f64 {
+        fold!(self, late_s, 0.0, |sum, act, effect| if name(effect) == effect_name { sum + act(effect) } else { sum })
+    }
+
+    /// Adds what these effects do to a linear plant.
+    pub(crate) fn linearise(&self, plant: &mut Linear) {
+        for_each_effect!(self, effect => if let Some(act) = acts(effect).linearise { act(effect, plant) });
+    }
+
+    /// Whether the values of an effect that is on can show in such readings as its own.
+    #[must_use]
+    pub fn can_show(&self, effect_name: &str, readings: &Readings) -> bool {
+        fold!(self, can_show, true, |can, act, effect| can && (name(effect) != effect_name || act(effect, readings)))
+    }
+}

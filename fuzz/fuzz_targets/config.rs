@@ -2,7 +2,7 @@
 #![no_main]
 
 use airball::config::{Tables, parse_text};
-use airball::experiment::Experiment;
+use airball::flight::experiment::Experiment;
 use control::regulator::Regulator;
 use libfuzzer_sys::fuzz_target;
 

@@ -3,7 +3,7 @@
 
 use airball::log::writer::LogWriter;
 use airball::log::{export, flight, reader, recover};
-use airball::report::summary::Summary;
+use airball::report::flight::summary::Summary;
 use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;
 use std::path::Path;

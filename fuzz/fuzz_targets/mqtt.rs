@@ -2,10 +2,10 @@
 #![no_main]
 
 use airball::config::Tables;
-use airball::experiment::Experiment;
+use airball::flight::experiment::Experiment;
 use airball::mqtt::parse::{Asked, parse};
-use airball::mqtt::topics::{ORIGINAL_SETPOINT, Topics};
-use airball::pilot::{Orders, Pilot, Seen, Signals};
+use airball::config::topics::{ORIGINAL_SETPOINT, Topics};
+use airball::flight::pilot::{Orders, Pilot, Seen, Signals};
 use control::Duty;
 use control::regulator::Regulator;
 use libfuzzer_sys::fuzz_target;

@@ -5,11 +5,11 @@
 
 pub mod page;
 
+use crate::analysis::next_experiment::{Advice, advise};
+use crate::analysis::virtual_flight::{Desk, Flown};
 use crate::config::ConfigError;
-use crate::desk::{Desk, Flown};
-use crate::experiment::Experiment;
+use crate::flight::experiment::Experiment;
 use crate::log::reader::sample;
-use crate::next::{Advice, advise};
 use control::compensation::Compensation;
 use diagnose::{Diagnosis, Options, Picture, Recording, RecordingError};
 use plant::{Entry, Model};

@@ -1,26 +1,14 @@
 //! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
+//!
+//! Its layers, each of which knows only those above it: `config`, `rig`, `flight`, `log` and `mqtt`, `analysis`, `report`, `commands`.
 
-pub mod assessment;
+pub mod analysis;
 pub mod cli;
-pub mod closed_loop;
-pub mod command;
 pub mod commands;
 pub mod config;
-pub mod deadline;
-pub mod desk;
-pub mod experiment;
 pub mod flight;
 pub mod gallery;
-pub mod last_fault;
-pub mod lateness;
 pub mod log;
-pub mod measured;
-pub mod monitor;
 pub mod mqtt;
-pub mod next;
-pub mod pilot;
-pub mod real_time;
 pub mod report;
 pub mod rig;
-pub mod upstream;
-pub mod watch;

@@ -3,15 +3,17 @@
 use super::{note, say, with_causes};
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
-use crate::experiment::Experiment;
-use crate::experiment::offers::offers;
 use crate::flight::Outcome;
-use crate::log::header::{Header, rfc3339};
-use crate::log::record::Cycle;
+use crate::flight::experiment::Experiment;
+use crate::flight::experiment::offers::offers;
+use crate::flight::pilot::{Orders, Pilot, Signals};
+use crate::flight::vocabulary::Cycle;
+use crate::flight::wall_clock::rfc3339;
+use crate::log::header::Header;
 use crate::log::writer::LogSummary;
 use crate::log::{LogError, flight};
-use crate::pilot::{Orders, Pilot, Signals};
-use crate::report::{plot, summary::Summary};
+use crate::report::flight::summary::Summary;
+use crate::report::kit::plot;
 use anyhow::{Result, anyhow, bail};
 use control::controller::Kind;
 use control::regulator::Regulator;
@@ -209,7 +211,7 @@ fn named(files: &[PathBuf], read: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::{last_cycles, named};
-    use crate::log::record::Cycle;
+    use crate::flight::vocabulary::Cycle;
     use crate::log::recorder::{Recorder, Sink};
     use crate::log::rotation::{Limits, Rotation};
     use crate::log::tests::{cycles, header};

@@ -1,12 +1,13 @@
 //! `airball gallery`: every effect of the catalogue, flown, drawn and diagnosed, as pages.
 
 use super::{say, write};
+use crate::analysis::virtual_flight::Desk;
 use crate::cli::GalleryArgs;
 use crate::config::Config;
-use crate::desk::Desk;
 use crate::gallery::{Exhibit, Gallery, page};
-use crate::report::diagnosis::regions;
-use crate::report::plot;
+use crate::report::diagnosis::document::regions;
+use crate::report::diagnosis::plot::small_diagnosis;
+use crate::report::kit::plot;
 use anyhow::{Context, Result, bail};
 use plant::{Effects, Entry};
 use rayon::prelude::*;
@@ -38,7 +39,7 @@ fn show(gallery: &Gallery, entry: &Entry, out: &Path) -> Result<Exhibit> {
     let file = |what: &str| out.join(format!("{}{what}", entry.name));
     write_page(file(".md"), &page::page(&exhibit))?;
     plot::two_flights(&file("-flight.svg"), &exhibit.with.cycles, &exhibit.without.cycles)?;
-    plot::small_diagnosis(&file("-force.svg"), &exhibit.picture, &regions(&exhibit.found))?;
+    small_diagnosis(&file("-force.svg"), &exhibit.picture, &regions(&exhibit.found))?;
     Ok(exhibit)
 }
 

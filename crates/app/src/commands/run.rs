@@ -4,17 +4,17 @@ use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on}
 use super::{note, say};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
+use crate::flight::last_fault::LastFault;
+use crate::flight::real_time;
+use crate::flight::watchdog::{SLACK_S, Watch};
 use crate::flight::{Flight, Outcome};
-use crate::last_fault::LastFault;
 use crate::log::LogError;
 use crate::log::header::Header;
 use crate::log::queue::Queue;
 use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::{About, Counts, Link};
-use crate::real_time;
 use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
-use crate::watch::{SLACK_S, Watch};
 use anyhow::Result;
 use embedded_hal::i2c::I2c;
 use hal::Clock;
@@ -185,8 +185,8 @@ fn say_commands(counts: Counts) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::{GuardError, Outcome, worst};
-    use crate::deadline::Deadlines;
-    use crate::log::record::{End, Fault};
+    use crate::flight::deadline::Deadlines;
+    use crate::flight::vocabulary::{End, Fault};
     use embedded_hal::i2c::ErrorKind;
 
     #[test]

@@ -1,9 +1,9 @@
 //! A page of the gallery as Markdown, and the list of all.
 
 use super::Exhibit;
-use crate::report::diagnosis::words;
-use crate::report::next;
-use crate::report::page::parts::{chance, number, spoken, stage};
+use crate::report::diagnosis::document::words;
+use crate::report::diagnosis::next;
+use crate::report::kit::page::parts::{chance, number, spoken, stage};
 use diagnose::Verdict;
 use plant::{Effects, Entry, Neighbour, Neutral, Param};
 use std::fmt::Write;

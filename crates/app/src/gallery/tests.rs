@@ -1,6 +1,6 @@
 use super::{Gallery, apart, page, values};
-use crate::closed_loop::tests::project;
-use crate::desk::Desk;
+use crate::analysis::closed_loop::tests::project;
+use crate::analysis::virtual_flight::Desk;
 use plant::Effects;
 
 #[test]

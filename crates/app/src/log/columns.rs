@@ -1,13 +1,11 @@
 //! From the columns of a table to the rows of a recording, by the config's `[import]`.
 //!
-//! Equations and units are those of [`import`](super::import).
+//! Equations and units are those of [`import`](crate::config::import).
 
-use super::{
-    LogError,
-    error::CellProblem,
-    import::{Column, Import},
-    table::Table,
-};
+use super::LogError;
+use super::error::CellProblem;
+use super::table::Table;
+use crate::config::import::{Column, Import};
 use diagnose::Sample;
 
 /// Finds the columns and converts their numbers.

@@ -3,11 +3,9 @@
 //! In virtual time [`Inline`] writes at once; in real time [`Queue`](super::queue::Queue) hands over to a thread.
 //! Both keep the first failure for the end: a full disk is no reason to drop the ball.
 
-use super::{
-    LogError,
-    record::{Cycle, Event},
-    writer::{LogSummary, LogWriter},
-};
+use super::LogError;
+use super::writer::{LogSummary, LogWriter};
+use crate::flight::vocabulary::{Cycle, Event};
 use std::{
     fs::File,
     io::{BufWriter, Seek, Write},

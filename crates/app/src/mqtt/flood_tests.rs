@@ -4,7 +4,7 @@ use super::link_tests::{MODE, REPLY, SETPOINT, STATUS, connected, in_force, obey
 use super::message::Answer;
 use super::network::LARGEST_IN;
 use super::test_broker::{Broker, Outside, until};
-use crate::command::Command;
+use crate::flight::command::Command;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 

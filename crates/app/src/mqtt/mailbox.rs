@@ -5,7 +5,7 @@
 
 use super::count::{Counters, count};
 use super::message::{Answer, State};
-use crate::command::Command;
+use crate::flight::command::Command;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -108,7 +108,7 @@ impl Mailbox {
 #[cfg(test)]
 mod tests {
     use super::{Mailbox, ROOM};
-    use crate::command::Command;
+    use crate::flight::command::Command;
     use std::sync::Arc;
 
     #[test]

@@ -1,11 +1,11 @@
 //! What the loop says about itself: plain copies on its side, JSON on the broker's.
 
 use super::count::Counts;
-use super::topics::Quantity;
-use crate::command::{Command, Refusal};
-use crate::experiment::offers::Name;
-use crate::lateness::Histogram;
-use crate::log::record::{Cycle, Fault, Mode};
+use crate::config::topics::Quantity;
+use crate::flight::command::{Command, Refusal};
+use crate::flight::experiment::offers::Name;
+use crate::flight::lateness::Histogram;
+use crate::flight::vocabulary::{Cycle, Fault, Mode};
 use control::controller::Kind;
 use control::pid::Pid;
 use serde::{Serialize, Serializer};
@@ -148,8 +148,8 @@ const fn quantity(command: Command) -> Quantity {
 #[cfg(test)]
 mod tests {
     use super::{Answer, Gains, InForce, Reply};
-    use crate::command::{Command, Refusal};
-    use crate::log::record::Mode;
+    use crate::flight::command::{Command, Refusal};
+    use crate::flight::vocabulary::Mode;
     use control::controller::Kind;
     use serde_json::json;
 

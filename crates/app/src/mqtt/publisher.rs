@@ -9,7 +9,7 @@ use super::mailbox::ROOM;
 use super::message::{Answer, CyclesMessage, InForce, Reply, State, StateMessage};
 use super::network::{Aside, Line, What};
 use super::stream::Stream;
-use super::topics::{ORIGINAL_POSITION, Topics};
+use crate::config::topics::{ORIGINAL_POSITION, Topics};
 use rtrb::Consumer;
 use rumqttc::QoS;
 use serde::Serialize;
@@ -142,10 +142,10 @@ fn next(due: Instant, now: Instant) -> Instant {
 
 #[cfg(test)]
 mod tests {
-    use super::super::link_tests::{about, in_force};
-    use super::super::mailbox::Mailbox;
     use super::{Arc, Aside, Duration, Instant, Line, Publisher, ROOM, STATE_PERIOD, Stream, Topics, What, next};
-    use crate::command::Command;
+    use crate::flight::command::Command;
+    use crate::mqtt::link_tests::{about, in_force};
+    use crate::mqtt::mailbox::Mailbox;
     use crate::mqtt::message::Answer;
     use std::sync::mpsc::sync_channel;
 

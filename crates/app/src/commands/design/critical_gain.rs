@@ -8,8 +8,9 @@ use super::{NAME, write};
 use crate::cli::CriticalGainArgs;
 use crate::commands::{may_write, say};
 use crate::config::Config;
-use crate::report::design::critical_table;
-use crate::report::page::{self, design::critical::Report};
+use crate::report::design::page::critical::{self, Report};
+use crate::report::design::words::critical_table;
+use crate::report::kit::page;
 use anyhow::Result;
 use control::design::critical::{critical_gain as of_gain, critical_integral_time, third_pole};
 use control::design::law::Gains;
@@ -66,7 +67,7 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     if let Some(path) = &args.html {
         let config = args.config.display().to_string();
         let patch = patch.as_ref().map(|patch| (config.as_str(), patch.as_str()));
-        page::write(path, &page::design::critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
+        page::write(path, &critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
     }
     if args.json {
         return say(serde_json::to_string(&table)?);

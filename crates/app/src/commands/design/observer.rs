@@ -4,7 +4,8 @@ use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
 use crate::commands::{may_write, say};
 use crate::config::Config;
-use crate::report::page::{self, design::observer::Report};
+use crate::report::design::page::observer::{self, Report};
+use crate::report::kit::page;
 use anyhow::{Result, anyhow, bail};
 use control::believed::Believed;
 use control::design::discretise::discretise;
@@ -95,10 +96,7 @@ pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
     }
     if let Some(path) = &args.html {
         let config = args.config.config.display().to_string();
-        page::write(
-            path,
-            &page::design::observer::page(&Report { config: &config, document: &document, patch: &patch }),
-        )?;
+        page::write(path, &observer::page(&Report { config: &config, document: &document, patch: &patch }))?;
     }
     if args.json { say(serde_json::to_string(&document)?) } else { tell(&document) }
 }

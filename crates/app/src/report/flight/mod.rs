@@ -1,0 +1,4 @@
+//! A flight in a few numbers.
+
+pub mod signals;
+pub mod summary;

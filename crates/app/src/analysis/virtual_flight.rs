@@ -15,10 +15,10 @@
 use crate::config::{Loop, Rig, Safety, Tables};
 use crate::flight::Flight;
 use crate::flight::experiment::Experiment;
+use crate::flight::outside::Recorder;
 use crate::flight::pilot::{Orders, Pilot, Signals};
 use crate::flight::vocabulary::{Cycle, Event, Fault};
 use crate::log::reader::LoadedLog;
-use crate::log::recorder::Recorder;
 use crate::rig::{Direct, simulated_in_virtual_time};
 use control::compensation::Compensation;
 use control::controller::{Controllers, Kind};

@@ -211,8 +211,9 @@ fn named(files: &[PathBuf], read: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::{last_cycles, named};
+    use crate::flight::outside::Recorder;
     use crate::flight::vocabulary::Cycle;
-    use crate::log::recorder::{Recorder, Sink};
+    use crate::log::recorder::Sink;
     use crate::log::rotation::{Limits, Rotation};
     use crate::log::tests::{cycles, header};
     use std::path::{Path, PathBuf};

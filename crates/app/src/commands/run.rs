@@ -5,6 +5,7 @@ use super::{note, say};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
 use crate::flight::last_fault::LastFault;
+use crate::flight::outside::Commander;
 use crate::flight::real_time;
 use crate::flight::watchdog::{SLACK_S, Watch};
 use crate::flight::{Flight, Outcome};
@@ -107,8 +108,8 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     real_time::of_the_loop().into_iter().for_each(note);
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 
-    let mailbox = link.as_mut().map(|(_, mailbox)| mailbox);
-    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, mailbox).with_pulse(&pulse);
+    let commander = link.as_mut().map(|(_, mailbox)| mailbox as &mut dyn Commander);
+    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, commander).with_pulse(&pulse);
     let outcome = flight.fly(duration_s, stop);
     let watched = watch.finish(outcome.fan_still_on.is_none());
     let files = queue.files();

@@ -1,6 +1,6 @@
 //! Commands to a flight: what may be asked for while the ball is in the air, and why it may be refused.
 
-use super::experiment::offers::Name;
+use crate::flight::name::Name;
 use control::controller::{Controllers, Kind};
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};

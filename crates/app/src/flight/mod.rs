@@ -5,27 +5,30 @@
 //! ```
 //!
 //! The same loop flies the bench, the simulated rig in real time and the simulated rig in virtual time; it
-//! waits for nothing but its deadline. Logging and MQTT live behind [`Recorder`] and [`Mailbox`].
+//! waits for nothing but its deadline. Logging and MQTT live behind [`Recorder`] and [`Commander`].
 
 pub mod command;
 pub mod deadline;
 pub mod experiment;
 pub mod last_fault;
 pub mod lateness;
+pub mod name;
+pub mod outside;
 pub mod pilot;
 pub mod real_time;
+pub mod state;
 pub mod vocabulary;
 pub mod wall_clock;
 pub mod watchdog;
 
 use crate::config::Loop;
-use crate::log::recorder::Recorder;
-use crate::mqtt::{Answer, InForce, Mailbox, State};
 use crate::rig::{Rig, Sighting};
 use control::{Duty, Millimetres};
 use deadline::{Deadlines, Punctuality};
 use embedded_hal::i2c::ErrorKind;
+use outside::{Commander, Recorder};
 use pilot::{Pilot, Seen, Senses};
+use state::{Answer, InForce, State};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use vocabulary::{Cycle, End, Event, Fault, Mode, What};
 
@@ -44,7 +47,7 @@ pub struct Flight<'a, R: Rig> {
     rig: &'a mut R,
     pilot: Pilot,
     recorder: &'a mut dyn Recorder,
-    mailbox: Option<&'a mut Mailbox>,
+    commander: Option<&'a mut dyn Commander>,
     table: Loop,
     deadlines: Deadlines,
     start_s: f64,
@@ -77,13 +80,13 @@ impl<'a, R: Rig> Flight<'a, R> {
         pilot: Pilot,
         table: &Loop,
         recorder: &'a mut dyn Recorder,
-        mailbox: Option<&'a mut Mailbox>,
+        commander: Option<&'a mut dyn Commander>,
     ) -> Self {
         Self {
             rig,
             pilot,
             recorder,
-            mailbox,
+            commander,
             table: *table,
             deadlines: Deadlines::new(0.0, table.period_s, table.late_after_s),
             start_s: 0.0,
@@ -194,7 +197,7 @@ impl<'a, R: Rig> Flight<'a, R> {
 
     fn take_commands(&mut self) {
         for _ in 0..COMMANDS_PER_CYCLE {
-            let Some(command) = self.mailbox.as_mut().and_then(|mailbox| mailbox.try_command()) else { return };
+            let Some(command) = self.commander.as_mut().and_then(|commander| commander.try_command()) else { return };
             let refused = self.pilot.command(command).err();
             self.event(What::Command { command, refused });
             let in_force = InForce {
@@ -204,8 +207,8 @@ impl<'a, R: Rig> Flight<'a, R> {
                 mode: self.pilot.mode(),
                 experiment: self.pilot.experiment(),
             };
-            if let Some(mailbox) = self.mailbox.as_mut() {
-                mailbox.answer(Answer { command, refused, in_force });
+            if let Some(commander) = self.commander.as_mut() {
+                commander.answer(Answer { command, refused, in_force });
             }
         }
     }
@@ -253,8 +256,8 @@ impl<'a, R: Rig> Flight<'a, R> {
             dropped_log_messages: self.recorder.dropped(),
             fault: self.noted,
         };
-        if let Some(mailbox) = self.mailbox.as_mut() {
-            mailbox.publish_state(state);
+        if let Some(commander) = self.commander.as_mut() {
+            commander.publish_state(state);
         }
     }
 

@@ -10,7 +10,7 @@ use diagnose::Sample;
 
 /// Finds the columns and converts their numbers.
 pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, LogError> {
-    import.check()?;
+    import.check().map_err(LogError::Import)?;
     let time = Found::required(table, "time_s", &import.time_s)?;
     let setpoint = Found::optional(table, "setpoint_mm", import.setpoint_mm.as_ref())?;
     let control = Found::optional(table, "control_percent", None)?;

@@ -5,9 +5,10 @@
 
 use super::LogError;
 use super::files::Files;
-use super::recorder::{Inline, Recorder, Sink};
+use super::recorder::{Inline, Sink};
 use super::rotation::Rotation;
 use super::writer::{LogSummary, LogWriter};
+use crate::flight::outside::Recorder;
 use crate::flight::vocabulary::{Cycle, Event};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::{

@@ -8,9 +8,10 @@
 use super::LogError;
 use super::files::Files;
 use super::header::Header;
-use super::recorder::{Inline, Recorder, Sink};
+use super::recorder::{Inline, Sink};
 use super::writer::{LogSummary, LogWriter};
 use crate::flight::lateness::Histogram;
+use crate::flight::outside::Recorder;
 use crate::flight::vocabulary::{Cycle, End, Event, What};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -3,12 +3,13 @@
 use super::about::About;
 use super::link::Link;
 use super::mailbox::{Mailbox, ROOM};
-use super::message::{Answer, Gains, InForce, State};
 use super::test_broker::{Broker, Cable, Outside, PATIENCE, config, until};
 use crate::config::mqtt::MqttConfig;
 use crate::config::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
 use crate::flight::command::{Command, Refusal};
 use crate::flight::lateness::Histogram;
+use crate::flight::outside::Commander;
+use crate::flight::state::{Answer, Gains, InForce, State};
 use crate::flight::vocabulary::{Cycle, Mode};
 use control::controller::Kind;
 use serde_json::json;

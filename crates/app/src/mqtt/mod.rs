@@ -56,7 +56,6 @@ pub use about::About;
 pub use count::Counts;
 pub use link::Link;
 pub use mailbox::Mailbox;
-pub use message::{Answer, Gains, InForce, State};
 
 #[cfg(test)]
 mod flood_tests;

@@ -4,7 +4,7 @@
 
 use crate::config::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
 use crate::flight::command::{Command, GainChange};
-use crate::flight::experiment::offers::Name;
+use crate::flight::name::Name;
 use control::controller::Kind;
 
 /// Longest payload that is looked into, bytes. The longest sensible one, three gains, has about 80.

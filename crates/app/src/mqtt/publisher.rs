@@ -6,10 +6,11 @@
 
 use super::count::{Counters, count};
 use super::mailbox::ROOM;
-use super::message::{Answer, CyclesMessage, InForce, Reply, State, StateMessage};
+use super::message::{CyclesMessage, Reply, StateMessage};
 use super::network::{Aside, Line, What};
 use super::stream::Stream;
 use crate::config::topics::{ORIGINAL_POSITION, Topics};
+use crate::flight::state::{Answer, InForce, State};
 use rtrb::Consumer;
 use rumqttc::QoS;
 use serde::Serialize;
@@ -144,9 +145,10 @@ fn next(due: Instant, now: Instant) -> Instant {
 mod tests {
     use super::{Arc, Aside, Duration, Instant, Line, Publisher, ROOM, STATE_PERIOD, Stream, Topics, What, next};
     use crate::flight::command::Command;
+    use crate::flight::outside::Commander;
+    use crate::flight::state::Answer;
     use crate::mqtt::link_tests::{about, in_force};
     use crate::mqtt::mailbox::Mailbox;
-    use crate::mqtt::message::Answer;
     use std::sync::mpsc::sync_channel;
 
     #[test]

@@ -17,10 +17,13 @@ mod bench;
 mod chips;
 mod clock;
 mod direct;
+mod enable_line;
+mod error;
 mod gpio;
 mod guard;
 mod lines;
 mod pulses;
+mod range;
 mod second;
 mod simulated;
 mod socket;
@@ -29,10 +32,12 @@ mod socket_lines;
 mod tests;
 mod wire;
 
-pub use bench::{BenchError, EnableLine, bench, claim, turn_off};
-pub use chips::{Chips, StartError, Wiring};
+pub use bench::{bench, claim, turn_off};
+pub use chips::{Chips, Wiring};
 pub use clock::{Monotonic, WorldClock};
 pub use direct::Direct;
+pub use enable_line::EnableLine;
+pub use error::{BenchError, StartError};
 pub use guard::{Guard, GuardError, Heard, Ward};
 pub use lines::{Lines, Pin};
 pub use simulated::{

@@ -5,9 +5,6 @@ mod gains;
 mod observer;
 mod patch;
 
-pub use critical_gain::{RIG, Row, Table};
-pub use observer::Document as ObserverDocument;
-
 use super::{may_write, note, say, write};
 use crate::analysis::loop_margins::{Closing, Loop};
 use crate::cli::{DesignArgs, DesignCommand};

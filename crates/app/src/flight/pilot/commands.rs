@@ -2,7 +2,7 @@
 
 use super::{Pilot, Still};
 use crate::flight::command::{Command, Refusal};
-use crate::flight::experiment::offers::Name;
+use crate::flight::name::Name;
 use crate::flight::vocabulary::Mode;
 use control::check::within;
 use control::controller::Kind;

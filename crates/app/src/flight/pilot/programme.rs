@@ -4,7 +4,8 @@
 use super::{Pilot, Seen};
 use crate::flight::command::GainChange;
 use crate::flight::experiment::Experiment;
-use crate::flight::experiment::offers::{Name, Offer};
+use crate::flight::experiment::offers::Offer;
+use crate::flight::name::Name;
 use crate::flight::vocabulary::Mode;
 use control::pid::Pid;
 

@@ -1,9 +1,10 @@
 //! Flights as MCAP: whole, cut, damaged, foreign, and anything at all.
 
 use super::{cycles, events, file, header};
+use crate::flight::outside::Recorder;
 use crate::log::event::EventMessage;
 use crate::log::header::{About, Header};
-use crate::log::recorder::{Inline, Recorder};
+use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
 use crate::log::{LogError, flight, reader};
 use mcap::{MAGIC, WriteOptions, records::MessageHeader};

@@ -1,7 +1,7 @@
 //! A design in words and as JSON.
 
+use super::critical_gain::{RIG, Table as CriticalTable};
 use crate::analysis::loop_margins::{Assessment, Closing, Loop, Pid, Plant};
-use crate::commands::design::{RIG, Table as CriticalTable};
 use crate::report::kit::table::empty;
 use control::design::DesignError;
 use control::state_feedback::{Integral, Lqg};

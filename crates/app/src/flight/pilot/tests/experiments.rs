@@ -2,8 +2,9 @@
 
 use super::{fly, pilot, segment};
 use crate::flight::command::{Command, GainChange, Refusal};
-use crate::flight::experiment::offers::{Name, Offer};
+use crate::flight::experiment::offers::Offer;
 use crate::flight::experiment::{Experiment, Limits, Segment};
+use crate::flight::name::Name;
 use crate::flight::pilot::{Pilot, Seen};
 use crate::flight::vocabulary::Mode;
 use control::waveform::Waveform;

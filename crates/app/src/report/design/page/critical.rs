@@ -1,6 +1,6 @@
 //! The page of critical gains: the models of the thesis beside its rig, and with the third pole that closes the gap.
 
-use crate::commands::design::{RIG, Row, Table};
+use crate::report::design::critical_gain::{RIG, Row, Table};
 use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy, values};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};

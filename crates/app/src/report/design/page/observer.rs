@@ -1,6 +1,6 @@
 //! The page of an observer: what of a surprise each of its states takes.
 
-use crate::commands::design::ObserverDocument;
+use crate::report::design::observer::Document;
 use crate::report::kit::page::parts::{command, glossary, number, table, three_digits, to_copy, values};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
@@ -12,7 +12,7 @@ pub struct Report<'a> {
     /// The config that holds the model, by its name.
     pub config: &'a str,
     /// What was designed.
-    pub document: &'a ObserverDocument,
+    pub document: &'a Document,
     /// It as a patch.
     pub patch: &'a str,
 }
@@ -38,7 +38,7 @@ pub fn page(report: &Report<'_>) -> String {
     Page { kind: "design", from, answer: &answer, first: first(document), sections, record: &record }.render()
 }
 
-fn first(document: &ObserverDocument) -> Markup {
+fn first(document: &Document) -> Markup {
     let numbers: Vec<(String, String, String)> = flown(document)
         .map(|(state, gain)| (state.to_owned(), three_digits(gain), "for each mm of surprise".to_owned()))
         .collect();
@@ -53,11 +53,11 @@ fn first(document: &ObserverDocument) -> Markup {
 }
 
 /// The states that fly, and their gains.
-fn flown(document: &ObserverDocument) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+fn flown(document: &Document) -> impl Iterator<Item = (&'static str, f64)> + '_ {
     FLOWN.into_iter().zip(document.flown.iter().copied())
 }
 
-fn gains(document: &ObserverDocument) -> Markup {
+fn gains(document: &Document) -> Markup {
     let designed = document.states.iter().zip(document.continuous.iter().zip(&document.sampled));
     let designed: Vec<_> = designed
         .map(|(state, (continuous, sampled))| {
@@ -75,7 +75,7 @@ fn gains(document: &ObserverDocument) -> Markup {
     }
 }
 
-fn noise(document: &ObserverDocument) -> Markup {
+fn noise(document: &Document) -> Markup {
     let observer = &document.observer;
     html! {
         ul {

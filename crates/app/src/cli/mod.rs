@@ -1,14 +1,12 @@
 //! The command line. Flags mean the same everywhere.
 
 mod design;
-mod gallery;
 mod identify;
 mod measure;
 
 pub use design::{
     CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs, RelayRule,
 };
-pub use gallery::GalleryArgs;
 pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};
 
 pub use measure::{MeasureArgs, Measurement};
@@ -55,8 +53,6 @@ pub enum Command {
     Live(LiveArgs),
     /// Diagnose a folder of withheld cases, and score the answers once the truth is known
     Blind(BlindArgs),
-    /// Show what each effect of the catalogue does to a flight: pages with pictures, and what a diagnosis says of it
-    Gallery(GalleryArgs),
     /// Turn the fan off, whatever else happens on the rig
     FanOff(FanOffArgs),
     /// Emulate the rig's bus on a socket: what is flown on it can be killed, and the fan looked at
@@ -311,7 +307,9 @@ pub enum LogCommand {
     },
 }
 
-fn effect() -> PossibleValuesParser {
+/// Takes the name of an effect of the catalogue.
+#[must_use]
+pub fn effect() -> PossibleValuesParser {
     PossibleValuesParser::new(plant::Effects::CATALOGUE.iter().map(|entry| entry.name))
 }
 

@@ -12,5 +12,5 @@ pub mod topics;
 
 pub use load::{Config, ConfigError, parse_file, parse_text};
 pub use rig::Rig;
-pub use signals::{Looks, OutputEnable, SecondSensor, Tachometer};
-pub use tables::{Bus, Log, Loop, Reference, Safety, Stuck, Tables};
+pub use signals::{SecondSensor, Tachometer};
+pub use tables::{Bus, Loop, Reference, Safety, Stuck, Tables};

@@ -55,6 +55,7 @@ pub mod tls;
 pub use about::About;
 pub use count::Counts;
 pub use link::Link;
+#[cfg(test)]
 pub use mailbox::Mailbox;
 
 #[cfg(test)]

@@ -33,21 +33,19 @@ mod tests;
 mod wire;
 
 pub use bench::{bench, claim, turn_off};
-pub use chips::{Chips, Wiring};
-pub use clock::{Monotonic, WorldClock};
+pub use chips::Chips;
+pub use clock::Monotonic;
+#[cfg(test)]
+pub use clock::WorldClock;
 pub use direct::Direct;
 pub use enable_line::EnableLine;
-pub use error::{BenchError, StartError};
+pub use error::BenchError;
 pub use guard::{Guard, GuardError, Heard, Ward};
-pub use lines::{Lines, Pin};
-pub use simulated::{
-    PlantWorld, SimulatedRig, SimulatedStartError, emulated_bus, simulated_in_real_time, simulated_in_virtual_time,
-};
+pub use simulated::{PlantWorld, emulated_bus, simulated_in_real_time, simulated_in_virtual_time};
 #[cfg(test)]
 pub(crate) use simulated::{start, with_signals};
-pub use socket::{SocketBus, serve};
+pub use socket::serve;
 pub use socket_lines::Served;
-pub use wire::{Wire, WireError};
 
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;

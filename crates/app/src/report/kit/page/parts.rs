@@ -138,7 +138,7 @@ pub fn to_copy(id: &str, name: &str, text: &str) -> Markup {
 const SMALLEST: f64 = 5e-7;
 
 /// A number with so many places; a dash where there is none.
-pub(crate) fn number(value: Option<f64>, places: usize) -> String {
+pub fn number(value: Option<f64>, places: usize) -> String {
     let text = |value: f64| format!("{value:.places$}");
     let is_zero = |value: f64| text(value.abs()) == text(0.0);
     value.map_or_else(|| "–".into(), |value| minus(&text(if is_zero(value) { 0.0 } else { value })))
@@ -150,14 +150,14 @@ pub fn three_digits(value: f64) -> String {
 }
 
 /// The places that leave a number three digits that count; none of 0.
-pub(crate) fn places(value: f64) -> usize {
+pub fn places(value: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
     let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
     if value.abs() < SMALLEST { 0 } else { places }
 }
 
 /// A chance in words that do not promise certainty.
-pub(crate) fn chance(chance: f64) -> String {
+pub fn chance(chance: f64) -> String {
     match 100.0 * chance {
         percent if percent > 99.0 => "more than 99 %".into(),
         percent if percent < 1.0 => "less than 1 %".into(),
@@ -166,12 +166,12 @@ pub(crate) fn chance(chance: f64) -> String {
 }
 
 /// A name of the program in words: `dead_zone` is "dead zone".
-pub(crate) fn spoken(name: &str) -> String {
+pub fn spoken(name: &str) -> String {
     name.replace('_', " ")
 }
 
 /// The stage of the signal path at which an effect acts.
-pub(crate) fn stage(effect: &str) -> &'static str {
+pub fn stage(effect: &str) -> &'static str {
     let own = Effects::entry(effect).and_then(|entry| NAMES.iter().find(|(stage, _)| *stage == entry.stage));
     own.map_or("–", |(_, name)| name)
 }

@@ -1,7 +1,11 @@
-use super::{Gallery, apart, page, values};
-use crate::analysis::closed_loop::tests::project;
-use crate::analysis::virtual_flight::Desk;
+use crate::gallery::{Gallery, apart, values};
+use crate::page;
+use airball::book::{Desk, Tables};
 use plant::Effects;
+
+fn project() -> Tables {
+    toml::from_str(include_str!("../../config.toml")).unwrap()
+}
 
 #[test]
 fn every_effect_of_the_catalogue_is_sound_at_the_size_that_is_shown_and_is_what_the_two_models_differ_by() {

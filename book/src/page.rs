@@ -1,21 +1,19 @@
 //! A page of the gallery as Markdown, and the list of all.
 
-use super::Exhibit;
-use crate::report::diagnosis::document::words;
-use crate::report::diagnosis::next;
-use crate::report::kit::page::parts::{chance, number, spoken, stage};
+use crate::gallery::Exhibit;
+use airball::book::{advice_words, chance, number, spoken, stage, words};
 use diagnose::Verdict;
 use plant::{Effects, Entry, Neighbour, Neutral, Param};
 use std::fmt::Write;
 
 /// The first line of every page, by which an older one may be replaced.
-pub const MARK: &str = "<!-- Made by `airball gallery` from the catalogue of effects; change it there. -->";
+pub(crate) const MARK: &str = "<!-- Made by `airball gallery` from the catalogue of effects; change it there. -->";
 /// Effects that came near on this record, shown at most.
 const COMPETITORS: usize = 4;
 
 /// The list of all exhibits.
 #[must_use]
-pub fn list(exhibits: &[Exhibit]) -> String {
+pub(crate) fn list(exhibits: &[Exhibit]) -> String {
     let mut page = format!(
         "{MARK}\n\n# Gallery of effects\n\n\
          What each effect of the catalogue does to a flight. Every exhibit is the rig of a config with one effect that its owner does not \
@@ -54,7 +52,7 @@ fn answer(exhibit: &Exhibit) -> String {
 
 /// The page of one effect.
 #[must_use]
-pub fn page(exhibit: &Exhibit) -> String {
+pub(crate) fn page(exhibit: &Exhibit) -> String {
     let key = exhibit.entry.name;
     let name = spoken(key);
     let sections = [
@@ -122,7 +120,7 @@ fn competitors(exhibit: &Exhibit) -> String {
         let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.gain), 1));
         let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));
     }
-    for line in next::words(&exhibit.advice) {
+    for line in advice_words(&exhibit.advice) {
         let _ = write!(text, "\n\n{}.", capital(line.trim_end_matches('.')));
     }
     text

@@ -3,19 +3,13 @@
 //! One experiment, one controller and one seed for all, so that two exhibits differ by their effects alone. An effect that the
 //! config believes in is shown as what a belief without it lacks. A new effect of the catalogue is a new exhibit.
 
-pub mod page;
-
-use crate::analysis::next_experiment::{Advice, advise};
-use crate::analysis::virtual_flight::{Desk, Flown};
-use crate::config::ConfigError;
-use crate::flight::experiment::Experiment;
-use crate::log::reader::sample;
+use airball::book::{Advice, ConfigError, Desk, Experiment, Flown, advise, sample};
 use control::compensation::Compensation;
 use diagnose::{Diagnosis, Options, Picture, Recording, RecordingError};
 use plant::{Entry, Model};
 
 /// The experiment that every exhibit flies: its file in the project, and what the file says.
-const EXPERIMENT: (&str, &str) = ("experiments/gallery.toml", include_str!("../../../experiments/gallery.toml"));
+const EXPERIMENT: (&str, &str) = ("experiments/gallery.toml", include_str!("../../experiments/gallery.toml"));
 
 /// Sizes that show in that experiment, where the last of the entry's own does not: too small for 84 s, or out of the ball's reach.
 const SIZES: [(&str, &[f64]); 5] = [
@@ -28,7 +22,7 @@ const SIZES: [(&str, &[f64]); 5] = [
 
 /// Why an exhibit cannot be shown.
 #[derive(Debug, thiserror::Error)]
-pub enum GalleryError {
+pub(crate) enum GalleryError {
     /// The config has no controller that can fly.
     #[error(
         "the config has no controller that can fly; copy [loop], [controller], [compensation] and [safety] from the config.toml of the project"
@@ -61,28 +55,28 @@ pub enum GalleryError {
 
 /// An effect, flown and diagnosed.
 #[derive(Clone, Debug)]
-pub struct Exhibit {
+pub(crate) struct Exhibit {
     /// Its line in the catalogue.
-    pub entry: Entry,
+    pub(crate) entry: Entry,
     /// Its numbers here.
-    pub values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     /// The flight of the rig that has it, and of the one that does not.
-    pub with: Flown,
+    pub(crate) with: Flown,
     /// The flight without it.
-    pub without: Flown,
+    pub(crate) without: Flown,
     /// What a diagnosis of the first says to an owner who believes in the second.
-    pub found: Diagnosis,
+    pub(crate) found: Diagnosis,
     /// What to fly or to record next.
-    pub advice: Advice,
+    pub(crate) advice: Advice,
     /// What to draw of it.
-    pub picture: Picture,
+    pub(crate) picture: Picture,
     /// What is between controller and fan.
-    pub compensation: Compensation,
+    pub(crate) compensation: Compensation,
 }
 
 /// Who flies the exhibits.
 #[derive(Clone, Debug)]
-pub struct Gallery {
+pub(crate) struct Gallery {
     desk: Desk,
     model: Model,
     experiment: Experiment,
@@ -94,7 +88,7 @@ impl Gallery {
     ///
     /// # Errors
     /// [`GalleryError`]: no controller, or one that may not fly this experiment.
-    pub fn new(desk: Option<Desk>, model: &Model, seed: u64) -> Result<Self, GalleryError> {
+    pub(crate) fn new(desk: Option<Desk>, model: &Model, seed: u64) -> Result<Self, GalleryError> {
         let desk = desk.ok_or(GalleryError::NoController)?;
         let experiment = Experiment::own(EXPERIMENT.0, EXPERIMENT.1, &desk.safety)?;
         Ok(Self { desk, model: model.clone(), experiment, seed })
@@ -104,7 +98,7 @@ impl Gallery {
     ///
     /// # Errors
     /// [`GalleryError`] names the effect.
-    pub fn exhibit(&self, entry: &Entry) -> Result<Exhibit, GalleryError> {
+    pub(crate) fn exhibit(&self, entry: &Entry) -> Result<Exhibit, GalleryError> {
         let values = values(entry, &self.model);
         let (belief, rig) = apart(entry, &self.model, &values);
         let [with, without] = [&rig, &belief].map(|model| self.desk.fly(model, &self.experiment, self.seed));
@@ -133,14 +127,14 @@ impl Gallery {
 }
 
 /// The numbers of an exhibit: those that the model believes, or else a size that shows.
-fn values(entry: &Entry, model: &Model) -> Vec<f64> {
+pub(crate) fn values(entry: &Entry, model: &Model) -> Vec<f64> {
     let chosen = SIZES.iter().find(|(name, _)| *name == entry.name).map(|(_, values)| *values);
     let usual = chosen.or_else(|| entry.sizes.last().copied()).unwrap_or_default();
     model.effects.values(entry.name).unwrap_or_else(|| usual.to_vec())
 }
 
 /// The belief without an effect, and the rig with it: it takes the place of what contradicts it.
-fn apart(entry: &Entry, model: &Model, values: &[f64]) -> (Model, Model) {
+pub(crate) fn apart(entry: &Entry, model: &Model, values: &[f64]) -> (Model, Model) {
     let mut belief = model.clone();
     belief.effects.remove(entry.name);
     let mut rig = belief.clone();
@@ -152,6 +146,3 @@ fn apart(entry: &Entry, model: &Model, values: &[f64]) -> (Model, Model) {
     }
     (belief, rig)
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,4 +1,4 @@
-//! What `flight.rs` promises.
+//! What a flight promises.
 
 use super::command::Command;
 use super::pilot::tests::pilot_holding;

@@ -1,4 +1,4 @@
-//! What `pilot.rs` promises.
+//! What the pilot promises.
 
 mod experiments;
 mod signals;

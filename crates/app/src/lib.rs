@@ -57,8 +57,8 @@ pub mod book {
         next::words as advice_words,
         plot::small_diagnosis,
     };
+    /// Two flights in one picture.
+    pub use crate::report::flight::plot::two_flights;
     /// Names and numbers as they are printed.
     pub use crate::report::kit::page::parts::{chance, number, spoken, stage};
-    /// Two flights in one picture.
-    pub use crate::report::kit::plot::two_flights;
 }

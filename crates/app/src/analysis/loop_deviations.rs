@@ -13,13 +13,11 @@
 use crate::config::{Reference, Tables};
 use crate::flight::command::Command;
 use crate::flight::experiment::Experiment;
-use crate::flight::pilot::{Orders, Pilot, Seen, Senses, Signals};
+use crate::flight::pilot::{Orders, Pilot, Seen, Senses};
 use crate::flight::vocabulary::{Cycle, Mode};
 use crate::log::reader::{LoadedLog, sample};
-use control::regulator::Regulator;
 use control::waveform::Waveform;
 use diagnose::{Recording, Sample, nats_apart};
-use hal::BUDGET_US;
 use plant::Model;
 
 /// What a difference must be worth to be one, nats: as much as an effect must gain to be named.
@@ -94,15 +92,7 @@ fn under_the_law(log: &LoadedLog) -> &[Cycle] {
 fn duties_by_the_law(cycles: &[Cycle], tables: &Tables) -> Option<Vec<f64>> {
     let first_mm = cycles.iter().find_map(|cycle| cycle.setpoint_mm)?;
     let hold = Reference { setpoint_mm: Waveform::Constant { value: first_mm } };
-    let reading_period_s = tables.r#loop?.period_s.max(1e-6 * f64::from(BUDGET_US));
-    let mut pilot = Pilot::new(Orders {
-        regulator: Regulator::new(tables.controller.clone()?, tables.observer.as_ref(), reading_period_s).ok()?,
-        compensation: tables.compensation.clone()?,
-        safety: tables.safety?,
-        experiment: Experiment::of_reference(&hold),
-        reading_period_s,
-        signals: tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
-    });
+    let mut pilot = Pilot::new(Orders::of(tables, Experiment::of_reference(&hold)).ok()?);
     let two = tables.rig.as_ref().is_some_and(|rig| rig.second_sensor.is_some());
     let duty = |cycle: &Cycle| {
         if let Some(setpoint_mm) = cycle.setpoint_mm {

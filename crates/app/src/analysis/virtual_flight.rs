@@ -16,7 +16,7 @@ use crate::config::{Loop, Rig, Safety, Tables};
 use crate::flight::Flight;
 use crate::flight::experiment::Experiment;
 use crate::flight::outside::Recorder;
-use crate::flight::pilot::{Orders, Pilot, Signals};
+use crate::flight::pilot::{Orders, Pilot, Signals, reading_period_s};
 use crate::flight::vocabulary::{Cycle, Event, Fault};
 use crate::log::reader::LoadedLog;
 use crate::rig::{Direct, simulated_in_virtual_time};
@@ -25,7 +25,6 @@ use control::controller::{Controllers, Kind};
 use control::observer::Observer;
 use control::pid::{DerivativeOn, Pid};
 use control::regulator::Regulator;
-use hal::BUDGET_US;
 use plant::Model;
 use std::sync::atomic::AtomicBool;
 
@@ -182,8 +181,7 @@ impl Desk {
 
     /// The period of the loop or of the sensor, whichever is longer.
     fn reading_period_s(&self) -> f64 {
-        let shortest_s = if self.rig.is_some() { 1e-6 * f64::from(BUDGET_US) } else { 0.0 };
-        self.table.period_s.max(shortest_s)
+        if self.rig.is_some() { reading_period_s(&self.table) } else { self.table.period_s }
     }
 }
 

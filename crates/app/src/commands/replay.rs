@@ -5,9 +5,9 @@ use crate::cli::ReplayArgs;
 use crate::config::Config;
 use crate::log::reader;
 use crate::report::kit::page;
-use crate::report::kit::plot;
 use crate::report::replay::gap;
 use crate::report::replay::page::{Report, page as html};
+use crate::report::replay::plot;
 use anyhow::Result;
 use diagnose::{Gap, check, free_runs};
 

@@ -1,12 +1,13 @@
 //! What goes into the pilot and what comes out: orders before the flight, then sight against decision, cycle by cycle.
 
-use crate::config::{Rig, Safety, SecondSensor, Tachometer};
+use crate::config::{Loop, Rig, Safety, SecondSensor, Tables, Tachometer};
 use crate::flight::experiment::Experiment;
 use crate::flight::vocabulary::{Fault, Mode};
 use control::Duty;
 use control::compensation::Compensation;
 use control::observer::{Estimate, Surprise};
-use control::regulator::Regulator;
+use control::regulator::{Regulator, Unready};
+use hal::BUDGET_US;
 
 /// What the pilot knows before a flight.
 #[derive(Clone, Debug)]
@@ -23,6 +24,40 @@ pub struct Orders {
     pub reading_period_s: f64,
     /// What the rig tells besides the position.
     pub signals: Signals,
+}
+
+/// Why a config flies nothing.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoOrders {
+    /// A table is missing.
+    #[error("the config has no table [{0}]")]
+    Missing(&'static str),
+    /// The controllers are none.
+    #[error(transparent)]
+    Unready(#[from] Unready),
+}
+
+impl Orders {
+    /// What a config says for a flight of this experiment.
+    ///
+    /// # Errors
+    /// [`NoOrders`]: a table is missing, or the controllers make no regulator.
+    pub fn of(tables: &Tables, experiment: Experiment) -> Result<Self, NoOrders> {
+        let missing = |table| move || NoOrders::Missing(table);
+        let reading_period_s = reading_period_s(tables.r#loop.as_ref().ok_or_else(missing("loop"))?);
+        let safety = tables.safety.ok_or_else(missing("safety"))?;
+        let controllers = tables.controller.clone().ok_or_else(missing("controller"))?;
+        let regulator = Regulator::new(controllers, tables.observer.as_ref(), reading_period_s)?;
+        let compensation = tables.compensation.clone().ok_or_else(missing("compensation"))?;
+        let signals = tables.rig.as_ref().map(Signals::from).unwrap_or_default();
+        Ok(Self { regulator, compensation, safety, experiment, reading_period_s, signals })
+    }
+}
+
+/// Time between readings of a rig's sensor under a loop, seconds: the period of whichever is slower.
+#[must_use]
+pub fn reading_period_s(table: &Loop) -> f64 {
+    table.period_s.max(1e-6 * f64::from(BUDGET_US))
 }
 
 /// The optional signals of a rig, as its tables have them.

@@ -15,7 +15,7 @@ mod exchange;
 mod programme;
 mod stuck_ball;
 
-pub use exchange::{Decision, Orders, Seen, Senses, Signals};
+pub use exchange::{Decision, NoOrders, Orders, Seen, Senses, Signals, reading_period_s};
 
 use super::experiment::Demand;
 use super::experiment::offers::Offer;

@@ -71,9 +71,9 @@ pub fn draw(path: &Path, of: &Loop) -> Result<(), PlotError> {
         let (left, right) = area.split_horizontally(width / 2);
         let left = left.split_evenly((3, 1));
         for (area, diagram) in left.iter().zip([&step, &magnitude, &phase]) {
-            panel(area, diagram.panel())?;
+            panel(area, diagram)?;
         }
-        right.split_evenly((2, 1)).iter().zip(&loci).try_for_each(|(area, diagram)| panel(area, diagram.panel()))
+        right.split_evenly((2, 1)).iter().zip(&loci).try_for_each(|(area, diagram)| panel(area, diagram))
     })?;
     write(path, &svg)
 }

@@ -4,7 +4,7 @@
 //! where the belief is significantly wrong are shaded; that significance comes from the innovations, never from this force.
 
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL};
-use crate::report::kit::plot::{Diagram, Line, Panel, PlotError, drawn, forecasts, panel, recorded, write};
+use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, titled, write};
 use diagnose::{MissingForce, Picture, Place};
 use std::path::Path;
 
@@ -46,17 +46,17 @@ impl Sheet {
         let svg = drawn(self.size, |area| {
             let rows = self.rows.map(|end| area.dim_in_pixel().1 * end / self.size.1);
             let (upper, rest) = area.split_vertically(rows[0]);
-            panel(&upper, Panel { title, ..runs(picture).panel() })?;
+            titled(&upper, title, &runs(picture))?;
             if picture.missing.is_empty() {
                 return Ok(());
             }
             let (middle, lower) = rest.split_vertically(rows[1] - rows[0]);
             let every = picture.missing.len().div_ceil(self.most_moments).max(1);
             let moments: Vec<MissingForce> = picture.missing.iter().step_by(every).copied().collect();
-            panel(&middle, over_time(&moments, places).panel())?;
+            panel(&middle, &over_time(&moments, places))?;
             let thirds = lower.split_evenly((1, 3));
             let mut over = thirds.iter().zip(over_signals(&picture.missing, places));
-            over.try_for_each(|(third, diagram)| panel(third, diagram.panel()))
+            over.try_for_each(|(third, diagram)| panel(third, &diagram))
         })?;
         write(path, &svg)
     }

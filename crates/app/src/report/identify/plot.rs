@@ -56,8 +56,8 @@ pub fn sweep(path: &Path, title: &str, found: &Sweep) -> Result<(), PlotError> {
 fn picture(path: &Path, above: &Diagram, below: &[Diagram; 3]) -> Result<(), PlotError> {
     let svg = drawn(SIZE, |area| {
         let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 * UPPER / SIZE.1);
-        panel(&upper, above.panel())?;
-        lower.split_evenly((1, 3)).iter().zip(below).try_for_each(|(area, diagram)| panel(area, diagram.panel()))
+        panel(&upper, above)?;
+        lower.split_evenly((1, 3)).iter().zip(below).try_for_each(|(area, diagram)| panel(area, diagram))
     })?;
     write(path, &svg)
 }

@@ -23,8 +23,8 @@ pub fn draw(path: &Path, recording: &Recording, found: &Found) -> Result<(), Plo
     let (flight, result) = (flight(recording), result(recording, found));
     let svg = drawn(SIZE, |area| {
         let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 / 2);
-        panel(&upper, flight.panel())?;
-        panel(&lower, result.panel())
+        panel(&upper, &flight)?;
+        panel(&lower, &result)
     })?;
     write(path, &svg)
 }

@@ -2,3 +2,4 @@
 
 pub mod gap;
 pub mod page;
+pub mod plot;

@@ -5,7 +5,8 @@ use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{bars, findings, number, table};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
-use crate::report::kit::plot::{Diagram, commanded, duty, free_runs_of};
+use crate::report::kit::plot::{Diagram, commanded, duty};
+use crate::report::replay::plot::free_runs_of;
 use diagnose::{Finding, FreeRun, Gap, Recording};
 use maud::{Markup, html};
 

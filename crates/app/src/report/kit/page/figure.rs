@@ -1,6 +1,6 @@
 //! A diagram in a page: drawn for a wide and for a narrow screen, in the theme's colours, with its words for those who do not see it.
 
-use crate::report::kit::plot::{Diagram, Panel, shapes};
+use crate::report::kit::plot::{Diagram, shapes};
 use maud::{Markup, PreEscaped, html};
 
 /// How large a figure is drawn, pixels: on a wide screen, and on a phone where that differs.
@@ -47,7 +47,7 @@ pub fn picture(diagram: &Diagram, size: Size, alt: &str) -> Markup {
 
 fn drawing(diagram: &Diagram, size: (u32, u32), class: &str, alt: &str) -> Markup {
     // A page says in words what a file says in a title.
-    match shapes(size, Panel { title: "", ..diagram.panel() }) {
+    match shapes(size, diagram) {
         Ok((view, shapes)) => html! {
             svg class=(class) viewBox=(view) role="img" aria-label=(alt) { (PreEscaped(shapes)) }
         },

@@ -1,20 +1,18 @@
-//! Pictures as SVG: the signal path over time, position above duty; and what a [`diagnosis`](fn@diagnosis) found.
+//! Pictures as SVG: diagrams, and the lines of a record that many of them show.
 
 mod legend;
 mod panel;
 mod thinned;
 
-pub use panel::{Diagram, Line, Panel, drawn, failed, panel, shapes};
+pub use panel::{Diagram, Line, drawn, failed, panel, shapes, titled};
 
-use super::palette::{DUTY, NOMINAL, RECORDED, SETPOINT};
-use crate::flight::vocabulary::Cycle;
+use super::palette::{DUTY, RECORDED, SETPOINT};
 use diagnose::{FreeRun, Recording};
 use plotters::style::RGBColor;
 use std::path::{Path, PathBuf};
 
-/// Size of a picture, pixels, and of one for a page of the gallery; and the part of its height that shows the position.
-const SIZE: (u32, u32) = (1100, 620);
-const SMALL: (u32, u32) = (700, 420);
+/// Size of a picture of a flight, pixels, and the part of its height that shows the position.
+pub const SIZE: (u32, u32) = (1100, 620);
 const POSITION_PERCENT: u32 = 68;
 
 /// Why there is no picture.
@@ -53,55 +51,6 @@ pub fn may_write(path: &Path) -> Result<(), PlotError> {
     }
 }
 
-/// Draws a flight: setpoint, position and duty.
-///
-/// # Errors
-/// [`PlotError`] names the file.
-pub fn flight(path: &Path, title: &str, cycles: &[Cycle]) -> Result<(), PlotError> {
-    let position = [
-        over_cycles(cycles, "setpoint", SETPOINT, |c| c.setpoint_mm),
-        over_cycles(cycles, "position", RECORDED, |c| c.position_mm),
-    ];
-    draw(path, SIZE, title, &position, &[over_cycles(cycles, "", DUTY, |c| Some(c.duty_percent))])
-}
-
-/// Draws one experiment on two rigs: with an effect, and without it.
-///
-/// # Errors
-/// [`PlotError`] names the file.
-pub fn two_flights(path: &Path, with: &[Cycle], without: &[Cycle]) -> Result<(), PlotError> {
-    let position = [
-        over_cycles(with, "setpoint", SETPOINT, |c| c.setpoint_mm),
-        over_cycles(without, "without it", NOMINAL, |c| c.position_mm),
-        over_cycles(with, "with it", RECORDED, |c| c.position_mm),
-    ];
-    let duty = |cycles, colour| over_cycles(cycles, "", colour, |c: &Cycle| Some(c.duty_percent));
-    draw(path, SMALL, "", &position, &[duty(without, NOMINAL), duty(with, RECORDED)])
-}
-
-fn over_cycles(cycles: &[Cycle], label: &'static str, colour: RGBColor, value: fn(&Cycle) -> Option<f64>) -> Line {
-    let points = cycles.iter().map(|cycle| (cycle.time_s, value(cycle).unwrap_or(f64::NAN))).collect();
-    Line { label, colour, points }
-}
-
-/// Draws a replay: the recorded position, the model's free runs from every 10 s, and the duty.
-///
-/// # Errors
-/// [`PlotError`] names the file.
-pub fn replay(path: &Path, title: &str, recording: &Recording, runs: &[FreeRun]) -> Result<(), PlotError> {
-    let samples = recording.samples();
-    let forecast = forecasts("model, free from every 10 s", NOMINAL, recording, runs);
-    let position = [recorded(recording), forecast];
-    let duty = samples.iter().map(|s| (s.time_s, s.duty_percent)).collect();
-    draw(path, SIZE, title, &position, &[Line { label: "", colour: DUTY, points: duty }])
-}
-
-/// Recorded positions, and the free runs of a model.
-pub fn free_runs_of(recording: &Recording, runs: &[FreeRun]) -> Diagram {
-    let lines = vec![recorded(recording), forecasts("simulator", NOMINAL, recording, runs)];
-    Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
-}
-
 /// The setpoint, where the log has one.
 pub fn commanded(recording: &Recording) -> Line {
     let rows = recording.samples().iter();
@@ -137,12 +86,17 @@ pub fn forecasts(label: &'static str, colour: RGBColor, recording: &Recording, r
     Line { label, colour, points }
 }
 
-fn draw(path: &Path, size: (u32, u32), title: &str, position: &[Line], duty: &[Line]) -> Result<(), PlotError> {
+/// Draws positions above duties, over time.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn draw(path: &Path, size: (u32, u32), title: &str, position: Vec<Line>, duty: Vec<Line>) -> Result<(), PlotError> {
+    let over_time = |ordinate, lines| Diagram { abscissa: "time, s", ordinate, lines, ..Diagram::default() };
+    let (position, duty) = (over_time("position, mm", position), over_time("duty, %", duty));
     let svg = drawn(size, |area| {
         let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 * POSITION_PERCENT / 100);
-        let over_time = Panel { abscissa: "time, s", ..Panel::default() };
-        panel(&upper, Panel { title, ordinate: "position, mm", lines: position, ..over_time })?;
-        panel(&lower, Panel { ordinate: "duty, %", lines: duty, ..over_time })
+        titled(&upper, title, &position)?;
+        panel(&lower, &duty)
     })?;
     write(path, &svg)
 }

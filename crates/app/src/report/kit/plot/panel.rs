@@ -43,20 +43,20 @@ pub struct Line {
 }
 
 /// One of the diagrams of a picture.
-#[derive(Clone, Copy, Default)]
-pub struct Panel<'a> {
-    pub title: &'a str,
-    pub abscissa: &'a str,
-    pub ordinate: &'a str,
-    pub lines: &'a [Line],
+#[derive(Clone, Default)]
+pub struct Diagram {
+    pub title: String,
+    pub abscissa: &'static str,
+    pub ordinate: &'static str,
+    pub lines: Vec<Line>,
     /// Crosses, rings and dots.
-    pub marks: &'a [(f64, f64)],
-    pub rings: &'a [(f64, f64)],
-    pub dots: &'a [(f64, f64)],
+    pub marks: Vec<(f64, f64)>,
+    pub rings: Vec<(f64, f64)>,
+    pub dots: Vec<(f64, f64)>,
     /// Outline of a band about the first line.
-    pub band: &'a [(f64, f64)],
+    pub band: Vec<(f64, f64)>,
     /// Stretches of the abscissa to be pointed out.
-    pub shaded: &'a [(f64, f64)],
+    pub shaded: Vec<(f64, f64)>,
     /// A value to compare the lines with.
     pub base: Option<f64>,
     /// What of the plane is shown, from and to; `None`: all that is drawn.
@@ -69,45 +69,7 @@ pub struct Panel<'a> {
     pub direct: bool,
 }
 
-/// A diagram with all that it shows: the fields are those of [`Panel`].
-#[derive(Clone, Default)]
-pub struct Diagram {
-    pub title: String,
-    pub abscissa: &'static str,
-    pub ordinate: &'static str,
-    pub lines: Vec<Line>,
-    pub marks: Vec<(f64, f64)>,
-    pub rings: Vec<(f64, f64)>,
-    pub dots: Vec<(f64, f64)>,
-    pub band: Vec<(f64, f64)>,
-    pub shaded: Vec<(f64, f64)>,
-    pub base: Option<f64>,
-    pub window: Option<[(f64, f64); 2]>,
-    pub octaves: bool,
-    pub decades: bool,
-    pub direct: bool,
-}
-
 impl Diagram {
-    pub fn panel(&self) -> Panel<'_> {
-        Panel {
-            title: &self.title,
-            abscissa: self.abscissa,
-            ordinate: self.ordinate,
-            lines: &self.lines,
-            marks: &self.marks,
-            rings: &self.rings,
-            dots: &self.dots,
-            band: &self.band,
-            shaded: &self.shaded,
-            base: self.base,
-            window: self.window,
-            octaves: self.octaves,
-            decades: self.decades,
-            direct: self.direct,
-        }
-    }
-
     /// What of it lies within a stretch of the abscissa.
     pub fn within(mut self, (from, to): (f64, f64)) -> Self {
         for line in &mut self.lines {
@@ -132,9 +94,9 @@ pub fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Result<(), PlotEr
     Ok(svg.replacen(&fine, &format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1), 1))
 }
 
-/// The shapes of a diagram of `size` pixels on no ground, and the box that they are in: for a page, which brings the colours.
-pub fn shapes(size: (u32, u32), of: Panel<'_>) -> Result<(String, String), PlotError> {
-    let svg = drawing(size, |area| panel(area, of))?;
+/// The shapes of a diagram of `size` pixels without its title on no ground, and the box that they are in: for a page, which brings the colours.
+pub fn shapes(size: (u32, u32), of: &Diagram) -> Result<(String, String), PlotError> {
+    let svg = drawing(size, |area| titled(area, "", of))?;
     let inner = svg.split_once('>').map_or("", |(_, rest)| rest).trim_end().trim_end_matches("</svg>");
     Ok((format!("0 0 {} {}", FINE * size.0, FINE * size.1), themed(inner)))
 }
@@ -150,15 +112,20 @@ fn drawing(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Result<(), PlotErro
 }
 
 /// Draws one diagram.
-pub fn panel(area: &Area<'_>, panel: Panel<'_>) -> Result<(), PlotError> {
-    let key = key(panel.lines);
+pub fn panel(area: &Area<'_>, of: &Diagram) -> Result<(), PlotError> {
+    titled(area, &of.title, of)
+}
+
+/// Draws one diagram below another title.
+pub fn titled(area: &Area<'_>, title: &str, of: &Diagram) -> Result<(), PlotError> {
+    let key = key(&of.lines);
     let wide = area.dim_in_pixel().0 >= FINE * NARROW;
-    let direct = panel.direct && wide;
-    let titles = u32::from(!panel.title.is_empty());
+    let direct = of.direct && wide;
+    let titles = u32::from(!title.is_empty());
     let rows = titles + 1 + u32::from(!wide && !key.is_empty());
     let longest = key.iter().map(|line| width(line.label)).fold(0.0, f64::max);
     let right = if direct { longest + 18.0 } else { HALF_A_LABEL };
-    let (times, values) = ranges(&panel)?;
+    let (times, values) = ranges(of)?;
     let mut chart = ChartBuilder::on(area)
         .margin_top(fine(rows * ROW))
         .margin_right(steps(right))
@@ -166,41 +133,41 @@ pub fn panel(area: &Area<'_>, panel: Panel<'_>) -> Result<(), PlotError> {
         .y_label_area_size(fine(LEFT))
         .build_cartesian_2d(times, values)
         .map_err(failed)?;
-    grounds(&mut chart, &panel)?;
-    axes(&mut chart, &panel, area.dim_in_pixel())?;
-    lines(&mut chart, &panel)?;
+    grounds(&mut chart, of)?;
+    axes(&mut chart, of, area.dim_in_pixel())?;
+    lines(&mut chart, of)?;
     if direct {
         name_ends(area, &chart, &key)?
     } else {
         draw_key(area, &key, rows, wide)?
     }
-    words(area, panel.title, (LEFT, 4), TITLE)?;
-    words(area, panel.ordinate, (8, titles * ROW + 4), LETTERS)
+    words(area, title, (LEFT, 4), TITLE)?;
+    words(area, of.ordinate, (8, titles * ROW + 4), LETTERS)
 }
 
 /// What lies under the lines: shaded places, and the band about the first line.
-fn grounds(chart: &mut Chart<'_, '_>, panel: &Panel<'_>) -> Result<(), PlotError> {
+fn grounds(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
     let (times, values) = (chart.x_range(), chart.y_range());
     let shade = |&(from, to): &(f64, f64)| {
         let corners = [(from.max(times.start), values.start), (to.min(times.end), values.end)];
         Rectangle::new(corners, SHADE.mix(0.28).filled())
     };
-    chart.draw_series(panel.shaded.iter().map(shade)).map_err(failed)?;
-    if let Some(line) = panel.lines.first().filter(|_| !panel.band.is_empty()) {
-        let outline = Polygon::new(panel.band.to_vec(), line.colour.mix(0.22).filled());
+    chart.draw_series(of.shaded.iter().map(shade)).map_err(failed)?;
+    if let Some(line) = of.lines.first().filter(|_| !of.band.is_empty()) {
+        let outline = Polygon::new(of.band.to_vec(), line.colour.mix(0.22).filled());
         chart.draw_series([outline]).map_err(failed)?;
     }
     Ok(())
 }
 
-fn axes(chart: &mut Chart<'_, '_>, panel: &Panel<'_>, (width, height): (u32, u32)) -> Result<(), PlotError> {
+fn axes(chart: &mut Chart<'_, '_>, of: &Diagram, (width, height): (u32, u32)) -> Result<(), PlotError> {
     let (times, values) = (chart.x_range(), chart.y_range());
     let count = |length: u32, between: u32| (length / FINE / between).clamp(3, 12) as usize;
     let (x_step, y_step) = (times.end - times.start, values.end - values.start);
     let of_x = |x: &f64| match x.round() {
-        whole if panel.decades && (x - whole).abs() < 1e-9 => number(10_f64.powf(whole), 10_f64.powf(whole)),
-        _ if panel.decades => String::new(),
-        _ if panel.octaves => number(x.exp2(), x.exp2()),
+        whole if of.decades && (x - whole).abs() < 1e-9 => number(10_f64.powf(whole), 10_f64.powf(whole)),
+        _ if of.decades => String::new(),
+        _ if of.octaves => number(x.exp2(), x.exp2()),
         _ => number(*x, x_step),
     };
     chart
@@ -216,21 +183,21 @@ fn axes(chart: &mut Chart<'_, '_>, panel: &Panel<'_>, (width, height): (u32, u32
         .y_label_formatter(&|y| number(*y, y_step))
         .label_style(letters(LETTERS, TEXT))
         .axis_desc_style(letters(LETTERS, TEXT))
-        .x_desc(panel.abscissa)
+        .x_desc(of.abscissa)
         .draw()
         .map_err(failed)?;
-    let base = panel.base.map(|y| PathElement::new([(times.start, y), (times.end, y)], TEXT.stroke_width(FINE)));
+    let base = of.base.map(|y| PathElement::new([(times.start, y), (times.end, y)], TEXT.stroke_width(FINE)));
     chart.draw_series(base).map_err(failed)?;
     Ok(())
 }
 
-fn lines(chart: &mut Chart<'_, '_>, panel: &Panel<'_>) -> Result<(), PlotError> {
+fn lines(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
     let pixels = chart.plotting_area().dim_in_pixel().0 / FINE;
     // Below the lines, which many crosses would hide; where they are crowded, in less ink.
-    let (size, width) = if panel.marks.len() > CROWDED { (3, FINE) } else { (6, 2 * FINE) };
+    let (size, width) = if of.marks.len() > CROWDED { (3, FINE) } else { (6, 2 * FINE) };
     let cross = |at: &(f64, f64)| Cross::new(*at, fine(size), NOMINAL.stroke_width(width));
-    chart.draw_series(panel.marks.iter().map(cross)).map_err(failed)?;
-    for line in panel.lines {
+    chart.draw_series(of.marks.iter().map(cross)).map_err(failed)?;
+    for line in &of.lines {
         let all = line.points.len();
         for piece in line.points.split(|(t, y)| !is_there(*t, *y)) {
             // A piece may have as much of the width as it has of the points.
@@ -240,8 +207,8 @@ fn lines(chart: &mut Chart<'_, '_>, panel: &Panel<'_>) -> Result<(), PlotError> 
         }
     }
     let outline = NOMINAL.stroke_width(2 * FINE);
-    chart.draw_series(panel.rings.iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
-    chart.draw_series(panel.dots.iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
+    chart.draw_series(of.rings.iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
+    chart.draw_series(of.dots.iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
     Ok(())
 }
 
@@ -267,21 +234,21 @@ pub(super) fn is_there(t: f64, y: f64) -> bool {
 }
 
 /// What the axes span.
-fn ranges(panel: &Panel<'_>) -> Result<(Range<f64>, Range<f64>), PlotError> {
-    if let Some([times, values]) = panel.window {
+fn ranges(of: &Diagram) -> Result<(Range<f64>, Range<f64>), PlotError> {
+    if let Some([times, values]) = of.window {
         return Ok((times.0..times.1, values.0..values.1));
     }
-    let of_lines = panel.lines.iter().flat_map(|line| &line.points);
+    let of_lines = of.lines.iter().flat_map(|line| &line.points);
     let points = || {
         of_lines
             .clone()
-            .chain(panel.band)
-            .chain(panel.marks)
-            .chain(panel.rings)
-            .chain(panel.dots)
+            .chain(&of.band)
+            .chain(&of.marks)
+            .chain(&of.rings)
+            .chain(&of.dots)
             .filter(|(t, y)| is_there(*t, *y))
     };
-    let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1).chain(panel.base))?);
+    let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1).chain(of.base))?);
     let pad = 0.05 * (values.end - values.start).max(1e-6);
     Ok((times, values.start - pad..values.end + pad))
 }

@@ -1,8 +1,7 @@
 //! Any text as a config: refused with a place, or sound, reproducible from what a log keeps of it, and able to fly.
 #![no_main]
 
-use airball::config::{Tables, parse_text};
-use airball::experiment::Experiment;
+use airball::fuzzing::{Experiment, Tables, parse_text};
 use control::regulator::Regulator;
 use libfuzzer_sys::fuzz_target;
 

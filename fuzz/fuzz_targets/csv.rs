@@ -1,8 +1,7 @@
 //! Any bytes as somebody's table: refused, or a recording of finite numbers whose time never goes backwards.
 #![no_main]
 
-use airball::log::import::Import;
-use airball::log::reader;
+use airball::fuzzing::{Import, parse_record};
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -18,7 +17,7 @@ static IMPORT: LazyLock<Import> = LazyLock::new(|| {
 
 fuzz_target!(|bytes: &[u8]| {
     for import in [None, Some(&*IMPORT)] {
-        let Ok(log) = reader::parse(Path::new("f.csv"), bytes, import) else { continue };
+        let Ok(log) = parse_record(Path::new("f.csv"), bytes, import) else { continue };
         let samples = log.recording.samples();
         assert!(samples.is_sorted_by_key(|sample| sample.time_s));
         let finite = |value: Option<f64>| value.is_none_or(f64::is_finite);

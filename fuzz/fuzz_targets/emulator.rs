@@ -1,7 +1,7 @@
 //! Any transactions on the emulated bus, also by way of its socket: answered or refused, and the fan's share of time is one.
 #![no_main]
 
-use airball::rig::serve;
+use airball::fuzzing::serve;
 use embedded_hal::i2c::{I2c, Operation};
 use hal::emulator::{EmulatedBus, World};
 use libfuzzer_sys::fuzz_target;

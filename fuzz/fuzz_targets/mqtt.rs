@@ -1,11 +1,9 @@
 //! Any messages on any topics: refused with a short printable reason, or obeyed within the limits of the config.
 #![no_main]
 
-use airball::config::Tables;
-use airball::experiment::Experiment;
-use airball::mqtt::parse::{Asked, parse};
-use airball::mqtt::topics::{ORIGINAL_SETPOINT, Topics};
-use airball::pilot::{Orders, Pilot, Seen, Signals};
+use airball::fuzzing::{
+    Asked, Experiment, ORIGINAL_SETPOINT, Orders, Pilot, Seen, Signals, Tables, Topics, parse_message,
+};
 use control::Duty;
 use control::regulator::Regulator;
 use libfuzzer_sys::fuzz_target;
@@ -46,7 +44,7 @@ fuzz_target!(|bytes: &[u8]| {
     for (k, line) in (0_u32..).zip(bytes.split(|byte| *byte == b'\n')) {
         let Some((topic, payload)) = line.split_first() else { continue };
         let time_s = 0.02 * f64::from(k);
-        match parse(&topics, TOPICS[usize::from(*topic) % TOPICS.len()], payload) {
+        match parse_message(&topics, TOPICS[usize::from(*topic) % TOPICS.len()], payload) {
             Ok(Asked::Loop(command)) => {
                 let _ = pilot.command(command);
             }

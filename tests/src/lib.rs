@@ -13,11 +13,16 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// The binary, built once for all tests of a test program.
-static AIRBALL: LazyLock<PathBuf> = LazyLock::new(|| {
+static AIRBALL: LazyLock<PathBuf> = LazyLock::new(|| built("airball"));
+
+/// The binary that makes the book's gallery, which is not shipped.
+static GALLERY: LazyLock<PathBuf> = LazyLock::new(|| built("gallery"));
+
+fn built(binary: &str) -> PathBuf {
     // The whole workspace, so that its dependencies are built with the features that the tests themselves use.
-    let build = escargot::CargoBuild::new().arg("--workspace").bin("airball");
+    let build = escargot::CargoBuild::new().arg("--workspace").bin(binary);
     build.manifest_path(root().join("Cargo.toml")).run().expect("the binary builds").path().to_owned()
-});
+}
 
 /// The project's root.
 #[must_use]
@@ -57,9 +62,19 @@ impl Bench {
     /// `airball` with these arguments, to be run in the directory.
     #[must_use]
     pub fn airball(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(&*AIRBALL);
+        self.command(&AIRBALL, arguments)
+    }
+
+    fn command(&self, binary: &Path, arguments: &[&str]) -> Command {
+        let mut command = Command::new(binary);
         command.args(arguments).current_dir(self.0.path()).stdin(Stdio::null());
         command
+    }
+
+    /// Runs `gallery` to its end.
+    #[must_use]
+    pub fn gallery(&self, arguments: &[&str]) -> Ran {
+        Ran::from(self.command(&GALLERY, arguments).output().expect("the binary runs"))
     }
 
     /// Runs `airball` to its end.

@@ -71,8 +71,8 @@ fn a_missing_config_log_or_patch_is_named() {
 #[test]
 fn what_the_system_says_of_a_folder_that_cannot_be_made_is_said_too_in_the_same_line() {
     let bench = Bench::default();
-    let ran = bench.run(&["gallery", "--out", "config.toml/gallery"]);
-    let said = "airball: cannot make the folder config.toml/gallery; check the permissions; the cause: Not a directory (os error 20)\n";
+    let ran = bench.gallery(&["--out", "config.toml/gallery"]);
+    let said = "gallery: cannot make the folder config.toml/gallery; check the permissions; the cause: Not a directory (os error 20)\n";
     assert_eq!((ran.code, ran.errors.as_str()), (Some(1), said));
 }
 

@@ -139,7 +139,8 @@ fn help_of(bench: &Bench, command: &[&str], page: &mut String) {
 #[test]
 fn the_gallery_is_what_the_catalogue_makes() {
     let bench = Bench::default();
-    let _ = bench.output(&["gallery", "--out", "gallery"]);
+    let ran = bench.gallery(&["--out", "gallery"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
     let made = bench.path("gallery");
     let kept = book().join("gallery");
     let files = |folder: &Path| -> BTreeSet<String> {

@@ -2,13 +2,15 @@
 
 use super::diagnosing::{Answer, Asked};
 use super::{may_write, note, say, write};
+use crate::analysis::next_experiment::Advice;
+use crate::analysis::virtual_flight::Desk;
 use crate::cli::DiagnoseArgs;
-use crate::desk::Desk;
-use crate::next::Advice;
-use crate::report::diagnosis::{patch, regions, words};
-use crate::report::logs::findings;
-use crate::report::page::{self, diagnosis::Report};
-use crate::report::{closed_loop, missing_force, next, plot};
+use crate::report::diagnosis::document::{patch, regions, words};
+use crate::report::diagnosis::logs::findings;
+use crate::report::diagnosis::page::{Report, page as html};
+use crate::report::diagnosis::plot;
+use crate::report::diagnosis::{closed_loop, missing_force, next};
+use crate::report::kit::page;
 use ::diagnose::{Options, Picture, Step, Watch};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -94,7 +96,7 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
 /// The diagnosis as a page.
 fn report(args: &DiagnoseArgs, asked: &Asked, answer: &Answer, picture: &Picture) -> String {
     let desk = asked.desk();
-    page::diagnosis::page(&Report {
+    html(&Report {
         found: &answer.found,
         belief: &asked.belief,
         closed_loop: &answer.looped,

@@ -1,13 +1,13 @@
 //! Logs of one rig and a config in, a diagnosis out: what `diagnose` does to the logs that are named and `blind` to a folder of cases.
 
-use crate::closed_loop::ClosedLoop;
+use crate::analysis::closed_loop::ClosedLoop;
+use crate::analysis::loop_deviations::{Upstream, upstream};
+use crate::analysis::next_experiment::{Advice, advise};
+use crate::analysis::virtual_flight::Desk;
 use crate::config::{Config, Tables};
-use crate::desk::Desk;
 use crate::log::reader::{self, LoadedLog};
-use crate::next::{Advice, advise};
-use crate::report::diagnosis::DiagnosisDocument;
-use crate::report::logs::Logs;
-use crate::upstream::{Upstream, upstream};
+use crate::report::diagnosis::document::DiagnosisDocument;
+use crate::report::diagnosis::logs::Logs;
 use anyhow::{Result, bail};
 use diagnose::{Diagnosis, Options, Recording, Verdict};
 use plant::Model;

@@ -3,19 +3,20 @@
 use super::{note, say, with_causes};
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
-use crate::experiment::Experiment;
-use crate::experiment::offers::offers;
 use crate::flight::Outcome;
-use crate::log::header::{Header, rfc3339};
-use crate::log::record::Cycle;
+use crate::flight::experiment::Experiment;
+use crate::flight::experiment::offers::offers;
+use crate::flight::pilot::{NoOrders, Orders, Pilot};
+use crate::flight::vocabulary::Cycle;
+use crate::flight::wall_clock::rfc3339;
+use crate::log::header::Header;
 use crate::log::writer::LogSummary;
 use crate::log::{LogError, flight};
-use crate::pilot::{Orders, Pilot, Signals};
-use crate::report::{plot, summary::Summary};
+use crate::report::flight::plot::flight as draw;
+use crate::report::flight::summary::Summary;
+use crate::report::kit::plot;
 use anyhow::{Result, anyhow, bail};
 use control::controller::Kind;
-use control::regulator::Regulator;
-use hal::BUDGET_US;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -48,30 +49,31 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
             Experiment::of_reference(config.need(command, "reference", |tables| tables.reference.as_ref())?)
         }
     };
-    let reading_period_s = table.period_s.max(1e-6 * f64::from(BUDGET_US));
-    let controllers = config.need(command, "controller", |tables| tables.controller.as_ref())?;
-    let regulator = Regulator::new(controllers.clone(), config.tables.observer.as_ref(), reading_period_s)?;
-    if experiment.changes_gains() && regulator.kind() != Kind::Pid {
-        let flies = regulator.kind().name();
+    let orders = Orders::of(&config.tables, experiment.clone()).map_err(|error| match error {
+        NoOrders::Missing(table) => anyhow::Error::from(config.missing(command, table)),
+        NoOrders::Unready(error) => error.into(),
+    })?;
+    may_change_gains(&experiment, &orders)?;
+    let files = config.tables.mqtt.as_ref().map_or(&[][..], |mqtt| &mqtt.experiments);
+    let pilot = Pilot::new(orders).offering(offers(files, &safety)?);
+    Ok(Plan { table, pilot, experiment, config })
+}
+
+/// Refuses an experiment that changes gains where they are not those of the PID, or of another unit.
+fn may_change_gains(experiment: &Experiment, orders: &Orders) -> Result<()> {
+    if !experiment.changes_gains() {
+        return Ok(());
+    }
+    if orders.regulator.kind() != Kind::Pid {
+        let flies = orders.regulator.kind().name();
         bail!("the experiment changes the gains of the PID, and {flies} flies; set [controller] active = \"pid\"");
     }
-    let curve = config.tables.compensation.as_ref().and_then(|compensation| compensation.predistortion.as_ref());
-    if experiment.changes_gains() && curve.is_some() {
+    if orders.compensation.predistortion.is_some() {
         bail!(
             "the experiment's gains are in percent per mm, and behind [compensation] predistortion they would be in mm/s² per mm; fly it without"
         );
     }
-    let orders = Orders {
-        regulator,
-        compensation: config.need(command, "compensation", |tables| tables.compensation.as_ref())?.clone(),
-        safety,
-        experiment: experiment.clone(),
-        reading_period_s,
-        signals: config.tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
-    };
-    let files = config.tables.mqtt.as_ref().map_or(&[][..], |mqtt| &mqtt.experiments);
-    let pilot = Pilot::new(orders).offering(offers(files, &safety)?);
-    Ok(Plan { table, pilot, experiment, config })
+    Ok(())
 }
 
 /// An experiment that a command brings along.
@@ -167,7 +169,7 @@ fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dr
         say(format_args!("log       {}{dropped}", named(files, read)))?;
     }
     if let Some(picture) = &args.plot {
-        plot::flight(picture, title, &cycles)?;
+        draw(picture, title, &cycles)?;
         if !args.json {
             say(format_args!("picture   {}", picture.display()))?;
         }
@@ -209,8 +211,9 @@ fn named(files: &[PathBuf], read: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::{last_cycles, named};
-    use crate::log::record::Cycle;
-    use crate::log::recorder::{Recorder, Sink};
+    use crate::flight::outside::Recorder;
+    use crate::flight::vocabulary::Cycle;
+    use crate::log::recorder::Sink;
     use crate::log::rotation::{Limits, Rotation};
     use crate::log::tests::{cycles, header};
     use std::path::{Path, PathBuf};

@@ -3,8 +3,8 @@
 use super::note;
 use crate::cli::GuardArgs;
 use crate::config::Bus;
-use crate::last_fault::LastFault;
-use crate::real_time;
+use crate::flight::last_fault::LastFault;
+use crate::flight::real_time;
 use crate::rig::{Heard, Ward, turn_off};
 use anyhow::{Result, anyhow};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};

@@ -3,8 +3,8 @@
 use super::say;
 use crate::cli::LiveArgs;
 use crate::config::Config;
-use crate::report::page;
-use crate::report::page::live::{Place, page as html};
+use crate::report::kit::page;
+use crate::report::live::{Place, page as html};
 use anyhow::{Result, bail};
 
 /// The WebSockets port of `packaging/mosquitto.conf`.

@@ -2,7 +2,7 @@
 
 use super::{note, say};
 use crate::log::{export, flight, recover as mended};
-use crate::report::summary::Summary;
+use crate::report::flight::summary::Summary;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

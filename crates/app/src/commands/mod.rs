@@ -8,7 +8,6 @@ mod diagnosing;
 pub mod emulate;
 pub mod fan_off;
 mod flying;
-pub mod gallery;
 pub mod guard;
 pub mod identify;
 pub mod live;

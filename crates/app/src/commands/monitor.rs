@@ -3,9 +3,9 @@
 use super::say;
 use crate::cli::MonitorArgs;
 use crate::config::Config;
-use crate::monitor::Monitor;
-use crate::monitor::keys::{Deed, deed};
-use crate::monitor::view::draw;
+use crate::mqtt::monitor::Monitor;
+use crate::mqtt::monitor::keys::{Deed, deed};
+use crate::mqtt::monitor::view::draw;
 use crate::mqtt::remote::{Heard, Remote};
 use anyhow::{Context, Result, bail};
 use ratatui::DefaultTerminal;

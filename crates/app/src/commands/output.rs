@@ -1,6 +1,6 @@
 //! Standard output and standard error, either of which may be closed at any time: `println!` would panic.
 
-use crate::report::{page, plot};
+use crate::report::kit::{page, plot};
 use anyhow::{Result, anyhow};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};

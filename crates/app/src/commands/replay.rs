@@ -4,8 +4,10 @@ use super::{may_write, note, say};
 use crate::cli::ReplayArgs;
 use crate::config::Config;
 use crate::log::reader;
-use crate::report::page::{self, replay::Report};
-use crate::report::{gap, plot};
+use crate::report::kit::page;
+use crate::report::replay::gap;
+use crate::report::replay::page::{Report, page as html};
+use crate::report::replay::plot;
 use anyhow::Result;
 use diagnose::{Gap, check, free_runs};
 
@@ -41,7 +43,7 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
         let (file, config) = (args.log.display().to_string(), args.config.config.display().to_string());
         let (recording, findings, gap, runs) = (&log.recording, findings.as_slice(), &gap, runs.as_slice());
         let report = Report { log: &file, config: &config, recording, findings, gap, runs };
-        page::write(path, &page::replay::page(&report))?;
+        page::write(path, &html(&report))?;
     }
     if let Some(path) = &args.plot {
         let title = format!("{} and the model's free runs", args.log.display());

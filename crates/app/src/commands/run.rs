@@ -4,17 +4,18 @@ use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on}
 use super::{note, say};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
+use crate::flight::last_fault::LastFault;
+use crate::flight::outside::Commander;
+use crate::flight::real_time;
+use crate::flight::watchdog::{SLACK_S, Watch};
 use crate::flight::{Flight, Outcome};
-use crate::last_fault::LastFault;
 use crate::log::LogError;
 use crate::log::header::Header;
 use crate::log::queue::Queue;
 use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::{About, Counts, Link};
-use crate::real_time;
 use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
-use crate::watch::{SLACK_S, Watch};
 use anyhow::Result;
 use embedded_hal::i2c::I2c;
 use hal::Clock;
@@ -107,8 +108,8 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     real_time::of_the_loop().into_iter().for_each(note);
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 
-    let mailbox = link.as_mut().map(|(_, mailbox)| mailbox);
-    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, mailbox).with_pulse(&pulse);
+    let commander = link.as_mut().map(|(_, mailbox)| mailbox as &mut dyn Commander);
+    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, commander).with_pulse(&pulse);
     let outcome = flight.fly(duration_s, stop);
     let watched = watch.finish(outcome.fan_still_on.is_none());
     let files = queue.files();
@@ -185,8 +186,8 @@ fn say_commands(counts: Counts) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::{GuardError, Outcome, worst};
-    use crate::deadline::Deadlines;
-    use crate::log::record::{End, Fault};
+    use crate::flight::deadline::Deadlines;
+    use crate::flight::vocabulary::{End, Fault};
     use embedded_hal::i2c::ErrorKind;
 
     #[test]

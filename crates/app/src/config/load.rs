@@ -131,7 +131,13 @@ impl Config {
         table: &'static str,
         get: impl Fn(&'a Tables) -> Option<&'a T>,
     ) -> Result<&'a T, ConfigError> {
-        get(&self.tables).ok_or_else(|| ConfigError::Missing { path: self.path.clone(), table, command })
+        get(&self.tables).ok_or_else(|| self.missing(command, table))
+    }
+
+    /// That the table which `command` needs is not there.
+    #[must_use]
+    pub fn missing(&self, command: &'static str, table: &'static str) -> ConfigError {
+        ConfigError::Missing { path: self.path.clone(), table, command }
     }
 }
 

@@ -2,12 +2,15 @@
 //!
 //! `tables` is what it may hold, `signals` the optional ones of `[rig]`, `load` reads it, merges patches and says where a mistake stands.
 
+pub mod import;
 mod load;
+pub mod mqtt;
 mod rig;
 mod signals;
 mod tables;
+pub mod topics;
 
 pub use load::{Config, ConfigError, parse_file, parse_text};
 pub use rig::Rig;
-pub use signals::{Looks, OutputEnable, SecondSensor, Tachometer};
-pub use tables::{Bus, Log, Loop, Reference, Safety, Stuck, Tables};
+pub use signals::{SecondSensor, Tachometer};
+pub use tables::{Bus, Loop, Reference, Safety, Stuck, Tables};

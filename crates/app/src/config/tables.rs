@@ -1,9 +1,9 @@
 //! The tables of the config file, in the order of the signal path. A command asks for the tables it needs.
 
 use super::Rig;
-use crate::log::import::Import;
-use crate::mqtt::config::MqttConfig;
-use crate::mqtt::topics::Topics;
+use super::import::Import;
+use super::mqtt::MqttConfig;
+use super::topics::Topics;
 use control::check::{OutOfRange, within};
 use control::compensation::Compensation;
 use control::controller::{Controllers, Kind};

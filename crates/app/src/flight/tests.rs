@@ -1,12 +1,13 @@
-//! What `flight.rs` promises.
+//! What a flight promises.
 
+use super::command::Command;
+use super::pilot::tests::pilot_holding;
+use super::vocabulary::{Cycle, End, Event, Fault, Mode, What};
 use super::{COMMANDS_PER_CYCLE, Flight, Outcome};
-use crate::command::Command;
 use crate::config::Loop;
-use crate::log::record::{Cycle, End, Event, Fault, Mode, What};
-use crate::log::recorder::Recorder;
+use crate::flight::outside::Commander;
+use crate::flight::outside::Recorder;
 use crate::log::writer::LogWriter;
-use crate::pilot::tests::pilot_holding;
 use crate::rig::{Rig, Sighting, simulated_in_virtual_time};
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
@@ -200,7 +201,7 @@ fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
 /// Allocations of the loop's thread in a flight of `duration_s`, over chips, signals, ring, link and all controllers of the config.
 fn allocations(duration_s: f64) -> u64 {
     let tables = super::rich();
-    let mqtt = crate::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
+    let mqtt = crate::config::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
     let about = crate::mqtt::About { rig: "rig1".into(), ..Default::default() };
     let (_link, mut mailbox) = crate::mqtt::Link::start(&mqtt, &about, None).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -1,18 +1,16 @@
 //! From the columns of a table to the rows of a recording, by the config's `[import]`.
 //!
-//! Equations and units are those of [`import`](super::import).
+//! Equations and units are those of [`import`](crate::config::import).
 
-use super::{
-    LogError,
-    error::CellProblem,
-    import::{Column, Import},
-    table::Table,
-};
+use super::LogError;
+use super::error::CellProblem;
+use super::table::Table;
+use crate::config::import::{Column, Import};
 use diagnose::Sample;
 
 /// Finds the columns and converts their numbers.
 pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, LogError> {
-    import.check()?;
+    import.check().map_err(LogError::Import)?;
     let time = Found::required(table, "time_s", &import.time_s)?;
     let setpoint = Found::optional(table, "setpoint_mm", import.setpoint_mm.as_ref())?;
     let control = Found::optional(table, "control_percent", None)?;

@@ -1,5 +1,6 @@
 //! What can go wrong with a log, each with the file, the place and the next thing to do.
 
+use crate::config::import::ImportError;
 use diagnose::RecordingError;
 use std::{io, path::PathBuf};
 
@@ -165,17 +166,8 @@ pub enum LogError {
         to_s: f64,
     },
     /// The table `[import]` of the config makes no sense.
-    #[error("[import] {quantity}: {key} = {value}; {hint}")]
-    Import {
-        /// Which quantity.
-        quantity: &'static str,
-        /// Which key.
-        key: &'static str,
-        /// Its value.
-        value: String,
-        /// What it should be.
-        hint: &'static str,
-    },
+    #[error(transparent)]
+    Import(ImportError),
 }
 
 /// What is wrong with a cell.

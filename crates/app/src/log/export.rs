@@ -4,7 +4,7 @@
 //! pass for a reading. The signals of a second sensor and a tachometer are columns where the flight has them. Numbers are
 //! written so that they read back as the same bits.
 
-use super::record::Cycle;
+use crate::flight::vocabulary::Cycle;
 use std::io::{self, Write};
 
 /// The columns, in the order of the signal path.

@@ -1,12 +1,11 @@
 //! A flight as its MCAP file tells it, up to the last whole message.
 
-use super::{
-    LogError,
-    header::{ABOUT, About, CONFIG, TOML, is_intact},
-    record::{Cycle, EventMessage},
-    records::{Damage, has_chunk, walk},
-    writer::{CYCLE, EVENT},
-};
+use super::LogError;
+use super::event::EventMessage;
+use super::header::{ABOUT, About, CONFIG, TOML, is_intact};
+use super::records::{Damage, has_chunk, walk};
+use super::writer::{CYCLE, EVENT};
+use crate::flight::vocabulary::Cycle;
 use mcap::{MAGIC, records::Record};
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -4,6 +4,7 @@
 //! `config` (key `toml`). A flight without a seed has no key `seed`. Metadata have no checksum in MCAP, so each record has
 //! one of its own (key `crc32`), without which a damaged config would be believed.
 
+use crate::flight::wall_clock::rfc3339;
 use std::{
     collections::BTreeMap,
     time::{SystemTime, UNIX_EPOCH},
@@ -101,12 +102,6 @@ impl From<&BTreeMap<String, String>> for About {
             started: text("started"),
         }
     }
-}
-
-/// A moment in UTC, to the millisecond, as RFC 3339 writes it. Before 1970 is 1970.
-#[must_use]
-pub fn rfc3339(moment: SystemTime) -> String {
-    humantime::format_rfc3339_millis(moment.max(UNIX_EPOCH)).to_string()
 }
 
 #[cfg(test)]

@@ -7,15 +7,14 @@
 
 mod columns;
 pub mod error;
+pub mod event;
 pub mod export;
 pub mod files;
 pub mod flight;
 pub mod header;
-pub mod import;
 mod packed;
 pub mod queue;
 pub mod reader;
-pub mod record;
 pub mod recorder;
 mod records;
 pub mod recover;

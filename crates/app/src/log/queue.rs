@@ -3,14 +3,13 @@
 //! The loop's side never waits and never allocates. What does not fit is counted and lost; what cannot be written is
 //! reported at the end. Start the queue before the loop raises its priority, for a thread inherits it.
 
-use super::{
-    LogError,
-    files::Files,
-    record::{Cycle, Event},
-    recorder::{Inline, Recorder, Sink},
-    rotation::Rotation,
-    writer::{LogSummary, LogWriter},
-};
+use super::LogError;
+use super::files::Files;
+use super::recorder::{Inline, Sink};
+use super::rotation::Rotation;
+use super::writer::{LogSummary, LogWriter};
+use crate::flight::outside::Recorder;
+use crate::flight::vocabulary::{Cycle, Event};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::{
     io::{self, Seek, Write},
@@ -155,7 +154,8 @@ fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, Log
 mod tests {
     use super::{Files, Inline, Queue, Recorder};
     use crate::log::tests::{cycles, events, header};
-    use crate::log::{LogError, flight, writer::LogWriter};
+    use crate::log::writer::LogWriter;
+    use crate::log::{LogError, flight};
     use std::io::{self, Cursor, Seek, SeekFrom, Write};
     use std::path::Path;
     use std::sync::mpsc::{Receiver, channel};

@@ -2,15 +2,14 @@
 //!
 //! A cycle becomes a row whose position is there only if it was measured in that cycle; a repeated one is no reading.
 
-use super::{
-    LogError, columns,
-    flight::{self, Flight},
-    header::About,
-    import::Import,
-    packed::unpacked,
-    record::{Cycle, EventMessage},
-    table::Table,
-};
+use super::event::EventMessage;
+use super::flight::{self, Flight};
+use super::header::About;
+use super::packed::unpacked;
+use super::table::Table;
+use super::{LogError, columns};
+use crate::config::import::Import;
+use crate::flight::vocabulary::Cycle;
 use diagnose::{Recording, Sample, without_codes};
 use std::{fs, path::Path};
 

@@ -1,29 +1,16 @@
-//! What the loop sees of a log: somewhere to put cycles and events, which never fails in flight.
+//! Recorders that end in a log: what the loop hands over never fails in flight.
 //!
 //! In virtual time [`Inline`] writes at once; in real time [`Queue`](super::queue::Queue) hands over to a thread.
 //! Both keep the first failure for the end: a full disk is no reason to drop the ball.
 
-use super::{
-    LogError,
-    record::{Cycle, Event},
-    writer::{LogSummary, LogWriter},
-};
+use super::LogError;
+use super::writer::{LogSummary, LogWriter};
+use crate::flight::outside::Recorder;
+use crate::flight::vocabulary::{Cycle, Event};
 use std::{
     fs::File,
     io::{BufWriter, Seek, Write},
 };
-
-/// Takes what a flight leaves behind.
-pub trait Recorder {
-    /// Takes one control period.
-    fn cycle(&mut self, cycle: &Cycle);
-    /// Takes an event.
-    fn event(&mut self, event: &Event);
-    /// How many of them were lost so far.
-    fn dropped(&self) -> u64 {
-        0
-    }
-}
 
 /// A recorder that ends in files.
 pub trait Sink: Recorder {

@@ -1,11 +1,9 @@
 //! A whole log from what a damaged one still holds.
 
-use super::{
-    LogError,
-    flight::Flight,
-    header::{Header, SIMULATED_START},
-    writer::{LogSummary, LogWriter},
-};
+use super::LogError;
+use super::flight::Flight;
+use super::header::{Header, SIMULATED_START};
+use super::writer::{LogSummary, LogWriter};
 use std::io::{Seek, Write};
 use std::path::Path;
 

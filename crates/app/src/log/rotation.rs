@@ -5,15 +5,14 @@
 //! first, with `-2`, `-3`, …; a name that is taken is passed over. Where no file can be begun, the old one goes on, and it is
 //! tried again. Only logs whose names are times, as the program gives them, are ever deleted.
 
-use super::{
-    LogError,
-    files::Files,
-    header::Header,
-    record::{Cycle, End, Event, What},
-    recorder::{Inline, Recorder, Sink},
-    writer::{LogSummary, LogWriter},
-};
-use crate::lateness::Histogram;
+use super::LogError;
+use super::files::Files;
+use super::header::Header;
+use super::recorder::{Inline, Sink};
+use super::writer::{LogSummary, LogWriter};
+use crate::flight::lateness::Histogram;
+use crate::flight::outside::Recorder;
+use crate::flight::vocabulary::{Cycle, End, Event, What};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -197,8 +196,8 @@ fn age(path: &Path) -> (String, u32) {
 #[cfg(test)]
 mod tests {
     use super::{Inline, Limits, LogError, LogWriter, Recorder, Rotation, Sink};
+    use crate::flight::vocabulary::Cycle;
     use crate::log::flight;
-    use crate::log::record::Cycle;
     use crate::log::tests::{cycles, events, header};
     use nix::fcntl::{FcntlArg, SealFlag, fcntl};
     use nix::sys::memfd::{MFdFlags, memfd_create};

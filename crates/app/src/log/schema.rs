@@ -36,7 +36,8 @@ fn plain(schema: &mut Schema) {
 #[cfg(test)]
 mod tests {
     use super::of;
-    use crate::log::record::{Cycle, EventMessage};
+    use crate::flight::vocabulary::Cycle;
+    use crate::log::event::EventMessage;
     use serde_json::{Value, json};
 
     /// Whether a viewer takes it: a plain type, an object of such, or a list of numbers.

@@ -5,8 +5,8 @@ mod damage;
 mod mcap;
 
 use super::header::{Header, SIMULATED_START};
-use super::record::{Cycle, End, Event, Fault, Mode, What};
 use super::writer::LogWriter;
+use crate::flight::vocabulary::{Cycle, End, Event, Fault, Mode, What};
 use std::{io::Cursor, path::Path};
 
 /// Cycles at 50 Hz with numbers that no short decimal hits; every seventh reading is a repeated one.

@@ -7,12 +7,10 @@
 //! A chunk ends once a second of flight time and reaches the operating system whole, so that a killed program loses
 //! about a second. It is not forced onto the disk: a power cut may take more.
 
-use super::{
-    LogError,
-    header::{ABOUT, CONFIG, Header},
-    record::{Cycle, Event, EventMessage},
-    schema,
-};
+use super::event::EventMessage;
+use super::header::{ABOUT, CONFIG, Header};
+use super::{LogError, schema};
+use crate::flight::vocabulary::{Cycle, Event};
 use mcap::{Compression, McapError, McapResult, WriteOptions, records::MessageHeader, records::Metadata};
 use serde::Serialize;
 use serde_json::Value;

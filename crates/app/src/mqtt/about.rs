@@ -1,7 +1,7 @@
 //! What a rig is and what it may be told: the retained message on `about`, from which any page or monitor learns limits, units and names.
 
 use crate::config::{Safety, Tables};
-use crate::experiment::offers::Offer;
+use crate::flight::experiment::offers::Offer;
 use control::controller::Kind;
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};
@@ -130,7 +130,7 @@ impl From<&Offer> for Offered {
 mod tests {
     use super::About;
     use crate::config::Config;
-    use crate::experiment::offers::offers;
+    use crate::flight::experiment::offers::offers;
     use std::path::Path;
 
     #[test]

@@ -1,10 +1,11 @@
 //! Too much for a rig: too large, too many, and nothing that makes sense.
 
 use super::link_tests::{MODE, REPLY, SETPOINT, STATUS, connected, in_force, obey, start};
-use super::message::Answer;
 use super::network::LARGEST_IN;
 use super::test_broker::{Broker, Outside, until};
-use crate::command::Command;
+use crate::flight::command::Command;
+use crate::flight::outside::Commander;
+use crate::flight::state::Answer;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 

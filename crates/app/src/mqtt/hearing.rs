@@ -5,7 +5,7 @@
 //! connection; so the next one asks for less: for the mode alone, that `stop` gets through, or, if it is kept there,
 //! for nothing. A minute later everything is asked for again.
 
-use super::topics::{ORIGINAL_SETPOINT, Topics};
+use crate::config::topics::{ORIGINAL_SETPOINT, Topics};
 use rumqttc::mqttbytes::Error as Malformed;
 use rumqttc::{Client, ConnectionError, QoS, StateError, SubscribeFilter};
 use std::time::{Duration, Instant};

@@ -1,7 +1,6 @@
 //! The link as its owner sees it: start it, give the mailbox to the loop, stop it.
 
 use super::about::About;
-use super::config::{MqttConfig, MqttError};
 use super::count::{Counters, Counts};
 use super::hearing::Hearing;
 use super::mailbox::{Mailbox, ROOM};
@@ -9,8 +8,9 @@ use super::network::{self, Line, Network};
 use super::outage::Outage;
 use super::publisher::Publisher;
 use super::stream::Stream;
-use super::topics::Topics;
-use crate::last_fault::LastFault;
+use crate::config::mqtt::{MqttConfig, MqttError};
+use crate::config::topics::Topics;
+use crate::flight::last_fault::LastFault;
 use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};

@@ -1,15 +1,16 @@
 //! The link against a real broker, seen from outside.
 
 use super::about::About;
-use super::config::MqttConfig;
 use super::link::Link;
 use super::mailbox::{Mailbox, ROOM};
-use super::message::{Answer, Gains, InForce, State};
 use super::test_broker::{Broker, Cable, Outside, PATIENCE, config, until};
-use super::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
-use crate::command::{Command, Refusal};
-use crate::lateness::Histogram;
-use crate::log::record::{Cycle, Mode};
+use crate::config::mqtt::MqttConfig;
+use crate::config::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
+use crate::flight::command::{Command, Refusal};
+use crate::flight::lateness::Histogram;
+use crate::flight::outside::Commander;
+use crate::flight::state::{Answer, Gains, InForce, State};
+use crate::flight::vocabulary::{Cycle, Mode};
 use control::controller::Kind;
 use serde_json::json;
 use std::net::TcpListener;

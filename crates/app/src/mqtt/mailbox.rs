@@ -4,8 +4,9 @@
 //! that no `fly` from before the stop starts the fan again.
 
 use super::count::{Counters, count};
-use super::message::{Answer, State};
-use crate::command::Command;
+use crate::flight::command::Command;
+use crate::flight::outside::Commander;
+use crate::flight::state::{Answer, State};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -78,9 +79,10 @@ impl Mailbox {
         commands.into_iter().for_each(|command| assert!(far.commands.push(command), "no room for {command:?}"));
         mailbox
     }
+}
 
-    /// The oldest command that waits. Answer each.
-    pub fn try_command(&mut self) -> Option<Command> {
+impl Commander for Mailbox {
+    fn try_command(&mut self) -> Option<Command> {
         if self.stop.swap(false, Relaxed) {
             for _ in (0..ROOM).map_while(|_| self.commands.pop().ok()) {
                 forgotten(&self.counters);
@@ -90,15 +92,13 @@ impl Mailbox {
         self.commands.pop().ok()
     }
 
-    /// Says what became of a command.
-    pub fn answer(&mut self, answer: Answer) {
+    fn answer(&mut self, answer: Answer) {
         if self.answers.push(answer).is_err() {
             count(&self.counters.dropped);
         }
     }
 
-    /// Says how things are.
-    pub fn publish_state(&mut self, state: State) {
+    fn publish_state(&mut self, state: State) {
         if self.states.push(state).is_err() {
             count(&self.counters.dropped);
         }
@@ -107,8 +107,8 @@ impl Mailbox {
 
 #[cfg(test)]
 mod tests {
-    use super::{Mailbox, ROOM};
-    use crate::command::Command;
+    use super::{Commander, Mailbox, ROOM};
+    use crate::flight::command::Command;
     use std::sync::Arc;
 
     #[test]

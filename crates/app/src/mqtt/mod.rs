@@ -37,12 +37,12 @@
 //! moment, and `fly` must not start the fan of a rig that has just been switched on.
 
 pub mod about;
-pub mod config;
 mod count;
 mod hearing;
 pub mod link;
 mod mailbox;
 pub mod message;
+pub mod monitor;
 mod network;
 mod outage;
 pub mod parse;
@@ -51,14 +51,12 @@ pub mod remote;
 pub mod seen;
 mod stream;
 pub mod tls;
-pub mod topics;
 
 pub use about::About;
-pub use config::{MqttConfig, MqttError};
 pub use count::Counts;
 pub use link::Link;
+#[cfg(test)]
 pub use mailbox::Mailbox;
-pub use message::{Answer, Gains, InForce, State};
 
 #[cfg(test)]
 mod flood_tests;

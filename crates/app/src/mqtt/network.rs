@@ -5,14 +5,14 @@
 //! session either. Between sessions the thread sleeps, because a refused connection fails within microseconds.
 
 use super::about::About;
-use super::config::{Credentials, MqttConfig, MqttError};
 use super::count::{Counters, count};
 use super::hearing::{Hearing, too_large};
 use super::mailbox::Inbox;
 use super::outage::Outage;
 use super::parse::{Asked, ParseError, parse};
-use super::topics::Topics;
-use crate::last_fault::LastFault;
+use crate::config::mqtt::{Credentials, MqttConfig, MqttError};
+use crate::config::topics::Topics;
+use crate::flight::last_fault::LastFault;
 use rumqttc::{
     Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, TlsConfiguration, Transport,
 };
@@ -120,7 +120,7 @@ pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, 
         options.set_credentials(user, password);
     }
     if let Some(tls) = &config.tls {
-        options.set_transport(Transport::tls_with_config(TlsConfiguration::Rustls(tls.client()?)));
+        options.set_transport(Transport::tls_with_config(TlsConfiguration::Rustls(super::tls::client(tls)?)));
     }
     Ok(options)
 }

@@ -2,9 +2,9 @@
 //!
 //! Only the form is judged here. Whether a setpoint is safe or a gain within its bounds is the loop's to say.
 
-use super::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
-use crate::command::{Command, GainChange};
-use crate::experiment::offers::Name;
+use crate::config::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
+use crate::flight::command::{Command, GainChange};
+use crate::flight::name::Name;
 use control::controller::Kind;
 
 /// Longest payload that is looked into, bytes. The longest sensible one, three gains, has about 80.
@@ -169,8 +169,8 @@ fn printable(text: &str, longest: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Asked, LONGEST_PAYLOAD, ParseError, parse};
-    use crate::command::{Command, GainChange};
-    use crate::mqtt::topics::{ORIGINAL_SETPOINT, Topics};
+    use crate::config::topics::{ORIGINAL_SETPOINT, Topics};
+    use crate::flight::command::{Command, GainChange};
     use control::controller::Kind;
     use proptest::prelude::*;
 

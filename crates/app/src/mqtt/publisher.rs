@@ -6,10 +6,11 @@
 
 use super::count::{Counters, count};
 use super::mailbox::ROOM;
-use super::message::{Answer, CyclesMessage, InForce, Reply, State, StateMessage};
+use super::message::{CyclesMessage, Reply, StateMessage};
 use super::network::{Aside, Line, What};
 use super::stream::Stream;
-use super::topics::{ORIGINAL_POSITION, Topics};
+use crate::config::topics::{ORIGINAL_POSITION, Topics};
+use crate::flight::state::{Answer, InForce, State};
 use rtrb::Consumer;
 use rumqttc::QoS;
 use serde::Serialize;
@@ -142,11 +143,12 @@ fn next(due: Instant, now: Instant) -> Instant {
 
 #[cfg(test)]
 mod tests {
-    use super::super::link_tests::{about, in_force};
-    use super::super::mailbox::Mailbox;
     use super::{Arc, Aside, Duration, Instant, Line, Publisher, ROOM, STATE_PERIOD, Stream, Topics, What, next};
-    use crate::command::Command;
-    use crate::mqtt::message::Answer;
+    use crate::flight::command::Command;
+    use crate::flight::outside::Commander;
+    use crate::flight::state::Answer;
+    use crate::mqtt::link_tests::{about, in_force};
+    use crate::mqtt::mailbox::Mailbox;
     use std::sync::mpsc::sync_channel;
 
     #[test]

@@ -3,11 +3,11 @@
 //! As on the rig, a session has a client of its own, so that no command that was meant for one moment arrives at another.
 
 use super::about::About;
-use super::config::{MqttConfig, MqttError};
 use super::network;
 use super::seen::{Said, Seen};
-use super::topics::{Quantity, Topics};
-use crate::last_fault::LastFault;
+use crate::config::mqtt::{MqttConfig, MqttError};
+use crate::config::topics::{Quantity, Topics};
+use crate::flight::last_fault::LastFault;
 use rumqttc::{Client, ConnectionError, Event, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
 use serde::de::DeserializeOwned;
 use std::process;

@@ -1,7 +1,7 @@
 //! A rig's messages as others read them: the part of `state` and `reply` that a person looks at.
 
-use crate::lateness::Quantiles;
-use crate::log::record::Cycle;
+use crate::flight::lateness::Quantiles;
+use crate::flight::vocabulary::Cycle;
 use control::controller::Kind;
 use serde::Deserialize;
 

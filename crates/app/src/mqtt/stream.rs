@@ -1,6 +1,6 @@
 //! Every cycle, for whoever asks: in batches, and for a while after each asking, so that a page that was closed is not served for ever.
 
-use crate::log::record::Cycle;
+use crate::flight::vocabulary::Cycle;
 use std::time::{Duration, Instant};
 
 /// How long an asking holds. Whoever watches asks again in less.

@@ -1,6 +1,6 @@
 //! What the tests of the link need around it: a broker of their own, somebody outside, and a cable to cut.
 
-use super::config::MqttConfig;
+use crate::config::mqtt::MqttConfig;
 use rumqttc::{Client, Event, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};

@@ -1,56 +1,39 @@
-//! TLS to the broker: the config's table `[mqtt.tls]`, and what its certificates say when they do not fit.
+//! TLS to the broker, and what its certificates say when they do not fit.
 //!
 //! The rig trusts the authorities of one file and nobody else, so that a broker with an authority of its own, made with
 //! `openssl`, is as good as a bought one. The cryptography is `ring`, given to each connection by hand: there is no
 //! provider for the whole process to forget.
 
-use super::config::MqttError;
+use crate::config::mqtt::{MqttError, TlsConfig};
 use rumqttc::ConnectionError;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{CertificateError, ClientConfig, RootCertStore, crypto::ring};
-use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-/// The table `[mqtt.tls]`. Absent is a connection that anybody on the way can read.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TlsConfig {
-    /// PEM file of the authorities, one of which must have signed the broker's certificate.
-    pub ca_file: PathBuf,
-    /// PEM file of our own certificate, where the broker asks for one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub certificate_file: Option<PathBuf>,
-    /// PEM file of the private key of that certificate.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub key_file: Option<PathBuf>,
-}
-
-impl TlsConfig {
-    /// Reads the files.
-    pub(super) fn client(&self) -> Result<Arc<ClientConfig>, MqttError> {
-        let mut trusted = RootCertStore::empty();
-        for authority in certificates("ca_file", &self.ca_file)? {
-            trusted.add(authority).map_err(|cause| pem("ca_file", &self.ca_file, &cause))?;
-        }
-        let provider = Arc::new(ring::default_provider());
-        let client = ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions();
-        let client = client.map_err(MqttError::Tls)?.with_root_certificates(trusted);
-        let client = match (&self.certificate_file, &self.key_file) {
-            (None, None) => client.with_no_client_auth(),
-            (Some(certificate), Some(key)) => {
-                let chain = certificates("certificate_file", certificate)?;
-                let secret = PrivateKeyDer::from_pem_file(key).map_err(|cause| pem("key_file", key, &cause))?;
-                client.with_client_auth_cert(chain, secret).map_err(|cause| pem("key_file", key, &cause))?
-            }
-            (Some(_), None) => return Err(MqttError::NoPair { has: "certificate_file", lacks: "key_file" }),
-            (None, Some(_)) => return Err(MqttError::NoPair { has: "key_file", lacks: "certificate_file" }),
-        };
-        Ok(Arc::new(client))
+/// The connection's side of TLS, from the files of `[mqtt.tls]`.
+pub(super) fn client(table: &TlsConfig) -> Result<Arc<ClientConfig>, MqttError> {
+    let mut trusted = RootCertStore::empty();
+    for authority in certificates("ca_file", &table.ca_file)? {
+        trusted.add(authority).map_err(|cause| pem("ca_file", &table.ca_file, &cause))?;
     }
+    let provider = Arc::new(ring::default_provider());
+    let client = ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions();
+    let client = client.map_err(MqttError::Tls)?.with_root_certificates(trusted);
+    let client = match (&table.certificate_file, &table.key_file) {
+        (None, None) => client.with_no_client_auth(),
+        (Some(certificate), Some(key)) => {
+            let chain = certificates("certificate_file", certificate)?;
+            let secret = PrivateKeyDer::from_pem_file(key).map_err(|cause| pem("key_file", key, &cause))?;
+            client.with_client_auth_cert(chain, secret).map_err(|cause| pem("key_file", key, &cause))?
+        }
+        (Some(_), None) => return Err(MqttError::NoPair { has: "certificate_file", lacks: "key_file" }),
+        (None, Some(_)) => return Err(MqttError::NoPair { has: "key_file", lacks: "certificate_file" }),
+    };
+    Ok(Arc::new(client))
 }
 
 /// All certificates of a file, at least one.

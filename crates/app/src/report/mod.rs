@@ -1,26 +1,11 @@
-//! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, the [`diagnosis`] with
-//! its [`closed_loop`] and what to fly [`next`], either of them as a [`page`], the score of many that were [`blind`], and a [`design`] with
-//! its picture, and what was [`identify`](mod@identify)ed.
+//! What a person reads and looks at, by subject: words, documents, pictures and pages. What they are made of is in [`kit`].
 
 pub mod blind;
-pub mod closed_loop;
 pub mod design;
-pub mod design_plot;
 pub mod diagnosis;
-pub mod gap;
+pub mod flight;
 pub mod identify;
-pub mod left_over;
-pub mod logs;
+pub mod kit;
+pub mod live;
 pub mod measure;
-pub mod measure_plot;
-pub mod mend;
-pub mod missing_force;
-pub mod next;
-pub mod page;
-mod palette;
-pub mod plot;
-pub mod signals;
-mod stages;
-pub mod steps;
-pub mod summary;
-mod table;
+pub mod replay;

@@ -1,107 +1,17 @@
 //! The bench: the bus of a Raspberry Pi, or the one that `airball emulate` serves in its place.
 
-use super::chips::{Chips, StartError, Wiring};
+use super::chips::{Chips, Wiring};
 use super::clock::Monotonic;
+use super::enable_line::EnableLine;
+use super::error::BenchError;
 use super::lines::{Lines, output_enable};
-use super::wire::{Wire, WireError};
+use super::wire::Wire;
 use crate::config;
-use hal::{Clock, FanError, stop_fan};
-use std::fmt;
+use hal::{Clock, stop_fan};
 use std::fs::{File, TryLockError};
-use std::str::FromStr;
 
 /// Between two attempts to turn the fan off.
 const RETRY_S: f64 = 0.02;
-
-/// The line of output-enable, in one word of a command line: `CHIP:LINE`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct EnableLine {
-    chip: String,
-    line: u32,
-}
-
-impl EnableLine {
-    /// The line that a rig's table names.
-    #[must_use]
-    pub fn of(rig: &config::Rig) -> Option<Self> {
-        rig.output_enable.map(|pin| Self { chip: rig.gpio_chip.clone(), line: pin.line })
-    }
-}
-
-impl fmt::Display for EnableLine {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", self.chip, self.line)
-    }
-}
-
-impl FromStr for EnableLine {
-    type Err = String;
-
-    fn from_str(word: &str) -> Result<Self, String> {
-        let both = word.rsplit_once(':').and_then(|(chip, line)| Some((chip.to_owned(), line.parse().ok()?)));
-        let (chip, line) = both.ok_or_else(|| format!("{word} is no CHIP:LINE, for instance /dev/gpiochip0:17"))?;
-        Ok(Self { chip, line })
-    }
-}
-
-/// Why the bench does not start, or does not stop.
-#[derive(Debug, thiserror::Error)]
-pub enum BenchError {
-    /// The bus cannot be opened.
-    #[error(
-        "cannot open the I2C bus {device}: {source}; on a Raspberry Pi switch I2C on with `raspi-config` (or \
-         dtparam=i2c_arm=on) and join the group i2c, or name another bus in [bus] device; \
-         without a rig, fly the simulated one with `--sim`"
-    )]
-    Open {
-        /// The device file.
-        device: String,
-        /// What the system said.
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
-    /// Somebody else flies this rig.
-    #[error(
-        "the I2C bus {device} is taken by another program that flies this rig, or by the guard of a flight that was \
-         killed; end that flight first"
-    )]
-    Taken {
-        /// The device file.
-        device: String,
-    },
-    /// A GPIO line cannot be taken.
-    #[error(
-        "cannot take line {line} of {chip} for [{table}]: {source}; see with `gpioinfo` which lines there are and who holds \
-         them, join the group gpio, name another chip in [rig] gpio_chip, or delete the table"
-    )]
-    Line {
-        /// The chip's device file.
-        chip: String,
-        /// The line.
-        line: u32,
-        /// The table that asks for it.
-        table: &'static str,
-        /// What the system said.
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
-    /// A chip does not start.
-    #[error("bus {device}: {source}")]
-    Start {
-        /// The device file.
-        device: String,
-        /// Which chip and why.
-        source: Box<StartError<WireError, WireError>>,
-    },
-    /// The fan does not stop.
-    #[error("the fan could not be turned off in {tries} attempts: bus {device}: {source}; switch off its supply now")]
-    StaysOn {
-        /// The device file.
-        device: String,
-        /// How often it was tried.
-        tries: u32,
-        /// What the last attempt met.
-        source: FanError<WireError>,
-    },
-}
 
 /// Claims the bus for one flight: a second one would drive the same fan. A copy of the file holds the claim, too.
 ///

@@ -1,20 +1,18 @@
 //! The rig through its chips: the range sensor at the top of the pipe and the fan's PWM driver; where it has them, a second
 //! range sensor, the fan's tachometer and the driver's output-enable.
 
+use super::error::StartError;
 use super::lines::{Lines, Pin};
+use super::range::{BEYOND_PIPE_MM, START_ALLOWED_S, kind};
 use super::second::{Apart, Second};
 use super::{Rig, Sighting};
 use crate::config;
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::{Error, ErrorKind, I2c};
-use hal::{Clock, Edges, Fan, FanError, Range, RangeError, RangeSensor, SeparateError, Tachometer};
+use hal::{Clock, Edges, Fan, FanError, Range, RangeSensor, Tachometer};
 
-/// How long a sensor may take to start, seconds: its driver needs 0.1 s at 100 kHz.
-pub(super) const START_ALLOWED_S: f64 = 2.0;
 /// How long a reading may take, seconds: ten times the sensor's period.
 const READING_ALLOWED_S: f64 = 0.2;
-/// How far beyond the pipe a reading may lie before it is no ball, mm: twelve times the sensor's noise.
-pub(super) const BEYOND_PIPE_MM: f64 = 30.0;
 
 /// A handle of the bus for each chip, and the lines beside it.
 pub struct Wiring<S, P> {
@@ -40,23 +38,6 @@ pub struct Chips<S: I2c, P: I2c, C: Clock> {
     clock: C,
     sensor_to_bottom_mm: f64,
     sensor_scale: f64,
-}
-
-/// Why a rig does not start.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum StartError<S, P> {
-    /// The range sensor.
-    #[error(transparent)]
-    Sensor(RangeError<S>),
-    /// The two range sensors are not told apart.
-    #[error(transparent)]
-    Separate(SeparateError<S>),
-    /// The second range sensor.
-    #[error("second range sensor: {0}")]
-    Second(RangeError<S>),
-    /// The fan driver.
-    #[error(transparent)]
-    Fan(FanError<P>),
 }
 
 impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
@@ -169,13 +150,6 @@ impl<S: I2c, P: I2c, C: Clock> Chips<S, P, C> {
             let _ = pin.set_high();
             self.outputs_on = false;
         }
-    }
-}
-
-pub(super) fn kind<E: Error>(error: RangeError<E>) -> ErrorKind {
-    match error {
-        RangeError::Bus { error, .. } => error.kind(),
-        _ => ErrorKind::Other,
     }
 }
 

@@ -7,7 +7,7 @@
 //! The kernel closes the loop's end when the loop dies, `kill -9` included; no word of the loop is needed for that. The
 //! guard's standard output is a copy of the claim on the bus: nobody else can fly before the guard has done its duty.
 
-use super::bench::EnableLine;
+use super::enable_line::EnableLine;
 use crate::config;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};

@@ -1,7 +1,7 @@
 //! The lines beside the bus: GPIO of the kernel, or those of an emulated rig.
 
-use super::bench::BenchError;
 use super::clock::Monotonic;
+use super::error::BenchError;
 use super::gpio::{KernelEdges, KernelLine};
 use super::socket_lines::{Line, SocketEdges, SocketLine};
 use crate::config;

@@ -17,10 +17,13 @@ mod bench;
 mod chips;
 mod clock;
 mod direct;
+mod enable_line;
+mod error;
 mod gpio;
 mod guard;
 mod lines;
 mod pulses;
+mod range;
 mod second;
 mod simulated;
 mod socket;
@@ -29,20 +32,20 @@ mod socket_lines;
 mod tests;
 mod wire;
 
-pub use bench::{BenchError, EnableLine, bench, claim, turn_off};
-pub use chips::{Chips, StartError, Wiring};
-pub use clock::{Monotonic, WorldClock};
+pub use bench::{bench, claim, turn_off};
+pub use chips::Chips;
+pub use clock::Monotonic;
+#[cfg(test)]
+pub use clock::WorldClock;
 pub use direct::Direct;
+pub use enable_line::EnableLine;
+pub use error::BenchError;
 pub use guard::{Guard, GuardError, Heard, Ward};
-pub use lines::{Lines, Pin};
-pub use simulated::{
-    PlantWorld, SimulatedRig, SimulatedStartError, emulated_bus, simulated_in_real_time, simulated_in_virtual_time,
-};
+pub use simulated::{PlantWorld, emulated_bus, simulated_in_real_time, simulated_in_virtual_time};
 #[cfg(test)]
 pub(crate) use simulated::{start, with_signals};
-pub use socket::{SocketBus, serve};
+pub use socket::serve;
 pub use socket_lines::Served;
-pub use wire::{Wire, WireError};
 
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;

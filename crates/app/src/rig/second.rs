@@ -1,8 +1,8 @@
 //! The second range sensor: started beside the first, told apart from it by its XSHUT.
 
 use super::Sighting;
-use super::chips::{BEYOND_PIPE_MM, START_ALLOWED_S, kind};
 use super::lines::Pin;
+use super::range::{BEYOND_PIPE_MM, START_ALLOWED_S, kind};
 use crate::config;
 use control::Millimetres;
 use embedded_hal::i2c::{ErrorKind, I2c};

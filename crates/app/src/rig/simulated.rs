@@ -1,7 +1,8 @@
 //! The simulated rig: the plant behind emulated chips, so that the drivers that fly the bench fly it too.
 
-use super::chips::{Chips, StartError, Wiring};
+use super::chips::{Chips, Wiring};
 use super::clock::{Monotonic, WorldClock};
+use super::error::StartError;
 use super::lines::Lines;
 use super::pulses::Pulses;
 use crate::config;

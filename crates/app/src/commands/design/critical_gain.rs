@@ -8,47 +8,17 @@ use super::{NAME, write};
 use crate::cli::CriticalGainArgs;
 use crate::commands::{may_write, say};
 use crate::config::Config;
-use crate::report::design::critical_table;
-use crate::report::page::{self, design::critical::Report};
+use crate::report::design::critical_gain::{RIG, Row, Table};
+use crate::report::design::page::critical::{self, Report};
+use crate::report::design::words::critical_table;
+use crate::report::kit::page;
 use anyhow::Result;
 use control::design::critical::{critical_gain as of_gain, critical_integral_time, third_pole};
 use control::design::law::Gains;
 use control::design::{DesignError, Linear};
-use serde::Serialize;
 
 /// What the thesis measured on the rig: the critical T_i at K_p = 0.01, seconds.
 const RIG_TI_S: f64 = 0.69;
-/// Its line in the table.
-pub const RIG: &str = "the rig";
-
-/// A line of the table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
-    /// Which model.
-    pub model: String,
-    /// The fan's pole, 1/s.
-    pub fan_pole_per_s: Option<f64>,
-    /// Critical gain in continuous time, percent per mm; `None`: stable at any gain.
-    pub critical_kp_per_mm: Option<f64>,
-    /// Critical gain of the sampled loop.
-    pub sampled_critical_kp_per_mm: Option<f64>,
-    /// Critical integral time, seconds.
-    pub critical_ti_s: Option<f64>,
-}
-
-/// The document of `airball design critical-gain --json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Table {
-    schema: &'static str,
-    /// T_i of the critical gains, seconds.
-    pub ti_s: f64,
-    /// K_p of the critical integral times, percent per mm.
-    pub kp_per_mm: f64,
-    /// Period of the sampled loop, seconds.
-    pub period_s: f64,
-    /// The models as they are, the rig, and the models with the chosen pole.
-    pub rows: Vec<Row>,
-}
 
 pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     for (flag, value) in
@@ -66,7 +36,7 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     if let Some(path) = &args.html {
         let config = args.config.display().to_string();
         let patch = patch.as_ref().map(|patch| (config.as_str(), patch.as_str()));
-        page::write(path, &page::design::critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
+        page::write(path, &critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
     }
     if args.json {
         return say(serde_json::to_string(&table)?);

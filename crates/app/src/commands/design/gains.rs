@@ -1,11 +1,11 @@
 //! The methods that end in gains.
 
 use super::{Ground, NAME};
-use crate::assessment::Closing;
+use crate::analysis::loop_margins::Closing;
 use crate::cli::{DesignArgs, LqrArgs, PidArgs, PolesArgs, RelayArgs, RelayRule};
 use crate::commands::note;
 use crate::log::reader;
-use crate::report::design::Feedback;
+use crate::report::design::words::Feedback;
 use anyhow::{Result, anyhow, bail};
 use control::design::DesignError;
 use control::design::ackermann::{ackermann, setpoint_gain};

@@ -5,16 +5,14 @@ mod gains;
 mod observer;
 mod patch;
 
-pub use critical_gain::{RIG, Row, Table};
-pub use observer::Document as ObserverDocument;
-
 use super::{may_write, note, say, write};
-use crate::assessment::{Closing, Loop};
+use crate::analysis::loop_margins::{Closing, Loop};
 use crate::cli::{DesignArgs, DesignCommand};
 use crate::config::Config;
-use crate::report::design::{Document, Feedback, words};
-use crate::report::design_plot;
-use crate::report::page::{self, design::Report};
+use crate::report::design::page::{Report, page as html};
+use crate::report::design::plot;
+use crate::report::design::words::{Document, Feedback, words};
+use crate::report::kit::page;
 use anyhow::Result;
 use control::design::Linear;
 use control::predistortion::Predistortion;
@@ -76,13 +74,13 @@ impl Ground {
             write("patch", path, &patch()?)?;
         }
         if let Some(path) = &args.plot {
-            design_plot::draw(path, &of)?;
+            plot::draw(path, &of)?;
         }
         if let Some(path) = &args.html {
             let (config, not_linear) = (args.config.config.display().to_string(), self.model.not_linear());
             let report =
                 Report { config: &config, document: &document, of: &of, patch: &patch()?, not_linear: &not_linear };
-            page::write(path, &page::design::page(&report)?)?;
+            page::write(path, &html(&report)?)?;
         }
         if args.json {
             return say(serde_json::to_string(&document)?);

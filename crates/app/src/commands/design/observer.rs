@@ -4,38 +4,19 @@ use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
 use crate::commands::{may_write, say};
 use crate::config::Config;
-use crate::report::page::{self, design::observer::Report};
+use crate::report::design::observer::Document;
+use crate::report::design::page::observer::{self, Report};
+use crate::report::kit::page;
 use anyhow::{Result, anyhow, bail};
 use control::believed::Believed;
 use control::design::discretise::discretise;
 use control::design::riccati::{kalman, sampled_kalman};
 use control::observer::{Gain, Observer};
 use nalgebra::{RowSVector, SMatrix, SVector};
-use serde::Serialize;
 
 /// Where a config has no observer yet: hover wanders by 0.03 % in a second, and readings beyond 5 sigma are outliers.
 const DISTURBANCE_PSD_PER_S: f64 = 1e-3;
 const GATE_SIGMA: f64 = 5.0;
-
-/// The document of `airball design observer --json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Document {
-    schema: &'static str,
-    /// The states of the model, with their units.
-    pub states: Vec<&'static str>,
-    /// Time between readings, seconds.
-    pub period_s: f64,
-    /// V: one reading's variance times the period, as if it were white noise in continuous time, mm²·s.
-    pub reading_intensity_mm2_s: f64,
-    /// L of dx̂/dt = … + L·(y − ŷ).
-    pub continuous: Vec<f64>,
-    /// L of x̂ ← x̂ + L·(y − ŷ) at every reading.
-    pub sampled: Vec<f64>,
-    /// The observer of the patch.
-    pub observer: Observer,
-    /// Its L: position in mm, velocity in mm/s, fan and hover in control values, for every millimetre of surprise.
-    pub flown: Vec<f64>,
-}
 
 impl Ground {
     /// The observer of this ground's model. What the model does not know is as in the config's `[observer]`.
@@ -95,10 +76,7 @@ pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
     }
     if let Some(path) = &args.html {
         let config = args.config.config.display().to_string();
-        page::write(
-            path,
-            &page::design::observer::page(&Report { config: &config, document: &document, patch: &patch }),
-        )?;
+        page::write(path, &observer::page(&Report { config: &config, document: &document, patch: &patch }))?;
     }
     if args.json { say(serde_json::to_string(&document)?) } else { tell(&document) }
 }

@@ -1,8 +1,8 @@
 //! A design as a config patch: the tables that make the designed controller fly.
 
-use crate::assessment::Closing;
+use crate::analysis::loop_margins::Closing;
 use crate::config::Tables;
-use crate::report::design::Feedback;
+use crate::report::design::words::Feedback;
 use anyhow::{Result, anyhow};
 use control::controller::{Controllers, Kind};
 use control::design::law::{Gains, Weights};

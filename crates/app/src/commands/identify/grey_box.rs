@@ -4,9 +4,10 @@ use super::{conclude, config, read, said, write_patch};
 use crate::cli::{GreyBoxArgs, PolesArg};
 use crate::commands::note;
 use crate::report::identify::grey_box::{Document, better, words};
+use crate::report::identify::page::grey_box::{Report, page as html};
 use crate::report::identify::patch;
-use crate::report::page::{self, identify::grey_box::Report};
-use crate::report::plot::identify::grey_box as draw;
+use crate::report::identify::plot::grey_box as draw;
+use crate::report::kit::page;
 use ::diagnose::{GreyBox, HeldOut, OpenLoop, Poles, Recording, prepared};
 use anyhow::{Result, bail};
 use plant::Model;
@@ -43,7 +44,7 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
         let believed = open.is_none().then(|| HeldOut::gap_of(&asked.belief, used));
         page::write(
             path,
-            &page::identify::grey_box::page(&Report {
+            &html(&Report {
                 logs: &asked.names,
                 config: &config(&args.identify),
                 belief: &asked.belief,

@@ -1,12 +1,13 @@
 //! `airball identify third-pole`: the fan's lag by the critical gain of the rig.
 
 use super::{NAME, conclude, config, has_one_lag, may_write, write_patch};
-use crate::assessment::{Closing, Loop};
+use crate::analysis::loop_margins::{Closing, Loop};
 use crate::cli::ThirdPoleArgs;
 use crate::config::Config;
-use crate::report::design_plot;
+use crate::report::design::plot;
+use crate::report::identify::page::third_pole::{Report, page as html};
 use crate::report::identify::third_pole::{Document, lines, patch};
-use crate::report::page::{self, identify::third_pole::Report};
+use crate::report::kit::page;
 use ::diagnose::fan_pole::fan_lag_s;
 use anyhow::Result;
 use control::design::Linear;
@@ -42,12 +43,12 @@ pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
     write_patch(&args.identify, &patch)?;
     let half = Loop { plant, closing: Closing::Pid(half, Weights::MEASUREMENT), period_s };
     if let Some(path) = &args.identify.plot {
-        design_plot::draw(path, &half)?;
+        plot::draw(path, &half)?;
     }
     if let Some(path) = &args.identify.html {
         let config = config(&args.identify);
         let report = Report { config: &config, found: &document, half: &half, patch: &patch };
-        page::write(path, &page::identify::third_pole::page(&report)?)?;
+        page::write(path, &html(&report)?)?;
     }
     conclude(&args.identify, &document, lines(&document))
 }

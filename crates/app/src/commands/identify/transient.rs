@@ -2,10 +2,11 @@
 
 use super::{conclude, config, read, write_patch};
 use crate::cli::TransientArgs;
+use crate::report::identify::page::transient::{Report, page as html};
 use crate::report::identify::patch;
+use crate::report::identify::plot::sweep as draw;
 use crate::report::identify::transient::{Document, lines};
-use crate::report::page::{self, identify::transient::Report};
-use crate::report::plot::identify::sweep as draw;
+use crate::report::kit::page;
 use ::diagnose::{Recording, Sweep};
 use anyhow::{Result, bail};
 
@@ -26,7 +27,7 @@ pub(super) fn transient(args: &TransientArgs) -> Result<()> {
     if let Some(path) = &args.identify.html {
         page::write(
             path,
-            &page::identify::transient::page(&Report {
+            &html(&Report {
                 logs: &asked.names,
                 config: &config(&args.identify),
                 belief: &asked.belief,

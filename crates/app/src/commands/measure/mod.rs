@@ -6,14 +6,14 @@ use super::flying::{Own, Plan, plan};
 use super::run::in_real_time;
 use super::simulate::in_virtual_time;
 use super::{Usage, may_write, note, say, write};
+use crate::analysis::measurement::Found;
 use crate::cli::{MeasureArgs, Measurement};
 use crate::config::Config;
 use crate::log::reader::{self, LoadedLog};
-use crate::measured::Found;
-use crate::report::measure::{document, words};
-use crate::report::measure_plot;
-use crate::report::page;
-use crate::report::page::measure::{Patch, Report};
+use crate::report::kit::page;
+use crate::report::measure::page::{Patch, Report, page as html};
+use crate::report::measure::plot;
+use crate::report::measure::words::{document, words};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
@@ -55,7 +55,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
         write("patch", file, &(origin + text))?;
     }
     if let Some(picture) = &args.flight.plot {
-        measure_plot::draw(picture, &log.recording, &found)?;
+        plot::draw(picture, &log.recording, &found)?;
     }
     if args.flight.json {
         return say(serde_json::to_string(&document(args.what, &found, &path, text.as_deref())?)?);
@@ -100,7 +100,7 @@ fn page(
         Err(_) => Patch::Refused(why.as_deref().unwrap_or_default()),
     };
     let what = args.what.to_possible_value();
-    page::measure::page(&Report {
+    html(&Report {
         what: what.as_ref().map_or("", PossibleValue::get_name),
         log: &path.display().to_string(),
         config: &args.flight.config.config.display().to_string(),

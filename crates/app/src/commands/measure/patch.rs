@@ -1,7 +1,7 @@
 //! What a measurement found, as a config patch.
 
+use crate::analysis::measurement::Found;
 use crate::config::Tables;
-use crate::measured::Found;
 use anyhow::{Result, anyhow};
 use control::predistortion::{MAX_POINTS, Predistortion};
 use diagnose::fan_pole::fan_lag_s;

@@ -1,14 +1,15 @@
 //! The measurements on the simulated rig, chips and all, in virtual time: what the config says lies where the intervals say. How often it
 //! does is counted in `diagnose`, without chips and so in a fraction of the time.
 
-use super::{own, patch::patch};
+use super::own;
+use super::patch::patch;
+use crate::analysis::measurement::Found;
+use crate::analysis::virtual_flight::Desk;
 use crate::cli::Measurement;
 use crate::config::{Config, Tables};
-use crate::desk::Desk;
-use crate::experiment::Experiment;
+use crate::flight::experiment::Experiment;
 use crate::log::header::About;
 use crate::log::reader::{LoadedLog, sample};
-use crate::measured::Found;
 use clap::ValueEnum;
 use control::design::critical::critical_gain;
 use control::design::law::Gains;

@@ -4,8 +4,8 @@
 use super::faults::{Case, DOUBTFUL, FAN, Lasting, Mishap, SECOND, SENSOR};
 use super::{check, fly, logged};
 use crate::config::Tables;
-use crate::log::record::{Cycle, End, Fault as Ended, Mode};
-use crate::report::signals::Signals;
+use crate::flight::vocabulary::{Cycle, End, Fault as Ended, Mode};
+use crate::report::flight::signals::Signals;
 use hal::emulator::Fault;
 use std::path::Path;
 

@@ -1,8 +1,9 @@
 //! Tables: ours, other people's, and broken ones.
 
 use super::{cycles, file};
-use crate::log::import::{Column, Import};
-use crate::log::{LogError, export, reader, reader::LoadedLog};
+use crate::config::import::{Column, Import};
+use crate::log::reader::LoadedLog;
+use crate::log::{LogError, export, reader};
 use proptest::prelude::*;
 use std::path::Path;
 

@@ -1,8 +1,9 @@
 //! A flight that is cut at every byte and has every byte spoilt: no panic, nothing invented, a second lost at most.
 
 use super::{cycles, events, file, header};
+use crate::flight::vocabulary::Cycle;
+use crate::log::event::EventMessage;
 use crate::log::flight::{self, Flight};
-use crate::log::record::{Cycle, EventMessage};
 use crate::log::recover;
 use rayon::prelude::*;
 use std::path::Path;

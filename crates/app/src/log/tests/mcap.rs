@@ -1,9 +1,12 @@
 //! Flights as MCAP: whole, cut, damaged, foreign, and anything at all.
 
 use super::{cycles, events, file, header};
+use crate::flight::outside::Recorder;
+use crate::log::event::EventMessage;
 use crate::log::header::{About, Header};
-use crate::log::recorder::{Inline, Recorder};
-use crate::log::{LogError, flight, reader, record::EventMessage, writer::LogWriter};
+use crate::log::recorder::Inline;
+use crate::log::writer::LogWriter;
+use crate::log::{LogError, flight, reader};
 use mcap::{MAGIC, WriteOptions, records::MessageHeader};
 use proptest::prelude::*;
 use serde_json::Value;
@@ -60,7 +63,7 @@ fn messages_carry_the_wall_clock() {
     let header = Header { started: UNIX_EPOCH + Duration::from_secs(1_700_000_000), ..header() };
     let mut bytes = Vec::new();
     let mut writer = LogWriter::to(Cursor::new(&mut bytes), Path::new("flight.mcap"), &header).unwrap();
-    let at = crate::log::record::Cycle { time_s: 2.5, ..cycles(1)[0] };
+    let at = crate::flight::vocabulary::Cycle { time_s: 2.5, ..cycles(1)[0] };
     writer.cycle(&at).unwrap();
     writer.finish().unwrap();
     let message = mcap::MessageStream::new(&bytes).unwrap().next().unwrap().unwrap();
@@ -231,7 +234,7 @@ fn a_time_beyond_all_clocks_can_be_written() {
     let header = Header { started: UNIX_EPOCH + Duration::from_secs(1_700_000_000), ..header() };
     let mut bytes = Vec::new();
     let mut writer = LogWriter::to(Cursor::new(&mut bytes), Path::new("flight.mcap"), &header).unwrap();
-    let late = crate::log::record::Cycle { time_s: 1.844e19, ..cycles(1)[0] };
+    let late = crate::flight::vocabulary::Cycle { time_s: 1.844e19, ..cycles(1)[0] };
     writer.cycle(&late).unwrap();
     writer.finish().unwrap();
     assert_eq!(parse(&bytes).unwrap().cycles, [late]);

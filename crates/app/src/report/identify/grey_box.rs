@@ -1,7 +1,7 @@
 //! A grey-box identification in words and as a document.
 
 use super::{SCHEMA, name, said};
-use crate::report::table::empty;
+use crate::report::kit::table::empty;
 use diagnose::{Estimate, GreyBox, Percent, Poles, Recording, ResidualTests, Test};
 use serde::Serialize;
 
@@ -173,7 +173,7 @@ pub mod words {
     }
 
     /// A fit beside what noise allows.
-    pub(in crate::report) fn fit(of: &GreyBox, which: impl Fn(&Percent) -> Option<f64>) -> String {
+    pub fn fit(of: &GreyBox, which: impl Fn(&Percent) -> Option<f64>) -> String {
         match (which(&of.held_out.percent), which(&of.held_out.allowed)) {
             (Some(fit), Some(allowed)) => format!("{fit:.1} % ({allowed:.1} % by noise)"),
             _ => "too short".into(),
@@ -181,7 +181,7 @@ pub mod words {
     }
 
     /// The chance of a test.
-    pub(in crate::report) fn chance(test: Test) -> String {
+    pub fn chance(test: Test) -> String {
         if test.p_value < 0.001 { "p < 0.001".into() } else { format!("p = {:.3}", test.p_value) }
     }
 }

@@ -1,6 +1,8 @@
 //! What was identified: as words, as a document (`airball.identify/1`), and as a config patch.
 
 pub mod grey_box;
+pub mod page;
+pub mod plot;
 pub mod third_pole;
 pub mod transient;
 
@@ -67,7 +69,7 @@ pub(super) fn name(key: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::{digits, patch};
-    use crate::closed_loop::tests::project;
+    use crate::analysis::closed_loop::tests::project;
     use crate::config::Tables;
     use diagnose::Estimate;
 

@@ -1,7 +1,7 @@
 //! A sweep of proportional gains in words and as a document.
 
 use super::{SCHEMA, digits, said};
-use crate::report::table::empty;
+use crate::report::kit::table::empty;
 use diagnose::{OfGain, Sweep};
 use serde::Serialize;
 
@@ -55,11 +55,11 @@ pub fn lines(found: &Sweep) -> Vec<String> {
 }
 
 /// What a row of the table says.
-pub(in crate::report) const HEADS: [&str; 8] =
+pub const HEADS: [&str; 8] =
     ["K_p, % per mm", "pulses", "overshoot", "peak", "damping", "ω_n, rad/s", "K_g, mm/s² per %", "a, 1/s"];
 
 /// What a gain gives.
-pub(in crate::report) fn row(gain: &OfGain) -> [String; 8] {
+pub fn row(gain: &OfGain) -> [String; 8] {
     [
         digits(gain.kp_per_mm),
         gain.pulses.to_string(),

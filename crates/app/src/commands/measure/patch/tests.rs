@@ -1,8 +1,8 @@
 //! What patches say.
 
 use super::{lag_of, patch, scale_gains};
+use crate::analysis::measurement::Found;
 use crate::config::Tables;
-use crate::measured::Found;
 use control::design::critical::critical_gain;
 use control::design::law::Gains;
 use diagnose::measure::Estimate;

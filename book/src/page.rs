@@ -1,0 +1,149 @@
+//! A page of the gallery as Markdown, and the list of all.
+
+use crate::gallery::Exhibit;
+use airball::book::{advice_words, chance, number, spoken, stage, words};
+use diagnose::Verdict;
+use plant::{Effects, Entry, Neighbour, Neutral, Param};
+use std::fmt::Write;
+
+/// The first line of every page, by which an older one may be replaced.
+pub(crate) const MARK: &str = "<!-- Made by `airball gallery` from the catalogue of effects; change it there. -->";
+/// Effects that came near on this record, shown at most.
+const COMPETITORS: usize = 4;
+
+/// The list of all exhibits.
+#[must_use]
+pub(crate) fn list(exhibits: &[Exhibit]) -> String {
+    let mut page = format!(
+        "{MARK}\n\n# Gallery of effects\n\n\
+         What each effect of the catalogue does to a flight. Every exhibit is the rig of a config with one effect that its owner does not \
+         believe in, flown through one experiment (`experiments/gallery.toml`) by one controller with one seed, and diagnosed against the belief \
+         without it.\n\n\
+         The last column is what `diagnose` answers to this one record. It is not always the right name: some effects hardly \
+         show here, some look like another.\n\n\
+         | effect | stage | in a log | diagnosed as |\n|---|---|---|---|\n"
+    );
+    for exhibit in exhibits {
+        let entry = exhibit.entry;
+        let name = format!("[{}]({}.md)", spoken(entry.name), entry.name);
+        // Writing to a string cannot fail.
+        let _ = writeln!(page, "| {name} | {} | {} | {} |", stage(entry.name), entry.in_a_log, answer(exhibit));
+    }
+    page
+}
+
+/// The answer in a few words: names with their chance, or the verdict.
+fn answer(exhibit: &Exhibit) -> String {
+    let found = &exhibit.found;
+    let names = found.effects.iter().map(|named| {
+        let all = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
+        let all: Vec<String> = all.map(|name| spoken(name)).collect();
+        format!("{} ({})", all.join(" or "), chance(named.probability))
+    });
+    let verdict = match found.verdict {
+        Verdict::Effect => None,
+        Verdict::NoGap => Some("no gap"),
+        Verdict::Parameters => Some("only gain, drag or hover"),
+        Verdict::Unexplained => Some("unexplained"),
+        Verdict::InsufficientData => Some("insufficient data"),
+    };
+    verdict.map(str::to_owned).into_iter().chain(names).collect::<Vec<_>>().join("; ")
+}
+
+/// The page of one effect.
+#[must_use]
+pub(crate) fn page(exhibit: &Exhibit) -> String {
+    let key = exhibit.entry.name;
+    let name = spoken(key);
+    let sections = [
+        format!("{MARK}\n\n# {}\n\n{}", capital(&name), Effects::physics(key).unwrap_or_default()),
+        format!("Stage: {}. Config table: `[plant.effects.{key}]`.\n\n{}", stage(key), numbers(exhibit)),
+        format!("## In a log\n\n{}.\n\n{}", capital(exhibit.entry.in_a_log), pictures(key, &name)),
+        format!("## What a diagnosis says\n\n{}", diagnosis(exhibit)),
+        format!("## Its neighbours\n\n{}\n\n{}", told_from(&exhibit.entry), competitors(exhibit)),
+        format!("## To mend it\n\n{}", mend(exhibit)),
+    ];
+    sections.join("\n\n") + "\n"
+}
+
+fn numbers(exhibit: &Exhibit) -> String {
+    let mut table = String::from("| number | here | accepted | does nothing at |\n|---|---|---|---|");
+    for (Param { name, min, max, neutral }, value) in exhibit.entry.params.iter().zip(&exhibit.values) {
+        let neutral = match neutral {
+            Neutral::At(value) => value.to_string(),
+            Neutral::PipeLength => "the pipe's length".into(),
+        };
+        let _ = write!(table, "\n| `{name}` | {value} | {min} to {max} | {neutral} |");
+    }
+    table
+}
+
+fn pictures(file: &str, name: &str) -> String {
+    format!(
+        "![Position and duty of one experiment with {name} and without it]({file}-flight.svg)\n\n\
+         The same experiment, controller and seed on two rigs: with the effect, and without it. Below, the two duties.\n\n\
+         ![Free runs of the belief and of the mended model beside the record, and the missing force]({file}-force.svg)\n\n\
+         The recorded duty of the flight with the effect, run through two models that are told the position every 10 s: the belief, which \
+         lacks the effect, and the mended one. Below, the missing force: what had to push the ball, beyond the belief with fitted gain, drag \
+         and hover, for it to go where it went; over time, and its mean over duty, height and speed. Shaded is where the belief is \
+         significantly wrong."
+    )
+}
+
+fn diagnosis(exhibit: &Exhibit) -> String {
+    format!("```text\n{}\n```", words(&exhibit.found, Some(&exhibit.compensation)))
+}
+
+/// What the effect is easily taken for, and how it is told from it.
+fn told_from(entry: &Entry) -> String {
+    let mut text = String::from("What it is easily taken for, and how to tell:\n");
+    for Neighbour { name, told_by } in entry.told_from {
+        let _ = write!(text, "\n- {}: {told_by}.", link(name, entry.name));
+    }
+    text
+}
+
+/// What else was tried on this record, and what would tell apart what it does not.
+fn competitors(exhibit: &Exhibit) -> String {
+    let found = &exhibit.found;
+    let first = found.rounds.first().map(Vec::as_slice).unwrap_or_default();
+    let mut tried: Vec<_> = first.iter().zip(found.chances(first)).filter(|(one, _)| one.in_full).collect();
+    tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    let mut text = String::from("No effect passed the first look at this record.");
+    if !tried.is_empty() {
+        text = "The effects that explain this record best, each alone, on stretches that it was not fitted to. Five nats are e⁵ to 1.\n\n\
+                | effect | stage | gain, nats | probability |\n|---|---|---|---|"
+            .into();
+    }
+    for (one, likely) in tried.into_iter().take(COMPETITORS) {
+        let likely = likely.map_or_else(|| "–".into(), chance);
+        let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.gain), 1));
+        let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));
+    }
+    for line in advice_words(&exhibit.advice) {
+        let _ = write!(text, "\n\n{}.", capital(line.trim_end_matches('.')));
+    }
+    text
+}
+
+/// The name, as a link but on its own page.
+fn link(name: &str, own: &str) -> String {
+    if name == own { format!("**{}**", spoken(name)) } else { format!("[{}]({name}.md)", spoken(name)) }
+}
+
+fn mend(exhibit: &Exhibit) -> String {
+    let entry = exhibit.entry;
+    let mut text =
+        format!("On the rig: {}.\n\nIn the simulator:\n\n```toml\n[plant.effects.{}]\n", entry.mend, entry.name);
+    for (param, value) in entry.params.iter().zip(&exhibit.values) {
+        let _ = writeln!(text, "{} = {value:?}", param.name);
+    }
+    text.push_str("```");
+    text
+}
+
+/// With the capital of a sentence's beginning.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

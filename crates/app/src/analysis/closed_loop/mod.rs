@@ -1,0 +1,144 @@
+//! The closed loop before and after the mend: how the ball followed the steps of a record, and how it follows them when the
+//! record's own controller flies the believed model and the mended one.
+//!
+//! ```text
+//! overshoot, peak time, settling to ±5 %      medians over the steps; a step that never settled counts as infinitely slow
+//! critical gain                               see `critical_gain`
+//! ```
+//!
+//! The steps are flown in virtual time with the noise of each model, by several seeds where the record is short: noise adds to
+//! the overshoot of a record, and adds as much to that of a simulation. What was added to the control as an excitation is in no
+//! log and is not flown. Definitions of the figures: see [`super::step_response`].
+
+mod critical_gain;
+mod stretch;
+
+use super::step_response::{Moment, Step, steps_of};
+use super::virtual_flight::Desk;
+use crate::config::Tables;
+use crate::log::reader::LoadedLog;
+use critical_gain::critical_gain;
+use plant::Model;
+use rayon::prelude::*;
+use serde::Serialize;
+use stretch::Stretch;
+
+/// Simulated seconds that are enough for medians, and flights at most.
+const ENOUGH_S: f64 = 240.0;
+const MOST_SEEDS: u64 = 4;
+
+/// What one quantity is in the record and in the two simulations; `None` where there is nothing to say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Compared {
+    /// On the rig.
+    pub recorded: Option<f64>,
+    /// The model as believed, flown by the record's controller.
+    pub nominal: Option<f64>,
+    /// The mended model, flown by it.
+    pub mended: Option<f64>,
+}
+
+/// A quantity that only a simulation can show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Simulated {
+    /// The model as believed.
+    pub nominal: Option<f64>,
+    /// The mended model.
+    pub mended: Option<f64>,
+}
+
+/// The figures of the closed loop, as the document of a diagnosis holds them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ClosedLoop {
+    /// Steps of the record that were looked at.
+    pub steps: usize,
+    /// Largest excursion beyond the new setpoint, percent of the jump.
+    pub overshoot_percent: Compared,
+    /// Time of the first visible peak beyond the new setpoint, seconds.
+    pub peak_time_s: Compared,
+    /// The band that counts as settled, percent of the jump to either side.
+    pub settling_band_percent: f64,
+    /// Time until the ball stays in that band, seconds.
+    pub settling_s: Compared,
+    /// The smallest multiple of the loop's proportional gain at which it loses stability.
+    pub critical_gain_ratio: Simulated,
+}
+
+/// Medians over steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figures {
+    overshoot_percent: Option<f64>,
+    peak_s: Option<f64>,
+    settling_s: Option<f64>,
+}
+
+impl ClosedLoop {
+    /// Measures logs of one rig, and the two models where the controller that flew each is known; the critical gain is that of the
+    /// last. No `mended` model: nothing was mended.
+    #[must_use]
+    pub fn measure(logs: &[LoadedLog], tables: &Tables, belief: &Model, mended: Option<&Model>) -> Self {
+        let desks: Vec<Option<Desk>> = logs.iter().map(|log| Desk::that_flew(log, tables)).collect();
+        let stretches: Vec<Option<Stretch>> = logs.iter().map(Stretch::of).collect();
+        let steps: Vec<Step> = stretches.iter().flatten().flat_map(|stretch| steps_of(stretch.moments())).collect();
+        let with_steps = |stretch: &&Stretch| !steps_of(stretch.moments()).is_empty();
+        let both = desks.iter().zip(&stretches);
+        let flown: Vec<(&Desk, &Stretch)> =
+            both.filter_map(|(desk, stretch)| desk.as_ref().zip(stretch.as_ref().filter(with_steps))).collect();
+        let models = [Some(belief), mended];
+        let desk = desks.last().and_then(Option::as_ref);
+        let (flown, critical) = rayon::join(
+            || models.map(|model| model.map(|model| fly(&flown, model)).unwrap_or_default()),
+            || models.map(|model| desk.zip(model).and_then(|(desk, model)| critical_gain(desk, model))),
+        );
+        let figures = [Figures::of(&steps), flown[0], flown[1]];
+        Self {
+            steps: steps.len(),
+            overshoot_percent: compared(figures.map(|figures| figures.overshoot_percent)),
+            peak_time_s: compared(figures.map(|figures| figures.peak_s)),
+            settling_band_percent: 5.0,
+            settling_s: compared(figures.map(|figures| figures.settling_s)),
+            critical_gain_ratio: Simulated { nominal: critical[0], mended: critical[1] },
+        }
+    }
+}
+
+const fn compared([recorded, nominal, mended]: [Option<f64>; 3]) -> Compared {
+    Compared { recorded, nominal, mended }
+}
+
+/// The figures of `model` on the steps of each record, flown by its own controller. A loop that lost the ball has none.
+fn fly(records: &[(&Desk, &Stretch)], model: &Model) -> Figures {
+    let total_s: f64 = records.iter().map(|(_, stretch)| stretch.duration_s()).sum();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
+    let seeds = ((ENOUGH_S / total_s).ceil() as u64).clamp(1, MOST_SEEDS);
+    let flights = records.par_iter().flat_map_iter(|record| (1..=seeds).map(move |seed| (*record, seed)));
+    let steps = flights.map(|((desk, stretch), seed)| {
+        let (programme, lead_s) = stretch.programme(desk, model);
+        let flown = desk.fly(model, &programme, seed);
+        let later = flown.cycles.iter().filter(|cycle| cycle.time_s >= lead_s);
+        flown.fault.is_none().then(|| steps_of(&later.map(Moment::from).collect::<Vec<_>>()))
+    });
+    let all: Option<Vec<Vec<Step>>> = steps.collect::<Vec<_>>().into_iter().collect();
+    all.map_or_else(Figures::default, |all| Figures::of(&all.concat()))
+}
+
+impl Figures {
+    fn of(steps: &[Step]) -> Self {
+        Self {
+            overshoot_percent: median(steps.iter().map(|step| Some(step.overshoot_percent))),
+            peak_s: median(steps.iter().map(|step| step.peak_s)),
+            settling_s: median(steps.iter().map(|step| step.settling_s)),
+        }
+    }
+}
+
+/// The median, where what never came is later than everything. `None`: it came in half of the cases at most, or there are none.
+fn median(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::INFINITY)).collect();
+    values.sort_by(f64::total_cmp);
+    let (upper, lower) = (values.get(values.len() / 2)?, values.get(values.len().checked_sub(1)? / 2)?);
+    Some((lower + upper) / 2.0).filter(|median| median.is_finite())
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

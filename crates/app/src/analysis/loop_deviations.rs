@@ -1,0 +1,143 @@
+//! What the loop did otherwise than its config says, before the duty reaches the fan: the stages controller and timing.
+//!
+//! ```text
+//! controller   the duty by the configured law on the logged setpoints and readings, against the duty as logged
+//! timing       the duty as logged, written at each deadline instead of `lateness_s` after it
+//! ```
+//!
+//! Both are differences between two duties, and are worth what the readings lose when the mended model is told the wrong one
+//! ([`diagnose::nats_apart`]): nats, as the effects are. Only a log of this program says what its config and its lateness were. The law is
+//! followed from take-off to the first change of gains, open loop, fault or lost cycle; an excitation is in no log, so that where an
+//! experiment was flown a difference says nothing.
+
+use crate::config::{Reference, Tables};
+use crate::flight::command::Command;
+use crate::flight::experiment::Experiment;
+use crate::flight::pilot::{Orders, Pilot, Seen, Senses};
+use crate::flight::vocabulary::{Cycle, Mode};
+use crate::log::reader::{LoadedLog, sample};
+use control::waveform::Waveform;
+use diagnose::{Recording, Sample, nats_apart};
+use plant::Model;
+
+/// What a difference must be worth to be one, nats: as much as an effect must gain to be named.
+const WORTH_NAMING: f64 = 6.0;
+/// Duties that differ by less are equal, percent: a 400th of the chip's step.
+const EQUAL_PERCENT: f64 = 1e-4;
+
+/// A stage before the plant where the loop did otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Upstream {
+    /// `controller` or `timing`.
+    pub name: &'static str,
+    /// What it is worth, nats.
+    pub nats: f64,
+    /// What was found, with its numbers, and what to do.
+    pub finding: String,
+}
+
+/// The stages before the plant where the loop of `log` did otherwise than its config says, in the order of the signal path.
+#[must_use]
+pub fn upstream(log: &LoadedLog, model: &Model) -> Vec<Upstream> {
+    let Some(tables) = log.config_toml.as_deref().and_then(|text| toml::from_str::<Tables>(text).ok()) else {
+        return Vec::new();
+    };
+    let found = [controller(log, &tables, model), timing(log, &tables, model)];
+    found.into_iter().flatten().filter(|stage| stage.nats >= WORTH_NAMING).collect()
+}
+
+fn controller(log: &LoadedLog, tables: &Tables, model: &Model) -> Option<Upstream> {
+    let cycles = under_the_law(log);
+    let duties = duties_by_the_law(cycles, tables)?;
+    let off: Vec<f64> = cycles.iter().zip(&duties).map(|(cycle, duty)| duty - cycle.commanded_duty_percent).collect();
+    let worst = off.iter().fold(0.0, |worst: f64, off| worst.max(off.abs()));
+    let excited = log.about.command.as_deref().is_some_and(|command| command.contains("--experiment"));
+    if worst < EQUAL_PERCENT || excited {
+        return None;
+    }
+    let flown = Recording::new(cycles.iter().map(sample).collect()).ok()?;
+    let law = flown.samples().iter().zip(&off).map(|(s, off)| Sample { duty_percent: s.duty_percent + off, ..*s });
+    let nats = nats_apart(model, &flown, &Recording::new(law.collect()).ok()?);
+    let rms = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
+    let finding = format!(
+        "the controller in the log's config does not give the duty that was logged: {rms:.2} % rms over {} cycles, {worst:.2} % at \
+         worst; compare its [controller] and [compensation] with what flew",
+        off.len()
+    );
+    Some(Upstream { name: "controller", nats, finding })
+}
+
+/// The cycles from the first to where the law ends that the config gives.
+fn under_the_law(log: &LoadedLog) -> &[Cycle] {
+    let retuned = log.events.iter().find(|event| event.text.starts_with("gains ") && event.text.ends_with("accepted"));
+    let until_s = retuned.map_or(f64::INFINITY, |event| event.time_s);
+    let goes_on = |k: usize, cycle: &Cycle| {
+        let follows = k.checked_sub(1).is_none_or(|before| {
+            let step_s = cycle.time_s - log.cycles[before].time_s;
+            (step_s - cycle.period_s).abs() < 0.5 * cycle.period_s
+        });
+        let lawful = match cycle.mode {
+            // At the end of a programme there is nothing to follow any more.
+            Mode::Flying => cycle.setpoint_mm.is_some(),
+            Mode::Waiting | Mode::Coasting => true,
+            Mode::OpenLoop | Mode::Stopped => false,
+        };
+        follows && lawful && cycle.time_s < until_s
+    };
+    let end = log.cycles.iter().enumerate().position(|(k, cycle)| !goes_on(k, cycle));
+    &log.cycles[..end.unwrap_or(log.cycles.len())]
+}
+
+/// The duty that the configured law commands in each cycle, percent. `None`: the config has no law.
+fn duties_by_the_law(cycles: &[Cycle], tables: &Tables) -> Option<Vec<f64>> {
+    let first_mm = cycles.iter().find_map(|cycle| cycle.setpoint_mm)?;
+    let hold = Reference { setpoint_mm: Waveform::Constant { value: first_mm } };
+    let mut pilot = Pilot::new(Orders::of(tables, Experiment::of_reference(&hold)).ok()?);
+    let two = tables.rig.as_ref().is_some_and(|rig| rig.second_sensor.is_some());
+    let duty = |cycle: &Cycle| {
+        if let Some(setpoint_mm) = cycle.setpoint_mm {
+            pilot.command(Command::Setpoint(setpoint_mm)).ok()?;
+        }
+        let seen = |position_mm: Option<f64>| position_mm.map_or(Seen::Nothing(None), Seen::Ball);
+        let senses = Senses {
+            ball: seen(cycle.position_mm.filter(|_| cycle.fresh)),
+            second: two.then(|| seen(cycle.position2_mm)),
+            fan_rpm: cycle.fan_rpm,
+        };
+        Some(pilot.decide(cycle.time_s, senses).duty.percent())
+    };
+    cycles.iter().map(duty).collect()
+}
+
+fn timing(log: &LoadedLog, tables: &Tables, model: &Model) -> Option<Upstream> {
+    let late_after_s = tables.r#loop?.late_after_s;
+    let late = log.cycles.iter().filter(|cycle| cycle.lateness_s > late_after_s).count();
+    let worst_s = log.cycles.iter().fold(0.0, |worst: f64, cycle| worst.max(cycle.lateness_s));
+    if late == 0 {
+        return None;
+    }
+    let nats = nats_apart(model, &log.recording, &Recording::new(punctual(&log.cycles)).ok()?);
+    let finding = format!(
+        "{late} of {} cycles began more than {:.1} ms after their deadline, the worst {:.1} ms: the simulator keeps its deadlines; \
+         take load from the computer, or lengthen loop.period_s",
+        log.cycles.len(),
+        1e3 * late_after_s,
+        1e3 * worst_s
+    );
+    Some(Upstream { name: "timing", nats, finding })
+}
+
+/// The rows of the log with each duty written at the deadline of its cycle.
+fn punctual(cycles: &[Cycle]) -> Vec<Sample> {
+    let mut last_s = f64::NEG_INFINITY;
+    let rows = cycles.iter().flat_map(|cycle| {
+        let read = sample(cycle);
+        let deadline_s = (read.time_s - cycle.lateness_s).max(last_s);
+        last_s = read.time_s;
+        [Sample { time_s: deadline_s, position_mm: None, ..read }, read]
+    });
+    rows.collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,167 @@
+//! The next experiment: which safe flight would settle what this record leaves open.
+//!
+//! ```text
+//! nats(A, B) = ln p(record | A) − ln p(record | B), per minute of free flight      the record flown, in closed loop, on rig A
+//! score      = min over pairs of rivals of min( nats(A, B), nats(B, A) )
+//! ```
+//!
+//! Rivals are models that explain the record alike. Each experiment of a list ([`mod@candidates`]) is flown in virtual time on each of
+//! them by the controller at hand ([`Desk`]); one that would bring the ball to an end of its way, or the duty to its limits, under
+//! any rival is not safe and is dropped. The best few are scored again with each rival's numbers moved to suit the record of the
+//! other, because the next diagnosis will fit them too: what a gain can imitate separates nothing.
+//! Source of the score: Box and Hill, "Discrimination among mechanistic models", Technometrics 9 (1967), which uses the same
+//! expectation, a Kullback–Leibler divergence.
+
+pub mod candidates;
+mod open_questions;
+mod rivals;
+mod score;
+
+#[cfg(test)]
+mod tests;
+
+use super::virtual_flight::Desk;
+use crate::flight::experiment::Experiment;
+use candidates::{Candidate, candidates};
+use diagnose::{Diagnosis, Recording};
+use plant::Model;
+use rayon::prelude::*;
+use score::{Records, fly_all};
+use serde::Serialize;
+
+/// An experiment that separates by less, nats a minute, separates nothing: it would have to be flown for long to bring the 5 nats
+/// by which the diagnosis names one effect rather than another.
+const SEPARATES: f64 = 2.0;
+/// Comparisons of a pair that are made a second time, with the numbers of each rival moved, and experiments among them at least.
+const COMPARISONS: usize = 8;
+const SHORT_LIST: usize = 2;
+
+/// A name of what may act, and the model in which it does.
+pub type Rival = (&'static str, Model);
+
+/// An experiment that is worth flying next.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Next {
+    /// Its short name.
+    pub name: &'static str,
+    /// Why this one, in a sentence.
+    pub reason: String,
+    /// What it tells apart.
+    pub separates: Vec<&'static str>,
+    /// How decisively, nats per minute of it, for the pair that it separates least.
+    pub expected_nats: f64,
+    /// The file that `run` and `simulate` fly.
+    pub file: String,
+}
+
+/// What can be said about the next flight.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Advice {
+    /// The experiment, if one helps.
+    pub experiment: Option<Next>,
+    /// What no experiment of the list settles, and what would, in sentences.
+    pub findings: Vec<String>,
+}
+
+/// What to fly next after `found`, which a diagnosis of `recording` with `belief` has found. `desk`: the controller at hand, if
+/// one is known.
+#[must_use]
+pub fn advise(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, belief: &Model) -> Advice {
+    let mut advice = next_flight(found, recording, desk, belief);
+    advice.findings.extend(rivals::what_was_settled(found, recording));
+    advice
+}
+
+fn next_flight(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, belief: &Model) -> Advice {
+    let samples = recording.samples();
+    let period_s = recording.duration_s() / samples.len().max(2).saturating_sub(1) as f64;
+    let Some(desk) = desk.or_else(|| Desk::gentle(belief, period_s)) else {
+        return Advice::default();
+    };
+    let rivals = rivals::of(found);
+    if !rivals.is_empty() {
+        return between(&rivals, &desk, recording);
+    }
+    let Some(gap) = open_questions::question(found, recording, belief) else { return Advice::default() };
+    let stand_ins = open_questions::stand_ins(belief);
+    let experiment = choose(&stand_ins, &with_the_first(stand_ins.len()), &desk).map(|best| Next {
+        reason: format!("{gap} This experiment is the one of the list that would show most of what may be missing."),
+        separates: best.separates.iter().copied().filter(|name| *name != open_questions::AS_BELIEVED).collect(),
+        ..best
+    });
+    Advice { experiment, findings: Vec::new() }
+}
+
+/// The experiment between models that explain the record alike, and what none of them settles.
+#[must_use]
+pub fn between(rivals: &[Rival], desk: &Desk, recording: &Recording) -> Advice {
+    let apart: Vec<Rival> = rivals.iter().filter(|rival| !rivals::is_second_twin(rival, rivals)).cloned().collect();
+    let best = if apart.len() > 1 { choose(&apart, &all_pairs(apart.len()), desk) } else { None };
+    let told: Vec<&str> = best.as_ref().map_or_else(Vec::new, |best| best.separates.clone());
+    let experiment = best.map(|best| Next {
+        reason: format!(
+            "This record cannot tell {} apart; of the safe experiments of the list this one separates them best, by {:.0} \
+             nats a minute (5 are e⁵ to 1).",
+            best.separates.join(" and "),
+            best.expected_nats
+        ),
+        ..best
+    });
+    let left: Vec<&'static str> = rivals.iter().map(|(name, _)| *name).filter(|name| !told.contains(name)).collect();
+    let findings = rivals::what_would_settle(&left, rivals, recording).into_iter().collect();
+    Advice { experiment, findings }
+}
+
+/// Every pair of so many rivals.
+fn all_pairs(count: usize) -> Vec<(usize, usize)> {
+    (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect()
+}
+
+/// The first of so many with each of the others.
+fn with_the_first(count: usize) -> Vec<(usize, usize)> {
+    (1..count).map(|b| (0, b)).collect()
+}
+
+/// The experiment that separates most of the `pairs` of `rivals`, and of those the one that separates them best.
+fn choose(rivals: &[Rival], pairs: &[(usize, usize)], desk: &Desk) -> Option<Next> {
+    let mut flown: Vec<(Candidate, Records, (usize, f64))> = candidates(desk, rivals)
+        .into_par_iter()
+        .filter_map(|candidate| {
+            let records = fly_all(&candidate, rivals, desk)?;
+            let (separated, nats) = records.rank(rivals, pairs, false);
+            Some((candidate, records, (separated.len(), nats)))
+        })
+        .collect();
+    flown.sort_by(|a, b| b.2.0.cmp(&a.2.0).then(b.2.1.total_cmp(&a.2.1)));
+    flown.truncate((COMPARISONS / pairs.len().max(1)).max(SHORT_LIST));
+    let ranked = flown.into_par_iter().map(|(candidate, records, _)| {
+        let (separated, nats) = records.rank(rivals, pairs, true);
+        (candidate, separated, nats)
+    });
+    let ranked: Vec<_> = ranked.collect();
+    let best = ranked.into_iter().max_by(|a, b| (a.1.len().cmp(&b.1.len())).then(a.2.total_cmp(&b.2)))?;
+    let (candidate, separated, expected_nats) = best;
+    let separates: Vec<&'static str> = rivals
+        .iter()
+        .map(|(name, _)| *name)
+        .filter(|name| separated.iter().any(|(a, b)| a == name || b == name))
+        .collect();
+    (!separated.is_empty()).then(|| Next {
+        name: candidate.name,
+        reason: String::new(),
+        separates,
+        expected_nats: (10.0 * expected_nats).round() / 10.0,
+        file: file(&candidate),
+    })
+}
+
+/// The experiment as a file, with what it is for above it.
+fn file(candidate: &Candidate) -> String {
+    let toml = toml::to_string(&candidate.experiment).unwrap_or_default();
+    format!("# {}\n{toml}", candidate.why)
+}
+
+/// How long an experiment lasts before it counts: take-off and settling, seconds.
+fn settle_s(experiment: &Experiment) -> f64 {
+    experiment.segments.first().map_or(0.0, |first| first.duration_s)
+}

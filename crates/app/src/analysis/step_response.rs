@@ -1,0 +1,225 @@
+//! Step metrics of a flight: how the ball followed each jump of the setpoint.
+//!
+//! ```text
+//! overshoot   largest excursion beyond the new setpoint, as a share of the jump
+//! peak        time from the jump to the largest excursion beyond the new setpoint that comes within five times the time to
+//!             half of the way, where it goes beyond by 2.5 % of the jump: later peaks are not the first, and smaller ones are noise
+//! settling    time from the jump until the position stays within ±5 % of the jump for a second
+//! ```
+//!
+//! All on the centred mean of five readings, so that one noisy reading decides nothing. A second is enough: air that
+//! is never still pushes a settled ball out of any band if one waits for long.
+//! Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
+
+use crate::flight::vocabulary::Cycle;
+
+/// A change of the setpoint that counts as a jump, mm: four times a sensor's noise.
+const JUMP_MM: f64 = 10.0;
+/// The band around the new setpoint, as a share of the jump.
+const BAND: f64 = 0.05;
+/// A jump must be followed for so long to count, seconds: ramps and chirps are no jumps.
+const FOLLOWED_S: f64 = 1.0;
+/// How long the position must stay within the band, seconds.
+const HELD_S: f64 = 1.0;
+/// Readings on each side of the centred mean.
+const HALF_MEAN: usize = 2;
+/// The first peak comes within so many times the time to half of the way: 4.1 times at a damping of 0.7, less below.
+const PEAK_WITHIN: f64 = 5.0;
+
+/// What one row says of the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// When, seconds.
+    pub time_s: f64,
+    /// Commanded position, mm. `None`: the controller is off.
+    pub setpoint_mm: Option<f64>,
+    /// Position, mm, if one was read.
+    pub position_mm: Option<f64>,
+}
+
+impl From<&Cycle> for Moment {
+    fn from(cycle: &Cycle) -> Self {
+        Self { time_s: cycle.time_s, setpoint_mm: cycle.setpoint_mm, position_mm: cycle.position_mm }
+    }
+}
+
+/// How the ball followed one jump of the setpoint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// When the setpoint jumped, seconds.
+    pub time_s: f64,
+    /// From where, mm.
+    pub from_mm: f64,
+    /// To where, mm.
+    pub to_mm: f64,
+    /// Largest excursion beyond the new setpoint, percent of the jump.
+    pub overshoot_percent: f64,
+    /// Time of the first peak, seconds. `None`: it did not go visibly beyond the new setpoint.
+    pub peak_s: Option<f64>,
+    /// Time until it stays within the band, seconds. `None`: it did not before the next jump.
+    pub settling_s: Option<f64>,
+}
+
+/// A row with a setpoint and a position.
+#[derive(Clone, Copy)]
+struct Row {
+    time_s: f64,
+    setpoint_mm: f64,
+    position_mm: f64,
+}
+
+/// The steps of a flight, in the order of time.
+#[must_use]
+pub fn steps(cycles: &[Cycle]) -> Vec<Step> {
+    steps_of(&cycles.iter().map(Moment::from).collect::<Vec<_>>())
+}
+
+/// The steps of any rows in the order of time.
+#[must_use]
+pub fn steps_of(moments: &[Moment]) -> Vec<Step> {
+    // A stretch without control ends a step, and what follows begins where the ball then is.
+    moments.split(|moment| moment.setpoint_mm.is_none()).flat_map(steps_under_control).collect()
+}
+
+fn steps_under_control(moments: &[Moment]) -> Vec<Step> {
+    let rows: Vec<Row> = moments
+        .iter()
+        .filter_map(|c| Some(Row { time_s: c.time_s, setpoint_mm: c.setpoint_mm?, position_mm: c.position_mm? }))
+        .collect();
+    let mut starts: Vec<usize> =
+        (1..rows.len()).filter(|&k| (rows[k].setpoint_mm - rows[k - 1].setpoint_mm).abs() >= JUMP_MM).collect();
+    // The take-off is a step from where the ball lies.
+    if rows.first().is_some_and(|first| (first.setpoint_mm - first.position_mm).abs() >= JUMP_MM) {
+        starts.insert(0, 0);
+    }
+    let ends = starts.iter().skip(1).copied().chain([rows.len()]);
+    starts.iter().zip(ends).filter_map(|(&start, end)| step(&rows, start, end)).collect()
+}
+
+fn step(rows: &[Row], start: usize, end: usize) -> Option<Step> {
+    let (first, last) = (rows.get(start)?, rows.get(end.checked_sub(1)?)?);
+    let constant = rows[start..end].iter().all(|row| (row.setpoint_mm - first.setpoint_mm).abs() < JUMP_MM);
+    if !constant || last.time_s - first.time_s < FOLLOWED_S {
+        return None;
+    }
+    let from_mm = if start == 0 { first.position_mm } else { rows[start - 1].setpoint_mm };
+    let jump = first.setpoint_mm - from_mm;
+    let errors: Vec<(f64, f64)> =
+        (start..end).map(|k| (rows[k].time_s, mean_error(&rows[start..end], k - start))).collect();
+    let beyond = errors.iter().map(|(_, error)| error * jump.signum()).fold(0.0, f64::max);
+    let settled_s = settling(&errors, BAND * jump.abs());
+    Some(Step {
+        time_s: first.time_s,
+        from_mm,
+        to_mm: first.setpoint_mm,
+        overshoot_percent: 100.0 * beyond / jump.abs(),
+        peak_s: first_peak(&errors, jump).map(|time_s| time_s - first.time_s),
+        settling_s: settled_s.map(|time_s| time_s - first.time_s),
+    })
+}
+
+/// When the ball was furthest beyond the new setpoint for the first time, if by half of the band at least.
+fn first_peak(errors: &[(f64, f64)], jump: f64) -> Option<f64> {
+    let start_s = errors.first()?.0;
+    let half_way = errors.iter().find(|(_, error)| error * jump.signum() >= -0.5 * jump.abs())?.0 - start_s;
+    let early = errors.iter().take_while(|(time_s, _)| time_s - start_s <= PEAK_WITHIN * half_way);
+    let (time_s, error) = early.max_by(|a, b| (a.1 * jump).total_cmp(&(b.1 * jump)))?;
+    (error * jump > BAND / 2.0 * jump * jump).then_some(*time_s)
+}
+
+/// The first time from which the error stays within `band_mm` for [`HELD_S`].
+fn settling(errors: &[(f64, f64)], band_mm: f64) -> Option<f64> {
+    let mut since = None;
+    for (time_s, error) in errors {
+        if error.abs() > band_mm {
+            since = None;
+        } else if time_s - *since.get_or_insert(*time_s) >= HELD_S {
+            return since;
+        }
+    }
+    None
+}
+
+/// Position minus setpoint around row `k`, mean of the rows next to it.
+fn mean_error(rows: &[Row], k: usize) -> f64 {
+    let near = &rows[k.saturating_sub(HALF_MEAN)..(k + HALF_MEAN + 1).min(rows.len())];
+    near.iter().map(|row| row.position_mm - row.setpoint_mm).sum::<f64>() / near.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::steps;
+    use crate::flight::vocabulary::{Cycle, Mode};
+
+    fn cycle(time_s: f64, setpoint_mm: f64, position_mm: f64) -> Cycle {
+        Cycle {
+            time_s,
+            period_s: 0.01,
+            lateness_s: 0.0,
+            mode: Mode::Flying,
+            setpoint_mm: Some(setpoint_mm),
+            control_percent: Some(0.0),
+            commanded_duty_percent: 21.4,
+            duty_percent: 21.4,
+            position_mm: Some(position_mm),
+            fresh: true,
+            position2_mm: None,
+            fan_rpm: None,
+            velocity_mm_per_s: Some(0.0),
+            control_mm_per_s2: None,
+            estimated_position_mm: None,
+            estimated_fan_percent: None,
+            estimated_disturbance_percent: None,
+            innovation_mm: None,
+            innovation_test_ratio: None,
+        }
+    }
+
+    #[test]
+    fn a_second_order_step_has_the_overshoot_and_settling_of_the_closed_form() {
+        // δ = 0.4, ω_n = 5 rad/s: overshoot e^(−πδ/√(1−δ²)); the position leaves ±5 % for the last time near 1.5 s.
+        let (delta, omega) = (0.4_f64, 5.0);
+        let damped = omega * (1.0 - delta * delta).sqrt();
+        let response = |t: f64| {
+            let decay = (-delta * omega * t).exp();
+            1.0 - decay * ((damped * t).cos() + delta * omega / damped * (damped * t).sin())
+        };
+        let before = (0..100).map(|k| cycle(f64::from(k) * 0.01, 200.0, 200.0));
+        let after =
+            (0..500).map(|k| cycle(1.0 + f64::from(k) * 0.01, 400.0, 200.0 + 200.0 * response(f64::from(k) * 0.01)));
+        let found = steps(&before.chain(after).collect::<Vec<_>>());
+        assert_eq!(found.len(), 1);
+        let overshoot = 100.0 * (-std::f64::consts::PI * delta / (1.0 - delta * delta).sqrt()).exp();
+        assert!((found[0].overshoot_percent - overshoot).abs() < 0.3, "{found:?}, exact {overshoot} %");
+        let peak_s = std::f64::consts::PI / damped;
+        assert!((found[0].peak_s.unwrap() - peak_s).abs() < 0.03, "{found:?}, exact {peak_s} s");
+        let last_outside = (0..500).map(|k| f64::from(k) * 0.01).rfind(|t| (response(*t) - 1.0).abs() > 0.05).unwrap();
+        assert!((found[0].settling_s.unwrap() - last_outside).abs() < 0.03, "{found:?}, exact {last_outside} s");
+    }
+
+    #[test]
+    fn a_ball_that_stays_away_has_not_settled() {
+        let before = (0..100).map(|k| cycle(f64::from(k) * 0.01, 200.0, 200.0));
+        let after = (100..400).map(|k| cycle(f64::from(k) * 0.01, 400.0, 300.0));
+        let found = steps(&before.chain(after).collect::<Vec<_>>());
+        assert_eq!((found.len(), found[0].settling_s, found[0].overshoot_percent), (1, None, 0.0));
+        assert_eq!(found[0].peak_s, None);
+    }
+
+    #[test]
+    fn a_stretch_without_control_belongs_to_no_step() {
+        let before = (0..300).map(|k| cycle(f64::from(k) * 0.01, 200.0, 200.0));
+        let open = (300..400).map(|k| Cycle { setpoint_mm: None, ..cycle(f64::from(k) * 0.01, 0.0, 500.0) });
+        let after = (400..700).map(|k| cycle(f64::from(k) * 0.01, 200.0, if k < 450 { 400.0 } else { 200.0 }));
+        let found = steps(&before.chain(open).chain(after).collect::<Vec<_>>());
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!((found[0].time_s - 4.0).abs() < 1e-9 && found[0].from_mm == 400.0, "{found:?}");
+    }
+
+    #[test]
+    fn a_ramp_of_the_setpoint_is_no_step() {
+        let ramp: Vec<Cycle> =
+            (0..1000).map(|k| cycle(f64::from(k) * 0.01, 200.0 + 0.2 * f64::from(k), 200.0)).collect();
+        assert!(steps(&ramp).is_empty());
+    }
+}

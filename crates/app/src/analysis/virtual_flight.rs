@@ -1,0 +1,207 @@
+//! Flights on the desk: a model flown in virtual time by a controller, its cycles kept in memory.
+//!
+//! The controller is that of a config, on the rig that [`simulate`](crate::commands::simulate) flies; or, where a config holds
+//! a plant alone, a gentle one that the model itself suggests, on a rig without chips:
+//!
+//! ```text
+//! ÿ = K·u − a·ẏ, u = K_p·(e + T_d·ė)      the loop crosses over at ω = 0.35/τ, at most 3 rad/s
+//! T_d = 1/z, z = max(a, ω/3)              the zero cancels the drag, or leads by 72° where there is little drag
+//! K_p = ω·√(ω² + a²) / (K·√(1 + ω²/z²))   τ: lags, delays and 1.5 periods together
+//! ```
+//!
+//! It is slower where the sensor's noise would shake the duty by more than a fifth of its room. A loop that slow next to its lags loses 20° of phase to them; the integral only has to find hover.
+//! Source: loop shaping, Åström & Murray, *Feedback Systems*, "Frequency Domain Design".
+
+use crate::config::{Loop, Rig, Safety, Tables};
+use crate::flight::Flight;
+use crate::flight::experiment::Experiment;
+use crate::flight::outside::Recorder;
+use crate::flight::pilot::{Orders, Pilot, Signals, reading_period_s};
+use crate::flight::vocabulary::{Cycle, Event, Fault};
+use crate::log::reader::LoadedLog;
+use crate::rig::{Direct, simulated_in_virtual_time};
+use control::compensation::Compensation;
+use control::controller::{Controllers, Kind};
+use control::observer::Observer;
+use control::pid::{DerivativeOn, Pid};
+use control::regulator::Regulator;
+use plant::Model;
+use std::sync::atomic::AtomicBool;
+
+/// How slow the gentle loop is beside its lags, and how fast at most, rad/s.
+const BESIDE_LAGS: f64 = 0.35;
+const FASTEST_PER_S: f64 = 3.0;
+/// The integral of the gentle loop is so many times slower than its crossover.
+const INTEGRAL: f64 = 10.0;
+/// N of the gentle loop, and the share of the duty's room that the sensor's noise may take up through it, 1 sigma.
+const DERIVATIVE_N: f64 = 10.0;
+const NOISE_SHARE: f64 = 0.2;
+/// How much acceleration the gentle loop may ask for, pipe lengths per second squared.
+const HARDEST_PIPES_PER_S2: f64 = 4.0;
+
+/// A rig and a controller, ready to fly any model.
+#[derive(Clone, Debug)]
+pub struct Desk {
+    /// The chips around the plant; `None`: nothing is known of them.
+    rig: Option<Rig>,
+    table: Loop,
+    controllers: Controllers,
+    observer: Option<Observer>,
+    compensation: Compensation,
+    /// What no flight exceeds.
+    pub safety: Safety,
+}
+
+/// What a flight left behind.
+#[derive(Clone, Debug, Default)]
+pub struct Flown {
+    /// Its control periods.
+    pub cycles: Vec<Cycle>,
+    /// The fault that ended it.
+    pub fault: Option<Fault>,
+}
+
+impl Recorder for Flown {
+    fn cycle(&mut self, cycle: &Cycle) {
+        self.cycles.push(*cycle);
+    }
+
+    fn event(&mut self, _: &Event) {}
+}
+
+impl Desk {
+    /// The controllers of a config. `None`: it has none that can fly.
+    #[must_use]
+    pub fn of(tables: &Tables) -> Option<Self> {
+        let desk = Self {
+            rig: tables.rig.clone(),
+            table: tables.r#loop?,
+            controllers: tables.controller.clone()?,
+            observer: tables.observer,
+            compensation: tables.compensation.clone()?,
+            safety: tables.safety?,
+        };
+        desk.regulator().is_some().then_some(desk)
+    }
+
+    /// The controller that flew a log: that of the config which the log holds, or else of the config at hand.
+    #[must_use]
+    pub fn that_flew(log: &LoadedLog, tables: &Tables) -> Option<Self> {
+        let held = log.config_toml.as_deref().and_then(|text| toml::from_str::<Tables>(text).ok());
+        held.filter(|held| held.check().is_ok()).as_ref().and_then(Self::of).or_else(|| Self::of(tables))
+    }
+
+    /// What is between this controller and the fan.
+    #[must_use]
+    pub const fn compensation(&self) -> &Compensation {
+        &self.compensation
+    }
+
+    /// A gentle controller for a rig of which only `model` and the time between readings are known. `None`: its hover is no
+    /// duty, so that it is not flown by one.
+    #[must_use]
+    pub fn gentle(model: &Model, period_s: f64) -> Option<Self> {
+        let hover = model.hover_duty_percent;
+        let room = hover.min(100.0 - hover);
+        if room <= 0.0 || !(0.001..=1.0).contains(&period_s) {
+            return None;
+        }
+        let (gain, pipe_mm) = (model.gain_mm_per_s2_per_percent, model.pipe_length_mm);
+        let reach = (HARDEST_PIPES_PER_S2 * pipe_mm / gain).clamp(0.05 * room, 0.95 * room);
+        let safety = Safety {
+            setpoint_min_mm: 0.1 * pipe_mm,
+            setpoint_max_mm: 0.9 * pipe_mm,
+            duty_min_percent: hover - reach,
+            duty_max_percent: hover + reach,
+            coast_s: 0.3,
+            stall_s: 0.5,
+            stuck: None,
+        };
+        let fast = (BESIDE_LAGS / slowness_s(model, period_s)).min(FASTEST_PER_S);
+        let noisy = gentle_pid(model, fast).kp_per_mm * (1.0 + DERIVATIVE_N) * model.noise.sensor_mm;
+        let pid = gentle_pid(model, fast * (NOISE_SHARE * reach / noisy).min(1.0));
+        let table = Loop { period_s, late_after_s: period_s };
+        let (controllers, compensation) = (Controllers::only_pid(pid), Compensation::bare(hover));
+        Some(Self { rig: None, table, controllers, observer: None, compensation, safety })
+    }
+
+    /// The same with all gains of the controllers multiplied. `None`: the one that flies has no gain.
+    #[must_use]
+    pub fn with_gain(&self, ratio: f64) -> Option<Self> {
+        let has_gain = self.controllers.first().is_some_and(|kind| !matches!(kind, Kind::Mpc | Kind::OpenLoop));
+        has_gain.then(|| Self { controllers: self.controllers.scaled(ratio), ..self.clone() })
+    }
+
+    /// Makes the controller a proportional one, for tests against closed forms.
+    #[cfg(test)]
+    pub(crate) fn set_proportional(&mut self, kp_per_mm: f64) {
+        let pid = Pid::new(kp_per_mm, f64::INFINITY, 0.0, DERIVATIVE_N, DerivativeOn::Measurement);
+        self.controllers = Controllers::only_pid(pid);
+        self.safety = Safety { duty_min_percent: 0.0, duty_max_percent: 100.0, ..self.safety };
+    }
+
+    /// Time from one cycle to the next, seconds.
+    #[must_use]
+    pub const fn period_s(&self) -> f64 {
+        self.table.period_s
+    }
+
+    /// Flies a rig that is as `model` says through `experiment`, which must have an end.
+    #[must_use]
+    pub fn fly(&self, model: &Model, experiment: &Experiment, seed: u64) -> Flown {
+        let mut flown = Flown::default();
+        // Every way to a desk has made a regulator of these tables before.
+        let Some(regulator) = self.regulator() else { return flown };
+        let pilot = Pilot::new(Orders {
+            regulator,
+            compensation: self.compensation.clone(),
+            safety: self.safety,
+            experiment: experiment.clone(),
+            reading_period_s: self.reading_period_s(),
+            signals: self.rig.as_ref().map(Signals::from).unwrap_or_default(),
+        });
+        let stop = AtomicBool::new(false);
+        let outcome = match &self.rig {
+            // Emulated chips answer: a rig that does not start leaves a flight without cycles.
+            Some(rig) => simulated_in_virtual_time(model, rig, seed)
+                .map(|mut rig| Flight::new(&mut rig, pilot, &self.table, &mut flown, None).fly(f64::INFINITY, &stop))
+                .ok(),
+            None => {
+                let mut rig = Direct::new(model, seed);
+                Some(Flight::new(&mut rig, pilot, &self.table, &mut flown, None).fly(f64::INFINITY, &stop))
+            }
+        };
+        flown.fault = outcome.and_then(|outcome| outcome.fault);
+        flown
+    }
+
+    fn regulator(&self) -> Option<Regulator> {
+        Regulator::new(self.controllers.clone(), self.observer.as_ref(), self.reading_period_s()).ok()
+    }
+
+    /// The period of the loop or of the sensor, whichever is longer.
+    fn reading_period_s(&self) -> f64 {
+        if self.rig.is_some() { reading_period_s(&self.table) } else { self.table.period_s }
+    }
+}
+
+/// The gains whose loop crosses over at `omega`, rad/s.
+fn gentle_pid(model: &Model, omega: f64) -> Pid {
+    let zero = model.drag_per_s.max(omega / 3.0);
+    let gain = model.gain_mm_per_s2_per_percent;
+    let kp_per_mm = omega * omega.hypot(model.drag_per_s) / (gain * 1.0_f64.hypot(omega / zero));
+    Pid::new(kp_per_mm, INTEGRAL / omega, zero.recip(), DERIVATIVE_N, DerivativeOn::Measurement)
+}
+
+/// How late the ball answers a duty, seconds: lags, delays and the loop's own period.
+fn slowness_s(model: &Model, period_s: f64) -> f64 {
+    let effects = &model.effects;
+    let spin_s = effects.spin_asymmetry.map_or(0.0, |spin| spin.up_s.max(spin.down_s));
+    effects.fan_lag.map_or(0.0, |lag| lag.time_constant_s)
+        + effects.sensor_lag.map_or(0.0, |lag| lag.time_constant_s)
+        + effects.transport_delay.map_or(0.0, |delay| delay.delay_s)
+        + effects.sensor_delay.map_or(0.0, |delay| delay.delay_s)
+        + effects.stale_samples.map_or(0.0, |stale| stale.hold_s)
+        + spin_s
+        + 1.5 * period_s
+}

@@ -1,0 +1,175 @@
+//! The table `[import]` of the config: which columns of another rig's CSV are ours, and in what units.
+//!
+//! ```text
+//! quantity = value·scale + offset
+//! quantity = scale·∫ value dt + offset      with integrate = true, for a column that holds a speed
+//! ```
+//!
+//! The integral is the trapezoid over the file's own time, from 0 at the first reading; `offset` is then where
+//! the ball started. A constant error of the speed is not removed.
+
+use serde::{Deserialize, Serialize};
+
+/// Where each quantity of a foreign CSV comes from. What is absent is read from the column of its own name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Import {
+    /// Time, seconds.
+    #[serde(default = "time_s")]
+    pub time_s: Column,
+    /// Commanded position, millimetres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub setpoint_mm: Option<Column>,
+    /// Duty, percent.
+    #[serde(default = "duty_percent")]
+    pub duty_percent: Column,
+    /// Position, millimetres, upward.
+    #[serde(default = "position_mm")]
+    pub position_mm: Column,
+    /// Fan speed of a tachometer, revolutions per minute.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fan_rpm: Option<Column>,
+    /// Position of a second sensor, millimetres, upward.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position2_mm: Option<Column>,
+}
+
+/// A column and how its numbers become ours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Column {
+    /// Its name in the header of the file.
+    pub column: String,
+    /// Our unit per theirs.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// Added after scaling, in our unit.
+    #[serde(default)]
+    pub offset: f64,
+    /// The column holds a speed; integrate it over time.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub integrate: bool,
+}
+
+impl Column {
+    /// A column whose numbers are ours already.
+    #[must_use]
+    pub fn named(name: &str) -> Self {
+        Self { column: name.into(), scale: one(), offset: 0.0, integrate: false }
+    }
+}
+
+/// The table `[import]` makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("[import] {quantity}: {key} = {value}; {hint}")]
+pub struct ImportError {
+    /// Which quantity.
+    pub quantity: &'static str,
+    /// Which key.
+    pub key: &'static str,
+    /// Its value.
+    pub value: String,
+    /// What it should be.
+    pub hint: &'static str,
+}
+
+impl Default for Import {
+    fn default() -> Self {
+        Self {
+            time_s: time_s(),
+            setpoint_mm: None,
+            duty_percent: duty_percent(),
+            position_mm: position_mm(),
+            fan_rpm: None,
+            position2_mm: None,
+        }
+    }
+}
+
+impl Import {
+    /// Checks what types cannot: scales that are numbers other than zero, offsets that are numbers, an integral only
+    /// where a speed makes sense.
+    ///
+    /// # Errors
+    /// [`ImportError`] names the first quantity and key that make no sense.
+    pub fn check(&self) -> Result<(), ImportError> {
+        let columns = [
+            ("time_s", Some(&self.time_s)),
+            ("setpoint_mm", self.setpoint_mm.as_ref()),
+            ("duty_percent", Some(&self.duty_percent)),
+            ("position_mm", Some(&self.position_mm)),
+            ("fan_rpm", self.fan_rpm.as_ref()),
+            ("position2_mm", self.position2_mm.as_ref()),
+        ];
+        columns.into_iter().try_for_each(|(quantity, column)| column.map_or(Ok(()), |c| check_column(quantity, c)))
+    }
+}
+
+fn check_column(quantity: &'static str, column: &Column) -> Result<(), ImportError> {
+    let wrong = |key, value, hint| Err(ImportError { quantity, key, value, hint });
+    if !column.scale.is_finite() || column.scale == 0.0 {
+        return wrong("scale", column.scale.to_string(), "it must be a finite number other than 0");
+    }
+    if !column.offset.is_finite() {
+        return wrong("offset", column.offset.to_string(), "it must be a finite number");
+    }
+    if column.integrate && !matches!(quantity, "position_mm" | "position2_mm") {
+        return wrong("integrate", true.to_string(), "only the speed of the ball can be integrated, to a position");
+    }
+    Ok(())
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn time_s() -> Column {
+    Column::named("time_s")
+}
+
+fn duty_percent() -> Column {
+    Column::named("duty_percent")
+}
+
+fn position_mm() -> Column {
+    Column::named("position_mm")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Column, Import};
+
+    #[test]
+    fn what_is_absent_is_read_from_the_column_of_its_own_name() {
+        let import: Import = toml::from_str(r#"position_mm = { column = "angle_deg", scale = 2.0 }"#).unwrap();
+        assert_eq!(import.time_s, Column::named("time_s"));
+        assert_eq!(import.position_mm, Column { scale: 2.0, ..Column::named("angle_deg") });
+        assert_eq!(toml::from_str::<Import>("").unwrap(), Import::default());
+    }
+
+    #[test]
+    fn the_table_survives_writing_and_reading() {
+        let speed = Column { integrate: true, offset: 5.0, ..Column::named("v") };
+        let import = Import { position_mm: speed, fan_rpm: Some(Column::named("tacho")), ..Import::default() };
+        assert_eq!(toml::from_str::<Import>(&toml::to_string(&import).unwrap()).unwrap(), import);
+    }
+
+    #[test]
+    fn a_misspelt_key_is_answered_with_the_known_ones() {
+        let error = toml::from_str::<Import>(r#"position = { column = "x" }"#).unwrap_err().to_string();
+        assert!(error.contains("`position`") && error.contains("`position_mm`"), "{error}");
+        let error = toml::from_str::<Import>(r#"time_s = { column = "x", factor = 2 }"#).unwrap_err().to_string();
+        assert!(error.contains("`factor`") && error.contains("`scale`"), "{error}");
+    }
+
+    #[test]
+    fn a_scale_of_zero_and_an_integral_of_time_are_refused() {
+        let zero = Import { duty_percent: Column { scale: 0.0, ..Column::named("u") }, ..Import::default() };
+        assert!(zero.check().unwrap_err().to_string().starts_with("[import] duty_percent: scale = 0;"));
+        let integral = Import { time_s: Column { integrate: true, ..Column::named("t") }, ..Import::default() };
+        assert!(integral.check().unwrap_err().to_string().starts_with("[import] time_s: integrate = true;"));
+        let endless = Import { time_s: Column { offset: f64::NAN, ..Column::named("t") }, ..Import::default() };
+        assert!(endless.check().unwrap_err().to_string().starts_with("[import] time_s: offset = NaN;"));
+        Import::default().check().unwrap();
+    }
+}

@@ -1,0 +1,139 @@
+//! Commands to a flight: what may be asked for while the ball is in the air, and why it may be refused.
+
+use crate::flight::name::Name;
+use control::controller::{Controllers, Kind};
+use control::pid::Pid;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Asked for over MQTT. A plain copy, so that it crosses to the loop without allocating.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Command {
+    /// Hold this position, millimetres, from now on.
+    Setpoint(f64),
+    /// Change gains together.
+    Gains(GainChange),
+    /// Let another controller fly.
+    Controller(Kind),
+    /// Turn the fan off and stay so until told to fly.
+    Stop,
+    /// Fly again after a stop.
+    Fly,
+    /// Go back to the programme of the config or the experiment that the flight began with.
+    Programme,
+    /// Fly an experiment that is on offer, from its start, and then the programme again.
+    Experiment(Name),
+}
+
+/// New gains; what is absent stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GainChange {
+    /// New K_p, see [`Pid::kp_per_mm`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kp_per_mm: Option<f64>,
+    /// New T_i, seconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ti_s: Option<f64>,
+    /// New T_d, seconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub td_s: Option<f64>,
+}
+
+impl GainChange {
+    /// The gains after the change.
+    #[must_use]
+    pub fn applied_to(self, gains: Pid) -> Pid {
+        Pid {
+            kp_per_mm: self.kp_per_mm.unwrap_or(gains.kp_per_mm),
+            ti_s: self.ti_s.unwrap_or(gains.ti_s),
+            td_s: self.td_s.unwrap_or(gains.td_s),
+            ..gains
+        }
+    }
+}
+
+/// Why a command was refused in flight.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// The setpoint is outside the safety limits.
+    #[error("{asked_mm} mm is outside the safe setpoints of {min_mm} to {max_mm} mm (table [safety] of the config)")]
+    Setpoint {
+        /// What was asked for.
+        asked_mm: f64,
+        /// Smallest safe setpoint.
+        min_mm: f64,
+        /// Largest safe setpoint.
+        max_mm: f64,
+    },
+    /// A gain is outside its bounds.
+    #[error("{0}")]
+    Gain(control::OutOfRange),
+    /// There is no PID whose gains could change.
+    #[error("the config has no table [controller.pid], so there are no gains to change")]
+    NoPid,
+    /// There is no such controller.
+    #[error("the config has no table [controller.{}]; it has {known}", asked.name())]
+    Controller {
+        /// What was asked for.
+        asked: Kind,
+        /// What there is.
+        known: Known,
+    },
+    /// There is no such experiment.
+    #[error(
+        "no experiment {asked} is on offer; the retained topic `about` lists those that are, and [mqtt] experiments of the config adds files"
+    )]
+    Experiment {
+        /// What was asked for.
+        asked: Name,
+    },
+    /// The experiment changes gains of a controller that does not fly.
+    #[error("the experiment changes the gains of the PID, and {} flies; send pid to set/controller first", flies.name())]
+    NeedsPid {
+        /// What flies.
+        flies: Kind,
+    },
+    /// The experiment's gains would be in another unit.
+    #[error(
+        "the experiment's gains are in percent per mm, and behind [compensation] predistortion they would be in mm/s² per mm"
+    )]
+    Predistortion,
+    /// The fan is off.
+    #[error("the fan is off; send fly to set/mode first")]
+    Stopped,
+    /// The loop is not controlling the ball.
+    #[error("the fan follows an open-loop programme; wait for its end")]
+    OpenLoop,
+}
+
+/// The controllers that a config holds, as a plain copy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Known([bool; Kind::ALL.len()]);
+
+impl From<&Controllers> for Known {
+    fn from(controllers: &Controllers) -> Self {
+        Self(Kind::ALL.map(|kind| controllers.has(kind)))
+    }
+}
+
+impl fmt::Display for Known {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let there = Kind::ALL.into_iter().zip(self.0).filter_map(|(kind, there)| there.then_some(kind.name()));
+        f.write_str(&there.collect::<Vec<_>>().join(", "))
+    }
+}
+
+impl fmt::Display for Command {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Setpoint(mm) => write!(f, "setpoint_mm {mm}"),
+            Self::Gains(change) => write!(f, "gains {}", serde_json::to_string(change).unwrap_or_default()),
+            Self::Controller(kind) => write!(f, "controller {}", kind.name()),
+            Self::Stop => f.write_str("mode stop"),
+            Self::Fly => f.write_str("mode fly"),
+            Self::Programme => f.write_str("mode programme"),
+            Self::Experiment(name) => write!(f, "experiment {name}"),
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! The last fault, in a small file of JSON, so that it is known after a restart of the program or of the computer.
+
+use crate::flight::wall_clock::rfc3339;
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// Why the last flight that was ended by a fault was ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LastFault {
+    /// When, in UTC, as RFC 3339 writes it.
+    pub at: String,
+    /// What, in words, with what to do.
+    pub fault: String,
+    /// The log of that flight, if it had one.
+    pub log: Option<PathBuf>,
+}
+
+impl LastFault {
+    /// A fault that is noticed now.
+    #[must_use]
+    pub fn now(fault: String, log: Option<&Path>) -> Self {
+        Self { at: rfc3339(SystemTime::now()), fault, log: log.map(Path::to_owned) }
+    }
+
+    /// Writes the file, whole or not at all, and on the disk: the next thing may be a power cut.
+    ///
+    /// # Errors
+    /// What the system said.
+    pub fn keep(&self, path: &Path) -> io::Result<()> {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        let unfinished = path.with_extension("part");
+        let mut file = File::create(&unfinished)?;
+        file.write_all(self.json().as_bytes())?;
+        file.sync_all()?;
+        fs::rename(&unfinished, path)
+    }
+
+    /// The fault that was kept, if there is one that can be read.
+    #[must_use]
+    pub fn read(path: &Path) -> Option<Self> {
+        serde_json::from_slice(&fs::read(path).ok()?).ok()
+    }
+
+    /// As it is kept and published.
+    #[must_use]
+    pub fn json(&self) -> String {
+        // Three plain values always serialise.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LastFault;
+    use std::path::Path;
+
+    #[test]
+    fn a_fault_that_was_kept_is_read_again_and_the_next_takes_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flights/last-fault.json");
+        assert_eq!(LastFault::read(&path), None);
+        let first = LastFault::now("the ball is stuck".into(), Some(Path::new("flights/a.mcap")));
+        first.keep(&path).unwrap();
+        assert_eq!(LastFault::read(&path), Some(first));
+        let second = LastFault::now("no new range".into(), None);
+        second.keep(&path).unwrap();
+        assert_eq!(LastFault::read(&path), Some(second));
+        std::fs::write(&path, "half of a fi").unwrap();
+        assert_eq!(LastFault::read(&path), None);
+    }
+}

@@ -1,0 +1,335 @@
+//! The pilot: decides what the fan does, cycle by cycle. Observe, decide, act is the cycle's; this is *decide*.
+//!
+//! ```text
+//! waiting ─ first position ─▶ flying / open loop ─ no new position ─▶ coasting ─ too long ─▶ stopped
+//!                                   ▲                                     │                     │
+//!                                   └──────────── position again ─────────┘        `fly` ───────┘
+//! ```
+//!
+//! It gets samples and times and returns a duty. It reads no clock, no bus and no file, so that whatever it
+//! does can be tested without a rig.
+
+mod commands;
+mod cross_checks;
+mod exchange;
+mod programme;
+mod stuck_ball;
+
+pub use exchange::{Decision, NoOrders, Orders, Seen, Senses, Signals, reading_period_s};
+
+use super::experiment::Demand;
+use super::experiment::offers::Offer;
+use super::vocabulary::{Fault, Mode};
+use control::Duty;
+use control::compensation::Compensator;
+use control::controller::Kind;
+use control::observer::Estimate;
+use control::pid::Pid;
+use cross_checks::Watch;
+use programme::{Programme, Started};
+use stuck_ball::Still;
+
+/// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
+const MISSING_PERIODS: f64 = 2.5;
+/// The fan has been off for longer than it takes to stop, seconds.
+const OFF_S: f64 = 10.0;
+/// How long the first position may take, seconds: a sensor that works and sees a ball needs a hundredth of it.
+const WAIT_S: f64 = 5.0;
+
+/// Decides, and remembers what it needs for that.
+#[derive(Clone, Debug)]
+pub struct Pilot {
+    orders: Orders,
+    /// What may be started in flight.
+    offers: Vec<Offer>,
+    /// What was.
+    started: Option<Started>,
+    mode: Mode,
+    compensator: Compensator,
+    /// When it last decided.
+    decided_s: Option<f64>,
+    /// Time and place of the last position.
+    last: Option<(f64, f64)>,
+    /// How far the programme is.
+    programme: Programme,
+    /// When waiting for the first position began.
+    waiting_since_s: Option<f64>,
+    /// A setpoint that was commanded, in force instead of the programme's.
+    held_mm: Option<f64>,
+    control: f64,
+    /// The control value that acts on the ball, whoever asked for it.
+    acting: f64,
+    been_in_band: bool,
+    still: Still,
+    watch: Watch,
+    /// The duty that was last decided.
+    duty: Duty,
+    fault: Option<Fault>,
+}
+
+impl Pilot {
+    /// A pilot before take-off.
+    #[must_use]
+    pub fn new(mut orders: Orders) -> Self {
+        let compensator = orders.compensation.start();
+        let acting = compensator.control(Duty::OFF);
+        orders.regulator.pass(acting, OFF_S);
+        let programme = Programme::default();
+        Self {
+            compensator,
+            orders,
+            offers: Vec::new(),
+            started: None,
+            mode: Mode::Waiting,
+            decided_s: None,
+            last: None,
+            programme,
+            waiting_since_s: None,
+            held_mm: None,
+            control: 0.0,
+            acting,
+            been_in_band: false,
+            still: Still::default(),
+            watch: Watch::default(),
+            duty: Duty::OFF,
+            fault: None,
+        }
+    }
+
+    /// What the loop is doing.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// The gains of the PID, where there is one.
+    #[must_use]
+    pub const fn gains(&self) -> Option<Pid> {
+        self.orders.regulator.controllers().pid
+    }
+
+    /// The controller that flies.
+    #[must_use]
+    pub const fn controller(&self) -> Kind {
+        self.orders.regulator.kind()
+    }
+
+    /// The setpoint in force at `time_s`, mm. `None` while the fan is driven without control.
+    #[must_use]
+    pub fn setpoint_mm(&self, time_s: f64) -> Option<f64> {
+        match self.demand(time_s) {
+            Some(Demand::Control { setpoint_mm, .. }) => Some(setpoint_mm),
+            _ => self.held_mm,
+        }
+    }
+
+    /// The fault that stopped the flight, if one did.
+    #[must_use]
+    pub const fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// How far the cycles may fall behind, seconds.
+    #[must_use]
+    pub const fn stall_s(&self) -> f64 {
+        self.orders.safety.stall_s
+    }
+
+    /// Whether the programme is over at `time_s`.
+    #[must_use]
+    pub fn is_over(&self, time_s: f64) -> bool {
+        self.started.is_none()
+            && self.programme.at_s(time_s).is_some_and(|at_s| self.orders.experiment.demand(at_s).is_none())
+    }
+
+    /// Decides what the fan does from `time_s` on.
+    pub fn decide(&mut self, time_s: f64, senses: impl Into<Senses>) -> Decision {
+        let senses = senses.into();
+        let decision = self.decided(time_s, &senses);
+        self.duty = decision.duty;
+        decision
+    }
+
+    fn decided(&mut self, time_s: f64, senses: &Senses) -> Decision {
+        let cycle_s = self.decided_s.replace(time_s).map_or(self.orders.reading_period_s, |last_s| time_s - last_s);
+        self.orders.regulator.pass(self.acting, cycle_s);
+        let (seen, stands_in) = self.look(time_s, senses);
+        let reading_s = self.observe(time_s, seen, stands_in);
+        self.hear(senses);
+        self.follow_programme(time_s, seen);
+        self.change_mode(time_s, seen);
+        self.cross_check(time_s, senses, self.duty);
+        let mut decision = Decision {
+            mode: self.mode,
+            setpoint_mm: None,
+            control_percent: None,
+            control_mm_per_s2: None,
+            duty: Duty::OFF,
+            velocity_mm_per_s: self.orders.regulator.velocity_mm_per_s(),
+            position_mm: self.last.map(|(_, mm)| mm),
+            estimate: self.estimate(),
+            surprise: self.orders.regulator.surprise(),
+        };
+        if self.mode != Mode::Flying {
+            // What was pushed before says nothing of what comes after.
+            self.still = Still::default();
+        }
+        match (self.mode, self.demand(time_s)) {
+            (Mode::Flying, Some(Demand::Control { setpoint_mm, excitation_percent })) => {
+                let blind = self.controller().trusts_the_observer();
+                if let Some(dt_s) = if blind { Some(cycle_s) } else { reading_s } {
+                    self.control = self.control(setpoint_mm, excitation_percent, dt_s);
+                }
+                decision.setpoint_mm = Some(setpoint_mm);
+                self.fly(&mut decision, excitation_percent);
+                self.stop_if_stuck(time_s, &mut decision);
+            }
+            (Mode::OpenLoop, Some(Demand::Drive { duty_percent })) => decision.duty = self.drive(duty_percent),
+            (Mode::Coasting, _) => decision.duty = self.drive(self.orders.compensation.hover_duty_percent),
+            _ => {
+                self.orders.regulator.rest();
+                self.acting = self.compensator.control(Duty::OFF);
+            }
+        }
+        decision
+    }
+
+    /// Takes the reading into the estimate, be it the first sensor's or the one's that stands in for it. Returns the time
+    /// since the one before, if both are there.
+    fn observe(&mut self, time_s: f64, seen: Seen, stands_in: bool) -> Option<f64> {
+        let Seen::Ball(position_mm) = seen else { return None };
+        let gap_s = self.last.map(|(last_s, _)| time_s - last_s);
+        self.last = Some((time_s, position_mm));
+        if gap_s.is_none_or(|gap_s| gap_s > self.missing_s()) {
+            // After a hole the derivatives would see its whole jump at once.
+            self.orders.regulator.lose_sight();
+        }
+        let dt_s = gap_s.unwrap_or(self.orders.reading_period_s).min(self.missing_s());
+        if stands_in {
+            self.orders.regulator.stand_in(position_mm, dt_s);
+        } else {
+            self.orders.regulator.read(position_mm, dt_s);
+        }
+        Some(dt_s)
+    }
+
+    /// What the observer knows, in percent of duty where it counts in control values.
+    fn estimate(&self) -> Option<Estimate> {
+        let percent = |control| self.compensator.about_hover(control);
+        let estimate = self.orders.regulator.observed()?;
+        Some(Estimate { fan: percent(estimate.fan), disturbance: percent(estimate.disturbance), ..estimate })
+    }
+
+    fn change_mode(&mut self, time_s: f64, seen: Seen) {
+        let silent_s = self.last.map_or(0.0, |(last_s, _)| time_s - last_s);
+        self.mode = match (self.mode, seen) {
+            (Mode::Stopped, _) => Mode::Stopped,
+            (Mode::Waiting, Seen::Nothing(fault)) => {
+                let silent_s = time_s - *self.waiting_since_s.get_or_insert(time_s);
+                let fault = fault.unwrap_or(Fault::SensorSilent { silent_s });
+                if silent_s > WAIT_S { self.stop(fault) } else { Mode::Waiting }
+            }
+            (Mode::Waiting, Seen::Ball(_)) => {
+                self.programme.begin(time_s);
+                self.orders.regulator.take_off();
+                self.closed_or_open(time_s)
+            }
+            (_, Seen::Nothing(fault)) if silent_s > self.orders.safety.coast_s => {
+                self.stop(fault.unwrap_or(Fault::SensorSilent { silent_s }))
+            }
+            (mode, Seen::Nothing(_)) => {
+                if silent_s > self.missing_s() {
+                    Mode::Coasting
+                } else {
+                    mode
+                }
+            }
+            (_, Seen::Ball(position_mm)) => match self.left_band(position_mm) {
+                Some(fault) => self.stop(fault),
+                None => self.closed_or_open(time_s),
+            },
+        };
+    }
+
+    fn closed_or_open(&mut self, time_s: f64) -> Mode {
+        match self.demand(time_s) {
+            Some(Demand::Drive { .. }) => Mode::OpenLoop,
+            _ => {
+                if self.mode == Mode::OpenLoop {
+                    // The integral still knows hover; the duty of an excitation does not.
+                    self.orders.regulator.forget_derivatives();
+                }
+                Mode::Flying
+            }
+        }
+    }
+
+    fn stop(&mut self, fault: Fault) -> Mode {
+        self.fault = Some(fault);
+        Mode::Stopped
+    }
+
+    /// The band of an experiment counts from when the ball has been inside it: it starts at the bottom.
+    fn left_band(&mut self, position_mm: f64) -> Option<Fault> {
+        let outside = self.flown().outside_band(position_mm);
+        self.been_in_band |= outside.is_none();
+        outside.filter(|_| self.been_in_band).map(|(min_mm, max_mm)| Fault::OutsideBand { position_mm, min_mm, max_mm })
+    }
+
+    fn demand(&self, time_s: f64) -> Option<Demand> {
+        let demand = self.flown().demand(self.programme.at_s(time_s)?)?;
+        Some(match (demand, self.held_mm) {
+            (Demand::DriveAboutHover { percent }, _) => {
+                Demand::Drive { duty_percent: self.orders.compensation.hover_duty_percent + percent }
+            }
+            (Demand::Control { .. }, Some(setpoint_mm)) => Demand::Control { setpoint_mm, excitation_percent: 0.0 },
+            (demand, _) => demand,
+        })
+    }
+
+    fn control(&mut self, setpoint_mm: f64, excitation_percent: f64, dt_s: f64) -> f64 {
+        let safety = &self.orders.safety;
+        let (lowest, highest) = (Duty::clamped(safety.duty_min_percent), Duty::clamped(safety.duty_max_percent));
+        let limits = self.compensator.control_limits(lowest, highest, excitation_percent);
+        self.orders.regulator.step(setpoint_mm, dt_s, limits)
+    }
+
+    /// Gives the fan what the controller asked for, and the excitation.
+    fn fly(&mut self, decision: &mut Decision, excitation_percent: f64) {
+        self.acting = self.compensator.acting(self.control, excitation_percent);
+        decision.control_percent = Some(self.compensator.about_hover(self.control) + excitation_percent);
+        decision.control_mm_per_s2 = self.orders.compensation.predistortion.is_some().then_some(self.control);
+        let duty = self.compensator.duty(self.control, excitation_percent);
+        decision.duty = self.safe_duty(duty.percent());
+    }
+
+    /// Turns the fan off when the ball is pushed and does not move.
+    fn stop_if_stuck(&mut self, time_s: f64, decision: &mut Decision) {
+        let (Some(limits), Some(position_mm)) = (&self.orders.safety.stuck, decision.position_mm) else { return };
+        let control_percent = decision.control_percent.unwrap_or(0.0);
+        let Some(still_s) = self.still.pushed(time_s, position_mm, control_percent, limits) else { return };
+        self.mode = self.stop(Fault::BallStuck { position_mm, control_percent, still_s });
+        decision.mode = self.mode;
+        decision.duty = Duty::OFF;
+        self.acting = self.compensator.control(Duty::OFF);
+    }
+
+    /// Gives the fan a duty that no controller asked for.
+    fn drive(&mut self, percent: f64) -> Duty {
+        let duty = self.safe_duty(percent);
+        self.acting = self.compensator.control(duty);
+        duty
+    }
+
+    fn missing_s(&self) -> f64 {
+        MISSING_PERIODS * self.orders.reading_period_s
+    }
+
+    fn safe_duty(&self, percent: f64) -> Duty {
+        let safety = &self.orders.safety;
+        Duty::clamped(percent.clamp(safety.duty_min_percent, safety.duty_max_percent))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,142 @@
+//! How far the programme is: its own time, from which segments that end early are left out, and the gains that it asks for. While an
+//! experiment that was started in flight is on, the programme goes on in time alone.
+
+use super::{Pilot, Seen};
+use crate::flight::command::GainChange;
+use crate::flight::experiment::Experiment;
+use crate::flight::experiment::offers::Offer;
+use crate::flight::name::Name;
+use crate::flight::vocabulary::Mode;
+use control::pid::Pid;
+
+/// Where in its experiment a flight is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Programme {
+    /// When it began.
+    began_s: Option<f64>,
+    /// What has been left out of it, seconds.
+    left_out_s: f64,
+    /// The gains that it asks for, and those that come back after them.
+    gains: Option<(GainChange, Pid)>,
+}
+
+impl Programme {
+    /// The first position is there.
+    pub(super) fn begin(&mut self, time_s: f64) {
+        self.began_s.get_or_insert(time_s);
+    }
+
+    /// The programme's own time. `None`: it has not begun.
+    pub(super) fn at_s(&self, time_s: f64) -> Option<f64> {
+        self.began_s.map(|began_s| time_s - began_s + self.left_out_s)
+    }
+
+    /// Somebody commanded gains: they are the ones that come back.
+    pub(super) fn keep(&mut self, commanded: Pid) {
+        if let Some((_, own)) = &mut self.gains {
+            *own = commanded;
+        }
+    }
+}
+
+/// An experiment that was started in flight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Started {
+    /// Which of those on offer.
+    index: usize,
+    /// Where the programme was.
+    parked: Programme,
+}
+
+impl Pilot {
+    /// The same pilot, with experiments that may be started in flight.
+    #[must_use]
+    pub fn offering(mut self, offers: Vec<Offer>) -> Self {
+        self.offers = offers;
+        self
+    }
+
+    /// What may be started in flight.
+    #[must_use]
+    pub fn offers(&self) -> &[Offer] {
+        &self.offers
+    }
+
+    /// What is flown: the programme, or an experiment that was started.
+    pub(super) fn flown(&self) -> &Experiment {
+        let started = self.started.and_then(|started| self.offers.get(started.index));
+        started.map_or(&self.orders.experiment, |offer| &offer.experiment)
+    }
+
+    /// The experiment that was started and is not over.
+    #[must_use]
+    pub fn experiment(&self) -> Option<Name> {
+        self.offers.get(self.started?.index).map(|offer| offer.name)
+    }
+
+    /// Starts an experiment on offer. Its time begins with the next cycle that has a position.
+    pub(super) fn park_programme(&mut self, index: usize) {
+        self.give_gains_back();
+        self.started = Some(Started { index, parked: self.programme });
+        self.programme = Programme::default();
+        self.been_in_band = false;
+    }
+
+    /// Goes back to the programme, if an experiment was started.
+    pub(super) fn end_experiment(&mut self) {
+        let Some(started) = self.started else { return };
+        self.give_gains_back();
+        self.programme = started.parked;
+        self.started = None;
+        self.been_in_band = false;
+    }
+
+    fn give_gains_back(&mut self) {
+        if let Some((_, own)) = self.programme.gains.take() {
+            self.change_gains(own);
+        }
+    }
+
+    /// Begins what was started in flight, and goes back to the programme when it is over.
+    fn follow_experiment(&mut self, time_s: f64) {
+        let airborne = !matches!(self.mode, Mode::Waiting | Mode::Stopped);
+        let over = self.programme.at_s(time_s).is_some_and(|at_s| self.flown().demand(at_s).is_none());
+        if over && self.started.is_some() {
+            self.end_experiment();
+        }
+        if airborne {
+            self.programme.begin(time_s);
+        }
+    }
+
+    /// Leaves out what the ball has ended, and takes the gains that the programme asks for. A setpoint that was commanded is in force
+    /// instead of the programme, which goes on in time alone.
+    pub(super) fn follow_programme(&mut self, time_s: f64, seen: Seen) {
+        self.follow_experiment(time_s);
+        let Some(at_s) = self.programme.at_s(time_s) else { return };
+        if let (Seen::Ball(position_mm), None) = (seen, self.held_mm) {
+            self.programme.left_out_s += self.flown().left_out_s(at_s, position_mm);
+        }
+        let asked = self.programme.at_s(time_s).and_then(|at_s| self.flown().gains(at_s));
+        let asked = asked.filter(|_| self.held_mm.is_none());
+        match (asked, self.programme.gains, self.gains()) {
+            (Some(asked), Some((given, _)), _) if asked == given => {}
+            (Some(asked), given, Some(now)) => {
+                let own = given.map_or(now, |(_, own)| own);
+                self.programme.gains = Some((asked, own));
+                self.change_gains(asked.applied_to(own));
+            }
+            (None, Some((_, own)), _) => {
+                self.programme.gains = None;
+                self.change_gains(own);
+            }
+            _ => {}
+        }
+    }
+
+    /// The integral stands: one that took up what the derivative makes of noise would push the ball for T_i.
+    fn change_gains(&mut self, gains: Pid) {
+        self.orders.regulator.forget_derivatives();
+        self.orders.regulator.retune(gains);
+    }
+}

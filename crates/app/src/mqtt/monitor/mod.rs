@@ -1,0 +1,127 @@
+//! `airball monitor`: a rig in a terminal. What is known of it and what a key asks for are here, without a terminal and without a broker;
+//! [`view`] draws it.
+
+pub mod keys;
+pub mod view;
+
+use super::About;
+use super::remote::Heard;
+use super::seen::Seen;
+use crate::config::topics::Quantity;
+use keys::Deed;
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// A rig that is online and says nothing for so long is worth a word.
+const SILENT: Duration = Duration::from_secs(2);
+/// States that are kept: a minute of them.
+const KEPT: usize = 600;
+
+/// What is known of a rig.
+#[derive(Clone, Debug, Default)]
+pub struct Monitor {
+    /// Its name.
+    rig: String,
+    /// Whether the broker answers; with the reason where it does not.
+    link: Option<Result<(), String>>,
+    online: bool,
+    about: Option<About>,
+    seen: Option<Seen>,
+    /// When the last state came.
+    spoke: Option<Instant>,
+    /// Time, position, setpoint and duty of the last states; NaN where there is none.
+    past: VecDeque<[f64; 4]>,
+    /// A setpoint that was asked for and is not yet in force, mm.
+    wanted_mm: Option<f64>,
+    /// What became of the last command, or the last fault that ended a flight.
+    word: String,
+}
+
+impl Monitor {
+    /// Nothing is known but the name.
+    #[must_use]
+    pub fn of(rig: &str) -> Self {
+        Self { rig: rig.to_owned(), ..Self::default() }
+    }
+
+    /// Takes what came from the broker.
+    pub fn hear(&mut self, heard: Heard) {
+        match heard {
+            Heard::Connected => self.link = Some(Ok(())),
+            Heard::Lost(why) => {
+                self.link = Some(Err(why));
+                self.online = false;
+            }
+            Heard::Online(online) => self.online = online,
+            Heard::About(about) => self.about = Some(*about),
+            Heard::State(seen) => self.see(*seen),
+            Heard::Fault(fault) => self.word = format!("last fault, {}: {}", fault.at, fault.fault),
+            Heard::Reply(said) => {
+                self.wanted_mm = self.wanted_mm.filter(|_| said.accepted);
+                let topic = said.topic.trim_start_matches("set/");
+                self.word = said.reason.map_or_else(|| format!("{topic}: in force"), |why| format!("{topic}: {why}"));
+            }
+        }
+    }
+
+    fn see(&mut self, seen: Seen) {
+        let cycle = &seen.cycle;
+        if self.past.back().is_some_and(|last| cycle.time_s < last[0]) {
+            self.past.clear();
+        }
+        if self.past.len() == KEPT {
+            self.past.pop_front();
+        }
+        let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        self.past.push_back([cycle.time_s, known(cycle.position_mm), known(cycle.setpoint_mm), cycle.duty_percent]);
+        self.wanted_mm = self.wanted_mm.filter(|wanted_mm| cycle.setpoint_mm != Some(*wanted_mm));
+        (self.seen, self.spoke) = (Some(seen), Some(Instant::now()));
+    }
+
+    fn is_silent(&self, now: Instant) -> bool {
+        self.spoke.is_none_or(|spoke| now.saturating_duration_since(spoke) > SILENT)
+    }
+
+    /// The command that a deed sends. `None`: none, or one that cannot be known yet.
+    pub fn command(&mut self, deed: Deed) -> Option<(Quantity, String)> {
+        match deed {
+            Deed::Quit => None,
+            Deed::Mode(word) => Some((Quantity::Mode, word.to_owned())),
+            Deed::Nudge(by_mm) => {
+                let limits = self.about.as_ref()?.setpoint_mm;
+                let from_mm = self.wanted_mm.or(self.seen.as_ref()?.cycle.setpoint_mm)?;
+                let to_mm = (from_mm + by_mm).round().clamp(limits.min, limits.max);
+                self.wanted_mm = Some(to_mm);
+                Some((Quantity::Setpoint, to_mm.to_string()))
+            }
+        }
+    }
+
+    /// A command could not be sent.
+    pub fn unsent(&mut self, deed: Deed) {
+        self.wanted_mm = None;
+        let supply = if deed == Deed::STOP { " Switch off the fan's supply." } else { "" };
+        self.word = format!("not sent: there is no connection to the broker.{supply}");
+    }
+
+    /// The state in one line, for scripts and logs. `None` before the first.
+    #[must_use]
+    pub fn line(&self) -> Option<String> {
+        let Seen { cycle, controller, late_cycles, lateness, fault, .. } = self.seen.as_ref()?;
+        let mm = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |mm| format!("{mm:.0}"));
+        Some(format!(
+            "{:8.2} s  {:9}  position {:>3} mm  setpoint {:>3} mm  duty {:5.2} %  {}  {late_cycles} late, 99 % within {:.0} µs  {}",
+            cycle.time_s,
+            crate::flight::vocabulary::word(cycle.mode),
+            mm(cycle.position_mm),
+            mm(cycle.setpoint_mm),
+            cycle.duty_percent,
+            controller.name(),
+            lateness.p99_us,
+            fault.as_deref().unwrap_or("no fault"),
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests;

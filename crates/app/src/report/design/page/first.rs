@@ -1,0 +1,111 @@
+//! What is seen first of a design: whether it is stable, what it bears, and its step.
+
+use super::{STEP, root_locus};
+use crate::analysis::loop_margins::Assessment;
+use crate::report::design::plot::Diagrams;
+use crate::report::design::words::{Document, law};
+use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::parts::values;
+use crate::report::kit::plot::Diagram;
+use maud::{Markup, html};
+
+/// The form that flies: sampled, where the period is known.
+pub(super) fn decisive(document: &Document) -> &Assessment {
+    document.sampled.as_ref().unwrap_or(&document.continuous)
+}
+
+/// The factor by which the gain may grow before the loop loses stability.
+pub(super) fn more_gain(of: &Assessment) -> Option<f64> {
+    of.gain_margins.iter().map(|margin| margin.factor).filter(|factor| *factor > 1.0).reduce(f64::min)
+}
+
+/// The factor to which the gain may fall before it does, for loops that need their gain.
+pub(super) fn less_gain(of: &Assessment) -> Option<f64> {
+    of.gain_margins.iter().map(|margin| margin.factor).filter(|factor| *factor < 1.0).reduce(f64::max)
+}
+
+/// The least phase that may be lost, degrees.
+pub(super) fn least_phase(of: &Assessment) -> Option<f64> {
+    of.phase_margins.iter().map(|margin| margin.phase_deg).reduce(f64::min)
+}
+
+/// The answer in a sentence.
+pub(super) fn answer(of: &Assessment) -> String {
+    if !of.stable {
+        return "This loop is not stable: it must not be flown".into();
+    }
+    match (more_gain(of), least_phase(of)) {
+        (Some(factor), Some(phase)) => {
+            format!("The loop is stable, and bears {factor:.1} times its gain or {phase:.0}° more lag")
+        }
+        (None, Some(phase)) => format!("The loop is stable at any higher gain, and bears {phase:.0}° more lag"),
+        (Some(factor), None) => format!("The loop is stable, and bears {factor:.1} times its gain"),
+        (None, None) => "The loop is stable at any gain".into(),
+    }
+}
+
+/// What is seen first, below the answer.
+pub(super) fn first(document: &Document, drawn: &Diagrams) -> Markup {
+    let of = decisive(document);
+    html! {
+        p.lede {
+            @if document.sampled.is_some() { "As the firmware closes it. " } @else { "In continuous time: the config has no period. " }
+            @for (name, words) in law(document) { @if !name.is_empty() { (spoken(name)) ": " (words) ". " } }
+        }
+        h2.unseen { "What the loop does" }
+        div.first {
+            (values(&numbers(of)))
+            @if of.stable { (step_first(drawn)) }
+            // Where nothing comes to rest, the poles say why; the last locus is that of the loop that flies.
+            @else if let Some(locus) = drawn.loci.last() {
+                div.round { (root_locus(locus)) }
+            }
+        }
+    }
+}
+
+/// What is seen first of a loop. Of one that is not stable, only where it would be.
+fn numbers(of: &Assessment) -> Vec<(String, String, String)> {
+    let line =
+        |name: &str, value: Option<String>, about: &str| value.map(|value| (name.to_owned(), value, about.to_owned()));
+    let kp = |about: &str| line("critical K_p", of.critical_kp_per_mm.map(|kp| format!("{kp:.5} per mm")), about);
+    let all = if of.stable {
+        let step = of.step;
+        vec![
+            line("overshoot", step.map(|step| format!("{:.1} %", step.overshoot_percent)), "of the step"),
+            line("rise, 10 to 90 %", step.map(|step| format!("{:.2} s", step.rise_s)), ""),
+            line("settled to ±5 %", step.map(|step| format!("{:.2} s", step.settling_s)), ""),
+            line("delay margin", delay_s(of).map(|s| format!("{s:.3} s")), "may be lost on the way"),
+            kp("at which it swings for ever"),
+        ]
+    } else {
+        let none = || line("critical K_p", Some("none".into()), "no proportional gain makes this loop stable");
+        vec![kp("at which it swings for ever").or_else(none)]
+    };
+    all.into_iter().flatten().collect()
+}
+
+/// The delay that brings a loop to its edge, seconds.
+pub(super) fn delay_s(of: &Assessment) -> Option<f64> {
+    of.phase_margins.iter().map(|margin| margin.delay_s).reduce(f64::min)
+}
+
+/// The heads of the law's lines as a sentence begins.
+pub(super) fn spoken(name: &str) -> &str {
+    match name {
+        "feedback" => "State feedback",
+        "gains" => "PID",
+        "weights" => "Weights",
+        "lqg" => "LQG",
+        "observer" => "Observer",
+        other => other,
+    }
+}
+
+/// The step beside what is said first.
+pub fn step_first(drawn: &Diagrams) -> Markup {
+    let caption = html! {
+        "The step of the setpoint, as a share of it, for a linear plant without noise and without limits of the fan."
+    };
+    figure(&Diagram { direct: true, ..drawn.step.clone() }, Size::FIRST, STEP, &caption)
+}

@@ -1,0 +1,221 @@
+//! The page of a design: the law, what its loop bears, its step, its frequencies and its poles.
+
+pub mod critical;
+mod first;
+pub mod observer;
+
+pub use first::step_first;
+
+use super::plot::Diagrams;
+use super::words::{Document, law, rows};
+use crate::analysis::loop_margins::{Assessment, Loop};
+use crate::report::identify::digits;
+use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy};
+use crate::report::kit::page::record::{Record, how_to_zoom};
+use crate::report::kit::page::{Page, PageError, Section};
+use crate::report::kit::plot::Diagram;
+use first::{answer, decisive, delay_s, first, least_phase, less_gain, more_gain, spoken};
+use maud::{Markup, html};
+
+/// A delay margin of fewer periods than this is worth a warning: a late cycle takes one.
+const FEW_PERIODS: f64 = 2.0;
+/// Margins below which a loop is near its edge: half as much gain again, and a twelfth of a turn.
+const LITTLE_GAIN: f64 = 1.5;
+const LITTLE_PHASE_DEG: f64 = 30.0;
+
+/// Everything that the page tells.
+#[derive(Clone, Copy)]
+pub struct Report<'a> {
+    /// The config that holds the model, by its name.
+    pub config: &'a str,
+    /// What was designed.
+    pub document: &'a Document,
+    /// Its loop.
+    pub of: &'a Loop,
+    /// It as a patch.
+    pub patch: &'a str,
+    /// Effects of the model that the design does not see.
+    pub not_linear: &'a [&'a str],
+}
+
+/// The page of a design.
+///
+/// # Errors
+/// [`PageError::Draw`]: the loop cannot be drawn.
+pub fn page(report: &Report<'_>) -> Result<String, PageError> {
+    let document = report.document;
+    let drawn = Diagrams::of(report.of)?;
+    let is_flown = decisive(document).stable;
+    let record = Record { diagrams: if is_flown { vec![drawn.step.clone()] } else { vec![] } };
+    let mut sections = vec![
+        Section::across("bears", "What the loop bears", bears(document)),
+        Section::across("frequency", "The open loop in frequency", frequency(&drawn)),
+        Section::across("poles", "The poles", html! { (loci(&drawn)) (poles(document)) }),
+        Section::words("warnings", "What to mind", warnings(report)),
+        Section::words("law", "The law", law_to_copy(report)),
+        Section::words("next", "What to do next", next(decisive(document))),
+    ];
+    if is_flown {
+        let zoomed = html! { (how_to_zoom()) (record.still(&[STEP])) };
+        sections.push(Section::across("record", "The step, to look into", zoomed));
+    }
+    sections.push(Section::words("words", "Words on this page", glossary(&WORDS)));
+    let mut from = vec![format!("model: {}", report.config)];
+    from.extend(document.period_s.map(|period_s| format!("sampled every {period_s} s")));
+    let (answer, first) = (answer(decisive(document)), first(document, &drawn));
+    Ok(Page { kind: "design", from, answer: &answer, first, sections, record: &record }.render())
+}
+
+const STEP: &str = "Step of the setpoint: the position as a share of the step, in continuous time and sampled";
+
+fn bears(document: &Document) -> Markup {
+    let row = |(name, [continuous, sampled]): (&'static str, [String; 2])| {
+        let mut cells = vec![html! { (minus(&continuous)) }];
+        cells.extend(document.period_s.map(|_| html! { (minus(&sampled)) }));
+        (html! { (name) }, cells)
+    };
+    let sampled = document.period_s.map(|period_s| format!("sampled every {period_s} s"));
+    let heads: Vec<&str> = ["figure", "continuous"].into_iter().chain(sampled.as_deref()).collect();
+    let rows: Vec<_> = rows(document).into_iter().map(row).collect();
+    html! {
+        div.two {
+            (table("Margins, critical gains and step", &heads, &rows))
+            (table("The plant that was designed for", &["number", "value"], &plant(document)))
+        }
+    }
+}
+
+fn plant(document: &Document) -> Vec<(Markup, Vec<Markup>)> {
+    let plant = &document.plant;
+    let row = |name: &str, value: f64| (html! { (name) }, vec![html! { (digits(value)) }]);
+    vec![
+        row("gain, mm/s² per unit of the control value", plant.gain_mm_per_s2_per_control),
+        row("drag, 1/s", plant.drag_per_s),
+        row("fall of the lift with height, 1/s²", plant.gradient_per_s2),
+        row("lag of the fan, s", plant.fan_lag_s),
+        row("lag of the sensor, s", plant.sensor_lag_s),
+        row("all delays, s", plant.delay_s),
+    ]
+}
+
+/// Magnitude and phase, side by side.
+pub fn frequency(drawn: &Diagrams) -> Markup {
+    let one = |diagram: &Diagram, what: &str| {
+        let words = minus(&diagram.title);
+        let alt = format!("{what} over frequency; {words}");
+        figure(diagram, Size::HALF, &alt, &html! { (what) ". " (capital(&words)) "." })
+    };
+    let [magnitude, phase] = &drawn.bode;
+    html! {
+        div.two { (one(magnitude, "Magnitude")) (one(phase, "Phase")) }
+    }
+}
+
+/// The root loci, side by side.
+pub fn loci(drawn: &Diagrams) -> Markup {
+    html! {
+        p {
+            "Where the poles of the closed loop go as its gain goes from a hundredth to a hundred times what it is. In s a pole to the left of "
+            "the line dies away; in z one inside the circle does."
+        }
+        div.two {
+            @for locus in &drawn.loci { (root_locus(locus)) }
+        }
+    }
+}
+
+/// One root locus.
+fn root_locus(locus: &Diagram) -> Markup {
+    figure(locus, Size::PLANE, &locus.title, &html! { (capital(&locus.title)) "." })
+}
+
+fn poles(document: &Document) -> Markup {
+    let of = |of: &Assessment, form: &'static str, places: usize| {
+        let row = |pole: &[f64; 2]| {
+            (
+                html! { (form) },
+                vec![html! { (number(Some(pole[0]), places)) }, html! { (number(Some(pole[1]), places)) }],
+            )
+        };
+        of.poles.iter().map(row).collect::<Vec<_>>()
+    };
+    let mut rows = of(&document.continuous, "s, 1/s", 3);
+    rows.extend(document.sampled.iter().flat_map(|sampled| of(sampled, "z", 5)));
+    html! {
+        details {
+            summary { "The poles of the closed loop in numbers" }
+            (table("Poles of the closed loop", &["plane", "real part", "imaginary part"], &rows))
+        }
+    }
+}
+
+fn warnings(report: &Report<'_>) -> Markup {
+    let of = decisive(report.document);
+    let short = delay_s(of)
+        .filter(|_| of.stable)
+        .zip(report.of.period_s)
+        .filter(|(delay_s, period_s)| *delay_s < FEW_PERIODS * period_s);
+    html! {
+        ul {
+            @if !of.stable { li { strong { "The loop is not stable. " } "Ask for slower poles or a lower gain." } }
+            @if of.stable && more_gain(of).is_some_and(|factor| factor < LITTLE_GAIN) {
+                li { "A gain margin below " (LITTLE_GAIN) " is little: a rig whose gain is off by a third may swing." }
+            }
+            @if let Some(factor) = less_gain(of).filter(|_| of.stable) {
+                li { (format!("It needs its gain: at {factor:.2} times as much, or less, it is no longer stable.")) }
+            }
+            @if of.stable && least_phase(of).is_some_and(|phase| phase < LITTLE_PHASE_DEG) {
+                li { "A phase margin below " (LITTLE_PHASE_DEG) "° is little: the ball will swing visibly." }
+            }
+            @if let Some((delay_s, period_s)) = short {
+                li { (format!("A delay of {delay_s:.3} s brings the loop to its edge, and a period is {period_s} s: late cycles can be felt.")) }
+            }
+            @for name in report.not_linear {
+                li { strong { (name.replace('_', " ")) } " is on in the model and not linear: the design does not see it; try it in "
+                    (command("airball simulate")) "." }
+            }
+            li { "Limits of the duty, quantised duty and noise: a step that asks for more than the fan can give is slower than the one above." }
+        }
+    }
+}
+
+fn law_to_copy(report: &Report<'_>) -> Markup {
+    html! {
+        p { "The law as a patch. Later patches win over the config, and the rest of it stays as it is:" }
+        dl {
+            @for (name, words) in law(report.document) {
+                // A line without a name belongs to the one before.
+                @if !name.is_empty() { dt { (spoken(name)) } }
+                dd { (words) }
+            }
+        }
+        (to_copy("patch", "gains.toml", report.patch))
+    }
+}
+
+fn next(of: &Assessment) -> Markup {
+    html! {
+        ul {
+            @if of.stable {
+                li { "Fly it on the simulated rig first, with its noise and its limits: "
+                    (command("airball simulate --patch gains.toml --experiment experiments/steps.toml")) "." }
+                li { "Then on the rig: " (command("airball measure steps --patch gains.toml")) " gives overshoot and settling beside those above." }
+                li { "How near the edge the rig is, " (command("airball measure critical-gain")) " tells." }
+            } @else {
+                li { "Do not fly it. " (command("airball design pid")) " places the poles of a loop that comes to rest; or lower the gain." }
+            }
+        }
+    }
+}
+
+const WORDS: [(&str, &str); 5] = [
+    ("gain margin", "By how much the gain may be multiplied before the loop swings for ever."),
+    (
+        "phase margin",
+        "How much later, in degrees of the swing, the loop may answer before it does; the delay margin says it in seconds.",
+    ),
+    ("sampled", "The loop as the firmware closes it: a reading at every period, a duty that is held until the next."),
+    ("critical", "The value at which the loop swings for ever, its other gains kept."),
+    ("pole", "A way in which the loop comes to rest: the further to the left in s, or to the middle in z, the faster."),
+];

@@ -1,0 +1,108 @@
+//! The page of an observer: what of a surprise each of its states takes.
+
+use crate::report::design::observer::Document;
+use crate::report::kit::page::parts::{command, glossary, number, table, three_digits, to_copy, values};
+use crate::report::kit::page::record::Record;
+use crate::report::kit::page::{Page, Section};
+use maud::{Markup, html};
+
+/// Everything that the page tells.
+#[derive(Clone, Copy)]
+pub struct Report<'a> {
+    /// The config that holds the model, by its name.
+    pub config: &'a str,
+    /// What was designed.
+    pub document: &'a Document,
+    /// It as a patch.
+    pub patch: &'a str,
+}
+
+/// The states of the observer that flies.
+const FLOWN: [&str; 4] = ["position, mm", "velocity, mm/s", "fan, control values", "hover, control values"];
+
+/// The page.
+#[must_use]
+pub fn page(report: &Report<'_>) -> String {
+    let document = report.document;
+    let sections = vec![
+        Section::across("gains", "Its gains", gains(document)),
+        Section::words("noise", "What it believes of the noise", noise(document)),
+        Section::words("law", "Fly it", to_copy("patch", "observer.toml", report.patch)),
+        Section::words("next", "What to do next", next()),
+        Section::words("words", "Words on this page", glossary(&WORDS)),
+    ];
+    let from = vec![format!("model: {}", report.config), format!("sampled every {} s", document.period_s)];
+    let record = Record { diagrams: Vec::new() };
+    let share = document.flown.first().copied().unwrap_or_default();
+    let answer = format!("The observer believes {:.0} % of what a reading says anew", 100.0 * share);
+    Page { kind: "design", from, answer: &answer, first: first(document), sections, record: &record }.render()
+}
+
+fn first(document: &Document) -> Markup {
+    let numbers: Vec<(String, String, String)> = flown(document)
+        .map(|(state, gain)| (state.to_owned(), three_digits(gain), "for each mm of surprise".to_owned()))
+        .collect();
+    html! {
+        p.lede {
+            "A steady-state Kalman filter: at every reading the states move by their gains times the surprise, which is the reading minus what was "
+            "expected of it."
+        }
+        h2.unseen { "The gains that fly" }
+        div.first { (values(&numbers)) }
+    }
+}
+
+/// The states that fly, and their gains.
+fn flown(document: &Document) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+    FLOWN.into_iter().zip(document.flown.iter().copied())
+}
+
+fn gains(document: &Document) -> Markup {
+    let designed = document.states.iter().zip(document.continuous.iter().zip(&document.sampled));
+    let designed: Vec<_> = designed
+        .map(|(state, (continuous, sampled))| {
+            let cells = vec![html! { (number(Some(*continuous), 5)) }, html! { (number(Some(*sampled), 6)) }];
+            (html! { (state) }, cells)
+        })
+        .collect();
+    let flown: Vec<_> =
+        flown(document).map(|(state, gain)| (html! { (state) }, vec![html! { (number(Some(gain), 6)) }])).collect();
+    html! {
+        div.two {
+            (table("L of the model's states", &["state", "a second", "a reading"], &designed))
+            (table("L as it flies, hover among the states", &["state", "a reading"], &flown))
+        }
+    }
+}
+
+fn noise(document: &Document) -> Markup {
+    let observer = &document.observer;
+    html! {
+        ul {
+            li { "One reading is off by " (three_digits(observer.sensor_mm)) " mm (1 sigma)." }
+            li { "The air pushes with an intensity of " (three_digits(observer.acceleration_psd_mm2_per_s3)) " mm²/s³." }
+            li { "Readings further off than " (three_digits(observer.gate_sigma)) " sigma are outliers." }
+            @match observer.disturbance_psd_per_s {
+                Some(psd) => li { "Hover wanders by " (three_digits(psd.sqrt())) " in a second." },
+                None => li { "Hover is known." },
+            }
+        }
+    }
+}
+
+fn next() -> Markup {
+    html! {
+        ul {
+            li { "Fly it on the simulated rig: " (command("airball simulate --patch observer.toml"))
+                " says how many readings came as expected." }
+            li { "Measure the noise of your rig, on which it rests: " (command("airball measure noise-floor")) "." }
+            li { "A controller that uses it: " (command("airball design lqr --with-fan --patch-out lqg.toml")) "." }
+        }
+    }
+}
+
+const WORDS: [(&str, &str); 3] = [
+    ("observer", "What estimates velocity, fan and hover from readings of the position and the duties that were sent."),
+    ("surprise", "A reading minus what was expected of it; the field says innovation."),
+    ("L", "The observer's gain: how far each state moves for each millimetre of surprise."),
+];

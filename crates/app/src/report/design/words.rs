@@ -1,0 +1,182 @@
+//! A design in words and as JSON.
+
+use super::critical_gain::{RIG, Table as CriticalTable};
+use crate::analysis::loop_margins::{Assessment, Closing, Loop, Pid, Plant};
+use crate::report::kit::table::empty;
+use control::design::DesignError;
+use control::state_feedback::{Integral, Lqg};
+use serde::Serialize;
+
+/// A state feedback u = K_r·r − K·x.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Feedback {
+    /// K: for position, velocity and, with three, the acceleration by the fan.
+    pub gain: Vec<f64>,
+    /// K_r.
+    pub setpoint_gain: f64,
+    /// The integral of the config's state feedback, which is kept; `None`: there is none, or the observer finds hover.
+    pub integral: Option<Integral>,
+}
+
+/// A feedback of the observer's estimate, in units of the control value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Estimated {
+    /// As in `[controller.lqg]`.
+    pub feedback: Lqg,
+    /// L: what a millimetre of surprise says of position, velocity, fan and hover.
+    pub observer_gain: Vec<f64>,
+}
+
+/// The document of `airball design --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Document {
+    /// Name and version of this document.
+    pub schema: &'static str,
+    /// The linear plant that was designed for.
+    pub plant: Plant,
+    /// The gains; `None`: the controller is no PID.
+    pub pid: Option<Pid>,
+    /// The state feedback that was designed.
+    pub state_feedback: Option<Feedback>,
+    /// The controller where it needs an observer.
+    pub lqg: Option<Estimated>,
+    /// In continuous time.
+    pub continuous: Assessment,
+    /// Period of the sampled loop, seconds.
+    pub period_s: Option<f64>,
+    /// Sampled as the firmware does it.
+    pub sampled: Option<Assessment>,
+}
+
+impl Document {
+    /// The document of a loop.
+    ///
+    /// # Errors
+    /// [`DesignError`]: a delay that is too long, an observer that has no steady gain.
+    pub fn of(of: &Loop, feedback: Option<Feedback>) -> Result<Self, DesignError> {
+        let (pid, lqg) = match &of.closing {
+            Closing::Pid(gains, weights) => (Some(Pid::of(gains, weights)), None),
+            Closing::Lqg(observed) => {
+                let gain =
+                    of.period_s.map_or(Ok(vec![]), |t| observed.observer.steady_gain(t).map(|l| l.as_slice().to_vec()));
+                (None, Some(Estimated { feedback: observed.feedback, observer_gain: gain? }))
+            }
+        };
+        Ok(Self {
+            schema: "airball.design/1",
+            plant: of.plant.into(),
+            pid,
+            state_feedback: feedback,
+            lqg,
+            continuous: of.continuous()?,
+            period_s: of.period_s,
+            sampled: of.sampled()?,
+        })
+    }
+}
+
+/// How a line of the table says its figure.
+type Figure = fn(&Assessment) -> String;
+
+/// The design in a few lines and a table.
+#[must_use]
+pub fn words(document: &Document) -> Vec<String> {
+    let law = law(document).into_iter().map(|(name, words)| format!("{name:<10}{words}"));
+    law.chain([table(document)]).collect()
+}
+
+/// The law line by line: what it is, and its numbers.
+pub fn law(document: &Document) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    if let Some(feedback) = &document.state_feedback {
+        let gain: Vec<String> = feedback.gain.iter().map(|k| format!("{k:.6}")).collect();
+        lines.push(("feedback", format!("K = [{}], K_r = {:.6}", gain.join(", "), feedback.setpoint_gain)));
+        lines.push(("", hover_is_found(document.lqg.is_some(), feedback.integral)));
+    }
+    if let Some(Pid { kp_per_mm, ti_s, td_s, derivative_n, setpoint_weight, derivative_weight }) = document.pid {
+        let integral = if ti_s.is_finite() { format!("T_i = {ti_s:.4} s") } else { "no integral".into() };
+        lines.push((
+            "gains",
+            format!("K_p = {kp_per_mm:.6} per mm, {integral}, T_d = {td_s:.4} s, N = {derivative_n:.4}"),
+        ));
+        let derivative = if derivative_weight > 0.0 { "error" } else { "measurement" };
+        lines.push(("weights", format!("setpoint {setpoint_weight:.3}, derivative on the {derivative}")));
+    }
+    if let Some(Estimated { feedback, observer_gain }) = &document.lqg {
+        let Lqg { position_per_mm, velocity_s_per_mm, fan } = feedback;
+        lines.push(("lqg", format!("{position_per_mm:.6} per mm, {velocity_s_per_mm:.6} s per mm, fan {fan:.4}")));
+        let gain: Vec<String> = observer_gain.iter().map(|l| format!("{l:.6}")).collect();
+        lines.push(("observer", format!("L = [{}] a reading: position, velocity, fan, hover", gain.join(", "))));
+    }
+    lines
+}
+
+/// What a state feedback does about a hover that is not what was believed.
+fn hover_is_found(observed: bool, integral: Option<Integral>) -> String {
+    match integral {
+        _ if observed => "the observer finds hover".into(),
+        Some(Integral::Added { ti_s }) => format!("the config's integral is kept: added, T_i = {ti_s} s"),
+        Some(Integral::InPlace { ti_s }) => format!("the config's integral is kept: in place of K_r·r, T_i = {ti_s} s"),
+        None => {
+            "no integral: an error of hover stays as one of position; [controller.state_feedback] may have one".into()
+        }
+    }
+}
+
+fn table(document: &Document) -> String {
+    let sampled = document.period_s.map_or_else(|| "sampled".into(), |period_s| format!("sampled, {period_s} s"));
+    let mut table = empty(["", "continuous", &sampled]);
+    for (name, [continuous, sampled]) in rows(document) {
+        table.add_row([name.to_owned(), continuous, sampled]);
+    }
+    table.to_string()
+}
+
+/// What the loop bears: each figure in continuous time and sampled.
+pub fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
+    let both = |say: Figure| [say(&document.continuous), document.sampled.as_ref().map_or_else(String::new, say)];
+    let rows: [(&'static str, Figure); 9] = [
+        ("stable", |a| if a.stable { "yes".into() } else { "no".into() }),
+        ("gain margins", |a| list(a.gain_margins.iter().map(|m| format!("×{:.2} at {:.2} rad/s", m.factor, m.omega)))),
+        ("phase margins", |a| {
+            list(a.phase_margins.iter().map(|m| format!("{:.1}° at {:.2} rad/s", m.phase_deg, m.omega)))
+        }),
+        ("delay margin", |a| said(a.phase_margins.iter().map(|m| m.delay_s).reduce(f64::min), 3, " s", "none")),
+        ("critical K_p", |a| said(a.critical_kp_per_mm, 5, " per mm", "none")),
+        ("critical T_i", |a| said(a.critical_ti_s, 3, " s", "none")),
+        ("overshoot", |a| said(a.step.map(|s| s.overshoot_percent), 1, " %", "–")),
+        ("rise, 10 to 90 %", |a| said(a.step.map(|s| s.rise_s), 2, " s", "–")),
+        ("settled to ±5 %", |a| said(a.step.map(|s| s.settling_s), 2, " s", "–")),
+    ];
+    // The critical gains are those of a PID.
+    let is_said = |name: &str| !name.starts_with("critical") || document.pid.is_some();
+    rows.into_iter().filter(|(name, _)| is_said(name)).map(|(name, say)| (name, both(say))).collect()
+}
+
+/// The critical gains of the models beside the rig.
+#[must_use]
+pub fn critical_table(found: &CriticalTable) -> String {
+    let at = format!("K_u at T_i = {} s", found.ti_s);
+    let sampled = format!("sampled, {} s", found.period_s);
+    let slowest = format!("T_i at K_p = {}", found.kp_per_mm);
+    let mut table = empty(["model", "fan's pole", &at, &sampled, &slowest]);
+    for row in &found.rows {
+        table.add_row([
+            row.model.clone(),
+            said(row.fan_pole_per_s, 3, " 1/s", ""),
+            if row.model == RIG { String::new() } else { said(row.critical_kp_per_mm, 4, "", "none") },
+            said(row.sampled_critical_kp_per_mm, 4, "", "none"),
+            said(row.critical_ti_s, 3, " s", "none"),
+        ]);
+    }
+    table.to_string()
+}
+
+fn list(items: impl Iterator<Item = String>) -> String {
+    let all: Vec<String> = items.collect();
+    if all.is_empty() { "none".into() } else { all.join(", ") }
+}
+
+fn said(value: Option<f64>, digits: usize, unit: &str, absent: &str) -> String {
+    value.map_or_else(|| absent.to_owned(), |value| format!("{value:.digits$}{unit}"))
+}

@@ -1,0 +1,47 @@
+//! What a diagnosis says of its logs themselves: how many, how long, and what each cannot answer.
+
+use crate::analysis::loop_deviations::Upstream;
+use crate::analysis::next_experiment::Advice;
+use diagnose::{Diagnosis, Finding};
+
+/// What is said of the logs themselves.
+#[derive(Clone, Copy, Debug)]
+pub struct Logs<'a> {
+    /// Their names.
+    pub names: &'a [String],
+    /// Their length together, seconds.
+    pub duration_s: f64,
+    /// Where the loop of a log, by its number, did otherwise than its config says.
+    pub upstream: &'a [(usize, Upstream)],
+}
+
+impl<'a> Logs<'a> {
+    /// How many, and how long together; `None` for a single one.
+    #[must_use]
+    pub fn words(&self) -> Option<String> {
+        let count = self.names.len();
+        (count > 1).then(|| format!("{count} logs together, {:.1} s", self.duration_s))
+    }
+
+    /// Where the loop did otherwise than its config says, and the name of the log.
+    pub fn upstream(&self) -> impl Iterator<Item = (&'a str, &'a Upstream)> {
+        let names = self.names;
+        self.upstream.iter().map(|(number, stage)| (names.get(*number).map_or("", String::as_str), stage))
+    }
+}
+
+/// What each log cannot answer, with its name.
+pub fn findings<'a>(found: &'a Diagnosis, logs: &Logs<'a>) -> impl Iterator<Item = (&'a str, &'a Finding)> {
+    let names = logs.names;
+    found.findings.iter().map(|noted| (names.get(noted.flight).map_or("", String::as_str), &noted.finding))
+}
+
+/// The same in sentences, by name where there are several logs, and what no experiment settles.
+#[must_use]
+pub fn sentences(found: &Diagnosis, advice: &Advice, logs: &Logs<'_>) -> Vec<String> {
+    let several = logs.names.len() > 1;
+    let sentence = |(name, finding): (&str, String)| if several { format!("{name}: {finding}") } else { finding };
+    let of_rows = findings(found, logs).map(|(name, finding)| (name, finding.to_string()));
+    let of_loop = logs.upstream().map(|(name, stage)| (name, stage.finding.clone()));
+    of_rows.chain(of_loop).map(sentence).chain(advice.findings.iter().cloned()).collect()
+}

@@ -1,0 +1,128 @@
+//! Which effect it is: those that were named, with their numbers, and every one that was tried.
+
+use super::Report;
+use crate::report::diagnosis::document::{Interval, effect_intervals};
+use crate::report::diagnosis::mend;
+use crate::report::kit::page::parts::{chance, number, spoken, stage, table, three_digits};
+use diagnose::{Change, Named, Tried};
+use maud::{Markup, html};
+
+pub(super) fn body(report: &Report<'_>) -> Markup {
+    let found = report.found;
+    html! {
+        @for named in &found.effects { (one(report, named)) }
+        @if found.effects.is_empty() { p { "No effect was named." } }
+        @if let Some((first, later)) = found.rounds.split_first() {
+            h3 { "Every effect that was tried" }
+            p {
+                "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out stretches; those that a "
+                "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes 5 nats of it, "
+                "a second one 5.5 and a quarter of what the innovations still ask for."
+            }
+            (tried(report, "Tried on the belief", first))
+            @for (k, round) in later.iter().enumerate() {
+                details {
+                    summary { "Search " (k + 2) ", with what was found before it" }
+                    (tried(report, &format!("Tried in search {}", k + 2), round))
+                }
+            }
+        }
+    }
+}
+
+fn one(report: &Report<'_>, named: &Named) -> Markup {
+    let entry = named.candidate.entry;
+    let change = match named.change {
+        Change::Added => "not believed, and there",
+        Change::Retuned => "believed, of another size",
+        Change::Removed => "believed, and not there",
+    };
+    let width = report.found.dead_zone_width().filter(|_| entry.name == "dead_zone");
+    let width = width.map(|(value, low, high)| ("width_percent", Interval { value, low: Some(low), high: Some(high) }));
+    let rows: Vec<(Markup, Vec<Markup>)> = effect_intervals(named, report.found, &report.found.intervals())
+        .into_iter()
+        .chain(width)
+        .map(|(key, interval)| {
+            (html! { code { (key) } }, vec![html! { (three_digits(interval.value)) }, ends(&interval)])
+        })
+        .collect();
+    html! {
+        article.effect {
+            h3 { (spoken(entry.name)) span.tag { (change) } span.tag { (chance(named.probability)) " sure" } }
+            div.facts {
+            (table(&format!("Numbers of the {}", spoken(entry.name)), &["number", "value", "90 % interval"], &rows))
+            dl {
+                @if named.change != Change::Removed {
+                    dt { "In a log" } dd { (entry.in_a_log) }
+                    dt { "Mend on the rig" } dd { (mend::words(&entry, &report.found.mended.model, report.compensation)) }
+                }
+                dt { "Cannot be told from" }
+                dd {
+                    @if named.indistinguishable_from.is_empty() { "No other effect explains the record as well." }
+                    @for other in &named.indistinguishable_from { p { strong { (spoken(other)) } ": " (why(report, entry.name, other)) } }
+                }
+            }
+            }
+        }
+    }
+}
+
+pub(super) fn ends(interval: &Interval) -> Markup {
+    html! {
+        @if let Some((low, high)) = interval.low.zip(interval.high) { (three_digits(low)) " to " (three_digits(high)) }
+        @else { "not determined" }
+    }
+}
+
+/// Why two effects cannot be told apart.
+fn why(report: &Report<'_>, name: &str, other: &str) -> String {
+    let is = |a: &str, b: &str| (name == a && other == b) || (name == b && other == a);
+    let gain = |of: &str| {
+        let rounds = report.found.rounds.iter();
+        rounds
+            .filter(|round| round.first().is_some_and(|best| best.name == name || best.name == other))
+            .find_map(|round| round.iter().find(|one| one.name == of))
+            .map(|one| one.gain)
+    };
+    let gains = gain(name).zip(gain(other));
+    let nats = gains.map_or(String::new(), |(a, b)| format!(": {a:.1} and {b:.1} nats"));
+    if is("transport_delay", "sensor_delay") {
+        format!("a duty that acts late and a reading that is late shift the same readings by the same time{nats}")
+    } else if is("fan_lag", "sensor_lag") {
+        format!(
+            "a lag before the ball and one behind it turn the same duty into the same readings, but for the colour of the noise{nats}"
+        )
+    } else {
+        format!("both explain the held-out stretches nearly alike{nats}; within 3 nats chance may choose")
+    }
+}
+
+fn tried(report: &Report<'_>, caption: &str, round: &[Tried]) -> Markup {
+    let named = |name: &str| report.found.effects.iter().find(|named| named.candidate.entry.name == name);
+    let like = |name: &str| report.found.effects.iter().find(|named| named.indistinguishable_from.contains(&name));
+    let mut all: Vec<(&Tried, Option<f64>)> = round.iter().zip(report.found.chances(round)).collect();
+    all.sort_by(|a, b| b.0.in_full.cmp(&a.0.in_full).then(b.0.gain.total_cmp(&a.0.gain)));
+    let rows: Vec<(Markup, Vec<Markup>)> = all
+        .into_iter()
+        .map(|(one, likely)| {
+            let said = match (named(one.name), like(one.name)) {
+                (Some(_), _) => html! { strong { "named" } },
+                (_, Some(best)) => html! { "cannot be told from " (spoken(best.candidate.entry.name)) },
+                _ if !one.in_full => html! { "left behind at a first look" },
+                _ => html! { "explains less" },
+            };
+            let chance = likely.map_or_else(|| "–".into(), chance);
+            (
+                html! { (spoken(one.name)) },
+                vec![
+                    html! { (stage(one.name)) },
+                    html! { (number(Some(one.gain), 1)) },
+                    html! { (number(one.in_full.then_some(one.evidence), 1)) },
+                    html! { (chance) },
+                    said,
+                ],
+            )
+        })
+        .collect();
+    table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows)
+}

@@ -1,0 +1,93 @@
+//! How far the mend goes: forecasts over their horizon, the closed loop, and the numbers of the model.
+
+use super::Report;
+use super::effects::ends;
+use crate::analysis::closed_loop::{ClosedLoop, Compared};
+use crate::report::diagnosis::document::{ParameterEntry, parameters};
+use crate::report::kit::page::parts::{number, table, three_digits};
+use diagnose::Gap;
+use maud::{Markup, html};
+
+pub(super) fn body(report: &Report<'_>) -> Markup {
+    html! {
+        (forecasts(&report.found.gaps))
+        h3 { "The closed loop" }
+        (closed_loop(report.closed_loop))
+        h3 { "The numbers of the model" }
+        (numbers(report))
+    }
+}
+
+type Row = (Markup, Vec<Markup>);
+
+fn forecasts([nominal, refitted, mended]: &[Gap; 3]) -> Markup {
+    let row = |head: String, values: [Option<f64>; 5]| -> Row {
+        (html! { (head) }, values.iter().map(|value| html! { (number(*value, 2)) }).collect())
+    };
+    let mut rows: Vec<Row> = (0..3)
+        .map(|h| {
+            let errors = [nominal, refitted, mended].map(|gap| gap.error_mm[h]);
+            let [before, fitted, after] = errors;
+            row(
+                format!("{} s", nominal.horizons_s[h]),
+                [nominal.stay_put_mm[h], before, fitted, after, mended.floor_mm[h]],
+            )
+        })
+        .collect();
+    let [before, fitted, after] = [nominal, refitted, mended].map(|gap| gap.free_run_10s_mm);
+    rows.push(row("free run, 10 s".into(), [None, before, fitted, after, mended.floor_free_run_10s_mm]));
+    let heads = ["forecast ahead", "the ball stays put", "as believed", "numbers fitted", "mended", "noise alone"];
+    table("Error of the position, rms over held-out stretches, mm", &heads, &rows)
+}
+
+fn closed_loop(found: &ClosedLoop) -> Markup {
+    let row = |head: String, of: Compared, flew: Compared, places: usize, absent: &'static str| -> Row {
+        let cell = |value: Option<f64>, flew: Option<f64>| match (value, flew) {
+            (Some(value), _) => number(Some(value), places),
+            (None, Some(_)) => absent.into(),
+            _ => "–".into(),
+        };
+        let cells = [(of.recorded, flew.recorded), (of.nominal, flew.nominal), (of.mended, flew.mended)];
+        (html! { (head) }, cells.iter().map(|(value, flew)| html! { (cell(*value, *flew)) }).collect())
+    };
+    let flew = found.overshoot_percent;
+    let mut rows = Vec::new();
+    if found.steps > 0 {
+        rows.extend([
+            row("overshoot, % of the step".into(), found.overshoot_percent, flew, 0, "–"),
+            row("first peak, s".into(), found.peak_time_s, flew, 2, "none"),
+            row(format!("settled to ±{} %, s", found.settling_band_percent), found.settling_s, flew, 2, "not"),
+        ]);
+    }
+    let critical = found.critical_gain_ratio;
+    let simulated = Compared { recorded: None, nominal: critical.nominal, mended: critical.mended };
+    if critical.nominal.or(critical.mended).is_some() {
+        rows.push(row("loses stability at so many times its gain".into(), simulated, Compared::default(), 1, "–"));
+    }
+    html! {
+        @if rows.is_empty() {
+            p.nothing { "The record has no steps of a setpoint, and no controller that flew it is known." }
+        } @else {
+            p {
+                (found.steps) " steps of the record, flown again in virtual time by the record's own controller on both models; medians."
+            }
+            (table("The loop as recorded and as simulated", &["figure", "recorded", "as believed", "mended"], &rows))
+        }
+    }
+}
+
+fn numbers(report: &Report<'_>) -> Markup {
+    let name = |key: &str| match key {
+        "gain_mm_per_s2_per_percent" => "gain, mm/s² per % of duty",
+        "drag_per_s" => "drag, 1/s",
+        _ => "hover, % of duty",
+    };
+    let row = |(key, entry): (&str, ParameterEntry)| -> Row {
+        let ParameterEntry { nominal, interval } = entry;
+        let cells = vec![html! { (three_digits(nominal)) }, html! { (three_digits(interval.value)) }, ends(&interval)];
+        (html! { (name(key)) }, cells)
+    };
+    let known = report.found.intervals();
+    let rows: Vec<Row> = parameters(report.found, report.belief, &known).into_iter().map(row).collect();
+    table("Base parameters", &["number", "as believed", "mended", "90 % interval"], &rows)
+}

@@ -1,0 +1,61 @@
+//! What to do: the patch for the simulator, the mend on the rig, and the next flight.
+
+use super::Report;
+use crate::analysis::next_experiment::Advice;
+use crate::report::diagnosis::document::patch;
+use crate::report::diagnosis::mend;
+use crate::report::kit::page::parts::{command, spoken, to_copy};
+use diagnose::{Change, Diagnosis};
+use maud::{Markup, html};
+
+pub(super) fn simulator(found: &Diagnosis) -> Markup {
+    let patch = patch(found);
+    html! {
+        @if patch.is_empty() {
+            p { "There is nothing to mend: the belief stays as it is." }
+        } @else {
+            p { "The mended model as a patch. Later patches win over the config, and the rest of it stays as it is:" }
+            (to_copy("patch", "mended.toml", &patch))
+            p { "It is tried with " (command("airball simulate --patch mended.toml")) ", and on another record with "
+                (command("airball replay LOG --patch mended.toml")) "." }
+        }
+    }
+}
+
+pub(super) fn rig(report: &Report<'_>) -> Markup {
+    let there = report.found.effects.iter().filter(|named| named.change != Change::Removed);
+    let mends: Vec<(String, String)> = there
+        .map(|named| {
+            let entry = named.candidate.entry;
+            (spoken(entry.name), mend::words(&entry, &report.found.mended.model, report.compensation))
+        })
+        .collect();
+    html! {
+        @if mends.is_empty() {
+            p { "No effect was found on the rig that asks for a mend." }
+        } @else {
+            p { "A simulator that has the effect is honest; a rig without it flies better." }
+            dl { @for (name, words) in mends { dt { (name) } dd { (words) } } }
+        }
+    }
+}
+
+pub(super) fn next(advice: &Advice) -> Markup {
+    html! {
+        @if let Some(next) = &advice.experiment {
+            p { strong { (spoken(next.name)) } ". " (next.reason) }
+            @if !next.separates.is_empty() {
+                p {
+                    "It tells apart " (next.separates.iter().map(|name| spoken(name)).collect::<Vec<_>>().join(", "))
+                    (format!(", by about {:.0} nats a minute.", next.expected_nats))
+                }
+            }
+            (to_copy("next-file", "next.toml", &next.file))
+            p { "It is flown with " (command("airball run --experiment next.toml")) ", or first with "
+                (command("airball simulate --experiment next.toml")) "." }
+        } @else {
+            p { "No further experiment is called for." }
+        }
+        @for finding in &advice.findings { p { (finding) "." } }
+    }
+}

@@ -1,0 +1,133 @@
+//! The page of a diagnosis, in the order of the questions: what is wrong, where, which effect, how far it is mended, what to do.
+
+mod effects;
+mod gap;
+mod location;
+mod mending;
+mod summary;
+mod verdict;
+
+use super::document::regions;
+use super::logs::{Logs, sentences};
+use crate::analysis::closed_loop::ClosedLoop;
+use crate::analysis::next_experiment::Advice;
+use crate::report::diagnosis::plot::{over_time, runs};
+use crate::report::kit::page::parts::findings;
+use crate::report::kit::page::record::Record;
+use crate::report::kit::page::{Page, Section};
+use crate::report::kit::plot::{commanded, duty};
+use control::compensation::Compensation;
+use diagnose::{Diagnosis, Picture, Verdict};
+use maud::{Markup, html};
+use plant::Model;
+
+/// Everything that the page tells.
+#[derive(Clone, Copy)]
+pub struct Report<'a> {
+    /// What was found.
+    pub found: &'a Diagnosis,
+    /// What was believed.
+    pub belief: &'a Model,
+    /// The closed loop before and after.
+    pub closed_loop: &'a ClosedLoop,
+    /// What to fly next.
+    pub advice: &'a Advice,
+    /// Of which logs.
+    pub logs: &'a Logs<'a>,
+    /// The config that holds the belief, by its name.
+    pub config: &'a str,
+    /// The compensation that was on in flight, if it is known.
+    pub compensation: Option<&'a Compensation>,
+    /// What is drawn.
+    pub picture: &'a Picture,
+}
+
+/// The page of a diagnosis.
+#[must_use]
+pub fn page(report: &Report<'_>) -> String {
+    let record = record(report);
+    let logs = report.logs;
+    let mut from = logs.names.to_vec();
+    from.extend([format!("{:.1} s", logs.duration_s), format!("belief: {}", report.config)]);
+    let sections = vec![
+        Section::across("where", "Where they part", location::body(report)),
+        Section::across("which", "Which effect it is", effects::body(report)),
+        Section::across("how-far", "How far the mend goes", gap::body(report)),
+        Section::words("simulator", "Mend the simulator", mending::simulator(report.found)),
+        Section::words("rig", "Mend the rig", mending::rig(report)),
+        Section::words("next", "What to fly next", mending::next(report.advice)),
+        Section::words("check", "What the record can answer", check(report)),
+        Section::across("record", "The whole record", whole(&record)),
+        Section::words("words", "Words on this page", words()),
+    ];
+    let answer = verdict::sentence(report.found);
+    Page { kind: "diagnosis", from, answer: &answer, first: summary::body(report), sections, record: &record }.render()
+}
+
+fn record(report: &Report<'_>) -> Record {
+    let Report { picture, found, .. } = report;
+    let mut position = runs(picture);
+    position.lines.insert(0, commanded(&picture.recording));
+    let mut diagrams = vec![position, duty(&picture.recording)];
+    if !picture.missing.is_empty() {
+        let mut force = over_time(&picture.missing, &regions(found));
+        force.lines.iter_mut().for_each(|line| line.label = "");
+        diagrams.push(force);
+    }
+    Record { diagrams }
+}
+
+fn whole(record: &Record) -> Markup {
+    html! {
+        p {
+            "Position, duty and the missing force over the time of the record. Each model starts anew from the reading at every tenth "
+            "second and flies on by the recorded duty alone."
+        }
+        (crate::report::kit::page::record::how_to_zoom())
+        (record.still(&[
+            "Position over time: setpoint, recorded, free runs as believed and mended",
+            "Duty over time",
+            "Missing force over time, with its standard deviation",
+        ]))
+    }
+}
+
+fn check(report: &Report<'_>) -> Markup {
+    let Report { found, advice, logs, .. } = report;
+    let sentences = sentences(found, advice, logs);
+    html! {
+        p {
+            @if logs.names.len() == 1 { "One log of " } @else { (logs.names.len()) " logs, together " }
+            (format!("{:.1} s", logs.duration_s)) ", "
+            (report.picture.recording.samples().iter().filter(|row| row.position_mm.is_some()).count()) " readings used."
+        }
+        @if found.verdict == Verdict::InsufficientData {
+            p { strong { "The record cannot answer." } " What follows says why." }
+        }
+        (findings(&sentences))
+    }
+}
+
+fn words() -> Markup {
+    html! {
+        dl {
+            dt { "as believed" } dd { "The model of the config, every number as it was given." }
+            dt { "mended" } dd { "That model with the effects that were found, and its numbers fitted." }
+            dt { "noise alone" }
+            dd { "The error that a right model would make, because sensor and air are noisy. Nothing can be better for long." }
+            dt { "held out" }
+            dd {
+                "The record is cut into stretches of 5 s, dealt out to four parts. Each part is judged by a model that was fitted to the "
+                "other three."
+            }
+            dt { "missing force" }
+            dd { "What had to push the ball, beyond the model, for it to go where it went; by the ball's mass, upward." }
+            dt { "nats" }
+            dd {
+                "How much more probable the readings are with an effect than without it, as a natural logarithm: 6 are 400 to 1. Gains are "
+                "those on held-out stretches."
+            }
+            dt { "±, intervals" } dd { "Intervals hold the value nine times in ten." }
+        }
+    }
+}

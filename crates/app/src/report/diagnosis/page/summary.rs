@@ -1,0 +1,145 @@
+//! What is seen first, below the answer: the signal path with the guilty stage marked, the gap before and after, and one picture.
+
+use super::Report;
+use super::verdict::with_its_like;
+use crate::report::diagnosis::document::whole_percent;
+use crate::report::diagnosis::plot::runs;
+use crate::report::diagnosis::stages::stages;
+use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::parts::{self, bars, chance, spoken};
+use crate::report::kit::page::stretch::worst;
+use crate::report::kit::plot::{Diagram, commanded};
+use diagnose::{Closed, Picture, Verdict};
+use maud::{Markup, html};
+
+pub(super) fn body(report: &Report<'_>) -> Markup {
+    html! {
+        p.lede { (lede(report)) }
+        h2.unseen { "The signal path, and the stage where simulator and rig part" }
+        (path(report))
+        h2.unseen { "The gap, before and after" }
+        div.first { (gap(report)) (held_out(report.picture)) }
+    }
+}
+
+fn lede(report: &Report<'_>) -> Markup {
+    let found = report.found;
+    let [nominal, _, mended] = &found.gaps;
+    let errors = nominal.error_mm[2].zip(mended.error_mm[2]).zip(mended.floor_mm[2]);
+    html! {
+        @if let (Some(((before, after), floor)), true) = (errors, found.verdict != Verdict::InsufficientData) {
+            (format!("A second ahead the simulator errs by {before:.1}\u{a0}mm; "))
+            @if found.verdict == Verdict::NoGap { (format!("noise alone makes {floor:.1}\u{a0}mm. ")) }
+            @else { (format!("mended, by {after:.1}\u{a0}mm, where noise alone makes {floor:.1}\u{a0}mm. ")) }
+        }
+        @for named in &found.effects {
+            "It is " (with_its_like(named)) ": " (chance(named.probability)) " sure. "
+        }
+        @for (_, stage) in report.logs.upstream() { "Before the duty reaches the fan: " (stage.finding) ". " }
+        @if found.verdict == Verdict::InsufficientData { "Why, and what to fly instead, stands " a href="#check" { "below" } "." }
+    }
+}
+
+/// What lies on the signal path: its name in words, and whether it is a stage, which can be guilty, or a signal.
+const PATH: [(&str, bool); 9] = [
+    ("setpoint", false),
+    ("controller", true),
+    ("compensation", true),
+    ("duty", false),
+    ("actuator", true),
+    ("air", true),
+    ("ball", true),
+    ("sensor", true),
+    ("position", false),
+];
+
+fn path(report: &Report<'_>) -> Markup {
+    let shares = stages(report.found, report.logs);
+    let share = |name: &str| shares.iter().find(|stage| stage.name == if name == "duty" { "timing" } else { name });
+    html! {
+        figure.path {
+            ol {
+                @for (name, is_stage) in PATH {
+                    @let guilty = share(name);
+                    @let suspects = suspects(report, name);
+                    @let class = if guilty.is_some() { "guilty" } else if !suspects.is_empty() { "suspect" } else { "" };
+                    li class=(format!("{} {class}", if is_stage { "stage" } else { "signal" })) {
+                        span.name { (name) }
+                        @if let Some(stage) = guilty {
+                            strong { (blame(report, name)) }
+                            span.share { (format!("{:.0} % of the gap", 100.0 * stage.share)) }
+                        } @else if !suspects.is_empty() {
+                            strong { "or " (suspects.join(", ")) }
+                        }
+                    }
+                }
+            }
+            figcaption {
+                span { "estimate, back to the controller" }
+            }
+        }
+    }
+}
+
+/// What is wrong at a guilty stage, in a word or two.
+fn blame(report: &Report<'_>, stage: &str) -> String {
+    let found = report.found.effects.iter().map(|named| named.candidate.entry.name);
+    let own: Vec<String> = found.filter(|name| parts::stage(name) == stage).map(spoken).collect();
+    match stage {
+        "controller" => "another law".into(),
+        "duty" => "late".into(),
+        _ if own.is_empty() => "unexplained".into(),
+        _ => own.join(", "),
+    }
+}
+
+/// The effects of a stage that may act instead of those that were named.
+fn suspects(report: &Report<'_>, stage: &str) -> Vec<String> {
+    let others = report.found.effects.iter().flat_map(|named| &named.indistinguishable_from);
+    others.filter(|name| parts::stage(name) == stage).map(|name| spoken(name)).collect()
+}
+
+fn gap(report: &Report<'_>) -> Markup {
+    let found = report.found;
+    let [nominal, refitted, mended] = &found.gaps;
+    let floor = mended.floor_mm[2];
+    let mut rows = vec![
+        ("as believed", "nominal", nominal.error_mm[2]),
+        ("numbers fitted", "setpoint", refitted.error_mm[2]),
+        ("mended", "mended", mended.error_mm[2]),
+        ("noise alone", "setpoint", floor),
+    ];
+    if found.effects.is_empty() {
+        // To mend is to fit the numbers, then.
+        rows.remove(1);
+    }
+    html! {
+        div.gap {
+            (bars("Error of the position 1 s ahead, rms, held out", "mm", &rows, floor))
+            @if let Some(Closed { value, low, high }) = found.closed {
+                p.closed {
+                    strong { (whole_percent(value)) " %" } " of the gap is closed"
+                    span { (whole_percent(low)) " to " (whole_percent(high)) " %" }
+                }
+            } @else { p.closed { "There is too little gap to close." } }
+        }
+    }
+}
+
+/// Recorded against believed against mended, where the belief errs most.
+fn held_out(picture: &Picture) -> Markup {
+    let Some(stretch) = worst(&picture.recording, &picture.nominal) else {
+        return html! { p.nothing { "No 10 s of free flight are in this record to draw." } };
+    };
+    let mut diagram = runs(picture);
+    diagram.lines.insert(0, commanded(&picture.recording));
+    let alt = format!(
+        "Position from {:.0} to {:.0} s of the record: setpoint, recorded, and free runs of the model as believed and mended",
+        stretch.0, stretch.1
+    );
+    let caption = html! {
+        "The ball, and two models that are told its position every 10 s and fly on by the recorded duty alone; the mended one was fitted "
+        "without these stretches. Shown is where the belief errs most; " a href="#record" { "the whole record" } " is below."
+    };
+    figure(&Diagram { direct: true, ..diagram.within(stretch) }, Size::FIRST, &alt, &caption)
+}

@@ -1,0 +1,287 @@
+//! The page of a grey-box identification: the plant, how well it foretells what it was not fitted to, and whether what is left is noise.
+
+use super::{INTERVALS, PATCH, to_believe, value};
+use crate::report::identify::grey_box::{Residuals, words};
+use crate::report::identify::plot::{correlations, look, plants, simulations};
+use crate::report::identify::{digits, name, said};
+use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::parts::{bars, capital, command, findings, glossary, minus, number, table, values};
+use crate::report::kit::page::record::{Record, how_to_zoom};
+use crate::report::kit::page::stretch::worst;
+use crate::report::kit::page::{Page, Section};
+use crate::report::kit::plot::{Diagram, commanded, duty};
+use diagnose::{Estimate, Gap, GreyBox, Poles, Recording, Test};
+use maud::{Markup, html};
+use plant::Model;
+
+/// Everything that the page tells.
+#[derive(Clone, Copy)]
+pub struct Report<'a> {
+    /// The logs, by their names.
+    pub logs: &'a [String],
+    /// The config that was begun with, by its name.
+    pub config: &'a str,
+    /// What was believed.
+    pub belief: &'a Model,
+    /// How far the belief errs on what was held out; `None`: the record was detrended, and the belief is of another frame.
+    pub believed: Option<&'a Gap>,
+    /// The rows that were used.
+    pub recording: &'a Recording,
+    /// What the check of the record found.
+    pub findings: &'a [String],
+    /// The plant with each number of poles.
+    pub found: &'a [GreyBox],
+    /// The one that is kept.
+    pub best: &'a GreyBox,
+    /// It as a patch.
+    pub patch: &'a str,
+}
+
+/// The page of an identification.
+#[must_use]
+pub fn page(report: &Report<'_>) -> String {
+    let Report { recording, found, best, .. } = *report;
+    let record = Record { diagrams: vec![position(recording, found), duty(recording)] };
+    let sections = vec![
+        Section::across("numbers", "The numbers of the plant", numbers(report)),
+        Section::across("held-out", "What it foretells", held_out(report)),
+        Section::across("residuals", "What it leaves", residuals(report)),
+        Section::words("simulator", "Believe it", to_believe(report.patch)),
+        Section::words("next", "What to do next", next(report)),
+        Section::words("check", "What the record can answer", findings(report.findings)),
+        Section::across("record", "The whole record", whole(report, &record)),
+        Section::words("words", "Words on this page", glossary(&WORDS)),
+    ];
+    let mut from = report.logs.to_vec();
+    from.extend([format!("{:.1} s", recording.duration_s()), format!("began with: {}", report.config)]);
+    let (answer, first) = (answer(best), first(report));
+    Page { kind: "identification", from, answer: &answer, first, sections, record: &record }.render()
+}
+
+/// Setpoint, record and simulations.
+fn position(recording: &Recording, found: &[GreyBox]) -> Diagram {
+    let runs = simulations(recording, found);
+    Diagram { lines: std::iter::once(commanded(recording)).chain(runs.lines).collect(), ..runs }
+}
+
+fn answer(best: &GreyBox) -> String {
+    let poles = words::poles(best.poles);
+    match Residuals::of(best) {
+        Residuals::Noise => format!("A plant of {poles} explains this record but for noise"),
+        Residuals::KnowDuty => format!("A plant of {poles} is not all: what it leaves still knows the duty"),
+        Residuals::Coloured => format!("A plant of {poles} is not all: air or sensor are not as the model has them"),
+    }
+}
+
+fn first(report: &Report<'_>) -> Markup {
+    let gap = &report.best.held_out.gap;
+    html! {
+        p.lede {
+            (words::verdict(Residuals::of(report.best)).replace('`', ""))
+            @if let (Some(error), Some(floor)) = (gap.error_mm[2], gap.floor_mm[2]) {
+                (format!(" A second ahead it errs by {error:.1}\u{a0}mm on readings that it was not fitted to, where noise alone makes {floor:.1}\u{a0}mm."))
+            }
+        }
+        h2.unseen { "The plant, and how it does on what was held out" }
+        div.first { (numbers_first(report.best)) (picture(report)) }
+    }
+}
+
+fn numbers_first(best: &GreyBox) -> Markup {
+    let line = |estimate: &Estimate| {
+        let (value, about) = value(estimate);
+        (name(estimate.name).to_owned(), value, about)
+    };
+    values(&best.estimates.iter().map(line).collect::<Vec<_>>())
+}
+
+fn picture(report: &Report<'_>) -> Markup {
+    let Some(stretch) = worst(report.recording, &report.best.held_out.runs) else {
+        return html! { p.nothing { "No 10 s of free flight were held out to draw." } };
+    };
+    let alt = format!(
+        "Position from {:.0} to {:.0} s of the record, which were held out: setpoint, recorded, and simulations",
+        stretch.0, stretch.1
+    );
+    let caption = html! {
+        "The ball, and the plant, which is told its position every 10 s and flies on by the recorded duty alone. It was fitted without this "
+        "last third of the flight. Shown is where it errs most; " a href="#record" { "the whole record" } " is below."
+    };
+    let kept = position(report.recording, std::slice::from_ref(report.best)).within(stretch);
+    figure(&Diagram { direct: true, ..kept }, Size::FIRST, &alt, &caption)
+}
+
+type Row = (Markup, Vec<Markup>);
+
+fn numbers(report: &Report<'_>) -> Markup {
+    let longest = report.found.iter().max_by_key(|one| one.estimates.len());
+    let keys = longest.into_iter().flat_map(|one| one.estimates.iter().map(|estimate| estimate.name));
+    let row = |key: &'static str| -> Row {
+        let own = |one: &GreyBox| one.estimates.iter().find(|e| e.name == key).map_or_else(|| "–".into(), said);
+        let believed = html! { (believed(report.belief, key).map_or_else(|| "none".into(), digits)) };
+        (
+            html! { (name(key)) },
+            std::iter::once(believed).chain(report.found.iter().map(|one| html! { (own(one)) })).collect(),
+        )
+    };
+    let rows: Vec<Row> = keys.map(row).collect();
+    let heads: Vec<&str> =
+        ["number", "as believed"].into_iter().chain(report.found.iter().map(|one| words::poles(one.poles))).collect();
+    html! {
+        (table("Numbers with 90 % intervals", &heads, &rows))
+        @if report.found.len() > 1 {
+            p { strong { "Kept: " (words::poles(report.best.poles)) "." } " " (capital(&words::why(report.found, report.best))) "." }
+        }
+    }
+}
+
+/// What the config says of a number of the plant.
+fn believed(belief: &Model, key: &str) -> Option<f64> {
+    match key {
+        "gain_mm_per_s2_per_percent" => Some(belief.gain_mm_per_s2_per_percent),
+        "drag_per_s" => Some(belief.drag_per_s),
+        "hover_duty_percent" => Some(belief.hover_duty_percent),
+        _ => belief.effects.fan_lag.map(|lag| lag.time_constant_s),
+    }
+}
+
+fn held_out(report: &Report<'_>) -> Markup {
+    let best = &report.best.held_out.gap;
+    let mut rows: Vec<(&str, &str, Option<f64>)> = vec![("the ball stays put", "setpoint", best.stay_put_mm[2])];
+    rows.extend(report.believed.map(|gap| ("as believed", "force", gap.error_mm[2])));
+    rows.extend(report.found.iter().map(|one| (words::poles(one.poles), ink(one.poles), one.held_out.gap.error_mm[2])));
+    rows.push(("noise alone", "setpoint", best.floor_mm[2]));
+    html! {
+        p {
+            "Each plant was fitted again without the last third of each flight, and tried there. The fit is the share of the ball's way about its "
+            "mean that the forecast explains."
+        }
+        div.first {
+            (bars("Error of the position 1 s ahead, rms, held out", "mm", &rows, best.floor_mm[2]))
+            (errors(report))
+        }
+    }
+}
+
+fn ink(poles: Poles) -> &'static str {
+    crate::report::kit::palette::name(look(poles).1)
+}
+
+fn errors(report: &Report<'_>) -> Markup {
+    let gaps: Vec<&Gap> = report.believed.into_iter().chain(report.found.iter().map(|one| &one.held_out.gap)).collect();
+    let floor = &report.best.held_out.gap;
+    let row = |head: String, of: &dyn Fn(&Gap) -> Option<f64>, floor: Option<f64>| -> Row {
+        let cells = gaps.iter().map(|gap| of(gap)).chain([floor]).map(|value| html! { (number(value, 2)) });
+        (html! { (head) }, cells.collect())
+    };
+    let mut rows: Vec<Row> =
+        (0..3).map(|h| row(format!("{} s", floor.horizons_s[h]), &|gap| gap.error_mm[h], floor.floor_mm[h])).collect();
+    rows.push(row("simulation, 10 s".into(), &|gap| gap.free_run_10s_mm, floor.floor_free_run_10s_mm));
+    let fit = |one: &GreyBox| html! { (minus(&words::fit(one, |percent| percent.ahead[2]))) };
+    let before = report.believed.iter().map(|_| html! { "–" });
+    let noise = std::iter::once(html! { "–" });
+    rows.push((html! { "fit 1 s ahead" }, before.chain(report.found.iter().map(fit)).chain(noise).collect()));
+    let mut heads = vec!["ahead"];
+    heads.extend(report.believed.map(|_| "as believed"));
+    heads.extend(report.found.iter().map(|one| words::poles(one.poles)));
+    heads.push("noise alone");
+    table("Error of the position on what was held out, rms, mm", &heads, &rows)
+}
+
+fn residuals(report: &Report<'_>) -> Markup {
+    let best = report.best;
+    let [whiteness, input] = correlations(&best.residuals);
+    let beyond = |values: &[f64]| values.iter().filter(|value| value.abs() > best.residuals.band).count();
+    let outside = |values: &[f64]| {
+        format!("{} of {} lags lie outside the band, where chance puts 1 in 20", beyond(values), values.len())
+    };
+    let (own, of_duty) = (outside(&best.residuals.autocorrelation), outside(&best.residuals.with_input));
+    html! {
+        p {
+            "The residuals are what the plant's filter did not foresee of each reading. Each test asks all lags together, and allows for the "
+            "numbers that were fitted."
+        }
+        (tests(report.found))
+        div.three {
+            (figure(&whiteness, Size::SMALL, &format!("Correlation of the residuals with those before: {own}"),
+                &html! { "The residuals beside those before them: " (own) "." }))
+            (figure(&input, Size::SMALL, &format!("Correlation of the residuals with the duty before: {of_duty}"),
+                &html! { "The residuals beside the duty before them: " (of_duty) "." }))
+            (figure(&plants(report.found), Size::SMALL, "Magnitude of the plant over frequency, from duty to position",
+                &html! { "The plant in frequency, from duty to position." }))
+        }
+    }
+}
+
+fn tests(found: &[GreyBox]) -> Markup {
+    let row = |poles: Poles, what: &str, test: Test| -> Row {
+        let cells = [
+            html! { (what) },
+            html! { (number(Some(test.chi_square), 1)) },
+            html! { (test.degrees) },
+            html! { (words::chance(test)) },
+        ];
+        (html! { (words::poles(poles)) }, cells.into())
+    };
+    let rows: Vec<Row> = found
+        .iter()
+        .flat_map(|one| {
+            [
+                row(one.poles, "is the residual foretold by those before it?", one.residuals.whiteness),
+                row(one.poles, "is it foretold by the duty before it?", one.residuals.input),
+            ]
+        })
+        .collect();
+    table("Tests of the residuals", &["plant", "question", "χ²", "degrees", "chance under a right model"], &rows)
+}
+
+fn next(report: &Report<'_>) -> Markup {
+    let unbounded = report.best.estimates.iter().any(|estimate| estimate.low.is_none() || estimate.high.is_none());
+    html! {
+        ul {
+            @if unbounded {
+                li { "The record does not bound every number: fly " (command("airball run --experiment experiments/identify.toml")) ", which takes 100 s." }
+            }
+            @if Residuals::of(report.best) == Residuals::Noise {
+                li { "Try it on another flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
+                li { "Design for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out gains.toml"))) "." }
+            } @else {
+                li { "Ask what the plant lacks: " (command(&format!("airball diagnose LOG --patch {PATCH} --html report.html"))) "." }
+            }
+            @if report.best.poles == Poles::Two {
+                li { "A fan's lag that a flight does not show may still limit the gain: " (command("airball measure critical-gain")) " finds out." }
+            }
+        }
+    }
+}
+
+fn whole(report: &Report<'_>, record: &Record) -> Markup {
+    html! {
+        p {
+            @if report.believed.is_none() {
+                "The stretches without control, each about the middle of the pipe and without the line that was taken from it. "
+            }
+            "Each plant starts anew from the reading at every tenth second of what was held out and flies on by the recorded duty alone."
+        }
+        (how_to_zoom())
+        (record.still(&["Position over time: setpoint, recorded, and simulations of what was held out", "Duty over time"]))
+    }
+}
+
+const WORDS: [(&str, &str); 6] = [
+    (
+        "poles",
+        "Two are the ball, which gathers speed and place; the third is the fan, which needs time to reach a speed.",
+    ),
+    ("held out", "The last third of each flight, judged by a plant that was fitted to the rest."),
+    (
+        "noise alone",
+        "The error that a right plant would make, because sensor and air are noisy. Nothing can be better for long.",
+    ),
+    (
+        "residuals",
+        "What the plant's filter did not foresee of each reading. If the plant is right they are noise: nothing foretells them.",
+    ),
+    ("nats", "How much more probable the held-out readings are, as a natural logarithm: 2 are 7 to 1."),
+    INTERVALS,
+];

@@ -1,0 +1,163 @@
+//! The pictures of an identification: simulations beside the record, residual correlations with their band, the plants in frequency; or a sweep
+//! of gains, pulse by pulse.
+
+use crate::report::kit::palette::{MENDED, NOMINAL, RECORDED, SETPOINT};
+use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, write};
+use control::design::Linear;
+use control::design::polynomial::magnitude;
+use diagnose::transient::Transient;
+use diagnose::{GreyBox, OfGain, Poles, Recording, ResidualTests, Sweep};
+use plotters::style::RGBColor;
+use std::path::Path;
+
+/// Size of a picture, pixels, and the part of its height above.
+const SIZE: (u32, u32) = (1100, 800);
+const UPPER: u32 = 420;
+/// Frequencies, powers of ten of rad/s.
+const DECADES: (f64, f64) = (-1.0, 2.0);
+const POINTS: u32 = 300;
+
+/// How a plant of so many poles is named and drawn.
+pub const fn look(poles: Poles) -> (&'static str, RGBColor) {
+    match poles {
+        Poles::Two => ("two poles", NOMINAL),
+        Poles::Three => ("three poles", MENDED),
+    }
+}
+
+/// Draws what was identified with each number of poles from `recording`; the residuals are those of `best`.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn grey_box(
+    path: &Path,
+    title: &str,
+    recording: &Recording,
+    found: &[GreyBox],
+    best: &GreyBox,
+) -> Result<(), PlotError> {
+    let title = format!("{title}: simulations of what was held out, 10 s each");
+    let [whiteness, input] = correlations(&best.residuals);
+    picture(path, &Diagram { title, ..simulations(recording, found) }, &[whiteness, input, plants(found)])
+}
+
+/// Draws a sweep: the mean pulse of the lowest, the middle and the highest gain beside the loop of second order that was read off it, and K_g and
+/// a over the gain.
+///
+/// # Errors
+/// [`PlotError`] names the file.
+pub fn sweep(path: &Path, title: &str, found: &Sweep) -> Result<(), PlotError> {
+    let title = format!("{title}: mean pulses of the lowest, the middle and the highest gain");
+    let [gain, drag] = over_gains(found);
+    picture(path, &Diagram { title, ..pulses(found) }, &[gain, drag, plant(found)])
+}
+
+/// A wide diagram above three.
+fn picture(path: &Path, above: &Diagram, below: &[Diagram; 3]) -> Result<(), PlotError> {
+    let svg = drawn(SIZE, |area| {
+        let (upper, lower) = area.split_vertically(area.dim_in_pixel().1 * UPPER / SIZE.1);
+        panel(&upper, above)?;
+        lower.split_evenly((1, 3)).iter().zip(below).try_for_each(|(area, diagram)| panel(area, diagram))
+    })?;
+    write(path, &svg)
+}
+
+/// The record, and simulations of what was held out of it with each number of poles.
+pub fn simulations(recording: &Recording, found: &[GreyBox]) -> Diagram {
+    let simulated = |one: &GreyBox| {
+        let (label, colour) = look(one.poles);
+        forecasts(label, colour, recording, &one.held_out.runs)
+    };
+    let lines = std::iter::once(recorded(recording)).chain(found.iter().map(simulated)).collect();
+    Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
+}
+
+/// Correlations of the residuals with those before them and with the duty, at 1, 2, … readings within the band of white noise.
+pub fn correlations(residuals: &ResidualTests) -> [Diagram; 2] {
+    let of = |title: &str, values: &[f64]| {
+        let (band, end) = (residuals.band, values.len() as f64 + 0.5);
+        let bar = |(lag, value): (u32, &f64)| {
+            let lag = f64::from(lag);
+            [(lag, 0.0), (lag, *value), (f64::NAN, f64::NAN)]
+        };
+        let bars = (1..).zip(values).flat_map(bar).collect();
+        Diagram {
+            title: title.into(),
+            abscissa: "lag, readings",
+            ordinate: "correlation; band: 95 %",
+            lines: vec![Line { label: "correlation", colour: RECORDED, points: bars }],
+            band: vec![(0.5, band), (end, band), (end, -band), (0.5, -band)],
+            ..Diagram::default()
+        }
+    };
+    [
+        of("residuals: autocorrelation", &residuals.autocorrelation),
+        of("residuals: correlation with duty", &residuals.with_input),
+    ]
+}
+
+/// The plants with each number of poles, in frequency.
+pub fn plants(found: &[GreyBox]) -> Diagram {
+    frequencies(found.iter().map(|one| bode(look(one.poles), one.fit.model.linear())).collect())
+}
+
+/// The plant of a sweep, in frequency.
+pub fn plant(found: &Sweep) -> Diagram {
+    frequencies(vec![bode(look(Poles::Two), Linear::two_poles(found.gain.value, found.drag.value))])
+}
+
+fn bode((label, colour): (&'static str, RGBColor), plant: Linear) -> Line {
+    let transfer = plant.continuous();
+    let at = |k: u32| DECADES.0 + (DECADES.1 - DECADES.0) * f64::from(k) / f64::from(POINTS);
+    let decibels = |k: u32| 20.0 * magnitude(transfer.response(10.0_f64.powf(at(k)))).log10();
+    Line { label, colour, points: (0..=POINTS).map(|k| (at(k), decibels(k))).collect() }
+}
+
+fn frequencies(lines: Vec<Line>) -> Diagram {
+    let (abscissa, ordinate) = ("frequency, rad/s", "mm per %, dB");
+    Diagram { title: "plant".into(), abscissa, ordinate, lines, decades: true, ..Diagram::default() }
+}
+
+/// The mean pulses of the lowest, the middle and the highest gain, and what was read off them.
+pub fn pulses(found: &Sweep) -> Diagram {
+    let last = found.gains.len().saturating_sub(1);
+    let mut shown = vec![0, last / 2, last];
+    shown.dedup();
+    let broken = |points: fn(&OfGain) -> Vec<(f64, f64)>| {
+        let end = [(f64::NAN, f64::NAN)];
+        let gains = shown.iter().filter_map(|at| found.gains.get(*at));
+        gains.flat_map(|gain| points(gain).into_iter().chain(end)).collect()
+    };
+    let lines = vec![
+        Line { label: "mean pulse", colour: RECORDED, points: broken(|gain| gain.mean_pulse.clone()) },
+        Line { label: "second order", colour: NOMINAL, points: broken(response) },
+    ];
+    Diagram { abscissa: "time since the jump, s", ordinate: "share of the jump", lines, ..Diagram::default() }
+}
+
+/// The response of second order that was read off the mean pulse.
+fn response(gain: &OfGain) -> Vec<(f64, f64)> {
+    let loops = Transient { damping: gain.damping, omega: gain.omega };
+    gain.mean_pulse.iter().map(|(t, _)| (*t, loops.response(*t))).collect()
+}
+
+/// K_g and a over the gain, with their intervals.
+pub fn over_gains(found: &Sweep) -> [Diagram; 2] {
+    let over = |ordinate, of: fn(&OfGain) -> diagnose::Estimate| {
+        let points = found.gains.iter().map(|gain| (gain.kp_per_mm, of(gain).value)).collect();
+        let interval = |gain: &OfGain| {
+            let (low, high) = of(gain).low.zip(of(gain).high)?;
+            Some([(gain.kp_per_mm, low), (gain.kp_per_mm, high), (f64::NAN, f64::NAN)])
+        };
+        let lines = vec![
+            Line { label: "of each gain", colour: RECORDED, points },
+            Line {
+                label: "90 % interval",
+                colour: SETPOINT,
+                points: found.gains.iter().filter_map(interval).flatten().collect(),
+            },
+        ];
+        Diagram { abscissa: "K_p, % per mm", ordinate, lines, ..Diagram::default() }
+    };
+    [over("K_g, mm/s² per %", |gain| gain.gain), over("a, 1/s", |gain| gain.drag)]
+}

@@ -1,0 +1,6 @@
+//! What every report is made of: pages, pictures, tables and colours.
+
+pub mod page;
+pub mod palette;
+pub mod plot;
+pub mod table;

@@ -1,0 +1,188 @@
+//! What pages are made of: tables, bars, text to copy, numbers.
+
+use crate::report::diagnosis::stages::NAMES;
+use maud::{Markup, html};
+use plant::Effects;
+
+/// A table with more rows than this is folded away.
+const LONG: usize = 16;
+
+/// A table: what it shows, the heads of its columns, and rows that begin with their own head.
+pub fn table(caption: &str, heads: &[&str], rows: &[(Markup, Vec<Markup>)]) -> Markup {
+    html! {
+        section.scroll tabindex="0" aria-label=(caption) {
+            table {
+                caption { span { (caption) } }
+                thead { tr { @for head in heads { th scope="col" { (head) } } } }
+                tbody {
+                    @for (head, cells) in rows {
+                        tr { th scope="row" { (head) } @for cell in cells { td { (cell) } } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A table of words whose first column is its rows' heads; a long one is folded away.
+pub fn words<const N: usize>(caption: &str, heads: &[&str; N], rows: &[[String; N]]) -> Markup {
+    let row = |row: &[String; N]| {
+        let mut cells = row.iter().map(|cell| html! { (minus(cell)) });
+        (cells.next().unwrap_or_default(), cells.collect())
+    };
+    let rows: Vec<(Markup, Vec<Markup>)> = rows.iter().map(row).collect();
+    html! {
+        @if rows.len() > LONG {
+            details { summary { (caption) ": all " (rows.len()) } (table(caption, heads, &rows)) }
+        } @else { (table(caption, heads, &rows)) }
+    }
+}
+
+/// Bars beside each other: what they are, and for each its name, the ink that it is drawn with, and its length if it has one.
+pub fn bars(caption: &str, unit: &str, bars: &[(&str, &str, Option<f64>)], mark: Option<f64>) -> Markup {
+    let longest = bars.iter().filter_map(|bar| bar.2).chain(mark).fold(1e-9, f64::max);
+    let percent = |value: f64| format!("{:.1}", 100.0 * value / longest);
+    html! {
+        table.bars {
+            caption { (caption) }
+            tbody {
+                @for (name, ink, value) in bars {
+                    tr {
+                        th scope="row" { (name) }
+                        td.number { (number(*value, 1)) " " (unit) }
+                        td.bar aria-hidden="true" {
+                            svg viewBox="0 0 100 10" preserveAspectRatio="none" {
+                                rect width=(percent(value.unwrap_or(0.0))) height="10" fill=(format!("var(--{ink})")) {}
+                                @if let Some(mark) = mark {
+                                    line x1=(percent(mark)) x2=(percent(mark)) y1="-4" y2="14" stroke="var(--recorded)"
+                                        stroke-width="1.5" vector-effect="non-scaling-stroke" {}
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Numbers that are seen first: what each is, its value, and what is to be known about it.
+pub fn values(all: &[(String, String, String)]) -> Markup {
+    html! {
+        div.gap {
+            dl.values {
+                @for (name, value, about) in all {
+                    div {
+                        dt { (name) }
+                        dd { strong { (value) } @if !about.is_empty() { span { (about) } } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What the check of a record found, or that it found nothing.
+pub fn findings(all: &[String]) -> Markup {
+    html! {
+        @if all.is_empty() {
+            p { "Rate, gaps, repeats, wild readings and excitation were checked: nothing stands in the way of an answer." }
+        } @else {
+            ul { @for finding in all { li { (finding) } } }
+        }
+    }
+}
+
+/// Words with a capital, as a sentence begins.
+pub fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Words whose numbers have a minus sign, which is longer than a hyphen; hyphens within words stay.
+pub fn minus(words: &str) -> String {
+    let mut before = ' ';
+    let mut letters = words.chars().peekable();
+    let mut signed = String::with_capacity(words.len());
+    while let Some(letter) = letters.next() {
+        let is_sign = letter == '-' && !before.is_alphanumeric() && letters.peek().is_some_and(char::is_ascii_digit);
+        signed.push(if is_sign { '−' } else { letter });
+        before = letter;
+    }
+    signed
+}
+
+/// A command to type. It may be broken between its words: broken after a hyphen, a flag would read as two.
+pub fn command(line: &str) -> Markup {
+    html! {
+        code.typed { @for (k, word) in line.split(' ').enumerate() { @if k > 0 { " " } span { (word) } } }
+    }
+}
+
+/// Words that stand on a page, and what they mean.
+pub fn glossary(all: &[(&str, &str)]) -> Markup {
+    html! { dl { @for (word, meaning) in all { dt { (word) } dd { (meaning) } } } }
+}
+
+/// Text to be copied into a file, with the name that it should have.
+pub fn to_copy(id: &str, name: &str, text: &str) -> Markup {
+    html! {
+        div.code {
+            div.about { span { code { (name) } } button type="button" data-copy=(id) hidden { "Copy" } }
+            section.scroll tabindex="0" aria-label=(name) { pre id=(id) { code { (text.trim_end()) } } }
+        }
+    }
+}
+
+/// Half of the smallest number that six places show.
+const SMALLEST: f64 = 5e-7;
+
+/// A number with so many places; a dash where there is none.
+pub fn number(value: Option<f64>, places: usize) -> String {
+    let text = |value: f64| format!("{value:.places$}");
+    let is_zero = |value: f64| text(value.abs()) == text(0.0);
+    value.map_or_else(|| "–".into(), |value| minus(&text(if is_zero(value) { 0.0 } else { value })))
+}
+
+/// A number with as many places as a reader needs: three digits that count.
+pub fn three_digits(value: f64) -> String {
+    number(Some(value), places(value))
+}
+
+/// The places that leave a number three digits that count; none of 0.
+pub fn places(value: f64) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
+    let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    if value.abs() < SMALLEST { 0 } else { places }
+}
+
+/// A chance in words that do not promise certainty.
+pub fn chance(chance: f64) -> String {
+    match 100.0 * chance {
+        percent if percent > 99.0 => "more than 99 %".into(),
+        percent if percent < 1.0 => "less than 1 %".into(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
+/// A name of the program in words: `dead_zone` is "dead zone".
+pub fn spoken(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// The stage of the signal path at which an effect acts.
+pub fn stage(effect: &str) -> &'static str {
+    let own = Effects::entry(effect).and_then(|entry| NAMES.iter().find(|(stage, _)| *stage == entry.stage));
+    own.map_or("–", |(_, name)| name)
+}
+
+/// A key with its unit in words: `position_mm` is "height" in "mm".
+pub fn signal(name: &str) -> (&'static str, &'static str) {
+    match name {
+        "duty_percent" => ("duty", "%"),
+        "position_mm" => ("height", "mm"),
+        "velocity_mm_per_s" => ("speed", "mm/s"),
+        "lag_s" => ("time since the duty moved", "s"),
+        _ => ("time", "s"),
+    }
+}

@@ -1,0 +1,285 @@
+//! One diagram: lines over an abscissa, its shaded places and its key, on axes that say their units.
+//!
+//! The library counts whole pixels, which makes steps of a slow line: everything is drawn [`FINE`] times larger and shown smaller.
+
+use super::PlotError;
+use super::legend::{draw_key, key, name_ends, width};
+use super::thinned::thinned;
+use crate::report::kit::palette::{GRID, NOMINAL, SHADE, TEXT, themed};
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use std::ops::Range;
+
+/// Steps of the drawing to a pixel.
+pub(super) const FINE: u32 = 8;
+/// Heights of letters, pixels.
+pub(super) const LETTERS: u32 = 12;
+const TITLE: u32 = 16;
+/// The library divides every size of letters by this.
+const LIBRARY: f64 = 1.24;
+/// Rooms about a diagram, pixels: a row of words, the labels of the axes.
+pub(super) const ROW: u32 = 22;
+const LEFT: u32 = 52;
+const BELOW: u32 = 40;
+/// Half of a label at the right end of an axis reaches beyond it, pixels.
+const HALF_A_LABEL: f64 = 20.0;
+/// From one label of an axis to the next, pixels.
+const BETWEEN: (u32, u32) = (90, 42);
+/// A key has its own row in a diagram that is narrower than this, pixels.
+const NARROW: u32 = 620;
+/// Points to a pixel that a line is drawn with at most: more cannot be seen.
+const MOST_POINTS_A_PIXEL: usize = 2;
+/// More crosses than this touch each other on a phone.
+const CROWDED: usize = 40;
+
+/// A line of a picture.
+#[derive(Clone)]
+pub struct Line {
+    pub label: &'static str,
+    pub colour: RGBColor,
+    /// Abscissa, usually the time in s, and value. NaN breaks the line.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// One of the diagrams of a picture.
+#[derive(Clone, Default)]
+pub struct Diagram {
+    pub title: String,
+    pub abscissa: &'static str,
+    pub ordinate: &'static str,
+    pub lines: Vec<Line>,
+    /// Crosses, rings and dots.
+    pub marks: Vec<(f64, f64)>,
+    pub rings: Vec<(f64, f64)>,
+    pub dots: Vec<(f64, f64)>,
+    /// Outline of a band about the first line.
+    pub band: Vec<(f64, f64)>,
+    /// Stretches of the abscissa to be pointed out.
+    pub shaded: Vec<(f64, f64)>,
+    /// A value to compare the lines with.
+    pub base: Option<f64>,
+    /// What of the plane is shown, from and to; `None`: all that is drawn.
+    pub window: Option<[(f64, f64); 2]>,
+    /// Whether the abscissa is log₂ of what its labels should say.
+    pub octaves: bool,
+    /// The same with log₁₀, labelled at whole powers.
+    pub decades: bool,
+    /// Whether each line is named at its end instead of in a key.
+    pub direct: bool,
+}
+
+impl Diagram {
+    /// What of it lies within a stretch of the abscissa.
+    pub fn within(mut self, (from, to): (f64, f64)) -> Self {
+        for line in &mut self.lines {
+            // NaN, which breaks a line, stays.
+            line.points.retain(|(t, _)| !(*t < from || *t > to));
+        }
+        self
+    }
+}
+
+/// Where pictures are drawn, [`FINE`] steps to a pixel.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// A picture of `size` pixels on white, as a file.
+pub fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Result<(), PlotError>) -> Result<String, PlotError> {
+    let svg = drawing(size, |area| {
+        area.fill(&WHITE).map_err(failed)?;
+        draw(area)
+    })?;
+    let fine = format!("width=\"{}\" height=\"{}\" viewBox", FINE * size.0, FINE * size.1);
+    Ok(svg.replacen(&fine, &format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1), 1))
+}
+
+/// The shapes of a diagram of `size` pixels without its title on no ground, and the box that they are in: for a page, which brings the colours.
+pub fn shapes(size: (u32, u32), of: &Diagram) -> Result<(String, String), PlotError> {
+    let svg = drawing(size, |area| titled(area, "", of))?;
+    let inner = svg.split_once('>').map_or("", |(_, rest)| rest).trim_end().trim_end_matches("</svg>");
+    Ok((format!("0 0 {} {}", FINE * size.0, FINE * size.1), themed(inner)))
+}
+
+fn drawing(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Result<(), PlotError>) -> Result<String, PlotError> {
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, (FINE * size.0, FINE * size.1)).into_drawing_area();
+        draw(&area)?;
+        area.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+/// Draws one diagram.
+pub fn panel(area: &Area<'_>, of: &Diagram) -> Result<(), PlotError> {
+    titled(area, &of.title, of)
+}
+
+/// Draws one diagram below another title.
+pub fn titled(area: &Area<'_>, title: &str, of: &Diagram) -> Result<(), PlotError> {
+    let key = key(&of.lines);
+    let wide = area.dim_in_pixel().0 >= FINE * NARROW;
+    let direct = of.direct && wide;
+    let titles = u32::from(!title.is_empty());
+    let rows = titles + 1 + u32::from(!wide && !key.is_empty());
+    let longest = key.iter().map(|line| width(line.label)).fold(0.0, f64::max);
+    let right = if direct { longest + 18.0 } else { HALF_A_LABEL };
+    let (times, values) = ranges(of)?;
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(fine(rows * ROW))
+        .margin_right(steps(right))
+        .x_label_area_size(fine(BELOW))
+        .y_label_area_size(fine(LEFT))
+        .build_cartesian_2d(times, values)
+        .map_err(failed)?;
+    grounds(&mut chart, of)?;
+    axes(&mut chart, of, area.dim_in_pixel())?;
+    lines(&mut chart, of)?;
+    if direct {
+        name_ends(area, &chart, &key)?
+    } else {
+        draw_key(area, &key, rows, wide)?
+    }
+    words(area, title, (LEFT, 4), TITLE)?;
+    words(area, of.ordinate, (8, titles * ROW + 4), LETTERS)
+}
+
+/// What lies under the lines: shaded places, and the band about the first line.
+fn grounds(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
+    let (times, values) = (chart.x_range(), chart.y_range());
+    let shade = |&(from, to): &(f64, f64)| {
+        let corners = [(from.max(times.start), values.start), (to.min(times.end), values.end)];
+        Rectangle::new(corners, SHADE.mix(0.28).filled())
+    };
+    chart.draw_series(of.shaded.iter().map(shade)).map_err(failed)?;
+    if let Some(line) = of.lines.first().filter(|_| !of.band.is_empty()) {
+        let outline = Polygon::new(of.band.to_vec(), line.colour.mix(0.22).filled());
+        chart.draw_series([outline]).map_err(failed)?;
+    }
+    Ok(())
+}
+
+fn axes(chart: &mut Chart<'_, '_>, of: &Diagram, (width, height): (u32, u32)) -> Result<(), PlotError> {
+    let (times, values) = (chart.x_range(), chart.y_range());
+    let count = |length: u32, between: u32| (length / FINE / between).clamp(3, 12) as usize;
+    let (x_step, y_step) = (times.end - times.start, values.end - values.start);
+    let of_x = |x: &f64| match x.round() {
+        whole if of.decades && (x - whole).abs() < 1e-9 => number(10_f64.powf(whole), 10_f64.powf(whole)),
+        _ if of.decades => String::new(),
+        _ if of.octaves => number(x.exp2(), x.exp2()),
+        _ => number(*x, x_step),
+    };
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(GRID.stroke_width(FINE))
+        .axis_style(GRID.stroke_width(FINE))
+        .set_all_tick_mark_size(fine(4))
+        .x_labels(count(width, BETWEEN.0))
+        .y_labels(count(height, BETWEEN.1))
+        .x_label_formatter(&of_x)
+        .y_label_formatter(&|y| number(*y, y_step))
+        .label_style(letters(LETTERS, TEXT))
+        .axis_desc_style(letters(LETTERS, TEXT))
+        .x_desc(of.abscissa)
+        .draw()
+        .map_err(failed)?;
+    let base = of.base.map(|y| PathElement::new([(times.start, y), (times.end, y)], TEXT.stroke_width(FINE)));
+    chart.draw_series(base).map_err(failed)?;
+    Ok(())
+}
+
+fn lines(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
+    let pixels = chart.plotting_area().dim_in_pixel().0 / FINE;
+    // Below the lines, which many crosses would hide; where they are crowded, in less ink.
+    let (size, width) = if of.marks.len() > CROWDED { (3, FINE) } else { (6, 2 * FINE) };
+    let cross = |at: &(f64, f64)| Cross::new(*at, fine(size), NOMINAL.stroke_width(width));
+    chart.draw_series(of.marks.iter().map(cross)).map_err(failed)?;
+    for line in &of.lines {
+        let all = line.points.len();
+        for piece in line.points.split(|(t, y)| !is_there(*t, *y)) {
+            // A piece may have as much of the width as it has of the points.
+            let most = MOST_POINTS_A_PIXEL * pixels as usize * piece.len() / all.max(1);
+            let style = line.colour.stroke_width(FINE * 7 / 4);
+            chart.draw_series(LineSeries::new(thinned(piece, most), style)).map_err(failed)?;
+        }
+    }
+    let outline = NOMINAL.stroke_width(2 * FINE);
+    chart.draw_series(of.rings.iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
+    chart.draw_series(of.dots.iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
+    Ok(())
+}
+
+fn words(area: &Area<'_>, words: &str, at: (u32, u32), size: u32) -> Result<(), PlotError> {
+    area.draw_text(words, &letters(size, TEXT), (fine(at.0), fine(at.1))).map_err(failed)
+}
+
+pub(super) fn letters(size: u32, colour: RGBColor) -> TextStyle<'static> {
+    ("sans-serif", f64::from(size * FINE) * LIBRARY).into_font().color(&colour)
+}
+
+/// A number with as many places as labels need that are a tenth of `span` apart.
+fn number(value: f64, span: f64) -> String {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
+    let places = (1.0 - span.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
+    let text = format!("{value:.places$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".into() } else { text.replace('-', "−") }
+}
+
+pub(super) fn is_there(t: f64, y: f64) -> bool {
+    t.is_finite() && y.is_finite()
+}
+
+/// What the axes span.
+fn ranges(of: &Diagram) -> Result<(Range<f64>, Range<f64>), PlotError> {
+    if let Some([times, values]) = of.window {
+        return Ok((times.0..times.1, values.0..values.1));
+    }
+    let of_lines = of.lines.iter().flat_map(|line| &line.points);
+    let points = || {
+        of_lines
+            .clone()
+            .chain(&of.band)
+            .chain(&of.marks)
+            .chain(&of.rings)
+            .chain(&of.dots)
+            .filter(|(t, y)| is_there(*t, *y))
+    };
+    let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1).chain(of.base))?);
+    let pad = 0.05 * (values.end - values.start).max(1e-6);
+    Ok((times, values.start - pad..values.end + pad))
+}
+
+fn range(values: impl Iterator<Item = f64>) -> Result<Range<f64>, PlotError> {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low <= high { Ok(low..high.max(low + 1e-9)) } else { Err(PlotError::Nothing) }
+}
+
+/// Pixels in steps of the drawing.
+pub(super) fn fine(pixels: u32) -> i32 {
+    i32::try_from(pixels * FINE).unwrap_or(i32::MAX)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a float cast saturates")]
+pub(super) fn steps(pixels: f64) -> i32 {
+    (pixels * f64::from(FINE)) as i32
+}
+
+pub fn failed(error: impl std::fmt::Display) -> PlotError {
+    PlotError::Draw(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn labels_have_the_places_that_their_axis_needs_and_no_more() {
+        let labels =
+            [number(200.0, 400.0), number(-0.5, 3.0), number(21.25, 0.8), number(-0.0, 3.0), number(0.0625, 0.0625)];
+        assert_eq!(labels, ["200", "−0.5", "21.25", "0", "0.062"]);
+    }
+}

@@ -1,0 +1,72 @@
+//! The gap as a table that a person reads, with a sentence on what it says.
+
+use crate::report::kit::table::empty;
+use diagnose::{Gap, Recording};
+use serde::Serialize;
+
+/// A model whose error exceeds the floor by less than this is as good as noise allows.
+pub const AS_GOOD_AS_NOISE: f64 = 1.1;
+
+/// The document that `replay --json` writes.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReplayDocument<'a> {
+    /// Name and version of this document.
+    pub schema: &'static str,
+    /// The gap.
+    #[serde(flatten)]
+    pub gap: &'a Gap,
+}
+
+impl<'a> ReplayDocument<'a> {
+    /// The document of a gap.
+    #[must_use]
+    pub const fn of(gap: &'a Gap) -> Self {
+        Self { schema: "airball.replay/1", gap }
+    }
+}
+
+/// The gap as a table: a row a horizon.
+#[must_use]
+pub fn table(gap: &Gap) -> String {
+    let mut table = empty(["forecast ahead", "model", "the ball stays put", "noise alone", "model / noise"]);
+    for (h, horizon) in gap.horizons_s.iter().enumerate() {
+        let (error, floor) = (gap.error_mm[h], gap.floor_mm[h]);
+        table.add_row([format!("{horizon} s"), mm(error), mm(gap.stay_put_mm[h]), mm(floor), ratio(error, floor)]);
+    }
+    let (error, floor) = (gap.free_run_10s_mm, gap.floor_free_run_10s_mm);
+    table.add_row(["free run, 10 s".into(), mm(error), String::new(), mm(floor), ratio(error, floor)]);
+    table.to_string()
+}
+
+/// What the table says, in a sentence that ends in what to do.
+#[must_use]
+pub fn sentence(gap: &Gap, recording: &Recording) -> String {
+    let ahead = gap.horizons_s[2];
+    let (Some(error), Some(floor), Some(stay_put)) = (gap.error_mm[2], gap.floor_mm[2], gap.stay_put_mm[2]) else {
+        let (rows, duration_s) = (recording.samples().len(), recording.duration_s());
+        return format!(
+            "No two readings are 1 s apart to compare ({rows} rows in {duration_s:.1} s): record at least 30 s with a moving \
+             setpoint, or, if time is not in seconds, give its unit as [import] time_s.scale."
+        );
+    };
+    if error < AS_GOOD_AS_NOISE * floor {
+        return format!(
+            "At {ahead} s the model errs by {error:.1} mm and the noise that it believes in alone gives {floor:.1} mm: \
+             this recording shows no gap at that horizon."
+        );
+    }
+    let beside = if error < stay_put { "better than" } else { "no better than" };
+    format!(
+        "At {ahead} s the model errs by {error:.1} mm where its noise alone would give {floor:.1} mm, and forecasts {beside} \
+         \"the ball stays put\" ({stay_put:.1} mm): the model lacks something, or its numbers or noise are off. \
+         Try another belief with --patch FILE and compare."
+    )
+}
+
+fn mm(value: Option<f64>) -> String {
+    value.map_or("none".into(), |value| format!("{value:.2} mm"))
+}
+
+fn ratio(error: Option<f64>, floor: Option<f64>) -> String {
+    error.zip(floor).map_or(String::new(), |(error, floor)| format!("{:.2}", error / floor))
+}

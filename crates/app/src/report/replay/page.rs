@@ -1,0 +1,103 @@
+//! The page of a replay: how far a model is from a log, per horizon.
+
+use super::gap::{AS_GOOD_AS_NOISE, sentence};
+use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::parts::{bars, findings, number, table};
+use crate::report::kit::page::record::Record;
+use crate::report::kit::page::{Page, Section};
+use crate::report::kit::plot::{Diagram, commanded, duty};
+use crate::report::replay::plot::free_runs_of;
+use diagnose::{Finding, FreeRun, Gap, Recording};
+use maud::{Markup, html};
+
+/// Everything that the page tells.
+#[derive(Clone, Copy)]
+pub struct Report<'a> {
+    /// The log, by its name.
+    pub log: &'a str,
+    /// The config that holds the model, by its name.
+    pub config: &'a str,
+    /// The rows of the log.
+    pub recording: &'a Recording,
+    /// What the check of the record found.
+    pub findings: &'a [Finding],
+    /// The gap.
+    pub gap: &'a Gap,
+    /// Free runs of the model.
+    pub runs: &'a [FreeRun],
+}
+
+/// The page of a replay.
+#[must_use]
+pub fn page(report: &Report<'_>) -> String {
+    let position = || {
+        let lines = vec![commanded(report.recording)];
+        let runs = free_runs_of(report.recording, report.runs);
+        Diagram { lines: lines.into_iter().chain(runs.lines).collect(), ..runs }
+    };
+    let record = Record { diagrams: vec![position(), duty(report.recording)] };
+    let said: Vec<String> = report.findings.iter().map(ToString::to_string).collect();
+    let sections = vec![
+        Section::across("horizons", "How far ahead it holds", horizons(report.gap)),
+        Section::words("check", "What the record can answer", findings(&said)),
+        Section::across("record", "The whole record", whole(&record)),
+    ];
+    let from =
+        vec![report.log.into(), format!("{:.1} s", report.recording.duration_s()), format!("model: {}", report.config)];
+    let answer = answer(report.gap);
+    Page { kind: "replay", from, answer: &answer, first: first(report, position()), sections, record: &record }.render()
+}
+
+fn answer(gap: &Gap) -> String {
+    match (gap.error_mm[2], gap.floor_mm[2]) {
+        (Some(error), Some(floor)) if error < AS_GOOD_AS_NOISE * floor => {
+            "A second ahead the simulator is as near to the rig as noise allows".into()
+        }
+        (Some(error), Some(floor)) => {
+            format!("A second ahead the simulator errs {:.1} times as far as noise alone makes it", error / floor)
+        }
+        _ => "This record is too short to say how far the simulator is from the rig".into(),
+    }
+}
+
+fn first(report: &Report<'_>, position: Diagram) -> Markup {
+    let gap = report.gap;
+    let rows = [
+        ("the ball stays put", "setpoint", gap.stay_put_mm[2]),
+        ("simulator", "nominal", gap.error_mm[2]),
+        ("noise alone", "setpoint", gap.floor_mm[2]),
+    ];
+    let caption = html! {
+        "The ball, and the simulator, which is told its position every 10 s and flies on by the recorded duty alone."
+    };
+    let alt = "Position over the record: setpoint, recorded, and free runs of the simulator";
+    html! {
+        p.lede { (sentence(gap, report.recording)) }
+        h2.unseen { "The gap" }
+        div.first {
+            div.gap { (bars("Error of the position 1 s ahead, rms", "mm", &rows, gap.floor_mm[2])) }
+            (figure(&Diagram { direct: true, ..position }, Size::FIRST, alt, &caption))
+        }
+    }
+}
+
+fn horizons(gap: &Gap) -> Markup {
+    let row = |head: String, values: [Option<f64>; 3]| {
+        let ratio = values[1].zip(values[2]).map(|(error, floor)| error / floor);
+        let cells = values.iter().map(|value| html! { (number(*value, 2)) }).chain([html! { (number(ratio, 2)) }]);
+        (html! { (head) }, cells.collect())
+    };
+    let mut rows: Vec<(Markup, Vec<Markup>)> = (0..3)
+        .map(|h| row(format!("{} s", gap.horizons_s[h]), [gap.stay_put_mm[h], gap.error_mm[h], gap.floor_mm[h]]))
+        .collect();
+    rows.push(row("free run, 10 s".into(), [None, gap.free_run_10s_mm, gap.floor_free_run_10s_mm]));
+    let heads = ["forecast ahead", "the ball stays put", "simulator", "noise alone", "simulator / noise"];
+    table("Error of the position, rms, mm", &heads, &rows)
+}
+
+fn whole(record: &Record) -> Markup {
+    html! {
+        (crate::report::kit::page::record::how_to_zoom())
+        (record.still(&["Position over time: setpoint, recorded, and free runs of the simulator", "Duty over time"]))
+    }
+}

@@ -1,0 +1,80 @@
+//! Why a rig does not start, or does not stop.
+
+use super::wire::WireError;
+use hal::{FanError, RangeError, SeparateError};
+
+/// Why the bench does not start, or does not stop.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// The bus cannot be opened.
+    #[error(
+        "cannot open the I2C bus {device}: {source}; on a Raspberry Pi switch I2C on with `raspi-config` (or \
+         dtparam=i2c_arm=on) and join the group i2c, or name another bus in [bus] device; \
+         without a rig, fly the simulated one with `--sim`"
+    )]
+    Open {
+        /// The device file.
+        device: String,
+        /// What the system said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// Somebody else flies this rig.
+    #[error(
+        "the I2C bus {device} is taken by another program that flies this rig, or by the guard of a flight that was \
+         killed; end that flight first"
+    )]
+    Taken {
+        /// The device file.
+        device: String,
+    },
+    /// A GPIO line cannot be taken.
+    #[error(
+        "cannot take line {line} of {chip} for [{table}]: {source}; see with `gpioinfo` which lines there are and who holds \
+         them, join the group gpio, name another chip in [rig] gpio_chip, or delete the table"
+    )]
+    Line {
+        /// The chip's device file.
+        chip: String,
+        /// The line.
+        line: u32,
+        /// The table that asks for it.
+        table: &'static str,
+        /// What the system said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A chip does not start.
+    #[error("bus {device}: {source}")]
+    Start {
+        /// The device file.
+        device: String,
+        /// Which chip and why.
+        source: Box<StartError<WireError, WireError>>,
+    },
+    /// The fan does not stop.
+    #[error("the fan could not be turned off in {tries} attempts: bus {device}: {source}; switch off its supply now")]
+    StaysOn {
+        /// The device file.
+        device: String,
+        /// How often it was tried.
+        tries: u32,
+        /// What the last attempt met.
+        source: FanError<WireError>,
+    },
+}
+
+/// Why a rig does not start.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StartError<S, P> {
+    /// The range sensor.
+    #[error(transparent)]
+    Sensor(RangeError<S>),
+    /// The two range sensors are not told apart.
+    #[error(transparent)]
+    Separate(SeparateError<S>),
+    /// The second range sensor.
+    #[error("second range sensor: {0}")]
+    Second(RangeError<S>),
+    /// The fan driver.
+    #[error(transparent)]
+    Fan(FanError<P>),
+}

@@ -1,0 +1,77 @@
+//! The folders of a crate are layers: no two of them import each other, neither directly nor around a circle.
+//!
+//! What counts is what the sources say: the `use` lines, and paths in code from `crate::` or `super::`. Tests may import what they like:
+//! files named `tests.rs`, `…_tests.rs` or `tests_support.rs`, folders named `tests`, and whatever follows a `#[cfg(test)]`.
+
+#[path = "layers/imports.rs"]
+mod imports;
+
+use imports::Imports;
+use std::fs;
+use std::path::Path;
+use system_tests::root;
+
+/// Fails with the circles of a crate's top-level modules, each with a file for every arrow.
+fn has_no_circle(src: &Path) {
+    let circles = Imports::read(src).circles();
+    assert!(circles.is_empty(), "{}: {}", src.display(), circles.join("; "));
+}
+
+#[test]
+fn no_two_folders_of_the_application_import_each_other() {
+    has_no_circle(&root().join("crates/app/src"));
+}
+
+#[test]
+fn the_folders_of_the_application_are_seen_with_their_imports() {
+    let imports = Imports::read(&root().join("crates/app/src"));
+    for (from, to) in [("flight", "rig"), ("rig", "config"), ("report", "analysis"), ("commands", "report")] {
+        assert!(imports.has(from, to), "{from} → {to} is missing: {imports:?}");
+    }
+}
+
+/// A made-up crate with these files.
+fn made_up(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_circle_is_named_with_a_file_for_every_arrow() {
+    let folder = made_up(&[
+        ("lib.rs", "mod a;\nmod b;\nmod c;\nmod d;\n"),
+        ("a/mod.rs", "use crate::{\n    b::{self, Thing},\n    d,\n};\n"),
+        ("b.rs", "fn f() { super::c::g() }\n"),
+        ("c/mod.rs", "mod deep;\n"),
+        ("c/deep/mod.rs", "pub use super::super::a::Other;\n"),
+        ("d.rs", "//! See [`crate::a`].\n\n/* use crate::a; */ const WORDS: &str = \"crate::a\";\n"),
+    ]);
+    assert_eq!(Imports::read(folder.path()).circles(), ["a → b (a/mod.rs), b → c (b.rs), c → a (c/deep/mod.rs)"]);
+}
+
+#[test]
+fn tests_may_import_what_they_like() {
+    let test = "use crate::a::Thing;\n";
+    let folder = made_up(&[
+        ("a.rs", "use crate::b::Thing;\n"),
+        ("b/mod.rs", "#[cfg(test)]\nmod campaign;\n#[cfg(test)]\nmod tests {\n    use crate::a::Thing;\n}\n"),
+        (
+            "b/one.rs",
+            "#[cfg(test)]\npub(crate) use crate::a::Thing;\n\n#[cfg(test)]\nmod tests {\n    use crate::a;\n}\n",
+        ),
+        ("b/campaign/mod.rs", test),
+        ("b/campaign/deep.rs", test),
+        ("b/tests.rs", test),
+        ("b/tests/deep.rs", test),
+        ("b/link_tests.rs", test),
+        ("b/tests_support.rs", test),
+    ]);
+    assert_eq!(Imports::read(folder.path()).circles(), [""; 0]);
+    fs::write(folder.path().join("b/one.rs"), "#[cfg(test)]\nmod tests;\n\nuse crate::a::Thing;\n").unwrap();
+    assert_eq!(Imports::read(folder.path()).circles(), ["a → b (a.rs), b → a (b/one.rs)"]);
+}

@@ -5,20 +5,11 @@
 
 use airball::book::{Advice, ConfigError, Desk, Experiment, Flown, advise, sample};
 use control::compensation::Compensation;
-use diagnose::{Diagnosis, Options, Picture, Recording, RecordingError};
+use diagnose::{Diagnosis, Options, Recording, RecordingError, Series};
 use plant::{Entry, Model};
 
 /// The experiment that every exhibit flies: its file in the project, and what the file says.
 const EXPERIMENT: (&str, &str) = ("experiments/gallery.toml", include_str!("../../experiments/gallery.toml"));
-
-/// Sizes that show in that experiment, where the last of the entry's own does not: too small for 84 s, or out of the ball's reach.
-const SIZES: [(&str, &[f64]); 5] = [
-    ("end_stop", &[150.0, 440.0, 0.6]),
-    ("gain_drift", &[-0.006]),
-    ("hover_drift", &[0.006]),
-    ("sensor_outliers", &[0.02, 60.0]),
-    ("spin_asymmetry", &[0.15, 0.40]),
-];
 
 /// Why an exhibit cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -69,7 +60,7 @@ pub(crate) struct Exhibit {
     /// What to fly or to record next.
     pub(crate) advice: Advice,
     /// What to draw of it.
-    pub(crate) picture: Picture,
+    pub(crate) picture: Series,
     /// What is between controller and fan.
     pub(crate) compensation: Compensation,
 }
@@ -109,7 +100,7 @@ impl Gallery {
             .map_err(|source| GalleryError::NoRecord { effect: entry.name, source })?;
         let found = diagnose::diagnose(&belief, &recording, &Options::default());
         let advice = advise(&found, &recording, Some(self.desk.clone()), &belief);
-        let picture = Picture::of(&found, &belief, &recording);
+        let picture = Series::of(&found, &belief, &recording);
         let compensation = self.desk.compensation().clone();
         Ok(Exhibit { entry: *entry, values, with, without, found, advice, picture, compensation })
     }
@@ -128,8 +119,7 @@ impl Gallery {
 
 /// The numbers of an exhibit: those that the model believes, or else a size that shows.
 pub(crate) fn values(entry: &Entry, model: &Model) -> Vec<f64> {
-    let chosen = SIZES.iter().find(|(name, _)| *name == entry.name).map(|(_, values)| *values);
-    let usual = chosen.or_else(|| entry.sizes.last().copied()).unwrap_or_default();
+    let usual = entry.shown_at.or_else(|| entry.sizes.last().copied()).unwrap_or_default();
     model.effects.values(entry.name).unwrap_or_else(|| usual.to_vec())
 }
 

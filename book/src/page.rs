@@ -68,9 +68,9 @@ pub(crate) fn page(exhibit: &Exhibit) -> String {
 
 fn numbers(exhibit: &Exhibit) -> String {
     let mut table = String::from("| number | here | accepted | does nothing at |\n|---|---|---|---|");
-    for (Param { name, min, max, neutral }, value) in exhibit.entry.params.iter().zip(&exhibit.values) {
+    for (Param { name, min, max, neutral, .. }, value) in exhibit.entry.params.iter().zip(&exhibit.values) {
         let neutral = match neutral {
-            Neutral::At(value) => value.to_string(),
+            Neutral::At(value) | Neutral::Any(value) => value.to_string(),
             Neutral::PipeLength => "the pipe's length".into(),
         };
         let _ = write!(table, "\n| `{name}` | {value} | {min} to {max} | {neutral} |");
@@ -108,7 +108,7 @@ fn competitors(exhibit: &Exhibit) -> String {
     let found = &exhibit.found;
     let first = found.rounds.first().map(Vec::as_slice).unwrap_or_default();
     let mut tried: Vec<_> = first.iter().zip(found.chances(first)).filter(|(one, _)| one.in_full).collect();
-    tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    tried.sort_by(|a, b| b.0.held_out_gain.total_cmp(&a.0.held_out_gain));
     let mut text = String::from("No effect passed the first look at this record.");
     if !tried.is_empty() {
         text = "The effects that explain this record best, each alone, on stretches that it was not fitted to. Five nats are e⁵ to 1.\n\n\
@@ -117,7 +117,7 @@ fn competitors(exhibit: &Exhibit) -> String {
     }
     for (one, likely) in tried.into_iter().take(COMPETITORS) {
         let likely = likely.map_or_else(|| "–".into(), chance);
-        let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.gain), 1));
+        let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.held_out_gain), 1));
         let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));
     }
     for line in advice_words(&exhibit.advice) {

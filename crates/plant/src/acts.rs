@@ -198,6 +198,12 @@ impl Summary {
         self.slots & other.slots != 0
     }
 
+    /// Whether it draws random numbers.
+    #[must_use]
+    pub const fn is_random(&self) -> bool {
+        matches!(self.changes, Changes::Scatter) || self.slots & (1 << 6) != 0
+    }
+
     /// Whether it is a random force of the air, which can follow any force that a model lacks.
     #[must_use]
     pub const fn follows_any_force(&self) -> bool {

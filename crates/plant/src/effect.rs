@@ -164,9 +164,12 @@ pub struct Entry {
     pub contains: Option<&'static str>,
     /// Two of its parameters of which the difference is known far better than each.
     pub difference: Option<Difference>,
-    /// Whether it stands for its stage where an experiment is chosen: between them such effects ask for small force, large force,
-    /// speed and height.
-    pub is_representative: bool,
+    /// Its place among the effects that stand for all others where an experiment is chosen: between them they ask for small force, large
+    /// force, speed and height.
+    pub represents_its_stage: Option<u8>,
+    /// The values that its page of the gallery shows, where the last of its sizes is too small for that flight or out of the ball's
+    /// reach.
+    pub shown_at: Option<&'static [f64]>,
     /// How a log shows it.
     pub in_a_log: &'static str,
     /// How to mend it on a rig.
@@ -191,7 +194,8 @@ impl Entry {
         twin_because: "",
         contains: None,
         difference: None,
-        is_representative: false,
+        represents_its_stage: None,
+        shown_at: None,
         in_a_log: "",
         mend: "",
         told_from: &[],

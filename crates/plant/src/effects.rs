@@ -154,6 +154,12 @@ impl Effects {
         Self::CATALOGUE.iter().find(|entry| entry.name == name)
     }
 
+    /// An effect that is on, with the values of its entry's parameters.
+    #[must_use]
+    pub fn get<E: Effect>(&self) -> Option<E> {
+        self.values(E::ENTRY.name).map(|values| E::from_values(&values))
+    }
+
     /// Whether two effects fill the same place of the signal path, and cannot act together.
     #[must_use]
     pub fn exclude_each_other(one: &str, other: &str) -> bool {

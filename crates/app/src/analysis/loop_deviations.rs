@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Both are differences between two duties, and are worth what the readings lose when the mended model is told the wrong one
-//! ([`diagnose::nats_apart`]): nats, as the effects are. Only a log of this program says what its config and its lateness were. The law is
+//! ([`diagnose::kl_divergence`]): nats, as the effects are. Only a log of this program says what its config and its lateness were. The law is
 //! followed from take-off to the first change of gains, open loop, fault or lost cycle; an excitation is in no log, so that where an
 //! experiment was flown a difference says nothing.
 
@@ -17,11 +17,10 @@ use crate::flight::pilot::{Orders, Pilot, Seen, Senses};
 use crate::flight::vocabulary::{Cycle, Mode};
 use crate::log::reader::{LoadedLog, sample};
 use control::waveform::Waveform;
-use diagnose::{Recording, Sample, nats_apart};
+use diagnose::thresholds::FIRST_EFFECT;
+use diagnose::{Recording, Sample, kl_divergence};
 use plant::Model;
 
-/// What a difference must be worth to be one, nats: as much as an effect must gain to be named.
-const WORTH_NAMING: f64 = 6.0;
 /// Duties that differ by less are equal, percent: a 400th of the chip's step.
 const EQUAL_PERCENT: f64 = 1e-4;
 
@@ -43,7 +42,7 @@ pub fn upstream(log: &LoadedLog, model: &Model) -> Vec<Upstream> {
         return Vec::new();
     };
     let found = [controller(log, &tables, model), timing(log, &tables, model)];
-    found.into_iter().flatten().filter(|stage| stage.nats >= WORTH_NAMING).collect()
+    found.into_iter().flatten().filter(|stage| stage.nats >= FIRST_EFFECT).collect()
 }
 
 fn controller(log: &LoadedLog, tables: &Tables, model: &Model) -> Option<Upstream> {
@@ -57,7 +56,7 @@ fn controller(log: &LoadedLog, tables: &Tables, model: &Model) -> Option<Upstrea
     }
     let flown = Recording::new(cycles.iter().map(sample).collect()).ok()?;
     let law = flown.samples().iter().zip(&off).map(|(s, off)| Sample { duty_percent: s.duty_percent + off, ..*s });
-    let nats = nats_apart(model, &flown, &Recording::new(law.collect()).ok()?);
+    let nats = kl_divergence(model, &flown, &Recording::new(law.collect()).ok()?);
     let rms = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
     let finding = format!(
         "the controller in the log's config does not give the duty that was logged: {rms:.2} % rms over {} cycles, {worst:.2} % at \
@@ -116,7 +115,7 @@ fn timing(log: &LoadedLog, tables: &Tables, model: &Model) -> Option<Upstream> {
     if late == 0 {
         return None;
     }
-    let nats = nats_apart(model, &log.recording, &Recording::new(punctual(&log.cycles)).ok()?);
+    let nats = kl_divergence(model, &log.recording, &Recording::new(punctual(&log.cycles)).ok()?);
     let finding = format!(
         "{late} of {} cycles began more than {:.1} ms after their deadline, the worst {:.1} ms: the simulator keeps its deadlines; \
          take load from the computer, or lengthen loop.period_s",

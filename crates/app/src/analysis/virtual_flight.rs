@@ -195,13 +195,6 @@ fn gentle_pid(model: &Model, omega: f64) -> Pid {
 
 /// How late the ball answers a duty, seconds: lags, delays and the loop's own period.
 fn slowness_s(model: &Model, period_s: f64) -> f64 {
-    let effects = &model.effects;
-    let spin_s = effects.spin_asymmetry.map_or(0.0, |spin| spin.up_s.max(spin.down_s));
-    effects.fan_lag.map_or(0.0, |lag| lag.time_constant_s)
-        + effects.sensor_lag.map_or(0.0, |lag| lag.time_constant_s)
-        + effects.transport_delay.map_or(0.0, |delay| delay.delay_s)
-        + effects.sensor_delay.map_or(0.0, |delay| delay.delay_s)
-        + effects.stale_samples.map_or(0.0, |stale| stale.hold_s)
-        + spin_s
-        + 1.5 * period_s
+    let late_s: f64 = model.effects.present().iter().map(|entry| model.effects.late_s(entry.name)).sum();
+    late_s + model.effects.hold().map_or(0.0, |stale| stale.hold_s) + 1.5 * period_s
 }

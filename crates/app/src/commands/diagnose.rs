@@ -11,7 +11,7 @@ use crate::report::diagnosis::page::{Report, page as html};
 use crate::report::diagnosis::plot;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
 use crate::report::kit::page;
-use ::diagnose::{Options, Picture, Step, Watch};
+use ::diagnose::{Options, Progress, ProgressStep, Series};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
@@ -34,11 +34,11 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     }
     let bar = bar()?;
     let shown = bar.clone();
-    let watch = Watch::new(move |step| match step {
-        Step::Planned(fits) => shown.inc_length(fits as u64),
-        Step::Made => shown.inc(1),
+    let progress = Progress::new(move |step| match step {
+        ProgressStep::Planned(fits) => shown.inc_length(fits as u64),
+        ProgressStep::Made => shown.inc(1),
     });
-    let options = Options { watch, ..Options::default() };
+    let options = Options { progress, ..Options::default() };
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     if let Some(path) = &args.patch_out {
@@ -79,7 +79,7 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     if args.plot.is_none() && args.missing_force.is_none() && args.html.is_none() {
         return Ok(());
     }
-    let picture = Picture::of(&answer.found, &asked.belief, &asked.recordings);
+    let picture = Series::of(&answer.found, &asked.belief, &asked.recordings);
     if let Some(path) = &args.missing_force {
         missing_force::write(path, &picture.missing)?;
     }
@@ -94,7 +94,7 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
 }
 
 /// The diagnosis as a page.
-fn report(args: &DiagnoseArgs, asked: &Asked, answer: &Answer, picture: &Picture) -> String {
+fn report(args: &DiagnoseArgs, asked: &Asked, answer: &Answer, picture: &Series) -> String {
     let desk = asked.desk();
     html(&Report {
         found: &answer.found,

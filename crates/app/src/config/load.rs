@@ -102,8 +102,8 @@ impl Config {
             let place = place(&sources, &format!("{table}.{}", error.key()));
             match error {
                 Unsound::Range(error) => ConfigError::Range { place, table, error },
-                Unsound::Contradiction { message, .. } => {
-                    ConfigError::Contradiction { place, message: format!("{table}: {message}") }
+                Unsound::Contradiction { .. } | Unsound::Exclusive { .. } => {
+                    ConfigError::Contradiction { place, message: format!("{table}: {error}") }
                 }
             }
         })?;
@@ -199,12 +199,9 @@ fn displace(base: &mut toml::Table, over: &toml::Table) {
     let Some(added) = effects(over) else { return };
     let Some(believed) = base.get_mut("plant").and_then(|plant| plant.get_mut("effects")) else { return };
     let Some(believed) = believed.as_table_mut() else { return };
-    let [a, b] = Effects::EXCLUSIVE;
-    for (one, other) in [(a, b), (b, a)] {
-        if added.contains_key(one) && !added.contains_key(other) {
-            believed.remove(other);
-        }
-    }
+    let displaced =
+        |name: &str| !added.contains_key(name) && added.keys().any(|other| Effects::exclude_each_other(name, other));
+    believed.retain(|name, _| !displaced(name));
 }
 
 fn effects(table: &toml::Table) -> Option<&toml::Table> {

@@ -19,9 +19,9 @@ use rayon::prelude::*;
 pub struct Series {
     /// The rows that the diagnosis worked on.
     pub recording: Recording,
-    /// Parameter runs of the belief.
+    /// Free runs of the belief.
     pub nominal: Vec<FreeRun>,
-    /// Parameter runs of the mended model, each fitted without the stretch that it starts in.
+    /// Free runs of the mended model, each fitted without the stretch that it starts in.
     pub mended: Vec<FreeRun>,
     /// The force that the belief lacks once its base parameters are fitted; none where the ball never flew free.
     pub missing: Vec<MissingForce>,

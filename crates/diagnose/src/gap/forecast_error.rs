@@ -201,7 +201,7 @@ pub struct FreeRun {
     pub forecasts: Vec<Forecast>,
 }
 
-/// Parameter runs one after another, as many as each flight of the recording holds whole.
+/// Free runs one after another, as many as each flight of the recording holds whole.
 #[must_use]
 pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
     runs(&Track::new(model, recording), recording)

@@ -1,4 +1,4 @@
-//! Parameter flight: the rows where the ball touches no end of the pipe, and has not for a while.
+//! Free flight: the rows where the ball touches no end of the pipe, and has not for a while.
 
 use crate::record::recording::Recording;
 use plant::Model;

@@ -35,7 +35,7 @@ impl Effect for DeadZone {
         ],
         sizes: &[&[-0.15, 0.15], &[-0.4, 0.4]],
         difference: Some(Difference { name: "width", key: "width_percent", of: [0, 1] }),
-        is_representative: true,
+        represents_its_stage: Some(0),
         in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop hunts",
         mend: "correct it in [compensation.dead_zone] with the same two numbers, or fan and driver with finer steps",
         told_from: &[

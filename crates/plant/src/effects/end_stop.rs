@@ -47,6 +47,7 @@ impl Effect for EndStop {
         sizes: &[&[20.0, 560.0, 0.3]],
         start: Start::HeightsSeen,
         form: Form::Impacts,
+        shown_at: Some(&[150.0, 440.0, 0.6]),
         in_a_log: "the position never passes a certain height, and the speed turns round there",
         mend: "keep the setpoints away from the ends ([safety]); a soft pad at the end that is hit",
         told_from: &[

@@ -33,6 +33,7 @@ impl Effect for GainDrift {
         }],
         sizes: &[&[0.002], &[-0.002]],
         start: Start::OverRecord(&[0.2, -0.2]),
+        shown_at: Some(&[-0.006]),
         in_a_log: "the same step of duty moves the ball further, or less far, late in the log than early",
         mend: "regulate the fan's supply, let the rig warm up first, or identify the gain again before a flight",
         told_from: &[Neighbour {

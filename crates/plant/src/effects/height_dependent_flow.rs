@@ -38,7 +38,7 @@ impl Effect for HeightDependentFlow {
         }],
         sizes: &[&[0.5], &[-0.5]],
         start: Start::DutyOverHeight,
-        is_representative: true,
+        represents_its_stage: Some(3),
         in_a_log: "the duty that holds the ball depends on the height, and a released ball drifts back to one height",
         mend: "seal the pipe and its joints; identify hover at the height of the flight; an integral term in the controller",
         told_from: &[

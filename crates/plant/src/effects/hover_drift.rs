@@ -27,6 +27,7 @@ impl Effect for HoverDrift {
         params: &[Param { name: "percent_per_s", min: -1.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.002], &[-0.002]],
         start: Start::OverRecord(&[0.2, -0.2]),
+        shown_at: Some(&[0.006]),
         in_a_log: "the mean duty of a held ball climbs or falls over the log, and an open-loop flight bends away",
         mend: "let the rig warm up first, regulate the fan's supply, and give the controller an integral term",
         told_from: &[

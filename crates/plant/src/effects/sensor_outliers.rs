@@ -32,6 +32,7 @@ impl Effect for SensorOutliers {
         ],
         sizes: &[&[0.01, 30.0]],
         start: Start::Values(&[&[0.015, 20.0], &[0.015, 40.0], &[0.015, 80.0], &[0.015, 160.0]]),
+        shown_at: Some(&[0.02, 60.0]),
         in_a_log: "single readings jump away and back faster than a ball can move, and the duty answers with spikes",
         mend: "narrow the sensor's view, darken the pipe; refuse readings that no ball could have reached",
         told_from: &[

@@ -34,6 +34,7 @@ impl Effect for SpinAsymmetry {
         ],
         sizes: &[&[0.1, 0.25], &[0.25, 0.1]],
         contains: Some("fan_lag"),
+        shown_at: Some(&[0.15, 0.40]),
         in_a_log: "the ball answers a rise of duty sooner than a fall, and rides higher when the duty moves fast about hover",
         mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); less gain for moves down",
         told_from: &[

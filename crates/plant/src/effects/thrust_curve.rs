@@ -36,7 +36,7 @@ impl Effect for ThrustCurve {
         sizes: &[&[0.05], &[-0.05]],
         start: Start::Values(&[&[0.01], &[0.03], &[-0.01], &[-0.03]]),
         form: Form::Approximate,
-        is_representative: true,
+        represents_its_stage: Some(2),
         in_a_log: "small steps of duty fit the gain, large ones overshoot it on one side and fall short on the other",
         mend: "invert the measured force curve between controller and fan (predistortion)",
         told_from: &[

@@ -29,7 +29,7 @@ impl Effect for TransportDelay {
         sizes: &[&[0.03], &[0.1]],
         twins: &["sensor_delay"],
         twin_because: "a duty that acts late and a reading that is late shift the same readings by the same time",
-        is_representative: true,
+        represents_its_stage: Some(1),
         in_a_log: "nothing happens for a fixed time after every change of duty, then the answer is as it should be",
         mend: "write the duty right after the reading, raise the PWM frequency, shorten the way from fan to ball; or less gain",
         told_from: &[

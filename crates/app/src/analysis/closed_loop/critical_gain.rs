@@ -54,9 +54,9 @@ pub(super) fn critical_gain(desk: &Desk, model: &Model) -> Option<f64> {
 fn without_chance(model: &Model) -> Model {
     let mut model = model.clone();
     model.noise = Noise { sensor_mm: 0.0, acceleration_psd_mm2_per_s3: 0.0 };
-    model.effects.turbulence = None;
-    model.effects.sensor_noise = None;
-    model.effects.sensor_outliers = None;
+    for entry in model.effects.present().iter().filter(|entry| entry.acts.is_random()) {
+        model.effects.remove(entry.name);
+    }
     model
 }
 

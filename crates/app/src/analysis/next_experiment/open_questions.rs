@@ -2,13 +2,11 @@
 
 use super::Rival;
 use diagnose::{Diagnosis, Recording, Verdict, in_free_flight};
-use plant::{Effects, Model};
+use plant::{Effects, Entry, Model};
 
 /// A record shorter than this in free flight, seconds, or whose ball stays within this share of its way, is thin.
 const SHORT_S: f64 = 30.0;
 const NARROW: f64 = 0.1;
-/// Effects of every stage, between them asking for small force, large force, speed and height.
-const STAND_INS: [&str; 4] = ["dead_zone", "transport_delay", "thrust_curve", "height_dependent_flow"];
 /// The name of the belief among its stand-ins.
 pub(super) const AS_BELIEVED: &str = "the model as believed";
 
@@ -35,14 +33,16 @@ pub(super) fn question(found: &Diagnosis, recording: &Recording, belief: &Model)
 
 /// The belief, and the belief with one effect each that a flight should be able to show.
 pub(super) fn stand_ins(belief: &Model) -> Vec<Rival> {
-    let with = |name: &&'static str| {
-        let entry = Effects::entry(name)?;
+    let with = |entry: &&'static Entry| {
         let mut model = belief.clone();
-        if model.effects.values(name).is_some() {
+        if model.effects.values(entry.name).is_some() {
             return None;
         }
-        model.effects.set(name, entry.sizes.last()?);
-        model.check().is_ok().then_some((*name, model))
+        model.effects.set(entry.name, entry.sizes.last()?);
+        model.check().is_ok().then_some((entry.name, model))
     };
-    std::iter::once((AS_BELIEVED, belief.clone())).chain(STAND_INS.iter().filter_map(with)).collect()
+    let mut stand_ins: Vec<&Entry> =
+        Effects::CATALOGUE.iter().filter(|entry| entry.represents_its_stage.is_some()).collect();
+    stand_ins.sort_by_key(|entry| entry.represents_its_stage);
+    std::iter::once((AS_BELIEVED, belief.clone())).chain(stand_ins.iter().filter_map(with)).collect()
 }

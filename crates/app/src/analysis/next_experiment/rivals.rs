@@ -6,12 +6,8 @@
 
 use super::Rival;
 use diagnose::{Diagnosis, Recording};
-use plant::{Effects, Stage};
+use plant::{Effects, Late, Stage};
 
-/// Effects that no flight tells apart by duty and position.
-const TWINS: [&str; 2] = ["transport_delay", "sensor_delay"];
-/// Effects before and behind the rotor that look alike in duty and position, nearly or quite.
-const TOLD_BY_SPEED: [[&str; 2]; 2] = [TWINS, ["fan_lag", "sensor_lag"]];
 /// Rivals that are looked at, at most; every pair of them is flown against each other.
 const MOST: usize = 3;
 
@@ -28,8 +24,7 @@ pub(super) fn what_was_settled(found: &Diagnosis, recording: &Recording) -> Vec<
     let named = found.effects.iter().filter(|_| recording.has_fan_speed());
     let settled = named.filter_map(|named| {
         let name = named.candidate.entry.name;
-        let pair = TOLD_BY_SPEED.iter().find(|pair| pair.contains(&name))?;
-        let twin = pair.iter().find(|twin| **twin != name)?;
+        let twin = named.candidate.entry.twins.first()?;
         let open = named.indistinguishable_from.contains(twin);
         (!open).then(|| {
             format!("{name} and {twin} look alike in duty and position; the recorded `fan_rpm` tells that it is {name}")
@@ -38,16 +33,23 @@ pub(super) fn what_was_settled(found: &Diagnosis, recording: &Recording) -> Vec<
     settled.collect()
 }
 
+/// Effects that no flight tells from this one by duty and position: of two dead times, one shifts the same readings by the same time as
+/// the other.
+fn exact_twins(name: &str) -> &'static [&'static str] {
+    let entry = Effects::entry(name).filter(|entry| entry.acts.late == Some(Late::DeadTime));
+    entry.map_or(&[], |entry| entry.twins)
+}
+
 /// Whether this rival is a twin of one that comes before it.
 pub(super) fn is_second_twin((name, _): &Rival, rivals: &[Rival]) -> bool {
-    let first = rivals.iter().find(|(name, _)| TWINS.contains(name));
-    TWINS.contains(name) && first.is_some_and(|(first, _)| first != name)
+    let before = rivals.iter().take_while(|(other, _)| other != name);
+    before.into_iter().any(|(other, _)| exact_twins(name).contains(other))
 }
 
 /// Which further signal tells apart what no flight does, in a sentence. `left`: the names that the next experiment leaves open.
 pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], recording: &Recording) -> Option<String> {
     // A name is open as long as it has a rival that is not told from it; a twin is open with its twin.
-    let twin = |name: &&'static str| TWINS.contains(name) && TWINS.iter().any(|twin| left.contains(twin));
+    let twin = |name: &&'static str| exact_twins(name).iter().any(|twin| left.contains(twin));
     let names: Vec<&'static str> =
         rivals.iter().map(|(name, _)| *name).filter(|name| left.contains(name) || twin(name)).collect();
     if names.len() < 2 {

@@ -4,7 +4,7 @@ use super::candidates::Candidate;
 use super::{Rival, SEPARATES, settle_s};
 use crate::analysis::virtual_flight::{Desk, Flown};
 use crate::log::reader::sample;
-use diagnose::{BASE, Folds, Free, Prior, Problem, Recording, surprises};
+use diagnose::{BASE, Folds, Parameter, Prior, Problem, Recording, innovations};
 use plant::{Effects, Model};
 
 /// The seed of every flight: experiments are compared on the same noise.
@@ -72,7 +72,7 @@ fn nats_per_minute(record: &Recording, truth: &Rival, other: &Rival, moved: bool
     let folds = Folds::new(&truth.1, record);
     let likelihood = |rival: &Rival| {
         let model = if moved { suited(rival, record, &folds) } else { rival.1.clone() };
-        surprises(&model, record).iter().filter(|s| folds.counts(s.row)).map(|s| s.log_density).sum::<f64>()
+        innovations(&model, record).iter().filter(|s| folds.counts(s.row)).map(|s| s.log_density).sum::<f64>()
     };
     let all = record.samples().len();
     let rows = (0..all).filter(|row| folds.counts(*row)).count() as f64;
@@ -90,11 +90,11 @@ fn suited((_, model): &Rival, record: &Recording, folds: &Folds) -> Model {
 }
 
 /// The base numbers and those of every effect that is on.
-pub(super) fn numbers_of(model: &Model) -> Vec<Free> {
+pub(super) fn numbers_of(model: &Model) -> Vec<Parameter> {
     let present = model.effects.present();
     let of_effects = present.iter().flat_map(|entry| {
         let sizes = Effects::entry(entry.name).and_then(|entry| entry.sizes.first().copied()).unwrap_or_default();
-        sizes.iter().enumerate().map(|(index, size)| Free::Effect { name: entry.name, index, size: size.abs() })
+        sizes.iter().enumerate().map(|(index, size)| Parameter::Effect { name: entry.name, index, size: size.abs() })
     });
     BASE.into_iter().chain(of_effects).collect()
 }

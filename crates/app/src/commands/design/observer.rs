@@ -31,7 +31,7 @@ impl Ground {
             );
         }
         let observer = Observer {
-            sensor_mm: noise.sensor_mm.hypot(self.model.effects.sensor_noise.map_or(0.0, |noise| noise.sigma_mm)),
+            sensor_mm: noise.sensor_mm.hypot(self.model.effects.reading_sigma_mm(0.0)),
             acceleration_psd_mm2_per_s3: noise.acceleration_psd_mm2_per_s3,
             disturbance_psd_per_s: held.map_or(Some(DISTURBANCE_PSD_PER_S), |held| held.disturbance_psd_per_s),
             gate_sigma: held.map_or(GATE_SIGMA, |held| held.gate_sigma),

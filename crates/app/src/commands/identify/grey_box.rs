@@ -15,10 +15,10 @@ use rayon::prelude::*;
 
 pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
     let asked = read(&args.logs, &args.identify)?;
-    if args.open_loop && asked.belief.effects.height_dependent_flow.is_some() {
+    if args.open_loop && asked.belief.linear().gradient_per_s2 != 0.0 {
         bail!(
-            "a line cannot be taken from a ball whose lift changes with height ([plant.effects.height_dependent_flow]); \
-             identify without --open-loop, which needs no line"
+            "a line cannot be taken from a ball whose lift changes with height, as the effects of [plant] say; identify \
+             without --open-loop, which needs no line"
         );
     }
     let (findings, recording) = prepared(&asked.recordings, &asked.belief);

@@ -7,9 +7,10 @@ mod transient;
 use super::diagnosing::Asked;
 use super::{may_write, note, say, write};
 use crate::cli::{IdentifyArgs, IdentifyCommand};
-use ::diagnose::Noted;
+use ::diagnose::FlightFinding;
 use anyhow::{Result, bail};
-use plant::Model;
+use plant::effects::FanLag;
+use plant::{Effect, Effects, Entry, Model};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -43,16 +44,18 @@ fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
 
 /// A patch can add a table and change it, and not take one away.
 fn has_one_lag(model: &Model) -> Result<()> {
-    if model.effects.spin_asymmetry.is_some() {
-        bail!(
-            "the config has [plant.effects.spin_asymmetry], and a lag of the fan excludes it; identify with a config without that table"
-        );
+    let excluded = |entry: &Entry| Effects::exclude_each_other(entry.name, FanLag::ENTRY.name);
+    match model.effects.present().iter().find(|entry| excluded(entry)) {
+        Some(entry) => bail!(
+            "the config has [plant.effects.{}], and a lag of the fan excludes it; identify with a config without that table",
+            entry.name
+        ),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// What the check of the logs found, each with the log that it is of.
-fn said(asked: &Asked, findings: &[Noted]) -> Vec<String> {
+fn said(asked: &Asked, findings: &[FlightFinding]) -> Vec<String> {
     findings.iter().map(|noted| format!("{}: {}", asked.names[noted.flight], noted.finding)).collect()
 }
 

@@ -8,6 +8,8 @@ use diagnose::fan_pole::fan_lag_s;
 use diagnose::measure::critical::Critical;
 use diagnose::measure::dead_zone::DeadZone;
 use diagnose::measure::jumps::Jumps;
+use plant::Effect;
+use plant::effects::{DeadZone as PlantDeadZone, FanLag};
 use toml::{Table, Value};
 
 /// The slope of a curve about hover is taken over so much to either side, percent.
@@ -27,7 +29,7 @@ pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
         Found::ForceCurve { zone, jumps } => of_force_curve(zone, jumps, tables, &mut set)?,
         Found::CriticalGain(critical) => {
             if let Some(lag_s) = lag_of(critical, tables) {
-                set(&["plant", "effects", "fan_lag", "time_constant_s"], lag_s.into());
+                set(&["plant", "effects", FanLag::ENTRY.name, "time_constant_s"], lag_s.into());
             }
         }
         Found::Steps(_) => {}
@@ -35,7 +37,7 @@ pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
             let sensor_mm = floor.sensor_mm.value;
             if let Some(plant) = &tables.plant {
                 // What an effect of the plant adds is measured as well, and stays where it is.
-                let added_mm = plant.effects.sensor_noise.map_or(0.0, |noise| noise.sigma_mm);
+                let added_mm = plant.effects.reading_sigma_mm(0.0);
                 set(&["plant", "noise", "sensor_mm"], (sensor_mm.powi(2) - added_mm.powi(2)).max(0.0).sqrt().into());
             }
             if tables.observer.is_some() {
@@ -82,9 +84,9 @@ fn of_dead_zone(zone: &DeadZone, tables: &Tables, set: &mut Set<'_>) {
     }
     let Some(model) = &tables.plant else { return };
     set(&["plant", "hover_duty_percent"], hover.into());
-    if half > 0.0 || model.effects.dead_zone.is_some() {
-        set(&["plant", "effects", "dead_zone", "lower_percent"], (-half).into());
-        set(&["plant", "effects", "dead_zone", "upper_percent"], half.into());
+    if half > 0.0 || model.effects.get::<PlantDeadZone>().is_some() {
+        set(&["plant", "effects", PlantDeadZone::ENTRY.name, "lower_percent"], (-half).into());
+        set(&["plant", "effects", PlantDeadZone::ENTRY.name, "upper_percent"], half.into());
     }
 }
 

@@ -8,7 +8,7 @@ use crate::analysis::closed_loop::ClosedLoop;
 use crate::analysis::next_experiment::{Advice, Next};
 use crate::report::kit::page::parts::places;
 use control::compensation::Compensation;
-use diagnose::{Band, Change, Closed, Diagnosis, Free, Gap, Named, Place, Verdict};
+use diagnose::{Band, Change, Closed, Diagnosis, Gap, NamedEffect, Parameter, Place, Verdict};
 use plant::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -115,28 +115,28 @@ impl DiagnosisDocument {
 }
 
 /// A number's interval among those of the diagnosis.
-fn interval(value: f64, known: &[(Free, f64, f64)], wanted: impl Fn(&Free) -> bool) -> Interval {
+fn interval(value: f64, known: &[(Parameter, f64, f64)], wanted: impl Fn(&Parameter) -> bool) -> Interval {
     let ends = known.iter().find(|(free, ..)| wanted(free)).filter(|(_, low, high)| (high - low).is_finite());
     Interval { value, low: ends.map(|ends| ends.1), high: ends.map(|ends| ends.2) }
 }
 
 /// The numbers of an effect that was found.
 pub fn effect_intervals(
-    named: &Named,
+    named: &NamedEffect,
     found: &Diagnosis,
-    known: &[(Free, f64, f64)],
+    known: &[(Parameter, f64, f64)],
 ) -> BTreeMap<&'static str, Interval> {
     let entry = named.candidate.entry;
     let values = found.mended.model.effects.values(entry.name).unwrap_or_default();
     let parameters = entry.params.iter().zip(&values).enumerate().map(|(at, (param, value))| {
         let mine =
-            |free: &Free| matches!(free, Free::Effect { name, index, .. } if *name == entry.name && *index == at);
+            |free: &Parameter| matches!(free, Parameter::Effect { name, index, .. } if *name == entry.name && *index == at);
         (param.name, interval(*value, known, mine))
     });
     parameters.collect()
 }
 
-fn effect(named: &Named, found: &Diagnosis, known: &[(Free, f64, f64)]) -> EffectEntry {
+fn effect(named: &NamedEffect, found: &Diagnosis, known: &[(Parameter, f64, f64)]) -> EffectEntry {
     EffectEntry {
         name: named.candidate.entry.name,
         change: named.change,
@@ -150,9 +150,9 @@ fn effect(named: &Named, found: &Diagnosis, known: &[(Free, f64, f64)]) -> Effec
 pub fn parameters(
     found: &Diagnosis,
     belief: &Model,
-    known: &[(Free, f64, f64)],
+    known: &[(Parameter, f64, f64)],
 ) -> BTreeMap<&'static str, ParameterEntry> {
-    let number = |free: Free| {
+    let number = |free: Parameter| {
         let of = |model: &Model| free.value(model).unwrap_or(f64::NAN);
         ParameterEntry {
             nominal: of(belief),
@@ -160,9 +160,9 @@ pub fn parameters(
         }
     };
     BTreeMap::from([
-        ("gain_mm_per_s2_per_percent", number(Free::Gain)),
-        ("drag_per_s", number(Free::Drag)),
-        ("hover_duty_percent", number(Free::Hover)),
+        ("gain_mm_per_s2_per_percent", number(Parameter::Gain)),
+        ("drag_per_s", number(Parameter::Drag)),
+        ("hover_duty_percent", number(Parameter::Hover)),
     ])
 }
 
@@ -227,7 +227,7 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
             "Only base parameters moved; no effect is missing that this record could show.".to_owned()
         }
         Verdict::Effect => "The rig does something that the model lacks.".to_owned(),
-        Verdict::Unexplained if !found.residue.is_significant() => {
+        Verdict::Unexplained if !found.misfit.is_significant() => {
             "More effects at once than one record proves.".to_owned()
         }
         Verdict::Unexplained => "Something is left that no effect of the catalogue explains.".to_owned(),
@@ -265,9 +265,9 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
 /// A line for an effect: how sure, what is to be done about it and its numbers with their 90 % intervals; below it what it looks like and how to mend
 /// it, unless it is not there.
 fn effect_in_words(
-    named: &Named,
+    named: &NamedEffect,
     found: &Diagnosis,
-    known: &[(Free, f64, f64)],
+    known: &[(Parameter, f64, f64)],
     compensation: Option<&Compensation>,
 ) -> String {
     let entry = named.candidate.entry;
@@ -283,8 +283,9 @@ fn effect_in_words(
     };
     let own = effect_intervals(named, found, known);
     let in_order = entry.params.iter().filter_map(|param| Some((param.name, *own.get(param.name)?)));
-    let width = found.dead_zone_width().filter(|_| entry.name == "dead_zone");
-    let width = width.map(|(value, low, high)| ("width", Interval { value, low: Some(low), high: Some(high) }));
+    let width = found.difference(&entry).map(|(difference, [value, low, high])| {
+        (difference.name, Interval { value, low: Some(low), high: Some(high) })
+    });
     let numbers: Vec<String> = in_order.chain(width).map(with_interval).collect();
     let retuned = if named.change == Change::Retuned { "retuned   " } else { "" };
     let twins = match &named.indistinguishable_from[..] {

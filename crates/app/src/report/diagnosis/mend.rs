@@ -8,7 +8,8 @@
 //! correction left of it.
 
 use control::compensation::{Compensation, DeadZoneCorrection};
-use plant::{Entry, Model};
+use plant::effects::DeadZone;
+use plant::{Effect, Entry, Model};
 
 /// An edge of the correction that is nearer than this to what it should be is right, percent of duty: three steps of a 12-bit chip.
 const RIGHT_PERCENT: f64 = 0.07;
@@ -16,7 +17,7 @@ const RIGHT_PERCENT: f64 = 0.07;
 /// What to do about the effect of `entry`, which `mended` has. `compensation`: what was on when the record was flown.
 #[must_use]
 pub fn words(entry: &Entry, mended: &Model, compensation: Option<&Compensation>) -> String {
-    let zone = mended.effects.dead_zone.filter(|_| entry.name == "dead_zone");
+    let zone = mended.effects.get::<DeadZone>().filter(|_| entry.name == DeadZone::ENTRY.name);
     let Some((compensation, zone)) = compensation.zip(zone) else { return entry.mend.to_owned() };
     let shift = mended.hover_duty_percent - compensation.hover_duty_percent;
     let should = DeadZoneCorrection {

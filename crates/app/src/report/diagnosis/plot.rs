@@ -5,7 +5,7 @@
 
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, titled, write};
-use diagnose::{MissingForce, Picture, Place};
+use diagnose::{MissingForce, Place, Series};
 use std::path::Path;
 
 /// A sheet of diagrams: its size, pixels, where its rows end, and how many moments of the force over time it shows at most.
@@ -29,7 +29,7 @@ const MOST_POINTS: usize = 4000;
 ///
 /// # Errors
 /// [`PlotError`] names the file.
-pub fn diagnosis(path: &Path, title: &str, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
+pub fn diagnosis(path: &Path, title: &str, picture: &Series, places: &[Place]) -> Result<(), PlotError> {
     WHOLE.draw(path, title, picture, places)
 }
 
@@ -37,12 +37,12 @@ pub fn diagnosis(path: &Path, title: &str, picture: &Picture, places: &[Place]) 
 ///
 /// # Errors
 /// [`PlotError`] names the file.
-pub fn small_diagnosis(path: &Path, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
+pub fn small_diagnosis(path: &Path, picture: &Series, places: &[Place]) -> Result<(), PlotError> {
     SMALL.draw(path, "", picture, places)
 }
 
 impl Sheet {
-    fn draw(&self, path: &Path, title: &str, picture: &Picture, places: &[Place]) -> Result<(), PlotError> {
+    fn draw(&self, path: &Path, title: &str, picture: &Series, places: &[Place]) -> Result<(), PlotError> {
         let svg = drawn(self.size, |area| {
             let rows = self.rows.map(|end| area.dim_in_pixel().1 * end / self.size.1);
             let (upper, rest) = area.split_vertically(rows[0]);
@@ -74,7 +74,7 @@ fn shaded(places: &[Place], signal: &str) -> Vec<(f64, f64)> {
 }
 
 /// Recorded positions, and free runs before and after the mend.
-pub fn runs(picture: &Picture) -> Diagram {
+pub fn runs(picture: &Series) -> Diagram {
     let lines = vec![
         recorded(&picture.recording),
         forecasts("as believed", NOMINAL, &picture.recording, &picture.nominal),

@@ -15,8 +15,12 @@ pub struct StageEntry {
 }
 
 /// The stages of the plant, with their names.
-pub const NAMES: [(Stage, &str); 4] =
-    [(Stage::Actuator, "actuator"), (Stage::Air, "air"), (Stage::Ball, "ball"), (Stage::Sensor, "sensor")];
+pub const NAMES: [(Stage, &str); 4] = [
+    (Stage::Actuator, Stage::Actuator.name()),
+    (Stage::Air, Stage::Air.name()),
+    (Stage::Ball, Stage::Ball.name()),
+    (Stage::Sensor, Stage::Sensor.name()),
+];
 
 /// Each stage's share of the likelihood gained by the effects that were found, asked for by what they leave unexplained, and lost by what
 /// the loop did otherwise. A loss by what a log says itself is one look at it: its chance is at most e^−nats (Markov).

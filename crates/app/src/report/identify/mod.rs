@@ -27,7 +27,7 @@ pub fn patch(origin: &str, estimates: &[Estimate], start: &Model) -> String {
         Some(lag) => {
             let _ = writeln!(patch, "\n[plant.effects.fan_lag]\ntime_constant_s = {:?}{}", lag.value, between(lag));
         }
-        None if start.effects.fan_lag.is_some() => {
+        None if start.effects.fan_lag_s().is_some() => {
             patch += "\n[plant.effects.fan_lag]\ntime_constant_s = 0.0  # two poles: the fan is not one of them\n";
         }
         None => {}

@@ -103,10 +103,12 @@ pub fn rows(found: &Found, tables: &Tables) -> Vec<Row> {
 fn rows_of_zone(zone: &DeadZone, jumps: &Jumps, tables: &Tables) -> Vec<Row> {
     let model = tables.plant.as_ref();
     let edge = |pick: fn(&plant::effects::DeadZone) -> f64| {
-        model.map(|model| model.hover_duty_percent + model.effects.dead_zone.as_ref().map_or(0.0, pick))
+        model.map(|model| {
+            model.hover_duty_percent + model.effects.get::<plant::effects::DeadZone>().as_ref().map_or(0.0, pick)
+        })
     };
     let gain = model.map(|model| model.gain_mm_per_s2_per_percent);
-    let lag = model.map(|model| model.effects.fan_lag.map_or(0.0, |lag| lag.time_constant_s));
+    let lag = model.map(|model| model.effects.fan_lag_s().unwrap_or_default());
     vec![
         row("the ball falls below a duty of", Some(zone.lower_duty_percent), 3, " %", edge(|zone| zone.lower_percent)),
         row("the ball rises above a duty of", Some(zone.upper_duty_percent), 3, " %", edge(|zone| zone.upper_percent)),
@@ -117,9 +119,7 @@ fn rows_of_zone(zone: &DeadZone, jumps: &Jumps, tables: &Tables) -> Vec<Row> {
 }
 
 fn rows_of_floor(floor: &NoiseFloor, tables: &Tables) -> Vec<Row> {
-    let believed = tables.plant.as_ref().map(|model| {
-        model.effects.sensor_noise.map_or(model.noise.sensor_mm, |more| model.noise.sensor_mm.hypot(more.sigma_mm))
-    });
+    let believed = tables.plant.as_ref().map(|model| model.effects.reading_sigma_mm(model.noise.sensor_mm));
     vec![
         row("noise of a reading, 1σ", Some(floor.sensor_mm), 3, " mm", believed),
         row("drift", Some(floor.drift_mm_per_s), 4, " mm/s", None),

@@ -4,8 +4,10 @@ use super::Report;
 use crate::report::diagnosis::document::{Interval, effect_intervals};
 use crate::report::diagnosis::mend;
 use crate::report::kit::page::parts::{chance, number, spoken, stage, table, three_digits};
-use diagnose::{Change, Named, Tried};
+use diagnose::thresholds::{FIRST_EFFECT, INDISTINGUISHABLE, SECOND_EFFECT, SHARE_OF_OMITTED};
+use diagnose::{Change, NamedEffect, Scored};
 use maud::{Markup, html};
+use plant::Effects;
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
     let found = report.found;
@@ -16,29 +18,31 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
             h3 { "Every effect that was tried" }
             p {
                 "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out stretches; those that a "
-                "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes 5 nats of it, "
-                "a second one 5.5 and a quarter of what the innovations still ask for."
+                "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes " (FIRST_EFFECT) " nats of it, "
+                "a second one " (SECOND_EFFECT) " and " (format!("{:.0} %", 100.0 * SHARE_OF_OMITTED)) " of what the score test still asks for."
             }
-            (tried(report, "Tried on the belief", first))
+            (tried(report, "Scored on the belief", first))
             @for (k, round) in later.iter().enumerate() {
                 details {
                     summary { "Search " (k + 2) ", with what was found before it" }
-                    (tried(report, &format!("Tried in search {}", k + 2), round))
+                    (tried(report, &format!("Scored in search {}", k + 2), round))
                 }
             }
         }
     }
 }
 
-fn one(report: &Report<'_>, named: &Named) -> Markup {
+fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
     let entry = named.candidate.entry;
     let change = match named.change {
         Change::Added => "not believed, and there",
         Change::Retuned => "believed, of another size",
         Change::Removed => "believed, and not there",
     };
-    let width = report.found.dead_zone_width().filter(|_| entry.name == "dead_zone");
-    let width = width.map(|(value, low, high)| ("width_percent", Interval { value, low: Some(low), high: Some(high) }));
+    let width = report
+        .found
+        .difference(&entry)
+        .map(|(difference, [value, low, high])| (difference.key, Interval { value, low: Some(low), high: Some(high) }));
     let rows: Vec<(Markup, Vec<Markup>)> = effect_intervals(named, report.found, &report.found.intervals())
         .into_iter()
         .chain(width)
@@ -76,32 +80,28 @@ pub(super) fn ends(interval: &Interval) -> Markup {
 
 /// Why two effects cannot be told apart.
 fn why(report: &Report<'_>, name: &str, other: &str) -> String {
-    let is = |a: &str, b: &str| (name == a && other == b) || (name == b && other == a);
     let gain = |of: &str| {
         let rounds = report.found.rounds.iter();
         rounds
             .filter(|round| round.first().is_some_and(|best| best.name == name || best.name == other))
             .find_map(|round| round.iter().find(|one| one.name == of))
-            .map(|one| one.gain)
+            .map(|one| one.held_out_gain)
     };
     let gains = gain(name).zip(gain(other));
     let nats = gains.map_or(String::new(), |(a, b)| format!(": {a:.1} and {b:.1} nats"));
-    if is("transport_delay", "sensor_delay") {
-        format!("a duty that acts late and a reading that is late shift the same readings by the same time{nats}")
-    } else if is("fan_lag", "sensor_lag") {
-        format!(
-            "a lag before the ball and one behind it turn the same duty into the same readings, but for the colour of the noise{nats}"
-        )
-    } else {
-        format!("both explain the held-out stretches nearly alike{nats}; within 3 nats chance may choose")
+    match Effects::entry(name).filter(|entry| entry.twins.contains(&other)) {
+        Some(entry) => format!("{}{nats}", entry.twin_because),
+        None => format!(
+            "both explain the held-out stretches nearly alike{nats}; within {INDISTINGUISHABLE} nats chance may choose"
+        ),
     }
 }
 
-fn tried(report: &Report<'_>, caption: &str, round: &[Tried]) -> Markup {
+fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
     let named = |name: &str| report.found.effects.iter().find(|named| named.candidate.entry.name == name);
     let like = |name: &str| report.found.effects.iter().find(|named| named.indistinguishable_from.contains(&name));
-    let mut all: Vec<(&Tried, Option<f64>)> = round.iter().zip(report.found.chances(round)).collect();
-    all.sort_by(|a, b| b.0.in_full.cmp(&a.0.in_full).then(b.0.gain.total_cmp(&a.0.gain)));
+    let mut all: Vec<(&Scored, Option<f64>)> = round.iter().zip(report.found.chances(round)).collect();
+    all.sort_by(|a, b| b.0.in_full.cmp(&a.0.in_full).then(b.0.held_out_gain.total_cmp(&a.0.held_out_gain)));
     let rows: Vec<(Markup, Vec<Markup>)> = all
         .into_iter()
         .map(|(one, likely)| {
@@ -116,8 +116,8 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Tried]) -> Markup {
                 html! { (spoken(one.name)) },
                 vec![
                     html! { (stage(one.name)) },
-                    html! { (number(Some(one.gain), 1)) },
-                    html! { (number(one.in_full.then_some(one.evidence), 1)) },
+                    html! { (number(Some(one.held_out_gain), 1)) },
+                    html! { (number(one.in_full.then_some(one.penalised_gain), 1)) },
                     html! { (chance) },
                     said,
                 ],

@@ -8,7 +8,7 @@ use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{number, signal, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
-use diagnose::{Leftover, MissingForce, Place, Verdict};
+use diagnose::{MissingForce, Place, ResidualPlots, Verdict};
 use maud::{Markup, html};
 
 /// A correlation with the duty is worth a word if it is so many times what chance makes at 19 of 20 lags.
@@ -87,7 +87,7 @@ fn frequency(report: &Report<'_>) -> Markup {
     // Bands of equal octaves are the wider the higher they lie.
     let excess = |&(hz, power): &(f64, f64)| (power - 1.0) * hz;
     let all: f64 = before.spectrum.iter().map(|band| excess(band).max(0.0)).sum();
-    let percent = |left: &Leftover| -> Vec<(f64, f64)> {
+    let percent = |left: &ResidualPlots| -> Vec<(f64, f64)> {
         left.spectrum.iter().map(|band| (band.0.log2(), 100.0 * excess(band) / all.max(1e-9))).collect()
     };
     let band = report.found.band.filter(|_| report.found.verdict != Verdict::NoGap);
@@ -119,7 +119,7 @@ fn frequency(report: &Report<'_>) -> Markup {
 }
 
 /// What the duty foretells of the innovations, before and after.
-fn lag([before, after]: &[Leftover; 2], places: &[Place]) -> Markup {
+fn lag([before, after]: &[ResidualPlots; 2], places: &[Place]) -> Markup {
     let lags = &before.after_duty;
     let band = || lags.iter().map(|(lag_s, _)| *lag_s);
     let diagram = Diagram {
@@ -136,7 +136,7 @@ fn lag([before, after]: &[Leftover; 2], places: &[Place]) -> Markup {
         base: Some(0.0),
         ..Diagram::default()
     };
-    let most = |left: &Leftover| {
+    let most = |left: &ResidualPlots| {
         let most = left.after_duty.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).copied();
         most.filter(|(_, r)| r.abs() > STANDS_OUT * left.by_chance)
     };

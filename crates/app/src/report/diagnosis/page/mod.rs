@@ -17,7 +17,7 @@ use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{commanded, duty};
 use control::compensation::Compensation;
-use diagnose::{Diagnosis, Picture, Verdict};
+use diagnose::{Diagnosis, Series, Verdict};
 use maud::{Markup, html};
 use plant::Model;
 
@@ -39,7 +39,7 @@ pub struct Report<'a> {
     /// The compensation that was on in flight, if it is known.
     pub compensation: Option<&'a Compensation>,
     /// What is drawn.
-    pub picture: &'a Picture,
+    pub picture: &'a Series,
 }
 
 /// The page of a diagnosis.

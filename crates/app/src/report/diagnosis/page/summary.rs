@@ -9,7 +9,7 @@ use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{self, bars, chance, spoken};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::plot::{Diagram, commanded};
-use diagnose::{Closed, Picture, Verdict};
+use diagnose::{Closed, Series, Verdict};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
@@ -127,7 +127,7 @@ fn gap(report: &Report<'_>) -> Markup {
 }
 
 /// Recorded against believed against mended, where the belief errs most.
-fn held_out(picture: &Picture) -> Markup {
+fn held_out(picture: &Series) -> Markup {
     let Some(stretch) = worst(&picture.recording, &picture.nominal) else {
         return html! { p.nothing { "No 10 s of free flight are in this record to draw." } };
     };

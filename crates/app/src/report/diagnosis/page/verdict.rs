@@ -1,22 +1,8 @@
 //! The verdict in one sentence.
 
 use crate::report::kit::page::parts::{capital, spoken};
-use diagnose::{Change, Diagnosis, Named, Verdict};
-
-/// Effects that are spoken of without an article.
-const NO_ARTICLE: [&str; 11] = [
-    "duty_quantisation",
-    "hysteresis",
-    "saturation",
-    "height_dependent_flow",
-    "turbulence",
-    "quadratic_drag",
-    "wall_friction",
-    "sensor_noise",
-    "sensor_outliers",
-    "sensor_quantisation",
-    "stale_samples",
-];
+use diagnose::{Change, Diagnosis, NamedEffect, Verdict};
+use plant::Effects;
 
 /// What was found, for someone who reads one sentence.
 pub(super) fn sentence(found: &Diagnosis) -> String {
@@ -27,7 +13,7 @@ pub(super) fn sentence(found: &Diagnosis) -> String {
         Verdict::Unexplained if found.effects.is_empty() => {
             "Something separates simulator and rig that no effect of the catalogue explains".into()
         }
-        Verdict::Unexplained if !found.residue.is_significant() => {
+        Verdict::Unexplained if !found.misfit.is_significant() => {
             format!("{}, which are more effects at once than one record proves", of_effects(&found.effects))
         }
         Verdict::Unexplained => {
@@ -37,7 +23,7 @@ pub(super) fn sentence(found: &Diagnosis) -> String {
     }
 }
 
-fn of_effects(effects: &[Named]) -> String {
+fn of_effects(effects: &[NamedEffect]) -> String {
     let by = |change| effects.iter().filter(move |named| named.change == change).map(with_its_like).collect::<Vec<_>>();
     let clause = |change, before: &str, after: &str| {
         let names = by(change);
@@ -55,19 +41,14 @@ fn of_effects(effects: &[Named]) -> String {
 }
 
 /// An effect, and those that it cannot be told from.
-pub(super) fn with_its_like(named: &Named) -> String {
+pub(super) fn with_its_like(named: &NamedEffect) -> String {
     let names = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
     names.map(|name| with_article(name)).collect::<Vec<_>>().join(" or ")
 }
 
 /// "a dead zone", "an end stop", "turbulence".
 fn with_article(name: &str) -> String {
-    let article = match name.chars().next() {
-        _ if NO_ARTICLE.contains(&name) => "",
-        Some('a' | 'e' | 'i' | 'o' | 'u') => "an ",
-        _ => "a ",
-    };
-    format!("{article}{}", spoken(name))
+    format!("{}{}", Effects::entry(name).map_or("", |entry| entry.article), spoken(name))
 }
 
 /// "a, b and c".
@@ -80,8 +61,7 @@ fn listed(names: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{NO_ARTICLE, listed, with_article};
-    use plant::Effects;
+    use super::{listed, with_article};
 
     #[test]
     fn names_are_spoken_as_a_person_would() {
@@ -90,6 +70,5 @@ mod tests {
             ["a dead zone", "an end stop", "turbulence"]
         );
         assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
-        assert!(NO_ARTICLE.iter().all(|name| Effects::entry(name).is_some()));
     }
 }

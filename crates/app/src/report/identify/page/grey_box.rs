@@ -141,7 +141,7 @@ fn believed(belief: &Model, key: &str) -> Option<f64> {
         "gain_mm_per_s2_per_percent" => Some(belief.gain_mm_per_s2_per_percent),
         "drag_per_s" => Some(belief.drag_per_s),
         "hover_duty_percent" => Some(belief.hover_duty_percent),
-        _ => belief.effects.fan_lag.map(|lag| lag.time_constant_s),
+        _ => belief.effects.fan_lag_s(),
     }
 }
 

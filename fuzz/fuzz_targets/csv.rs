@@ -1,9 +1,9 @@
 //! Any bytes as somebody's table: refused, or a recording of finite numbers whose time never goes backwards.
 #![no_main]
 
-use airball::log::import::Import;
 use airball::log::reader;
 use libfuzzer_sys::fuzz_target;
+use rows::Import;
 use std::path::Path;
 use std::sync::LazyLock;
 

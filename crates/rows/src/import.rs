@@ -8,7 +8,7 @@
 //! The integral is the trapezoid over the file's own time, from 0 at the first reading; `offset` is then where
 //! the ball started. A constant error of the speed is not removed.
 
-use super::LogError;
+use crate::error::RowsError;
 use serde::{Deserialize, Serialize};
 
 /// Where each quantity of a foreign CSV comes from. What is absent is read from the column of its own name.
@@ -78,8 +78,8 @@ impl Import {
     /// where a speed makes sense.
     ///
     /// # Errors
-    /// [`LogError::Import`] names the first quantity and key that make no sense.
-    pub fn check(&self) -> Result<(), LogError> {
+    /// [`RowsError::Import`] names the first quantity and key that make no sense.
+    pub fn check(&self) -> Result<(), RowsError> {
         let columns = [
             ("time_s", Some(&self.time_s)),
             ("setpoint_mm", self.setpoint_mm.as_ref()),
@@ -92,8 +92,8 @@ impl Import {
     }
 }
 
-fn check_column(quantity: &'static str, column: &Column) -> Result<(), LogError> {
-    let wrong = |key, value, hint| Err(LogError::Import { quantity, key, value, hint });
+fn check_column(quantity: &'static str, column: &Column) -> Result<(), RowsError> {
+    let wrong = |key, value, hint| Err(RowsError::Import { quantity, key, value, hint });
     if !column.scale.is_finite() || column.scale == 0.0 {
         return wrong("scale", column.scale.to_string(), "it must be a finite number other than 0");
     }

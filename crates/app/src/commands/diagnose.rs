@@ -36,7 +36,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
         Step::Planned(fits) => shown.inc_length(fits as u64),
         Step::Made => shown.inc(1),
     });
-    let options = Options { watch, ..Options::default() };
+    let options = Options { watch, without: args.without.clone() };
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     if let Some(path) = &args.patch_out {

@@ -1,8 +1,7 @@
 //! What a person reads and looks at: [`summary`] of a flight, [`gap`] of a replay, the [`plot`] of both, the [`diagnosis`] with
-//! its [`closed_loop`] and what to fly [`next`], either of them as a [`page`], the score of many that were [`blind`], and a [`design`] with
+//! its [`closed_loop`] and what to fly [`next`], either of them as a [`page`], and a [`design`] with
 //! its picture, and what was [`identify`](mod@identify)ed.
 
-pub mod blind;
 pub mod closed_loop;
 pub mod design;
 pub mod design_plot;

@@ -11,7 +11,9 @@
 //! - `shown`: how much a record shows of what is missing: the true model beside its best rival.
 //! - `proportion`: every share comes with its Wilson interval.
 //!
-//! Does no file and no network access; what reads and prints is the command `airball blind`.
+//! `page` puts it all into tables.
+//!
+//! Does no file and no network access; the program `blind` of this crate runs `airball diagnose` on the cases, reads and prints.
 
 mod answer;
 mod calibration;
@@ -19,6 +21,7 @@ mod closed;
 mod intervals;
 mod names;
 mod outcome;
+mod page;
 mod proportion;
 mod score;
 mod shown;
@@ -26,12 +29,15 @@ mod truth;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_support;
 
 pub use answer::{Answer, Interval, NamedEffect};
 pub use calibration::{Bin, Calibration};
 pub use closed::closed_of_truth;
 pub use intervals::{Numbers, ParameterScore};
 pub use outcome::Outcome;
+pub use page::{BlindDocument, page};
 pub use proportion::Proportion;
 pub use score::{Loss, Score, Share, score};
 pub use shown::shown;

@@ -1,12 +1,13 @@
-//! What a judge of diagnoses needs of the diagnosis itself: its densities and its measure of a gap. Nothing else uses it.
+//! What a judge of diagnoses needs of the diagnosis itself: its densities and its measure of a gap. Only the judge uses it.
 //!
 //! ```text
 //! nats = ln p(record | rig) − max over rivals of ln p(record | rival)
 //! ```
 //!
-//! The rig has its own numbers; only the two noises are fitted, as those of the rivals are. Rivals, fitted whole to the record with
-//! no prior: the belief, its other effects refitted and that one left as believed, and the same with each effect of the catalogue
-//! that is neither the true one nor a twin of it. Of two effects, each is so left out while the other is there.
+//! The rig has its own numbers; only the two noises are fitted, as those of the rivals are. Rivals, fitted whole to the
+//! record with no prior: the belief, its other effects refitted and that one left as believed, and the same with each
+//! effect of the catalogue that is neither the true one nor a twin of it. Of two effects, each is so left out while the
+//! other is there.
 //!
 //! The rivals come from the search that is being judged: what it does not find is no rival here either.
 
@@ -29,8 +30,8 @@ pub struct Departure<'a> {
     pub twins: &'a [&'a str],
 }
 
-/// Nats by which `rig` beats its best rival along `recording`; of several departures, those of the one that shows least.
-/// `None`: there is no departure.
+/// Nats by which `rig` beats its best rival along `recording`; of several departures, those of the one that shows
+/// least. `None`: there is no departure.
 #[must_use]
 pub fn nats_above_rivals(
     belief: &Model,

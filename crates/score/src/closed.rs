@@ -4,8 +4,9 @@
 //! closed = (E_belief² − E_true²) / (E_belief² − F_true²)          at 1 s, over the readings in free flight
 //! ```
 //!
-//! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue writes them. Nothing is fitted,
-//! so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too little to close, neither.
+//! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue writes them. Nothing
+//! is fitted, so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too
+//! little to close, neither.
 
 use crate::truth::CaseTruth;
 use diagnose::scoring::{is_open, share_closed};

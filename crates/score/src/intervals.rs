@@ -5,12 +5,13 @@
 //! error = |value − truth| / |truth|
 //! ```
 //!
-//! - Gain, drag and hover are judged where the answered model has the effects of the true one: beside a missing effect their
-//!   true values mean something else.
+//! - Gain, drag and hover are judged where the answered model has the effects of the true one: beside a missing effect
+//!   their true values mean something else.
 //! - Parameters of an effect are judged where an entry bears its very name, whatever else the answer got wrong.
-//! - A parameter that does nothing in the rig has nothing to be estimated: an end stop at an end of the pipe, any value of 0.
-//! - An asymmetric dead zone is a symmetric one at another hover: the error of its edges is that of the width. Hover has no error
-//!   here, since 0 % is no natural origin for it.
+//! - A parameter that does nothing in the rig has nothing to be estimated: an end stop at an end of the pipe, any value
+//!   of 0.
+//! - An asymmetric dead zone is a symmetric one at another hover: the error of its edges is that of the width. Hover
+//!   has no error here, since 0 % is no natural origin for it.
 //! - A parameter whose interval has no ends claims nothing: it is counted and not scored.
 
 use crate::Case;

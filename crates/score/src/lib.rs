@@ -1,7 +1,7 @@
 //! Blind scoring: how often the diagnosis is right about rigs whose effect was withheld from it.
 //!
-//! [`score`] takes what is known of each case after its seal was opened ([`Truth`], [`Bounds`]) and what was answered before
-//! ([`Answer`], the document of `diagnose --json`). The rules, each in one file:
+//! [`score`] takes what is known of each case after its seal was opened ([`Truth`], [`Bounds`]) and what was answered
+//! before ([`Answer`], the document of `diagnose --json`). The rules, each in one file:
 //!
 //! - `names`: an entry names an effect when the effect is its name or among those that it cannot be told from.
 //! - `outcome`: what a case's answer is worth, in a word; what is not right is listed as a loss.
@@ -13,7 +13,8 @@
 //!
 //! `page` puts it all into tables.
 //!
-//! Does no file and no network access; the program `blind` of this crate runs `airball diagnose` on the cases, reads and prints.
+//! Does no file and no network access; the program `blind` of this crate runs `airball diagnose` on the cases, reads
+//! and prints.
 
 mod answer;
 mod calibration;

@@ -1,9 +1,10 @@
 //! When an entry names an effect.
 //!
-//! - An entry says "this name, or one of those that it cannot be told from": it names every effect in that set, and no other.
-//! - A twin that is not in the set is not named: `transport_delay` alone is wrong about a delay of the sensor, although no record
-//!   could tell. `fan_lag` is wrong about `spin_asymmetry`, whose second number it lacks, and `spin_asymmetry` about `fan_lag`:
-//!   it claims an asymmetry that is not there.
+//! - An entry says "this name, or one of those that it cannot be told from": it names every effect in that set, and no
+//!   other.
+//! - A twin that is not in the set is not named: `transport_delay` alone is wrong about a delay of the sensor, although
+//!   no record could tell. `fan_lag` is wrong about `spin_asymmetry`, whose second number it lacks, and
+//!   `spin_asymmetry` about `fan_lag`: it claims an asymmetry that is not there.
 //! - An entry names one effect at a time: two effects are both named when two entries name one each.
 //! - The size of a set counts a class of twins once: listing a true twin is honest, listing anything else is vague.
 
@@ -13,8 +14,8 @@ use crate::truth::TrueEffect;
 /// Names that a record can hardly tell apart, or not at all.
 const CLASSES: [&[&str]; 2] = [&["transport_delay", "sensor_delay"], &["fan_lag", "sensor_lag", "spin_asymmetry"]];
 
-/// What stands in for an effect that the catalogue lacks: the effect, and the names that imitate it. A symmetric lag does not
-/// imitate an asymmetric one.
+/// What stands in for an effect that the catalogue lacks: the effect, and the names that imitate it. A symmetric lag
+/// does not imitate an asymmetric one.
 const STAND_INS: [(&str, &[&str]); 4] = [
     ("transport_delay", &["sensor_delay"]),
     ("sensor_delay", &["transport_delay"]),

@@ -8,8 +8,9 @@
 //! | `outside` | `unexplained` | |
 //! | effect left out of the search | `unexplained`, or the first entry names what imitates the effect | |
 //!
-//! `unexplained` beside an entry that names the effect is as right as `effect`: something may well be left. What is neither is
-//! `unexplained` (honest), silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or unreadable), or wrong.
+//! `unexplained` beside an entry that names the effect is as right as `effect`: something may well be left. What is
+//! neither is `unexplained` (honest), silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or
+//! unreadable), or wrong.
 
 use crate::Case;
 use crate::answer::Answer;

@@ -4,9 +4,9 @@
 //! shown = ln p(record | true model) − max over rivals of ln p(record | rival)
 //! ```
 //!
-//! The true model has the rig's own numbers. Its rivals are the belief and what the search of the diagnosis makes of it, the true effect
-//! and its twins left out: see [`nats_above_rivals`]. A perfect diagnosis names what is shown by some nats; what a chance of the noise
-//! hides is not shown, whatever the Cramér–Rao bound expects.
+//! The true model has the rig's own numbers. Its rivals are the belief and what the search of the diagnosis makes of
+//! it, the true effect and its twins left out: see [`nats_above_rivals`]. A perfect diagnosis names what is shown by
+//! some nats; what a chance of the noise hides is not shown, whatever the Cramér–Rao bound expects.
 
 use crate::closed::true_model;
 use crate::names::imitators;
@@ -15,8 +15,8 @@ use diagnose::Recording;
 use diagnose::scoring::{Departure, nats_above_rivals};
 use plant::Model;
 
-/// Nats by which the true model beats its best rival; of two effects, those of the one that shows less. `None`: no effect, or none that
-/// the catalogue can write.
+/// Nats by which the true model beats its best rival; of two effects, those of the one that shows less. `None`: no
+/// effect, or none that the catalogue can write.
 #[must_use]
 pub fn shown(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<f64> {
     if truth.effects.is_empty() {

@@ -33,8 +33,8 @@ fn main() -> ExitCode {
 /// Has every case diagnosed, one that cannot be read apart, and says how it went.
 ///
 /// # Errors
-/// A folder without cases, a truth that cannot be read, no program to be judged, a folder that cannot be written, no case that could
-/// be diagnosed.
+/// A folder without cases, a truth that cannot be read, no program to be judged, a folder that cannot be written, no
+/// case that could be diagnosed.
 fn blind(args: &BlindArgs) -> Result<()> {
     let folder = Folder::open(&args.folder)?;
     let sealed = args.truth.as_ref().map(|truth| Sealed::open(truth, args.bounds.as_deref())).transpose()?;

@@ -35,8 +35,8 @@ impl Sealed {
         self.truths.iter().find(|truth| truth.case == case)
     }
 
-    /// `count` of the cases whose rig has one effect that its owner does not know of, spread evenly over the set. An effect that
-    /// the belief holds is not taken from the search by leaving its name out.
+    /// `count` of the cases whose rig has one effect that its owner does not know of, spread evenly over the set. An
+    /// effect that the belief holds is not taken from the search by leaving its name out.
     pub(crate) fn to_leave_out(&self, count: usize, known: impl Fn(&str) -> bool) -> BTreeMap<String, String> {
         let added =
             |truth: &&CaseTruth| truth.kind == Kind::Single && truth.effects.iter().all(|e| e.change == "added");

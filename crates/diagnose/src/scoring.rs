@@ -1,4 +1,4 @@
-//! What a judge of diagnoses needs of the diagnosis itself: its densities and its measure of a gap. Only the judge uses it.
+//! What a judge of diagnoses needs of the diagnosis itself: its densities, and its measure of a gap.
 //!
 //! ```text
 //! nats = ln p(record | rig) − max over rivals of ln p(record | rival)

@@ -1,8 +1,9 @@
 //! Any bytes as somebody's table: refused, or a recording of finite numbers whose time never goes backwards.
 #![no_main]
 
-use airball::fuzzing::{Import, parse_record};
+use airball::fuzzing::parse_record;
 use libfuzzer_sys::fuzz_target;
+use rows::Import;
 use std::path::Path;
 use std::sync::LazyLock;
 

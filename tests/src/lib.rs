@@ -18,9 +18,13 @@ static AIRBALL: LazyLock<PathBuf> = LazyLock::new(|| built("airball"));
 /// The binary that makes the book's gallery, which is not shipped.
 static GALLERY: LazyLock<PathBuf> = LazyLock::new(|| built("gallery"));
 
-fn built(binary: &str) -> PathBuf {
+/// The judge of blind diagnoses, built once as well.
+static BLIND: LazyLock<PathBuf> = LazyLock::new(|| built("blind"));
+
+/// A binary of the project.
+fn built(name: &str) -> PathBuf {
     // The whole workspace, so that its dependencies are built with the features that the tests themselves use.
-    let build = escargot::CargoBuild::new().arg("--workspace").bin(binary);
+    let build = escargot::CargoBuild::new().arg("--workspace").bin(name);
     build.manifest_path(root().join("Cargo.toml")).run().expect("the binary builds").path().to_owned()
 }
 
@@ -81,6 +85,21 @@ impl Bench {
     #[must_use]
     pub fn run(&self, arguments: &[&str]) -> Ran {
         Ran::from(self.airball(arguments).output().expect("the binary runs"))
+    }
+
+    /// `blind` with these arguments, to be run in the directory; it finds the built `airball` beside itself.
+    #[must_use]
+    pub fn blind(&self, arguments: &[&str]) -> Command {
+        LazyLock::force(&AIRBALL);
+        let mut command = Command::new(&*BLIND);
+        command.args(arguments).current_dir(self.0.path()).stdin(Stdio::null());
+        command
+    }
+
+    /// Runs `blind` to its end.
+    #[must_use]
+    pub fn judge(&self, arguments: &[&str]) -> Ran {
+        Ran::from(self.blind(arguments).output().expect("the binary runs"))
     }
 
     /// Runs `airball`, which must succeed, and returns its standard output.

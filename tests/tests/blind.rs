@@ -1,4 +1,4 @@
-//! Blind scoring: rigs of another world, diagnosed and scored from the command line, and the committed verdicts.
+//! Blind scoring: rigs of another world, diagnosed by `airball` and scored by `blind`, and the committed verdicts.
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -37,7 +37,7 @@ fn withheld_cases_are_diagnosed_and_scored() {
     assert_eq!(printed.lines().next(), Some(format!("sha256 of the truth: {seal}").as_str()));
 
     let truth = ["--truth", "sealed/truth.json", "--bounds", "sealed/bounds.json", "--json"];
-    let ran = bench.run(&[&["blind", "cases", "--out", "verdicts", "--leave-out", "1"], &truth[..]].concat());
+    let ran = bench.judge(&[&["cases", "--out", "verdicts", "--leave-out", "1"], &truth[..]].concat());
     assert_eq!((ran.code, ran.errors.as_str()), (Some(0), ""), "no bar in a pipe");
     let document = json(&ran.output);
     assert_eq!((&document["schema"], &document["unreadable"]), (&Value::from("airball.blind/1"), &Value::from(0)));
@@ -61,9 +61,9 @@ fn withheld_cases_are_diagnosed_and_scored() {
     let alone = bench.output(&["diagnose", "--json", "cases/case-003.csv", "--config", "cases/case-003.toml"]);
     assert_eq!(bench.read("verdicts/case-003.json"), alone);
 
-    let again = bench.output(&[&["blind", "cases", "--verdicts", "verdicts"], &truth[..]].concat());
-    assert_eq!(json(&again), document);
-    let page = bench.output(&["blind", "cases", "--verdicts", "verdicts", "--truth", "sealed/truth.json"]);
+    let again = bench.judge(&[&["cases", "--verdicts", "verdicts"], &truth[..]].concat());
+    assert_eq!(again.output, ran.output, "{}", again.errors);
+    let page = bench.judge(&["cases", "--verdicts", "verdicts", "--truth", "sealed/truth.json"]).output;
     assert!(page.starts_with("8 cases: ") && page.contains("| single: the first entry names it "), "{page}");
 }
 
@@ -84,7 +84,7 @@ fn a_bad_case_is_named_and_counted_and_the_others_are_answered() {
     for case in ["case-000", "case-001"] {
         bench.write(&format!("cases/{case}.toml"), bench.read("config.toml"));
     }
-    let ran = bench.run(&["blind", "cases", "--json"]);
+    let ran = bench.judge(&["cases", "--json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.errors);
     let document = json(&ran.output);
     assert_eq!((&document["unreadable"], &document["answers"]["insufficient_data"]), (&2.into(), &1.into()));
@@ -93,7 +93,7 @@ fn a_bad_case_is_named_and_counted_and_the_others_are_answered() {
         assert!(ran.errors.contains(reason), "{reason} in {}", ran.errors);
     }
     fs::remove_file(bench.path("cases/case-000.toml")).unwrap();
-    let ran = bench.run(&["blind", "cases"]);
+    let ran = bench.judge(&["cases"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("none of the 3 cases could be diagnosed"), "{}", ran.errors);
 }
@@ -104,12 +104,29 @@ fn a_wrong_truth_and_an_unknown_effect_are_refused() {
     fs::create_dir(bench.path("cases")).unwrap();
     bench.write("cases/case-000.csv", still());
     bench.write("truth.json", r#"{ "schema": "world.truth/9", "cases": [] }"#);
-    let ran = bench.run(&["blind", "cases", "--truth", "truth.json"]);
+    let ran = bench.judge(&["cases", "--truth", "truth.json"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("world.truth/9") && ran.errors.contains("world.truth/1"), "{}", ran.errors);
-    let ran = bench.run(&["blind", "cases", "--without", "fan_lagg"]);
-    assert_eq!(ran.code, Some(2));
-    assert!(ran.errors.contains("fan_lagg") && ran.errors.contains("fan_lag"), "{}", ran.errors);
+    let diagnose = bench.run(&["diagnose", "cases/case-000.csv", "--without", "fan_lagg"]);
+    for ran in [bench.judge(&["cases", "--without", "fan_lagg"]), diagnose] {
+        assert_eq!(ran.code, Some(2));
+        assert!(ran.errors.contains("fan_lagg") && ran.errors.contains("spin_asymmetry"), "{}", ran.errors);
+    }
+    let ran = bench.judge(&["cases", "--airball", "no/airball"]);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.errors.contains("no/airball; build it with `cargo build"), "{}", ran.errors);
+}
+
+#[test]
+fn an_effect_that_is_left_out_is_not_named_and_the_judge_asks_for_it_so() {
+    let bench = Bench::default();
+    let _ = world(&bench, &["--seed", "sample", "--count", "12", "--only", "fan_lag", "--case", "3"]);
+    let alone = ["diagnose", "--json", "cases/case-003.csv", "--config", "cases/case-003.toml"];
+    let [all, without] = [&[][..], &["--without", "fan_lag"]].map(|more| bench.output(&[&alone[..], more].concat()));
+    let names = |text: &str| json(text)["effects"].to_string();
+    assert!(names(&all).contains("fan_lag") && !names(&without).contains("fan_lag"), "{all}\n{without}");
+    let ran = bench.judge(&["cases", "--without", "fan_lag", "--out", "verdicts"]);
+    assert_eq!((ran.code, bench.read("verdicts/case-003.json")), (Some(0), without), "{}", ran.errors);
 }
 
 /// Cases of the first round that have a verdict.

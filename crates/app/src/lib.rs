@@ -23,7 +23,7 @@ pub mod fuzzing {
     /// Topics of a broker, and what a message on one of them asks for.
     pub use crate::config::topics::{ORIGINAL_SETPOINT, Topics};
     /// Tables of a config, and the text that they are read from.
-    pub use crate::config::{Tables, import::Import, parse_text};
+    pub use crate::config::{Tables, parse_text};
     /// What a programme may be, and the pilot that flies it.
     pub use crate::flight::experiment::Experiment;
     pub use crate::flight::pilot::{Orders, Pilot, Seen, Signals};

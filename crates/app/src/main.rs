@@ -3,7 +3,7 @@
 use airball::ConfigError;
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    Usage, blind, config, design, diagnose, emulate, fan_off, guard, identify, live, log, measure, monitor, note,
+    Usage, config, design, diagnose, emulate, fan_off, guard, identify, live, log, measure, monitor, note,
     reader_is_gone, replay, run, simulate, with_causes,
 };
 use clap::Parser;
@@ -18,7 +18,6 @@ fn main() -> ExitCode {
         Command::Diagnose(args) => diagnose::diagnose(&args),
         Command::Design(command) => design::design(&command),
         Command::Identify(command) => identify::identify(&command),
-        Command::Blind(args) => blind::blind(&args),
         Command::FanOff(args) => fan_off::fan_off(&args),
         Command::Monitor(args) => monitor::monitor(&args),
         Command::Live(args) => live::live(&args),

@@ -5,7 +5,6 @@
 //! does no file or network access.
 
 mod answer;
-pub mod blind;
 mod filter;
 mod fit;
 mod gap;
@@ -14,6 +13,7 @@ pub mod measure;
 mod options;
 mod record;
 mod residual;
+pub mod scoring;
 mod select;
 mod stats;
 pub mod thresholds;

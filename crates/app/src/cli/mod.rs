@@ -51,8 +51,6 @@ pub enum Command {
     Monitor(MonitorArgs),
     /// Write the page that flies a rig from a browser: live charts, setpoint, gains, experiments, stop
     Live(LiveArgs),
-    /// Diagnose a folder of withheld cases, and score the answers once the truth is known
-    Blind(BlindArgs),
     /// Turn the fan off, whatever else happens on the rig
     FanOff(FanOffArgs),
     /// Emulate the rig's bus on a socket: what is flown on it can be killed, and the fan looked at
@@ -171,39 +169,10 @@ pub struct DiagnoseArgs {
     /// Write the force that the believed effects leave unexplained, reading by reading with its standard deviation (CSV)
     #[arg(long, value_name = "FILE")]
     pub missing_force: Option<PathBuf>,
-    /// Write the diagnosis as JSON, and nothing else, to standard output
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// `airball blind`
-#[derive(Debug, Args)]
-pub struct BlindArgs {
-    /// Cases: case-NNN.csv or case-NNN.csv.zst, and case-NNN.toml with what the owner believes
-    #[arg(value_name = "FOLDER")]
-    pub folder: PathBuf,
-    /// Write the diagnosis of each case here, as `diagnose --json` prints it
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Take the diagnoses from here, where --out wrote them, and make none
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "without", "jobs"])]
-    pub verdicts: Option<PathBuf>,
-    /// Score the answers against this truth (world.truth/1)
-    #[arg(long, value_name = "FILE")]
-    pub truth: Option<PathBuf>,
-    /// What each record could tell at best: nats and Cramér–Rao deviations
-    #[arg(long, value_name = "FILE", requires = "truth")]
-    pub bounds: Option<PathBuf>,
-    /// Never name this effect, as if the catalogue did not hold it; may be given again
+    /// Never name this effect, as if the catalogue did not hold it: what else explains the record? May be given again
     #[arg(long, value_name = "EFFECT", value_parser = effect())]
     pub without: Vec<String>,
-    /// Diagnose so many of the rigs with one added effect again, that effect left out of the search
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "truth")]
-    pub leave_out: usize,
-    /// Threads [default: one a core]; the answers do not depend on it
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<std::num::NonZeroUsize>,
-    /// Write the result as JSON, and nothing else, to standard output
+    /// Write the diagnosis as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
 }

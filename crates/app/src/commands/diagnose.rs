@@ -38,7 +38,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
         ProgressStep::Planned(fits) => shown.inc_length(fits as u64),
         ProgressStep::Made => shown.inc(1),
     });
-    let options = Options { progress, ..Options::default() };
+    let options = Options { progress, without: args.without.clone() };
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     if let Some(path) = &args.patch_out {

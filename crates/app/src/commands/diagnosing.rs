@@ -1,4 +1,4 @@
-//! Logs of one rig and a config in, a diagnosis out: what `diagnose` does to the logs that are named and `blind` to a folder of cases.
+//! Logs of one rig and a config in, a diagnosis out: what `diagnose` does to the logs that are named.
 
 use crate::analysis::closed_loop::ClosedLoop;
 use crate::analysis::loop_deviations::{Upstream, upstream};

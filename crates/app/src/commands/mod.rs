@@ -1,6 +1,5 @@
 //! One file a command: reads its flags and tables, calls what does the work, prints the result.
 
-pub mod blind;
 pub mod config;
 pub mod design;
 pub mod diagnose;

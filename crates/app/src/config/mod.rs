@@ -2,7 +2,6 @@
 //!
 //! `tables` is what it may hold, `signals` the optional ones of `[rig]`, `load` reads it, merges patches and says where a mistake stands.
 
-pub mod import;
 mod load;
 pub mod mqtt;
 mod rig;

@@ -1,7 +1,6 @@
 //! The tables of the config file, in the order of the signal path. A command asks for the tables it needs.
 
 use super::Rig;
-use super::import::Import;
 use super::mqtt::MqttConfig;
 use super::topics::Topics;
 use control::check::{OutOfRange, within};
@@ -10,6 +9,7 @@ use control::controller::{Controllers, Kind};
 use control::observer::Observer;
 use control::waveform::Waveform;
 use plant::{Model, Unsound};
+use rows::Import;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

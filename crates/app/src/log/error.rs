@@ -1,6 +1,5 @@
 //! What can go wrong with a log, each with the file, the place and the next thing to do.
 
-use crate::config::import::ImportError;
 use diagnose::RecordingError;
 use std::{io, path::PathBuf};
 
@@ -77,114 +76,7 @@ pub enum LogError {
         /// What is wrong with them.
         source: RecordingError,
     },
-    /// A header, and no rows.
-    #[error("{} has a header and no rows of data; check that the recorder ran", path.display())]
-    HeaderOnly {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A column is not there.
-    #[error("{}, line {line}: no column `{column}` for {quantity}, found {found}; rename the column, or map another in the config: [import] {quantity} = {{ column = \"…\", scale = 1.0, offset = 0.0 }}", path.display())]
-    MissingColumn {
-        /// The file.
-        path: PathBuf,
-        /// Line of the header.
-        line: usize,
-        /// The column that was looked for.
-        column: String,
-        /// What it would have been.
-        quantity: &'static str,
-        /// The columns that are there.
-        found: String,
-    },
-    /// A column is there twice.
-    #[error("{}, line {line}: {times} columns are called `{column}`; rename all but one", path.display())]
-    RepeatedColumn {
-        /// The file.
-        path: PathBuf,
-        /// Line of the header.
-        line: usize,
-        /// Its name.
-        column: String,
-        /// How often it is there.
-        times: usize,
-    },
-    /// Not text.
-    #[error("{}, line {line}: byte {byte} is not UTF-8 text, and the file is no MCAP; save the table as CSV in UTF-8", path.display())]
-    NotUtf8 {
-        /// The file.
-        path: PathBuf,
-        /// Where.
-        line: usize,
-        /// Where, counted from 0.
-        byte: usize,
-    },
-    /// Text that is no table.
-    #[error("{} is no table: {cause}; save it as CSV with one header line", path.display())]
-    NotATable {
-        /// The file.
-        path: PathBuf,
-        /// What the parser said.
-        cause: String,
-    },
-    /// A row with too few or too many cells.
-    #[error("{}, line {line}: {found} cells where the header has {expected}; complete the row or remove it", path.display())]
-    Ragged {
-        /// The file.
-        path: PathBuf,
-        /// Where.
-        line: usize,
-        /// Cells in the header.
-        expected: usize,
-        /// Cells in the row.
-        found: usize,
-    },
-    /// A cell that cannot be used.
-    #[error("{}, line {line}, column `{column}`: {problem}", path.display())]
-    Cell {
-        /// The file.
-        path: PathBuf,
-        /// Where.
-        line: usize,
-        /// Which column of the file.
-        column: String,
-        /// What is wrong.
-        problem: CellProblem,
-    },
-    /// Time went backwards.
-    #[error("{}, line {line}: time goes backwards, from {from_s} s in line {from_line} to {to_s} s; sort the rows, or cut the file there", path.display())]
-    TimeBackwards {
-        /// The file.
-        path: PathBuf,
-        /// The offending line.
-        line: usize,
-        /// The row before it.
-        from_line: usize,
-        /// Its time, seconds.
-        from_s: f64,
-        /// Time of the offending line, seconds.
-        to_s: f64,
-    },
-    /// The table `[import]` of the config makes no sense.
+    /// The table of a CSV, or `[import]`, makes no sense.
     #[error(transparent)]
-    Import(ImportError),
-}
-
-/// What is wrong with a cell.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CellProblem {
-    /// Nothing in it.
-    #[error(
-        "the cell is empty; only position, setpoint, control and the optional sensors may be missing: fill it or remove the row"
-    )]
-    Empty,
-    /// No number.
-    #[error("`{0}` is no number; write it with a decimal point and without a unit")]
-    NotANumber(String),
-    /// NaN, an infinity, or a number that scale and offset take out of range.
-    #[error("`{0}` is not finite; leave the cell empty where there was no reading, or remove the row")]
-    NotFinite(String),
-    /// No yes or no.
-    #[error("`{0}` is neither 0, 1, true nor false")]
-    NotAFlag(String),
+    Rows(#[from] rows::RowsError),
 }

@@ -1,11 +1,10 @@
 //! What a flight leaves behind, and how it is read again.
 //!
 //! Writing: [`recorder`] (what the loop sees) → [`queue`] (real time) → [`writer`] → MCAP.
-//! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or `table` and `columns` (CSV, mapped by [`import`]) → recording.
+//! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or the crate [`rows`] (CSV) → recording.
 //! Mending: [`flight`] → [`recover`] → a new MCAP.
-//! Other rigs' files become ours by [`import`]; ours become tables by [`export`].
+//! Other rigs' files become ours by [`rows::Import`]; ours become tables by [`export`].
 
-mod columns;
 pub mod error;
 pub mod event;
 pub mod export;
@@ -20,7 +19,6 @@ mod records;
 pub mod recover;
 pub mod rotation;
 mod schema;
-mod table;
 pub mod writer;
 
 #[cfg(test)]

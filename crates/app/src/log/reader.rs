@@ -6,11 +6,10 @@ use super::event::EventMessage;
 use super::flight::{self, Flight};
 use super::header::About;
 use super::packed::unpacked;
-use super::table::Table;
-use super::{LogError, columns};
-use crate::config::import::Import;
+use super::LogError;
 use crate::flight::vocabulary::Cycle;
 use diagnose::{Recording, Sample, without_codes};
+use rows::Import;
 use std::{fs, path::Path};
 
 /// A log, ready to be replayed and diagnosed.
@@ -57,9 +56,9 @@ pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<Loade
         return from_flight(path, flight::parse(path, bytes)?);
     }
     let default = Import::default();
-    let samples = columns::map(&Table::parse(path, bytes)?, import.unwrap_or(&default))?;
+    let name = path.display().to_string();
     Ok(LoadedLog {
-        recording: recording(path, samples)?,
+        recording: rows::recording(&name, bytes, import.unwrap_or(&default))?,
         about: About::default(),
         config_toml: None,
         cycles: Vec::new(),
@@ -70,18 +69,9 @@ pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<Loade
 
 fn from_flight(path: &Path, flight: Flight) -> Result<LoadedLog, LogError> {
     let Flight { about, config_toml, cycles, events, truncated, .. } = flight;
-    Ok(LoadedLog {
-        recording: recording(path, cycles.iter().map(sample).collect())?,
-        about,
-        config_toml,
-        cycles,
-        events,
-        truncated,
-    })
-}
-
-fn recording(path: &Path, samples: Vec<Sample>) -> Result<Recording, LogError> {
-    Recording::new(samples).map_err(|source| LogError::NotARecording { path: path.into(), source })
+    let samples = cycles.iter().map(sample).collect();
+    let recording = Recording::new(samples).map_err(|source| LogError::NotARecording { path: path.into(), source })?;
+    Ok(LoadedLog { recording, about, config_toml, cycles, events, truncated })
 }
 
 /// The row of a recording that a cycle is.

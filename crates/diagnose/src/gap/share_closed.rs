@@ -48,12 +48,14 @@ impl Closed {
 }
 
 /// Whether mean squares before and by noise alone leave a gap that is worth closing.
-pub(crate) fn is_open(before: f64, floor: f64) -> bool {
+#[must_use]
+pub fn is_open(before: f64, floor: f64) -> bool {
     before.sqrt() >= OPEN_GAP * floor.sqrt()
 }
 
 /// The share of the gap that is closed, from mean squares before, after and by noise alone.
-pub(crate) fn share_closed(before: f64, after: f64, floor: f64) -> f64 {
+#[must_use]
+pub fn share_closed(before: f64, after: f64, floor: f64) -> f64 {
     (before - after) / (before - floor)
 }
 

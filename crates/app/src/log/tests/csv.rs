@@ -1,32 +1,8 @@
-//! Tables: ours, other people's, and broken ones.
+//! Tables as logs; what a table may hold is tested in the crate `rows`.
 
 use super::{cycles, file};
-use crate::config::import::{Column, Import};
-use crate::log::reader::LoadedLog;
 use crate::log::{LogError, export, reader};
-use proptest::prelude::*;
 use std::path::Path;
-
-fn parse(text: &str) -> Result<LoadedLog, LogError> {
-    reader::parse(Path::new("rig.csv"), text.as_bytes(), None)
-}
-
-fn complaint(text: &str) -> String {
-    parse(text).unwrap_err().to_string()
-}
-
-/// A good table of 40 rows in our columns.
-fn table() -> Vec<String> {
-    let rows = (0..40).map(|k| format!("{:.2},300,0.5,21.5,{}", 0.02 * f64::from(k), 200 + k));
-    [String::from("time_s,setpoint_mm,control_percent,duty_percent,position_mm")].into_iter().chain(rows).collect()
-}
-
-/// The table with one line replaced, lines counting from 1 as in messages.
-fn with_line(line: usize, text: &str) -> String {
-    let mut lines = table();
-    lines[line - 1] = text.into();
-    lines.join("\n")
-}
 
 #[test]
 fn an_exported_flight_is_the_same_recording() {
@@ -39,134 +15,18 @@ fn an_exported_flight_is_the_same_recording() {
 }
 
 #[test]
-fn time_duty_and_position_are_enough() {
-    let rows = (0..30).map(|k| format!("{k},150.5,\n{k}.5,-3,{k}\n"));
-    let log = parse(&format!("time_s,duty_percent,position_mm\n{}", rows.collect::<String>())).unwrap();
-    let samples = log.recording.samples();
-    assert_eq!((samples[0].duty_percent, samples[0].position_mm, samples[0].setpoint_mm), (150.5, None, None));
-    assert_eq!((samples[3].duty_percent, samples[3].position_mm), (-3.0, Some(1.0)));
-    assert!(log.cycles.is_empty() && !log.recording.has_fan_speed() && !log.recording.has_second_position());
+fn a_table_is_a_log_of_rows_alone() {
+    let rows: String = (0..30).map(|k| format!("{k},20,{k}\n")).collect();
+    let text = format!("time_s,duty_percent,position_mm\n{rows}");
+    let log = reader::parse(Path::new("rig.csv"), text.as_bytes(), None).unwrap();
+    assert!(log.cycles.is_empty() && log.recording.samples().len() == 30);
 }
 
 #[test]
-fn a_mark_windows_line_ends_spaces_and_empty_lines_do_no_harm() {
-    let plain = parse(&table().join("\n")).unwrap();
-    let windows = format!("\u{feff}{}\r\n\r\n \r\n,,,,\r\n", table().join("\r\n"));
-    assert_eq!(parse(&windows).unwrap(), plain);
-    assert_eq!(parse(&table().join("\n").replace(',', " ; ")).unwrap(), plain);
-    assert_eq!(parse(&table().join("\n").replace(',', "\t")).unwrap(), plain);
-}
-
-#[test]
-fn a_wrong_cell_is_named_by_line_column_and_value() {
-    for (cell, words) in
-        [("abc", "`abc` is no number"), ("21,5", "cells"), ("inf", "not finite"), ("NaN", "not finite")]
-    {
-        let said = complaint(&with_line(7, &format!("0.10,300,0.5,{cell},205")));
-        assert!(said.starts_with("rig.csv, line 7") && said.contains(words), "{said}");
-    }
-    let said = complaint(&with_line(7, "0.10,300,0.5,,205"));
-    assert!(said.starts_with("rig.csv, line 7, column `duty_percent`: the cell is empty"), "{said}");
-    let decimal_comma = with_line(7, "0.10,300,0.5,x,205").replace(',', ";").replace('x', "21,5");
-    assert!(complaint(&decimal_comma).contains("`21,5` is no number; write it with a decimal point"));
-}
-
-#[test]
-fn lines_are_counted_with_the_empty_ones() {
-    let said = complaint(&with_line(7, "\n\r\n0.10,300,0.5,abc,205"));
-    assert!(said.starts_with("rig.csv, line 9,"), "{said}");
-}
-
-#[test]
-fn a_ragged_row_is_named_with_its_cells() {
-    let said = complaint(&with_line(12, "0.20,300,0.5"));
-    assert!(said.starts_with("rig.csv, line 12: 3 cells where the header has 5"), "{said}");
-}
-
-#[test]
-fn time_that_goes_backwards_is_named_with_both_lines() {
-    let said = complaint(&with_line(20, "0.01,300,0.5,21.5,205"));
-    assert!(said.starts_with("rig.csv, line 20: time goes backwards, from 0.34 s in line 19 to 0.01 s"), "{said}");
-}
-
-#[test]
-fn a_missing_column_is_answered_with_those_that_are_there_and_with_import() {
-    let said = complaint("time_s,speed,duty_percent\n0,1,2\n");
-    assert!(said.contains("no column `position_mm`") && said.contains("`time_s`, `speed`, `duty_percent`"), "{said}");
-    assert!(said.contains("[import] position_mm = {"), "{said}");
-    let said = complaint("time_s,time_s,duty_percent,position_mm\n0,0,1,2\n");
-    assert!(said.contains("2 columns are called `time_s`"), "{said}");
-}
-
-#[test]
-fn empty_files_are_told_apart() {
-    assert!(matches!(parse("").unwrap_err(), LogError::Empty { .. }));
-    assert!(matches!(parse("\u{feff} \n\r\n").unwrap_err(), LogError::Empty { .. }));
-    assert!(matches!(parse(&table()[0]).unwrap_err(), LogError::HeaderOnly { .. }));
-    let said = complaint(&table()[..11].join("\n"));
-    assert!(said.starts_with("rig.csv: it has 10 readings, too few"), "{said}");
+fn a_table_that_cannot_be_read_is_named() {
+    let error = reader::parse(Path::new("a/rig.csv"), b"", None).unwrap_err();
+    assert!(matches!(error, LogError::Rows(_)));
+    assert!(error.to_string().starts_with("a/rig.csv is empty; record a flight"), "{error}");
     let said = reader::read(Path::new("no/such.csv"), None).unwrap_err().to_string();
     assert!(said.starts_with("cannot read no/such.csv: "), "{said}");
-}
-
-#[test]
-fn bytes_that_are_no_text_are_named_by_line() {
-    let error = reader::parse(Path::new("rig.csv"), b"time_s,position_mm\n0,\xff\n", None).unwrap_err();
-    assert!(error.to_string().starts_with("rig.csv, line 2: byte 21 is not UTF-8"), "{error}");
-}
-
-#[test]
-fn a_row_that_is_not_fresh_has_no_reading() {
-    let rows = (0..60).map(|k| format!("{k},20,{k},{}\n", if k % 2 == 0 { "True" } else { "0" }));
-    let log = parse(&format!("time_s,duty_percent,position_mm,fresh\n{}", rows.collect::<String>())).unwrap();
-    assert_eq!(log.recording.samples()[2].position_mm, Some(2.0));
-    assert_eq!(log.recording.samples()[3].position_mm, None);
-    let said = complaint("time_s,duty_percent,position_mm,fresh\n0,20,1,maybe\n");
-    assert!(said.contains("column `fresh`: `maybe` is neither"), "{said}");
-}
-
-#[test]
-fn import_maps_scales_and_offsets() {
-    let import: Import = toml::from_str(
-        r#"time_s = { column = "t_ms", scale = 0.001 }
-        position_mm = { column = "angle", scale = -2.0, offset = 100.0 }
-        duty_percent = { column = "u" }
-        fan_rpm = { column = "tacho", scale = 60.0 }"#,
-    )
-    .unwrap();
-    let rows: String = (0..30).map(|k| format!("{},{},7,{k}\n", 20 * k, k)).collect();
-    let log = reader::parse(Path::new("rig.csv"), format!("t_ms,angle,u,tacho\n{rows}").as_bytes(), Some(&import));
-    let log = log.unwrap();
-    let sample = log.recording.samples()[10];
-    assert!((sample.time_s - 0.2).abs() < 1e-12);
-    assert_eq!((sample.position_mm, sample.duty_percent, sample.fan_rpm), (Some(80.0), 7.0, Some(600.0)));
-    let missing = Import { position2_mm: Some(Column::named("second")), ..import };
-    let said = reader::parse(Path::new("rig.csv"), format!("t_ms,angle,u,tacho\n{rows}").as_bytes(), Some(&missing));
-    assert!(said.unwrap_err().to_string().contains("no column `second` for position2_mm"));
-}
-
-#[test]
-fn a_speed_is_integrated_to_the_parabola_it_belongs_to() {
-    // v = 3t is integrated exactly by trapezoids: x = 5 + 2·3t²/2, also across a missing reading.
-    let speed = Column { scale: 2.0, offset: 5.0, integrate: true, ..Column::named("v") };
-    let import = Import { position_mm: speed, ..Import::default() };
-    let time_s = |k: i32| 0.1 * f64::from(k) + 0.003 * f64::from(k % 3);
-    let cell = |k: i32| if k == 7 { String::new() } else { (3.0 * time_s(k)).to_string() };
-    let rows: String = (0..40).map(|k| format!("{},20,{}\n", time_s(k), cell(k))).collect();
-    let text = format!("time_s,duty_percent,v\n{rows}");
-    let log = reader::parse(Path::new("rig.csv"), text.as_bytes(), Some(&import)).unwrap();
-    for (k, sample) in log.recording.samples().iter().enumerate() {
-        match sample.position_mm {
-            Some(x) if k != 7 => assert!((x - 5.0 - 3.0 * sample.time_s.powi(2)).abs() < 1e-9, "row {k}: {x}"),
-            other => assert!(k == 7 && other.is_none(), "row {k}: {other:?}"),
-        }
-    }
-}
-
-proptest! {
-    #[test]
-    fn no_text_makes_the_reader_panic(text in "[0-9a-z,;\t\"\r\n. \u{feff}-]{0,200}") {
-        let _ = parse(&text);
-        let _ = parse(&format!("time_s,duty_percent,position_mm\n{text}"));
-    }
 }

@@ -1,4 +1,5 @@
-//! The truth about withheld cases (`world.truth/1`) and what their records could tell at best, as their files hold them.
+//! The truth about withheld cases (`world.truth/1`) and what their records could tell at best, as their files hold
+//! them.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -94,7 +95,8 @@ pub struct TrueEffect {
 pub struct Bounds {
     /// Which case.
     pub case: String,
-    /// Nats that a perfect diagnosis gains over a refitted belief. `None`: the effect shows in the spread only, no bound is known.
+    /// Nats that a perfect diagnosis gains over a refitted belief. `None`: the effect shows in the spread only, no
+    /// bound is known.
     pub nats: Option<f64>,
     /// The same of each true effect alone, over a belief that knows of the others.
     #[serde(default)]

@@ -8,6 +8,7 @@
 //! The integral is the trapezoid over the file's own time, from 0 at the first reading; `offset` is then where
 //! the ball started. A constant error of the speed is not removed.
 
+use crate::error::RowsError;
 use serde::{Deserialize, Serialize};
 
 /// Where each quantity of a foreign CSV comes from. What is absent is read from the column of its own name.
@@ -59,20 +60,6 @@ impl Column {
     }
 }
 
-/// The table `[import]` makes no sense.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("[import] {quantity}: {key} = {value}; {hint}")]
-pub struct ImportError {
-    /// Which quantity.
-    pub quantity: &'static str,
-    /// Which key.
-    pub key: &'static str,
-    /// Its value.
-    pub value: String,
-    /// What it should be.
-    pub hint: &'static str,
-}
-
 impl Default for Import {
     fn default() -> Self {
         Self {
@@ -91,8 +78,8 @@ impl Import {
     /// where a speed makes sense.
     ///
     /// # Errors
-    /// [`ImportError`] names the first quantity and key that make no sense.
-    pub fn check(&self) -> Result<(), ImportError> {
+    /// [`RowsError::Import`] names the first quantity and key that make no sense.
+    pub fn check(&self) -> Result<(), RowsError> {
         let columns = [
             ("time_s", Some(&self.time_s)),
             ("setpoint_mm", self.setpoint_mm.as_ref()),
@@ -105,8 +92,8 @@ impl Import {
     }
 }
 
-fn check_column(quantity: &'static str, column: &Column) -> Result<(), ImportError> {
-    let wrong = |key, value, hint| Err(ImportError { quantity, key, value, hint });
+fn check_column(quantity: &'static str, column: &Column) -> Result<(), RowsError> {
+    let wrong = |key, value, hint| Err(RowsError::Import { quantity, key, value, hint });
     if !column.scale.is_finite() || column.scale == 0.0 {
         return wrong("scale", column.scale.to_string(), "it must be a finite number other than 0");
     }

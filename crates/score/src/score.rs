@@ -1,14 +1,14 @@
 //! The score of a set of cases: shares with their Wilson intervals, numbers, and every loss.
 
-use super::Case;
-use super::answer::Answer;
-use super::calibration::{Calibration, mean};
-use super::intervals::{Numbers, median};
-use super::names::{named, size};
-use super::outcome::{Outcome, answered, exact, no_alarm, outcome, outcome_left_out};
-use super::proportion::Proportion;
-use super::truth::{Kind, TrueEffect};
-use crate::answer::diagnosis::Verdict;
+use crate::Case;
+use crate::answer::Answer;
+use crate::calibration::{Calibration, mean};
+use crate::intervals::{Numbers, median};
+use crate::names::{named, size};
+use crate::outcome::{Outcome, answered, exact, no_alarm, outcome, outcome_left_out};
+use crate::proportion::Proportion;
+use crate::truth::{Kind, TrueEffect};
+use diagnose::Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -293,7 +293,7 @@ fn truth_in_words(case: &Case) -> String {
 }
 
 fn answer_in_words(answer: &Answer) -> String {
-    let entry = |entry: &super::NamedEffect| {
+    let entry = |entry: &crate::answer::NamedEffect| {
         let names = [std::slice::from_ref(&entry.name), &entry.indistinguishable_from].concat().join("/");
         format!("{names} {:.2}", entry.probability)
     };

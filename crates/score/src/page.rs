@@ -1,8 +1,8 @@
 //! The score of many blind diagnoses as tables that a person reads; Markdown, so that a page can hold them as they are.
 
+use crate::{Calibration, Loss, Numbers, ParameterScore, Proportion, Score};
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{CellAlignment, Table};
-use diagnose::blind::{Calibration, Loss, Numbers, ParameterScore, Proportion, Score};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Blind scoring: how often the diagnosis is right about rigs whose effect was withheld from it.
 //!
-//! [`score`] takes what is known of each case after its seal was opened ([`Truth`], [`Bounds`]) and what was answered before
-//! ([`Answer`], the document of `diagnose --json`). The rules, each in one file:
+//! [`score`] takes what is known of each case after its seal was opened ([`Truth`], [`Bounds`]) and what was answered
+//! before ([`Answer`], the document of `diagnose --json`). The rules, each in one file:
 //!
 //! - `names`: an entry names an effect when the effect is its name or among those that it cannot be told from.
 //! - `outcome`: what a case's answer is worth, in a word; what is not right is listed as a loss.
@@ -11,7 +11,10 @@
 //! - `shown`: how much a record shows of what is missing: the true model beside its best rival.
 //! - `proportion`: every share comes with its Wilson interval.
 //!
-//! Does no file and no network access; what reads and prints is the command `airball blind`.
+//! `page` puts it all into tables.
+//!
+//! Does no file and no network access; the program `blind` of this crate runs `airball diagnose` on the cases, reads
+//! and prints.
 
 mod answer;
 mod calibration;
@@ -19,6 +22,7 @@ mod closed;
 mod intervals;
 mod names;
 mod outcome;
+mod page;
 mod proportion;
 mod score;
 mod shown;
@@ -26,12 +30,15 @@ mod truth;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_support;
 
 pub use answer::{Answer, Interval, NamedEffect};
 pub use calibration::{Bin, Calibration};
 pub use closed::closed_of_truth;
 pub use intervals::{Numbers, ParameterScore};
 pub use outcome::Outcome;
+pub use page::{BlindDocument, page};
 pub use proportion::Proportion;
 pub use score::{Loss, Score, Share, score};
 pub use shown::shown;

@@ -4,14 +4,13 @@
 //! closed = (E_belief² − E_true²) / (E_belief² − F_true²)          at 1 s, over the readings in free flight
 //! ```
 //!
-//! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue writes them. Nothing is fitted,
-//! so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too little to close, neither.
+//! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue writes them. Nothing
+//! is fitted, so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too
+//! little to close, neither.
 
-use super::truth::CaseTruth;
-use crate::gap::forecast_error::Gap;
-use crate::gap::share_closed::{is_open, share_closed};
-use crate::record::free_flight::in_free_flight;
-use crate::record::recording::Recording;
+use crate::truth::CaseTruth;
+use diagnose::scoring::{is_open, share_closed};
+use diagnose::{Gap, Recording, in_free_flight};
 use plant::{Effects, Model};
 
 /// The share of the gap at 1 s between `belief` and `recording` that the true model closes.
@@ -26,7 +25,7 @@ pub fn closed_of_truth(belief: &Model, truth: &CaseTruth, recording: &Recording)
 }
 
 /// The rig in terms of the catalogue, if it can be written so.
-pub(super) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
+pub(crate) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
     let mut model = Model {
         gain_mm_per_s2_per_percent: *truth.base.get("gain_mm_per_s2_per_percent")?,
         drag_per_s: *truth.base.get("drag_per_s")?,
@@ -48,8 +47,8 @@ pub(super) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
 #[cfg(test)]
 mod tests {
     use super::closed_of_truth;
-    use crate::blind::truth::tests::lag_of_a_rig;
     use crate::tests_support::{model, record};
+    use crate::truth::tests::lag_of_a_rig;
     use plant::{Effects, Model};
 
     #[test]

@@ -2,44 +2,43 @@
 //!
 //! Comma, semicolon or tab, whichever the header has most of; a byte order mark, CRLF and empty lines are no trouble.
 
-use super::LogError;
+use crate::error::RowsError;
 use csv::{ReaderBuilder, StringRecord, Trim};
-use std::path::{Path, PathBuf};
 
 /// A header and its rows, all of the header's width.
-pub(super) struct Table<'a> {
-    pub(super) path: PathBuf,
+pub(crate) struct Table<'a> {
+    pub(crate) name: String,
     text: &'a str,
     header: StringRecord,
     rows: Vec<StringRecord>,
 }
 
 impl<'a> Table<'a> {
-    /// Takes the bytes apart; `path` is only the file's name in messages.
-    pub(super) fn parse(path: &Path, bytes: &'a [u8]) -> Result<Self, LogError> {
-        let path = path.to_path_buf();
+    /// Takes the bytes apart; `name` is only the file's in messages.
+    pub(crate) fn parse(name: &str, bytes: &'a [u8]) -> Result<Self, RowsError> {
+        let name = name.to_owned();
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text.trim_start_matches('\u{feff}'),
             Err(error) => {
                 let byte = error.valid_up_to();
-                return Err(LogError::NotUtf8 { path, line: 1 + newlines(&bytes[..byte]), byte });
+                return Err(RowsError::NotUtf8 { name, line: 1 + newlines(&bytes[..byte]), byte });
             }
         };
         if text.trim().is_empty() {
-            return Err(LogError::Empty { path });
+            return Err(RowsError::Empty { name });
         }
         let mut reader =
             ReaderBuilder::new().delimiter(delimiter(text)).trim(Trim::All).flexible(true).from_reader(text.as_bytes());
-        let not_a_table = |error: csv::Error| LogError::NotATable { path: path.clone(), cause: error.to_string() };
+        let not_a_table = |error: csv::Error| RowsError::NotATable { name: name.clone(), cause: error.to_string() };
         let header = reader.headers().map_err(not_a_table)?.clone();
         let mut rows = reader.into_records().collect::<Result<Vec<_>, _>>().map_err(not_a_table)?;
         while rows.last().is_some_and(|row| row.iter().all(str::is_empty)) {
             rows.pop();
         }
         if rows.is_empty() {
-            return Err(LogError::HeaderOnly { path });
+            return Err(RowsError::HeaderOnly { name });
         }
-        let table = Self { path, text, header, rows };
+        let table = Self { name, text, header, rows };
         table
             .rows
             .iter()
@@ -49,33 +48,33 @@ impl<'a> Table<'a> {
     }
 
     /// How many rows of data there are.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
 
     /// The names of the columns.
-    pub(super) fn columns(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn columns(&self) -> impl Iterator<Item = &str> {
         self.header.iter()
     }
 
     /// A cell, without the spaces around it. Rows and columns count from 0.
-    pub(super) fn cell(&self, row: usize, column: usize) -> &str {
+    pub(crate) fn cell(&self, row: usize, column: usize) -> &str {
         self.rows.get(row).and_then(|cells| cells.get(column)).unwrap_or_default()
     }
 
     /// The line of the header in the file, from 1.
-    pub(super) fn header_line(&self) -> usize {
+    pub(crate) fn header_line(&self) -> usize {
         line_of(self.text, &self.header)
     }
 
     /// The line of a row in the file, from 1.
-    pub(super) fn line(&self, row: usize) -> usize {
+    pub(crate) fn line(&self, row: usize) -> usize {
         self.rows.get(row).map_or(0, |cells| line_of(self.text, cells))
     }
 
-    fn ragged(&self, row: usize) -> LogError {
+    fn ragged(&self, row: usize) -> RowsError {
         let found = self.rows.get(row).map_or(0, StringRecord::len);
-        LogError::Ragged { path: self.path.clone(), line: self.line(row), expected: self.header.len(), found }
+        RowsError::Ragged { name: self.name.clone(), line: self.line(row), expected: self.header.len(), found }
     }
 }
 

@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The cases of a folder.
-pub(super) struct Folder {
+pub(crate) struct Folder {
     /// Names with their records, in order.
-    pub(super) records: BTreeMap<String, PathBuf>,
+    pub(crate) records: BTreeMap<String, PathBuf>,
     path: PathBuf,
 }
 
 impl Folder {
     /// Looks for cases.
-    pub(super) fn open(path: &Path) -> Result<Self> {
+    pub(crate) fn open(path: &Path) -> Result<Self> {
         let look = || format!("cannot look into {}; name a folder of cases", path.display());
         let mut records = BTreeMap::new();
         for entry in std::fs::read_dir(path).with_context(look)? {
@@ -31,7 +31,7 @@ impl Folder {
     }
 
     /// What the owner of a case's rig believes.
-    pub(super) fn belief(&self, case: &str) -> PathBuf {
+    pub(crate) fn belief(&self, case: &str) -> PathBuf {
         self.path.join(format!("{case}.toml"))
     }
 }

@@ -6,8 +6,8 @@
 //!
 //! Every entry of every answer counts, on rigs without an effect and outside the catalogue too.
 
-use super::Case;
-use super::names::names;
+use crate::Case;
+use crate::names::names;
 use serde::Serialize;
 
 /// Bins of equal width.
@@ -41,7 +41,7 @@ pub struct Bin {
 
 impl Calibration {
     /// Scores all entries of all answers.
-    pub(super) fn of(cases: &[Case]) -> Self {
+    pub(crate) fn of(cases: &[Case]) -> Self {
         let all: Vec<(f64, bool)> = cases.iter().flat_map(claims).collect();
         let brier = mean(all.iter().map(|(p, right)| (p - f64::from(u8::from(*right))).powi(2)));
         Self { entries: all.len(), brier, bins: (0..BINS).map(|k| bin(k, &all)).collect() }
@@ -70,7 +70,7 @@ fn bin(k: usize, all: &[(f64, bool)]) -> Bin {
 }
 
 /// The mean; `None` of nothing.
-pub(super) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+pub(crate) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     (count > 0.0).then(|| sum / count)
 }

@@ -1,10 +1,10 @@
 //! Scores of hand-made cases.
 
-use super::answer::{Answer, AnsweredGap, AnsweredPlace, AnsweredStage, Interval, NamedEffect};
-use super::outcome::{outcome, outcome_left_out};
-use super::truth::{Bounds, CaseTruth, Kind, TrueEffect};
-use super::{Case, Outcome, Score, score};
-use crate::answer::diagnosis::Verdict;
+use crate::answer::{Answer, AnsweredGap, AnsweredPlace, AnsweredStage, Interval, NamedEffect};
+use crate::outcome::{outcome, outcome_left_out};
+use crate::truth::{Bounds, CaseTruth, Kind, TrueEffect};
+use crate::{Case, Outcome, Score, score};
+use diagnose::Verdict;
 
 fn effect(name: &str, parameters: &[(&str, f64)]) -> TrueEffect {
     TrueEffect {

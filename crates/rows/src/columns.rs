@@ -1,16 +1,15 @@
 //! From the columns of a table to the rows of a recording, by the config's `[import]`.
 //!
-//! Equations and units are those of [`import`](crate::config::import).
+//! Equations and units are those of [`import`](crate::import).
 
-use super::LogError;
-use super::error::CellProblem;
-use super::table::Table;
-use crate::config::import::{Column, Import};
+use crate::error::{CellProblem, RowsError};
+use crate::import::{Column, Import};
+use crate::table::Table;
 use diagnose::Sample;
 
 /// Finds the columns and converts their numbers.
-pub(super) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, LogError> {
-    import.check().map_err(LogError::Import)?;
+pub(crate) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, RowsError> {
+    import.check()?;
     let time = Found::required(table, "time_s", &import.time_s)?;
     let setpoint = Found::optional(table, "setpoint_mm", import.setpoint_mm.as_ref())?;
     let control = Found::optional(table, "control_percent", None)?;
@@ -53,9 +52,9 @@ struct Found<'a> {
 }
 
 impl<'a> Found<'a> {
-    fn required(table: &Table<'_>, quantity: &'static str, column: &'a Column) -> Result<Self, LogError> {
-        let missing = || LogError::MissingColumn {
-            path: table.path.clone(),
+    fn required(table: &Table<'_>, quantity: &'static str, column: &'a Column) -> Result<Self, RowsError> {
+        let missing = || RowsError::MissingColumn {
+            name: table.name.clone(),
             line: table.header_line(),
             column: column.column.clone(),
             quantity,
@@ -69,7 +68,7 @@ impl<'a> Found<'a> {
         table: &Table<'_>,
         quantity: &'static str,
         column: Option<&'a Column>,
-    ) -> Result<Option<Self>, LogError> {
+    ) -> Result<Option<Self>, RowsError> {
         let Some(column) = column else {
             let index = Self::look_up(table, quantity)?;
             return Ok(index.map(|index| Self { index, name: quantity, scale: 1.0, offset: 0.0, integrate: false }));
@@ -81,17 +80,17 @@ impl<'a> Found<'a> {
         Self { index, name: &column.column, scale: column.scale, offset: column.offset, integrate: column.integrate }
     }
 
-    fn look_up(table: &Table<'_>, name: &str) -> Result<Option<usize>, LogError> {
+    fn look_up(table: &Table<'_>, name: &str) -> Result<Option<usize>, RowsError> {
         let times = table.columns().filter(|column| *column == name).count();
         if times > 1 {
-            let (path, line) = (table.path.clone(), table.header_line());
-            return Err(LogError::RepeatedColumn { path, line, column: name.into(), times });
+            let (file, line) = (table.name.clone(), table.header_line());
+            return Err(RowsError::RepeatedColumn { name: file, line, column: name.into(), times });
         }
         Ok(table.columns().position(|column| column == name))
     }
 
     /// The column in our units, every cell a number.
-    fn all(&self, table: &Table<'_>) -> Result<Vec<f64>, LogError> {
+    fn all(&self, table: &Table<'_>) -> Result<Vec<f64>, RowsError> {
         (0..table.len())
             .map(|row| self.number(table, row)?.ok_or_else(|| self.wrong(table, row, CellProblem::Empty)))
             .map(|value| Ok(value? * self.scale + self.offset))
@@ -101,14 +100,14 @@ impl<'a> Found<'a> {
     }
 
     /// The column in our units; an empty cell is `None`.
-    fn converted(&self, table: &Table<'_>, time_s: &[f64]) -> Result<Vec<Option<f64>>, LogError> {
+    fn converted(&self, table: &Table<'_>, time_s: &[f64]) -> Result<Vec<Option<f64>>, RowsError> {
         let raw = (0..table.len()).map(|row| self.number(table, row)).collect::<Result<Vec<_>, _>>()?;
         let raw = if self.integrate { integral(&raw, time_s) } else { raw };
         let ours = raw.into_iter().map(|value| value.map(|value| value * self.scale + self.offset));
         ours.enumerate().map(|(row, value)| value.map(|value| self.finite(table, row, value)).transpose()).collect()
     }
 
-    fn number(&self, table: &Table<'_>, row: usize) -> Result<Option<f64>, LogError> {
+    fn number(&self, table: &Table<'_>, row: usize) -> Result<Option<f64>, RowsError> {
         let cell = table.cell(row, self.index);
         if cell.is_empty() {
             return Ok(None);
@@ -117,12 +116,12 @@ impl<'a> Found<'a> {
         self.finite(table, row, value).map(Some)
     }
 
-    fn finite(&self, table: &Table<'_>, row: usize, value: f64) -> Result<f64, LogError> {
+    fn finite(&self, table: &Table<'_>, row: usize, value: f64) -> Result<f64, RowsError> {
         let cell = || CellProblem::NotFinite(table.cell(row, self.index).into());
         if value.is_finite() { Ok(value) } else { Err(self.wrong(table, row, cell())) }
     }
 
-    fn flag(&self, table: &Table<'_>, row: usize) -> Result<bool, LogError> {
+    fn flag(&self, table: &Table<'_>, row: usize) -> Result<bool, RowsError> {
         match table.cell(row, self.index).to_ascii_lowercase().as_str() {
             "1" | "true" => Ok(true),
             "0" | "false" => Ok(false),
@@ -130,8 +129,8 @@ impl<'a> Found<'a> {
         }
     }
 
-    fn wrong(&self, table: &Table<'_>, row: usize, problem: CellProblem) -> LogError {
-        LogError::Cell { path: table.path.clone(), line: table.line(row), column: self.name.into(), problem }
+    fn wrong(&self, table: &Table<'_>, row: usize, problem: CellProblem) -> RowsError {
+        RowsError::Cell { name: table.name.clone(), line: table.line(row), column: self.name.into(), problem }
     }
 }
 
@@ -149,10 +148,10 @@ fn integral(values: &[Option<f64>], time_s: &[f64]) -> Vec<Option<f64>> {
     values.iter().zip(time_s).map(integrate).collect()
 }
 
-fn check_order(table: &Table<'_>, time_s: &[f64]) -> Result<(), LogError> {
+fn check_order(table: &Table<'_>, time_s: &[f64]) -> Result<(), RowsError> {
     match time_s.windows(2).position(|pair| pair[1] < pair[0]) {
-        Some(row) => Err(LogError::TimeBackwards {
-            path: table.path.clone(),
+        Some(row) => Err(RowsError::TimeBackwards {
+            name: table.name.clone(),
             line: table.line(row + 1),
             from_line: table.line(row),
             from_s: time_s[row],

@@ -1,20 +1,21 @@
 //! When an entry names an effect.
 //!
-//! - An entry says "this name, or one of those that it cannot be told from": it names every effect in that set, and no other.
-//! - A twin that is not in the set is not named: `transport_delay` alone is wrong about a delay of the sensor, although no record
-//!   could tell. `fan_lag` is wrong about `spin_asymmetry`, whose second number it lacks, and `spin_asymmetry` about `fan_lag`:
-//!   it claims an asymmetry that is not there.
+//! - An entry says "this name, or one of those that it cannot be told from": it names every effect in that set, and no
+//!   other.
+//! - A twin that is not in the set is not named: `transport_delay` alone is wrong about a delay of the sensor, although
+//!   no record could tell. `fan_lag` is wrong about `spin_asymmetry`, whose second number it lacks, and
+//!   `spin_asymmetry` about `fan_lag`: it claims an asymmetry that is not there.
 //! - An entry names one effect at a time: two effects are both named when two entries name one each.
 //! - The size of a set counts a class of twins once: listing a true twin is honest, listing anything else is vague.
 
-use super::answer::{Answer, NamedEffect};
-use super::truth::TrueEffect;
+use crate::answer::{Answer, NamedEffect};
+use crate::truth::TrueEffect;
 
 /// Names that a record can hardly tell apart, or not at all.
 const CLASSES: [&[&str]; 2] = [&["transport_delay", "sensor_delay"], &["fan_lag", "sensor_lag", "spin_asymmetry"]];
 
-/// What stands in for an effect that the catalogue lacks: the effect, and the names that imitate it. A symmetric lag does not
-/// imitate an asymmetric one.
+/// What stands in for an effect that the catalogue lacks: the effect, and the names that imitate it. A symmetric lag
+/// does not imitate an asymmetric one.
 const STAND_INS: [(&str, &[&str]); 4] = [
     ("transport_delay", &["sensor_delay"]),
     ("sensor_delay", &["transport_delay"]),
@@ -23,27 +24,27 @@ const STAND_INS: [(&str, &[&str]); 4] = [
 ];
 
 /// All names of an entry.
-pub(super) fn set(entry: &NamedEffect) -> impl Iterator<Item = &str> {
+pub(crate) fn set(entry: &NamedEffect) -> impl Iterator<Item = &str> {
     std::iter::once(entry.name.as_str()).chain(entry.indistinguishable_from.iter().map(String::as_str))
 }
 
 /// Whether the entry names the effect.
-pub(super) fn names(entry: &NamedEffect, effect: &str) -> bool {
+pub(crate) fn names(entry: &NamedEffect, effect: &str) -> bool {
     set(entry).any(|name| name == effect)
 }
 
 /// Whether the entry names something that imitates the effect.
-pub(super) fn names_stand_in(entry: &NamedEffect, effect: &str) -> bool {
+pub(crate) fn names_stand_in(entry: &NamedEffect, effect: &str) -> bool {
     set(entry).any(|name| imitators(effect).contains(&name))
 }
 
 /// The names that imitate an effect.
-pub(super) fn imitators(effect: &str) -> &'static [&'static str] {
+pub(crate) fn imitators(effect: &str) -> &'static [&'static str] {
     STAND_INS.iter().find(|(name, _)| *name == effect).map_or(&[], |(_, imitators)| imitators)
 }
 
 /// How many different things an entry says: its names, a class of twins counted once.
-pub(super) fn size(entry: &NamedEffect) -> usize {
+pub(crate) fn size(entry: &NamedEffect) -> usize {
     let class = |name: &str| CLASSES.iter().find(|class| class.contains(&name)).map(|class| class[0].to_owned());
     let mut classes: Vec<String> = set(entry).map(|name| class(name).unwrap_or_else(|| name.to_owned())).collect();
     classes.sort_unstable();
@@ -52,7 +53,7 @@ pub(super) fn size(entry: &NamedEffect) -> usize {
 }
 
 /// How many of the true effects are named, each by an entry of its own.
-pub(super) fn named(answer: &Answer, truth: &[TrueEffect]) -> usize {
+pub(crate) fn named(answer: &Answer, truth: &[TrueEffect]) -> usize {
     match_up(truth, &mut vec![false; answer.effects.len()], answer)
 }
 

@@ -5,20 +5,21 @@
 //! error = |value − truth| / |truth|
 //! ```
 //!
-//! - Gain, drag and hover are judged where the answered model has the effects of the true one: beside a missing effect their
-//!   true values mean something else.
+//! - Gain, drag and hover are judged where the answered model has the effects of the true one: beside a missing effect
+//!   their true values mean something else.
 //! - Parameters of an effect are judged where an entry bears its very name, whatever else the answer got wrong.
-//! - A parameter that does nothing in the rig has nothing to be estimated: an end stop at an end of the pipe, any value of 0.
-//! - An asymmetric dead zone is a symmetric one at another hover: the error of its edges is that of the width. Hover has no error
-//!   here, since 0 % is no natural origin for it.
+//! - A parameter that does nothing in the rig has nothing to be estimated: an end stop at an end of the pipe, any value
+//!   of 0.
+//! - An asymmetric dead zone is a symmetric one at another hover: the error of its edges is that of the width. Hover
+//!   has no error here, since 0 % is no natural origin for it.
 //! - A parameter whose interval has no ends claims nothing: it is counted and not scored.
 
-use super::Case;
-use super::answer::Interval;
-use super::names::named;
-use super::outcome::{exact, no_alarm};
-use super::proportion::Proportion;
-use super::truth::{Kind, TrueEffect};
+use crate::Case;
+use crate::answer::Interval;
+use crate::names::named;
+use crate::outcome::{exact, no_alarm};
+use crate::proportion::Proportion;
+use crate::truth::{Kind, TrueEffect};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -73,7 +74,7 @@ impl Default for ParameterScore {
 
 impl Numbers {
     /// Scores the numbers of all cases.
-    pub(super) fn of(cases: &[Case]) -> Self {
+    pub(crate) fn of(cases: &[Case]) -> Self {
         let base: Vec<Estimate> = cases.iter().flat_map(base_estimates).collect();
         let effects: Vec<Estimate> = cases.iter().flat_map(effect_estimates).collect();
         let mut each: BTreeMap<String, Vec<Estimate>> = BTreeMap::new();
@@ -192,7 +193,7 @@ fn relative_error(value: f64, truth: f64) -> f64 {
 }
 
 /// The middle one, or the mean of the two in the middle.
-pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let (low, high) = (sorted.len().checked_sub(1)? / 2, sorted.len() / 2);

@@ -1,22 +1,22 @@
 //! What was withheld, after its seal was opened: the truth, and what each record could tell at best.
 
-use super::work::Done;
-use crate::commands::note;
+use crate::output::note;
+use crate::work::Done;
 use anyhow::{Context, Result, ensure};
-use diagnose::blind::{Bounds, Case, CaseTruth, Kind, Truth};
+use score::{Bounds, Case, CaseTruth, Kind, Truth};
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// An opened truth.
-pub(super) struct Sealed {
+pub(crate) struct Sealed {
     truths: Vec<CaseTruth>,
     bounds: BTreeMap<String, Bounds>,
 }
 
 impl Sealed {
     /// Reads the truth, and the bounds where there are any.
-    pub(super) fn open(truth: &Path, bounds: Option<&Path>) -> Result<Self> {
+    pub(crate) fn open(truth: &Path, bounds: Option<&Path>) -> Result<Self> {
         let opened: Truth = read(truth)?;
         ensure!(
             opened.schema == Truth::SCHEMA,
@@ -31,13 +31,13 @@ impl Sealed {
     }
 
     /// What is so about a case.
-    pub(super) fn truth(&self, case: &str) -> Option<&CaseTruth> {
+    pub(crate) fn truth(&self, case: &str) -> Option<&CaseTruth> {
         self.truths.iter().find(|truth| truth.case == case)
     }
 
-    /// `count` of the cases whose rig has one effect that its owner does not know of, spread evenly over the set. An effect that
-    /// the belief holds is not taken from the search by leaving its name out.
-    pub(super) fn to_leave_out(&self, count: usize, known: impl Fn(&str) -> bool) -> BTreeMap<String, String> {
+    /// `count` of the cases whose rig has one effect that its owner does not know of, spread evenly over the set. An
+    /// effect that the belief holds is not taken from the search by leaving its name out.
+    pub(crate) fn to_leave_out(&self, count: usize, known: impl Fn(&str) -> bool) -> BTreeMap<String, String> {
         let added =
             |truth: &&CaseTruth| truth.kind == Kind::Single && truth.effects.iter().all(|e| e.change == "added");
         let all: Vec<&CaseTruth> = self.truths.iter().filter(added).filter(|truth| known(&truth.case)).collect();
@@ -47,7 +47,7 @@ impl Sealed {
     }
 
     /// Truth and answers, case by case. What is in one and not in the other is said and not scored.
-    pub(super) fn joined(mut self, done: Vec<Done>) -> Vec<Case> {
+    pub(crate) fn joined(mut self, done: Vec<Done>) -> Vec<Case> {
         let answered: BTreeSet<&str> = done.iter().map(|done| done.case.as_str()).collect();
         let missing = self.truths.iter().filter(|truth| !answered.contains(truth.case.as_str())).count();
         if missing > 0 {

@@ -1,6 +1,6 @@
 //! A diagnosis as its document (`airball.diagnosis/1`) says it: the part that can be scored.
 
-use crate::answer::diagnosis::Verdict;
+use diagnose::Verdict;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

@@ -1,28 +1,45 @@
-//! `airball blind`: diagnoses a folder of withheld cases, and scores the answers once the truth is known.
+//! `blind`: has `airball` diagnose a folder of withheld cases, and scores the answers once the truth is known.
 
+mod airball;
+mod case;
+mod cli;
 mod folder;
+mod output;
 mod sealed;
 mod work;
 
-use super::say;
-use crate::cli::BlindArgs;
-use crate::report::blind::{BlindDocument, page};
 use anyhow::{Context, Result, ensure};
-use diagnose::blind::score;
+use clap::Parser;
+use cli::BlindArgs;
 use folder::Folder;
+use output::{note, reader_is_gone, say, with_causes};
+use score::{BlindDocument, page, score};
 use sealed::Sealed;
 use std::collections::BTreeMap;
+use std::process::ExitCode;
 use work::{Done, Work};
 
-/// Diagnoses every case, one that cannot be read apart, and says how it went.
+fn main() -> ExitCode {
+    match blind(&BlindArgs::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if reader_is_gone(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            note(with_causes(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Has every case diagnosed, one that cannot be read apart, and says how it went.
 ///
 /// # Errors
-/// A folder without cases, a truth that cannot be read, a folder that cannot be written, no case that could be diagnosed.
-pub fn blind(args: &BlindArgs) -> Result<()> {
+/// A folder without cases, a truth that cannot be read, no program to be judged, a folder that cannot be written, no
+/// case that could be diagnosed.
+fn blind(args: &BlindArgs) -> Result<()> {
     let folder = Folder::open(&args.folder)?;
     let sealed = args.truth.as_ref().map(|truth| Sealed::open(truth, args.bounds.as_deref())).transpose()?;
     let work = Work::new(args, &folder, sealed.as_ref())?;
-    let done = work.all(args.jobs)?;
+    let done = work.all()?;
     let unreadable = done.iter().filter(|done| done.answer.is_err()).count();
     ensure!(unreadable < done.len(), "none of the {unreadable} cases could be diagnosed; see the reasons above");
     let document = BlindDocument {

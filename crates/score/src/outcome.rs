@@ -8,14 +8,15 @@
 //! | `outside` | `unexplained` | |
 //! | effect left out of the search | `unexplained`, or the first entry names what imitates the effect | |
 //!
-//! `unexplained` beside an entry that names the effect is as right as `effect`: something may well be left. What is neither is
-//! `unexplained` (honest), silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or unreadable), or wrong.
+//! `unexplained` beside an entry that names the effect is as right as `effect`: something may well be left. What is
+//! neither is `unexplained` (honest), silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or
+//! unreadable), or wrong.
 
-use super::Case;
-use super::answer::Answer;
-use super::names::{named, names, names_stand_in};
-use super::truth::Kind;
-use crate::answer::diagnosis::Verdict;
+use crate::Case;
+use crate::answer::Answer;
+use crate::names::{named, names, names_stand_in};
+use crate::truth::Kind;
+use diagnose::Verdict;
 use serde::Serialize;
 
 /// What an answer is worth.
@@ -52,7 +53,7 @@ impl Outcome {
 }
 
 /// What the answer about a case is worth.
-pub(super) fn outcome(case: &Case) -> Outcome {
+pub(crate) fn outcome(case: &Case) -> Outcome {
     let Some(answer) = &case.answer else { return Outcome::NoAnswer };
     let truth = &case.truth.effects;
     match case.truth.kind {
@@ -66,7 +67,7 @@ pub(super) fn outcome(case: &Case) -> Outcome {
 }
 
 /// What the answer is worth that was not allowed to name the true effect. `None`: that was not asked.
-pub(super) fn outcome_left_out(case: &Case) -> Option<Outcome> {
+pub(crate) fn outcome_left_out(case: &Case) -> Option<Outcome> {
     let (answer, effect) = (case.left_out.as_ref()?, case.truth.effects.first()?);
     let stands_in = answer.effects.first().is_some_and(|entry| names_stand_in(entry, &effect.name));
     let right = stands_in || answer.verdict == Verdict::Unexplained;
@@ -89,17 +90,17 @@ fn first_names(answer: &Answer, case: &Case) -> bool {
 }
 
 /// Whether a verdict was given at all.
-pub(super) fn answered(answer: &Answer) -> bool {
+pub(crate) fn answered(answer: &Answer) -> bool {
     answer.verdict != Verdict::InsufficientData
 }
 
 /// Whether nothing is claimed beyond moved base parameters.
-pub(super) fn no_alarm(answer: &Answer) -> bool {
+pub(crate) fn no_alarm(answer: &Answer) -> bool {
     answer.effects.is_empty() && !matches!(answer.verdict, Verdict::Effect | Verdict::Unexplained)
 }
 
 /// Whether the effects that are named are those that act, all of them and no other, and nothing is left.
-pub(super) fn exact(case: &Case) -> bool {
+pub(crate) fn exact(case: &Case) -> bool {
     let truth = &case.truth.effects;
     case.answer.as_ref().is_some_and(|answer| {
         let complete = answer.effects.len() == truth.len() && named(answer, truth) == truth.len();

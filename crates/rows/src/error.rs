@@ -1,0 +1,147 @@
+//! What can go wrong with a table, each with the file, the line and the next thing to do.
+
+use diagnose::RecordingError;
+
+/// Why a CSV is no recording. Lines count from 1, the header included.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RowsError {
+    /// Nothing in the file.
+    #[error("{name} is empty; record a flight with `airball simulate` or `airball run`")]
+    Empty {
+        /// The file.
+        name: String,
+    },
+    /// The rows are no recording.
+    #[error("{name}: {source}")]
+    NotARecording {
+        /// The file.
+        name: String,
+        /// What is wrong with them.
+        source: RecordingError,
+    },
+    /// A header, and no rows.
+    #[error("{name} has a header and no rows of data; check that the recorder ran")]
+    HeaderOnly {
+        /// The file.
+        name: String,
+    },
+    /// A column is not there.
+    #[error(
+        "{name}, line {line}: no column `{column}` for {quantity}, found {found}; rename the column, or map another in the config: [import] {quantity} = {{ column = \"…\", scale = 1.0, offset = 0.0 }}"
+    )]
+    MissingColumn {
+        /// The file.
+        name: String,
+        /// Line of the header.
+        line: usize,
+        /// The column that was looked for.
+        column: String,
+        /// What it would have been.
+        quantity: &'static str,
+        /// The columns that are there.
+        found: String,
+    },
+    /// A column is there twice.
+    #[error("{name}, line {line}: {times} columns are called `{column}`; rename all but one")]
+    RepeatedColumn {
+        /// The file.
+        name: String,
+        /// Line of the header.
+        line: usize,
+        /// Its name.
+        column: String,
+        /// How often it is there.
+        times: usize,
+    },
+    /// Not text.
+    #[error(
+        "{name}, line {line}: byte {byte} is not UTF-8 text, and the file is no MCAP; save the table as CSV in UTF-8"
+    )]
+    NotUtf8 {
+        /// The file.
+        name: String,
+        /// Where.
+        line: usize,
+        /// Where, counted from 0.
+        byte: usize,
+    },
+    /// Text that is no table.
+    #[error("{name} is no table: {cause}; save it as CSV with one header line")]
+    NotATable {
+        /// The file.
+        name: String,
+        /// What the parser said.
+        cause: String,
+    },
+    /// A row with too few or too many cells.
+    #[error("{name}, line {line}: {found} cells where the header has {expected}; complete the row or remove it")]
+    Ragged {
+        /// The file.
+        name: String,
+        /// Where.
+        line: usize,
+        /// Cells in the header.
+        expected: usize,
+        /// Cells in the row.
+        found: usize,
+    },
+    /// A cell that cannot be used.
+    #[error("{name}, line {line}, column `{column}`: {problem}")]
+    Cell {
+        /// The file.
+        name: String,
+        /// Where.
+        line: usize,
+        /// Which column of the file.
+        column: String,
+        /// What is wrong.
+        problem: CellProblem,
+    },
+    /// Time went backwards.
+    #[error(
+        "{name}, line {line}: time goes backwards, from {from_s} s in line {from_line} to {to_s} s; sort the rows, or cut the file there"
+    )]
+    TimeBackwards {
+        /// The file.
+        name: String,
+        /// The offending line.
+        line: usize,
+        /// The row before it.
+        from_line: usize,
+        /// Its time, seconds.
+        from_s: f64,
+        /// Time of the offending line, seconds.
+        to_s: f64,
+    },
+    /// The table `[import]` of the config makes no sense.
+    #[error("[import] {quantity}: {key} = {value}; {hint}")]
+    Import {
+        /// Which quantity.
+        quantity: &'static str,
+        /// Which key.
+        key: &'static str,
+        /// Its value.
+        value: String,
+        /// What it should be.
+        hint: &'static str,
+    },
+}
+
+/// What is wrong with a cell.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CellProblem {
+    /// Nothing in it.
+    #[error(
+        "the cell is empty; only position, setpoint, control and the optional sensors may be missing: fill it or remove the row"
+    )]
+    Empty,
+    /// No number.
+    #[error("`{0}` is no number; write it with a decimal point and without a unit")]
+    NotANumber(String),
+    /// NaN, an infinity, or a number that scale and offset take out of range.
+    #[error("`{0}` is not finite; leave the cell empty where there was no reading, or remove the row")]
+    NotFinite(String),
+    /// No yes or no.
+    #[error("`{0}` is neither 0, 1, true nor false")]
+    NotAFlag(String),
+}

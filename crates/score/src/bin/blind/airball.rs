@@ -1,0 +1,64 @@
+//! The program that is judged, run from outside: `airball diagnose --json` on one case.
+
+use anyhow::{Context, Result, bail, ensure};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Says how many threads a program that uses rayon may have.
+const THREADS: &str = "RAYON_NUM_THREADS";
+
+/// A built `airball`.
+pub(crate) struct Airball {
+    program: PathBuf,
+    /// Threads of each run.
+    threads: usize,
+}
+
+impl Airball {
+    /// The program that was named, or the one beside this program. Each run has so many threads.
+    pub(crate) fn find(named: Option<&Path>, threads: usize) -> Result<Self> {
+        let beside = || Ok::<_, std::io::Error>(std::env::current_exe()?.with_file_name("airball"));
+        let program = named.map_or_else(beside, |named| Ok(named.to_owned()));
+        let program = program.context("the folder of this program is not known; name the airball with --airball")?;
+        ensure!(
+            program.is_file(),
+            "there is no program {}; build it with `cargo build --release --package airball`, or name another with --airball",
+            program.display()
+        );
+        // A bare name would be looked for in the PATH.
+        let program = program.canonicalize().with_context(|| format!("cannot look at {}", program.display()))?;
+        Ok(Self { program, threads })
+    }
+
+    /// The document of a diagnosis, as it was printed.
+    pub(crate) fn diagnose(&self, record: &Path, belief: &Path, without: &[String]) -> Result<Vec<u8>> {
+        let mut command = Command::new(&self.program);
+        command.arg("diagnose").arg(record).arg("--config").arg(belief).arg("--json");
+        without.iter().for_each(|name| _ = command.args(["--without", name]));
+        command.env(THREADS, self.threads.to_string()).stdin(Stdio::null());
+        let ran = command.output().with_context(|| format!("cannot run {}", self.program.display()))?;
+        if ran.status.success() {
+            return Ok(ran.stdout);
+        }
+        let said = String::from_utf8_lossy(&ran.stderr);
+        match said.trim().trim_start_matches("airball: ") {
+            "" => bail!("{} ended with {} and said nothing", self.program.display(), ran.status),
+            reason => bail!("{reason}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Airball;
+    use std::path::Path;
+
+    #[test]
+    fn a_program_that_is_not_there_is_answered_with_how_to_build_it() {
+        let error = Airball::find(Some(Path::new("no/such/airball")), 1).err().unwrap().to_string();
+        assert!(
+            error.contains("no/such/airball") && error.contains("cargo build --release --package airball"),
+            "{error}"
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! The shape of what no effect explains, in words.
 
-use super::stages::NAMES;
+use crate::report::kit::words::NAMES;
 use diagnose::{Diagnosis, Residue, Verdict};
 
 /// Terms that a sentence names at most.

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 
 /// Show what each effect of the catalogue does to a flight: pages with pictures, and what a diagnosis says of it
 #[derive(Debug, Parser)]
-#[command(name = "gallery", version)]
+#[command(name = "gallery", version, max_term_width = 100, args_override_self = true)]
 struct Gallery {
     /// Which config: the rig that is shown, and its controller.
     #[command(flatten)]

@@ -13,13 +13,27 @@ use system_tests::root;
 
 /// Fails with the circles of a crate's top-level modules, each with a file for every arrow.
 fn has_no_circle(src: &Path) {
-    let circles = Imports::read(src).circles();
-    assert!(circles.is_empty(), "{}: {}", src.display(), circles.join("; "));
+    has_no_circle_within(src, &[]);
+}
+
+/// The same for what one of its modules holds, which is given by its path.
+fn has_no_circle_within(src: &Path, module: &[&str]) {
+    let circles = Imports::within(src, module).circles();
+    assert!(circles.is_empty(), "{} {}: {}", src.display(), module.join("::"), circles.join("; "));
 }
 
 #[test]
 fn no_two_folders_of_the_application_import_each_other() {
     has_no_circle(&root().join("crates/app/src"));
+}
+
+#[test]
+fn no_two_subjects_of_a_report_import_each_other_and_the_kit_imports_none() {
+    let src = root().join("crates/app/src");
+    has_no_circle_within(&src, &["report"]);
+    let imports = Imports::within(&src, &["report"]);
+    assert!(imports.has("diagnosis", "kit") && imports.has("identify", "design"), "{imports:?}");
+    assert!(!["diagnosis", "design", "identify", "measure"].iter().any(|subject| imports.has("kit", subject)));
 }
 
 #[test]

@@ -53,9 +53,7 @@ pub mod book {
     pub use crate::log::reader::sample;
     /// A diagnosis in words and as a picture.
     pub use crate::report::diagnosis::{
-        document::{regions, words},
-        next::words as advice_words,
-        plot::small_diagnosis,
+        document::regions, next::words as advice_words, plot::small_diagnosis, words::words,
     };
     /// Two flights in one picture.
     pub use crate::report::flight::plot::two_flights;

@@ -1,16 +1,22 @@
-//! Which top-level modules of a crate import which others, as its sources say.
+//! Which modules of a folder import which others, as its sources say.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// An arrow for every import between two top-level modules, with the first file that has it.
+/// An arrow for every import between two modules of a folder, with the first file that has it.
 #[derive(Debug, Default)]
 pub(crate) struct Imports(BTreeMap<(String, String), String>);
 
 impl Imports {
     /// Of the crate whose sources are in this folder.
     pub(crate) fn read(src: &Path) -> Self {
+        Self::within(src, &[])
+    }
+
+    /// Of a module of that crate, given by its path: between what it holds.
+    pub(crate) fn within(src: &Path, parent: &[&str]) -> Self {
+        let src = &parent.iter().fold(src.to_owned(), |folder, name| folder.join(name));
         let files = files(src);
         let modules: BTreeSet<String> = files.iter().filter_map(|file| Some(module(file)?.remove(0))).collect();
         let texts: Vec<(PathBuf, String)> = files
@@ -31,7 +37,7 @@ impl Imports {
             {
                 continue;
             }
-            for to in imported(&words(&code(text)), &path) {
+            for to in imported(&words(&code(text)), &path, parent) {
                 if modules.contains(&to) && to != path[0] {
                     imports.0.entry((path[0].clone(), to)).or_insert_with(|| file.display().to_string());
                 }
@@ -97,11 +103,11 @@ fn files(src: &Path) -> BTreeSet<PathBuf> {
     files
 }
 
-/// The path of a file's module from the crate's root; `None`: it is the root.
+/// The path of a file's module from the folder; `None`: it is the folder's own.
 fn module(file: &Path) -> Option<Vec<String>> {
     let mut path: Vec<String> = file.with_extension("").iter().map(|part| part.to_str().unwrap().to_owned()).collect();
     path.pop_if(|last| last == "mod");
-    (path != ["lib"] && path != ["main"]).then_some(path)
+    (!path.is_empty() && path != ["lib"] && path != ["main"]).then_some(path)
 }
 
 fn is_test(module: &str) -> bool {
@@ -187,16 +193,22 @@ fn raw_string(text: &str) -> usize {
     text[begin..].find(end).map_or(text.len(), |at| begin + at + end.len())
 }
 
-/// The top-level modules that a file names, `path` being its own.
-fn imported(words: &[String], path: &[String]) -> BTreeSet<String> {
+/// The modules of the folder that a file names, `path` being its own and `parent` the folder's.
+fn imported(words: &[String], path: &[String], parent: &[&str]) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for start in 0..words.len() {
         let begins = start == 0 || words[start - 1] != "::";
         let after = match words[start].as_str() {
-            "crate" if begins => start + 1,
+            "crate" if begins => {
+                let expected = parent.iter().flat_map(|name| ["::", name]);
+                if !words[start + 1..].iter().take(2 * parent.len()).map(String::as_str).eq(expected) {
+                    continue;
+                }
+                start + 1 + 2 * parent.len()
+            }
             "super" if begins => {
                 let supers = words[start..].chunks(2).take_while(|pair| pair[0] == "super").count();
-                if supers < path.len() {
+                if supers != path.len() {
                     continue;
                 }
                 start + 2 * supers - 1

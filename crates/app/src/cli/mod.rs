@@ -1,19 +1,21 @@
 //! The command line. Flags mean the same everywhere.
 
 mod design;
+mod flight;
 mod identify;
 mod measure;
 
 pub use design::{
     CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs, RelayRule,
 };
+pub use flight::{FlightArgs, ReplayArgs, RunArgs, SimulateArgs};
 pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};
-
 pub use measure::{MeasureArgs, Measurement};
 
 use crate::rig::EnableLine;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
+use flight::seconds;
 use std::path::PathBuf;
 
 /// Firmware and simulator of a rig that keeps a ball at a height in a pipe, and a look at the gap between the two.
@@ -75,74 +77,6 @@ pub struct ConfigArgs {
     /// Config patch, merged over the config; may be given again, later wins
     #[arg(long, value_name = "FILE")]
     pub patch: Vec<PathBuf>,
-}
-
-/// What every flight may be told.
-#[derive(Debug, Args)]
-pub struct FlightArgs {
-    /// Which config.
-    #[command(flatten)]
-    pub config: ConfigArgs,
-    /// Fly this experiment instead of the reference of the config, or of the measurement's own
-    #[arg(long, value_name = "FILE")]
-    pub experiment: Option<PathBuf>,
-    /// Log of the flight (MCAP) [default: a name with the time in the directory that the config's table log names]
-    #[arg(long, value_name = "FILE")]
-    pub log: Option<PathBuf>,
-    /// Seed of the simulated rig's noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// Draw the flight: setpoint, position and duty over time (SVG)
-    #[arg(long, value_name = "FILE")]
-    pub plot: Option<PathBuf>,
-    /// Write the summary as JSON, and nothing else, to standard output
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// `airball run`
-#[derive(Debug, Args)]
-pub struct RunArgs {
-    /// What every flight may be told.
-    #[command(flatten)]
-    pub flight: FlightArgs,
-    /// Fly the simulated rig: the plant of the config behind emulated chips
-    #[arg(long)]
-    pub sim: bool,
-    /// End the flight after so many seconds [default: the experiment's end, or Ctrl-C]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub duration: Option<f64>,
-}
-
-/// `airball simulate`
-#[derive(Debug, Args)]
-pub struct SimulateArgs {
-    /// What every flight may be told.
-    #[command(flatten)]
-    pub flight: FlightArgs,
-    /// End the flight after so many seconds of virtual time [default: the experiment's end, or 60]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub duration: Option<f64>,
-}
-
-/// `airball replay`
-#[derive(Debug, Args)]
-pub struct ReplayArgs {
-    /// The log: MCAP of this program, or CSV
-    #[arg(value_name = "LOG")]
-    pub log: PathBuf,
-    /// Which model, and how to read a foreign CSV.
-    #[command(flatten)]
-    pub config: ConfigArgs,
-    /// Draw the recorded position beside the model's free runs (SVG)
-    #[arg(long, value_name = "FILE")]
-    pub plot: Option<PathBuf>,
-    /// Write a report to look at and to print: one page that needs no network (HTML)
-    #[arg(long, value_name = "FILE")]
-    pub html: Option<PathBuf>,
-    /// Write the gap as JSON, and nothing else, to standard output
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// `airball diagnose`
@@ -280,13 +214,6 @@ pub enum LogCommand {
 #[must_use]
 pub fn effect() -> PossibleValuesParser {
     PossibleValuesParser::new(plant::Effects::CATALOGUE.iter().map(|entry| entry.name))
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("give a number of seconds above 0, for instance 60".into()),
-    }
 }
 
 #[cfg(test)]

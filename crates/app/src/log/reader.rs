@@ -2,11 +2,11 @@
 //!
 //! A cycle becomes a row whose position is there only if it was measured in that cycle; a repeated one is no reading.
 
+use super::LogError;
 use super::event::EventMessage;
 use super::flight::{self, Flight};
 use super::header::About;
 use super::packed::unpacked;
-use super::LogError;
 use crate::flight::vocabulary::Cycle;
 use diagnose::{Recording, Sample, without_codes};
 use rows::Import;

@@ -1,6 +1,6 @@
 //! The shape of what no effect explains, in words.
 
-use super::stages::NAMES;
+use crate::report::kit::words::NAMES;
 use diagnose::thresholds::AIR_RATIO;
 use diagnose::{Diagnosis, Misfit, Verdict};
 

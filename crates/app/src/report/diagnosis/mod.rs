@@ -8,5 +8,7 @@ pub mod mend;
 pub mod missing_force;
 pub mod next;
 pub mod page;
+pub mod patch;
 pub mod plot;
 pub mod stages;
+pub mod words;

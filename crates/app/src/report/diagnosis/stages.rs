@@ -1,8 +1,8 @@
 //! Where the gap arises along the signal path: each stage's share of the nats, and the chance of so much where nothing is wrong.
 
 use super::logs::Logs;
+use crate::report::kit::words::NAMES;
 use diagnose::Diagnosis;
-use plant::Stage;
 use serde::Serialize;
 
 /// A stage and its share; all shares add up to 1.
@@ -13,14 +13,6 @@ pub struct StageEntry {
     /// The chance of so much if the model were right.
     pub p_value: f64,
 }
-
-/// The stages of the plant, with their names.
-pub const NAMES: [(Stage, &str); 4] = [
-    (Stage::Actuator, Stage::Actuator.name()),
-    (Stage::Air, Stage::Air.name()),
-    (Stage::Ball, Stage::Ball.name()),
-    (Stage::Sensor, Stage::Sensor.name()),
-];
 
 /// Each stage's share of the likelihood gained by the effects that were found, asked for by what they leave unexplained, and lost by what
 /// the loop did otherwise. A loss by what a log says itself is one look at it: its chance is at most e^−nats (Markov).

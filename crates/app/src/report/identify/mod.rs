@@ -6,6 +6,7 @@ pub mod plot;
 pub mod third_pole;
 pub mod transient;
 
+use crate::report::kit::words::digits;
 use diagnose::Estimate;
 use plant::Model;
 use std::fmt::Write;
@@ -40,13 +41,6 @@ fn between(estimate: &Estimate) -> String {
         (Some(low), Some(high)) => format!("  # {} to {}", digits(low), digits(high)),
         _ => "  # the record does not bound it".into(),
     }
-}
-
-/// A number with four digits.
-pub(super) fn digits(value: f64) -> String {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 6")]
-    let after = if value == 0.0 { 0 } else { (3.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize };
-    format!("{value:.after$}")
 }
 
 /// The value with its interval.

@@ -4,3 +4,4 @@ pub mod page;
 pub mod palette;
 pub mod plot;
 pub mod table;
+pub mod words;

@@ -9,12 +9,12 @@ pub use first::step_first;
 use super::plot::Diagrams;
 use super::words::{Document, law, rows};
 use crate::analysis::loop_margins::{Assessment, Loop};
-use crate::report::identify::digits;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, PageError, Section};
 use crate::report::kit::plot::Diagram;
+use crate::report::kit::words::digits;
 use first::{answer, decisive, delay_s, first, least_phase, less_gain, more_gain, spoken};
 use maud::{Markup, html};
 

@@ -2,8 +2,8 @@
 
 use super::Report;
 use crate::analysis::next_experiment::Advice;
-use crate::report::diagnosis::document::patch;
 use crate::report::diagnosis::mend;
+use crate::report::diagnosis::patch::patch;
 use crate::report::kit::page::parts::{command, spoken, to_copy};
 use diagnose::{Change, Diagnosis};
 use maud::{Markup, html};

@@ -2,9 +2,9 @@
 
 use super::Report;
 use super::verdict::with_its_like;
-use crate::report::diagnosis::document::whole_percent;
 use crate::report::diagnosis::plot::runs;
 use crate::report::diagnosis::stages::stages;
+use crate::report::diagnosis::words::whole_percent;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{self, bars, chance, spoken};
 use crate::report::kit::page::stretch::worst;

@@ -1,6 +1,6 @@
 //! What pages are made of: tables, bars, text to copy, numbers.
 
-use crate::report::diagnosis::stages::NAMES;
+use crate::report::kit::words::NAMES;
 use maud::{Markup, html};
 use plant::Effects;
 

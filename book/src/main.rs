@@ -5,7 +5,7 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use airball::book::{Config, ConfigError, Desk, regions, small_diagnosis, two_flights};
+use airball::book::{Config, ConfigError, Desk, small_diagnosis, two_flights};
 use airball::cli::{ConfigArgs, effect};
 use airball::commands::{reader_is_gone, with_causes};
 use anyhow::{Context, Result, anyhow, bail};
@@ -71,7 +71,7 @@ fn show(gallery: &gallery::Gallery, entry: &Entry, out: &Path) -> Result<Exhibit
     let file = |what: &str| out.join(format!("{}{what}", entry.name));
     write_page(file(".md"), &page::page(&exhibit))?;
     two_flights(&file("-flight.svg"), &exhibit.with.cycles, &exhibit.without.cycles)?;
-    small_diagnosis(&file("-force.svg"), &exhibit.picture, &regions(&exhibit.found))?;
+    small_diagnosis(&file("-force.svg"), &exhibit.picture, &exhibit.found.regions())?;
     Ok(exhibit)
 }
 

@@ -52,9 +52,7 @@ pub mod book {
     /// A cycle as a diagnosis reads it.
     pub use crate::log::reader::sample;
     /// A diagnosis in words and as a picture.
-    pub use crate::report::diagnosis::{
-        document::regions, next::words as advice_words, plot::small_diagnosis, words::words,
-    };
+    pub use crate::report::diagnosis::{next::words as advice_words, plot::small_diagnosis, words::words};
     /// Two flights in one picture.
     pub use crate::report::flight::plot::two_flights;
     /// Names and numbers as they are printed.

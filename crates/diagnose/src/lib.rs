@@ -21,8 +21,12 @@ pub mod thresholds;
 #[cfg(test)]
 mod tests_support;
 
+pub use answer::closed_loop::{ClosedLoop, Compared, NextExperiment, Simulated};
 pub use answer::diagnosis::{Diagnosis, Verdict, diagnose};
+pub use answer::document::{Context, Document, Interval, ParameterEntry};
+pub use answer::sentences::{decimals, with_rivals};
 pub use answer::series::Series;
+pub use answer::stages::StageShare;
 pub use filter::innovation::Innovation;
 pub use filter::missing_force::{MissingForce, missing_force};
 pub use filter::track::{Forecast, Track, innovations};
@@ -46,7 +50,7 @@ pub use record::folds::Folds;
 pub use record::free_flight::in_free_flight;
 pub use record::prepare::{FlightFinding, prepared};
 pub use record::recording::{Recording, RecordingError, Sample};
-pub use residual::location::{Place, places};
+pub use residual::location::Place;
 pub use residual::misfit::Misfit;
 pub use residual::plots::ResidualPlots;
 pub use residual::score_test::Omitted;

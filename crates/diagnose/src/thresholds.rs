@@ -112,6 +112,11 @@ pub(crate) const BURSTS: f64 = 3.3;
 pub(crate) const WHITE_NOISE_KEPT: std::ops::Range<f64> = 0.5..1.6;
 pub(crate) const WHITE_NOISE_KEPT_SIGMAS: f64 = 2.0;
 
+// Where does the gap lie?
+
+/// A place or a band is wrong by more than chance when its p-value, over all that were looked at, is below this. Convention.
+pub const SIGNIFICANT: f64 = 0.05;
+
 // How far is the answer to be trusted, and how is it ordered?
 
 /// Factor on the probability of a name, without and with a significant residual. Chosen: the shares of right names among rigs of the

@@ -5,10 +5,8 @@ use super::{may_write, note, say, write};
 use crate::analysis::next_experiment::Advice;
 use crate::analysis::virtual_flight::Desk;
 use crate::cli::DiagnoseArgs;
-use crate::report::diagnosis::document::regions;
 use crate::report::diagnosis::logs::findings;
 use crate::report::diagnosis::page::{Report, page as html};
-use crate::report::diagnosis::patch::patch;
 use crate::report::diagnosis::plot;
 use crate::report::diagnosis::words::words;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
@@ -44,7 +42,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     if let Some(path) = &args.patch_out {
-        write("patch", path, &patch(&answer.found))?;
+        write("patch", path, &answer.found.patch_toml())?;
     }
     if let Some(path) = &args.next_out {
         write_next(path, &answer.advice)?;
@@ -87,7 +85,7 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     }
     if let Some(path) = &args.plot {
         let title = format!("{}: free runs, and the force that the belief lacks", asked.names.join(", "));
-        plot::diagnosis(path, &title, &picture, &regions(&answer.found))?;
+        plot::diagnosis(path, &title, &picture, &answer.found.regions())?;
     }
     if let Some(path) = &args.html {
         page::write(path, &report(args, asked, answer, &picture))?;

@@ -1,15 +1,14 @@
 //! Logs of one rig and a config in, a diagnosis out: what `diagnose` does to the logs that are named.
 
-use crate::analysis::closed_loop::ClosedLoop;
+use crate::analysis::closed_loop;
 use crate::analysis::loop_deviations::{Upstream, upstream};
 use crate::analysis::next_experiment::{Advice, advise};
 use crate::analysis::virtual_flight::Desk;
 use crate::config::{Config, Tables};
 use crate::log::reader::{self, LoadedLog};
-use crate::report::diagnosis::document::DiagnosisDocument;
 use crate::report::diagnosis::logs::Logs;
 use anyhow::{Result, bail};
-use diagnose::{Diagnosis, Options, Recording, Verdict};
+use diagnose::{ClosedLoop, Context, Diagnosis, Options, Recording, Verdict};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -77,7 +76,7 @@ impl Asked {
         let found = diagnose::diagnose(&self.belief, &self.recordings, options);
         let mended = (found.verdict != Verdict::InsufficientData).then_some(&found.mended.model);
         progress(fly);
-        let looped = ClosedLoop::measure(&self.logs, &self.tables, &self.belief, mended);
+        let looped = closed_loop::measure(&self.logs, &self.tables, &self.belief, mended);
         progress(choose);
         let together = Recording::together(self.seen());
         let advice = advise(&found, &together, self.desk(), &self.belief);
@@ -95,7 +94,15 @@ impl Asked {
     pub(super) fn document(&self, answer: &Answer) -> Result<String> {
         let Answer { found, looped, advice, .. } = answer;
         let about = self.about(answer);
-        Ok(serde_json::to_string(&DiagnosisDocument::of(found, &self.belief, looped, advice, &about))?)
+        let context = Context {
+            names: self.names.clone(),
+            duration_s: about.duration_s,
+            deviations: about.deviations(),
+            findings: about.findings_of_loop().chain(advice.findings.iter().cloned()).collect(),
+            closed_loop: Some(*looped),
+            next_experiment: advice.experiment.clone(),
+        };
+        Ok(serde_json::to_string(&found.document(&self.belief, &context))?)
     }
 }
 

@@ -12,8 +12,35 @@ use crate::answer::diagnosis::{Diagnosis, Verdict};
 use crate::select::stepwise::NamedEffect;
 use crate::stats::chi_square::survival;
 use plant::{Effects, Stage};
+use serde::Serialize;
+
+/// A stage of the signal path and its share of the gap; all shares add up to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StageShare {
+    /// The stage.
+    pub name: &'static str,
+    /// Its share of the nats.
+    pub share: f64,
+    /// The chance of so much if the model were right.
+    pub p_value: f64,
+}
+
+/// Stages of the loop before the plant, in the order of the signal path.
+const OF_THE_LOOP: [&str; 2] = ["controller", "timing"];
 
 impl Diagnosis {
+    /// Each stage's share of the nats: of the plant, and of the loop before it by its `deviations` from the config (stage and nats),
+    /// each of which was looked for once, so that its chance is at most e^−nats (Markov).
+    #[must_use]
+    pub fn stage_shares(&self, deviations: &[(&'static str, f64)]) -> Vec<StageShare> {
+        let of_plant = Stage::ALL.map(|stage| (stage.name(), self.nats_at(stage), self.chance_at(stage)));
+        let of_loop = OF_THE_LOOP.map(|name| {
+            let nats = deviations.iter().filter(|(stage, _)| *stage == name).map(|(_, nats)| nats).sum::<f64>();
+            (name, nats, (-nats).exp())
+        });
+        shares(of_loop.into_iter().chain(of_plant).collect())
+    }
+
     /// Likelihood gained at a stage by the effects that were found, and asked for there by what they leave unexplained, nats.
     #[must_use]
     pub fn nats_at(&self, stage: Stage) -> f64 {
@@ -45,8 +72,16 @@ impl Diagnosis {
     }
 }
 
+fn shares(mut nats: Vec<(&'static str, f64, f64)>) -> Vec<StageShare> {
+    nats.retain(|(_, nats, _)| *nats > 0.0);
+    let total: f64 = nats.iter().map(|(_, nats, _)| nats).sum();
+    nats.into_iter().map(|(name, nats, p_value)| StageShare { name, share: nats / total, p_value }).collect()
+}
+
 #[cfg(test)]
 mod tests {
+    use super::{StageShare, shares};
+
     use crate::tests_support::{model, record};
     use crate::{Options, diagnose};
     use plant::{Effects, Model, Stage};
@@ -60,5 +95,18 @@ mod tests {
         assert!((found.nats_at(entry.stage) - named.candidate.held_out_gain).abs() < 1e-12);
         assert!(found.chance_at(entry.stage) < 1e-6);
         assert_eq!((found.nats_at(Stage::Ball), found.chance_at(Stage::Ball)), (0.0, 1.0));
+    }
+
+    #[test]
+    fn shares_add_up_to_one_and_a_stage_without_any_is_left_out() {
+        let entry = |name, share, p_value| StageShare { name, share, p_value };
+        let found = shares(vec![
+            ("controller", 30.0, 0.01),
+            ("timing", 0.0, 1.0),
+            ("actuator", 90.0, 0.001),
+            ("air", -2.0, 1.0),
+        ]);
+        assert_eq!(found, [entry("controller", 0.25, 0.01), entry("actuator", 0.75, 0.001)]);
+        assert_eq!(shares(vec![("ball", 0.0, 1.0)]), []);
     }
 }

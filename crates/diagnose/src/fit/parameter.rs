@@ -112,6 +112,19 @@ impl Parameter {
         }
     }
 
+    /// Its key in its table of the config.
+    #[must_use]
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Gain => "gain_mm_per_s2_per_percent",
+            Self::Drag => "drag_per_s",
+            Self::Hover => "hover_duty_percent",
+            Self::SensorNoise => "sensor_mm",
+            Self::AirNoise => "acceleration_psd_mm2_per_s3",
+            Self::Effect { .. } => self.param().map_or("", |param| param.name),
+        }
+    }
+
     /// What the catalogue says of the number; `None` of base parameters.
     fn param(self) -> Option<&'static Param> {
         let Self::Effect { name, index, .. } = self else { return None };

@@ -49,12 +49,6 @@ pub(crate) struct Row {
     pub(crate) standardised: f64,
 }
 
-/// Every place, the most significant first.
-#[must_use]
-pub fn places(model: &Model, recording: &Recording, folds: &Folds) -> Vec<Place> {
-    places_of(&rows(model, recording, folds), recording)
-}
-
 /// A place, and what each row counts there.
 struct Weighed {
     signal: &'static str,
@@ -164,7 +158,7 @@ fn sixths(rows: &[Row], signal: usize) -> Vec<Spot> {
 
 #[cfg(test)]
 mod tests {
-    use super::places;
+    use super::{places_of, rows};
     use crate::record::folds::Folds;
     use crate::tests_support::{model, record};
     use plant::effects::TransportDelay;
@@ -175,7 +169,7 @@ mod tests {
     fn a_right_model_is_rejected_about_as_often_as_the_p_value_says() {
         let rejects = |seed: &u64| {
             let recording = record(&model(), *seed, 40);
-            places(&model(), &recording, &Folds::new(&model(), &recording))[0].p_value < 0.05
+            places_of(&rows(&model(), &recording, &Folds::new(&model(), &recording)), &recording)[0].p_value < 0.05
         };
         let rejected = (0..300).into_par_iter().filter(rejects).count();
         // 2 to 9 % of 300.
@@ -186,7 +180,7 @@ mod tests {
     fn a_delay_that_the_model_lacks_is_found_in_the_time_since_the_duty_moved() {
         let delay = Effects { transport_delay: Some(TransportDelay { delay_s: 0.12 }), ..model().effects };
         let recording = record(&Model { effects: delay, ..model() }, 2, 60);
-        let found = places(&model(), &recording, &Folds::new(&model(), &recording));
+        let found = places_of(&rows(&model(), &recording, &Folds::new(&model(), &recording)), &recording);
         let lag = found.iter().find(|place| place.signal == "lag_s").unwrap();
         assert!(lag.p_value <= 0.01 && lag.from < 0.3, "{found:?}");
     }
@@ -196,6 +190,6 @@ mod tests {
         let wrong = Model { hover_duty_percent: 21.9, ..model() };
         let recording = record(&model(), 2, 60);
         let folds = Folds::new(&model(), &recording);
-        assert!(places(&wrong, &recording, &folds)[0].p_value <= 0.01);
+        assert!(places_of(&rows(&wrong, &recording, &folds), &recording)[0].p_value <= 0.01);
     }
 }

@@ -18,51 +18,14 @@ use super::virtual_flight::Desk;
 use crate::config::Tables;
 use crate::log::reader::LoadedLog;
 use critical_gain::critical_gain;
+use diagnose::{ClosedLoop, Compared, Simulated};
 use plant::Model;
 use rayon::prelude::*;
-use serde::Serialize;
 use stretch::Stretch;
 
 /// Simulated seconds that are enough for medians, and flights at most.
 const ENOUGH_S: f64 = 240.0;
 const MOST_SEEDS: u64 = 4;
-
-/// What one quantity is in the record and in the two simulations; `None` where there is nothing to say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Compared {
-    /// On the rig.
-    pub recorded: Option<f64>,
-    /// The model as believed, flown by the record's controller.
-    pub nominal: Option<f64>,
-    /// The mended model, flown by it.
-    pub mended: Option<f64>,
-}
-
-/// A quantity that only a simulation can show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Simulated {
-    /// The model as believed.
-    pub nominal: Option<f64>,
-    /// The mended model.
-    pub mended: Option<f64>,
-}
-
-/// The figures of the closed loop, as the document of a diagnosis holds them.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ClosedLoop {
-    /// Steps of the record that were looked at.
-    pub steps: usize,
-    /// Largest excursion beyond the new setpoint, percent of the jump.
-    pub overshoot_percent: Compared,
-    /// Time of the first visible peak beyond the new setpoint, seconds.
-    pub peak_time_s: Compared,
-    /// The band that counts as settled, percent of the jump to either side.
-    pub settling_band_percent: f64,
-    /// Time until the ball stays in that band, seconds.
-    pub settling_s: Compared,
-    /// The smallest multiple of the loop's proportional gain at which it loses stability.
-    pub critical_gain_ratio: Simulated,
-}
 
 /// Medians over steps.
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,33 +35,31 @@ struct Figures {
     settling_s: Option<f64>,
 }
 
-impl ClosedLoop {
-    /// Measures logs of one rig, and the two models where the controller that flew each is known; the critical gain is that of the
-    /// last. No `mended` model: nothing was mended.
-    #[must_use]
-    pub fn measure(logs: &[LoadedLog], tables: &Tables, belief: &Model, mended: Option<&Model>) -> Self {
-        let desks: Vec<Option<Desk>> = logs.iter().map(|log| Desk::that_flew(log, tables)).collect();
-        let stretches: Vec<Option<Stretch>> = logs.iter().map(Stretch::of).collect();
-        let steps: Vec<Step> = stretches.iter().flatten().flat_map(|stretch| steps_of(stretch.moments())).collect();
-        let with_steps = |stretch: &&Stretch| !steps_of(stretch.moments()).is_empty();
-        let both = desks.iter().zip(&stretches);
-        let flown: Vec<(&Desk, &Stretch)> =
-            both.filter_map(|(desk, stretch)| desk.as_ref().zip(stretch.as_ref().filter(with_steps))).collect();
-        let models = [Some(belief), mended];
-        let desk = desks.last().and_then(Option::as_ref);
-        let (flown, critical) = rayon::join(
-            || models.map(|model| model.map(|model| fly(&flown, model)).unwrap_or_default()),
-            || models.map(|model| desk.zip(model).and_then(|(desk, model)| critical_gain(desk, model))),
-        );
-        let figures = [Figures::of(&steps), flown[0], flown[1]];
-        Self {
-            steps: steps.len(),
-            overshoot_percent: compared(figures.map(|figures| figures.overshoot_percent)),
-            peak_time_s: compared(figures.map(|figures| figures.peak_s)),
-            settling_band_percent: 5.0,
-            settling_s: compared(figures.map(|figures| figures.settling_s)),
-            critical_gain_ratio: Simulated { nominal: critical[0], mended: critical[1] },
-        }
+/// Measures logs of one rig, and the two models where the controller that flew each is known; the critical gain is that of the
+/// last. No `mended` model: nothing was mended.
+#[must_use]
+pub fn measure(logs: &[LoadedLog], tables: &Tables, belief: &Model, mended: Option<&Model>) -> ClosedLoop {
+    let desks: Vec<Option<Desk>> = logs.iter().map(|log| Desk::that_flew(log, tables)).collect();
+    let stretches: Vec<Option<Stretch>> = logs.iter().map(Stretch::of).collect();
+    let steps: Vec<Step> = stretches.iter().flatten().flat_map(|stretch| steps_of(stretch.moments())).collect();
+    let with_steps = |stretch: &&Stretch| !steps_of(stretch.moments()).is_empty();
+    let both = desks.iter().zip(&stretches);
+    let flown: Vec<(&Desk, &Stretch)> =
+        both.filter_map(|(desk, stretch)| desk.as_ref().zip(stretch.as_ref().filter(with_steps))).collect();
+    let models = [Some(belief), mended];
+    let desk = desks.last().and_then(Option::as_ref);
+    let (flown, critical) = rayon::join(
+        || models.map(|model| model.map(|model| fly(&flown, model)).unwrap_or_default()),
+        || models.map(|model| desk.zip(model).and_then(|(desk, model)| critical_gain(desk, model))),
+    );
+    let figures = [Figures::of(&steps), flown[0], flown[1]];
+    ClosedLoop {
+        steps: steps.len(),
+        overshoot_percent: compared(figures.map(|figures| figures.overshoot_percent)),
+        peak_time_s: compared(figures.map(|figures| figures.peak_s)),
+        settling_band_percent: 5.0,
+        settling_s: compared(figures.map(|figures| figures.settling_s)),
+        critical_gain_ratio: Simulated { nominal: critical[0], mended: critical[1] },
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the figures of the closed loop promise.
 
 use super::critical_gain::critical_gain;
-use super::{ClosedLoop, median};
+use super::median;
 use crate::analysis::virtual_flight::Desk;
 use crate::config::Tables;
 use crate::log::header::About;
@@ -40,7 +40,7 @@ fn the_mended_model_flies_the_steps_as_the_rig_did_and_the_believed_one_does_not
     let belief = tables.plant.clone().unwrap();
     let late = Effects { transport_delay: Some(TransportDelay { delay_s: 0.12 }), ..belief.effects.clone() };
     let rig = Model { effects: late, ..belief.clone() };
-    let found = ClosedLoop::measure(&[flight(&rig, 64.0)], &tables, &belief, Some(&rig));
+    let found = super::measure(&[flight(&rig, 64.0)], &tables, &belief, Some(&rig));
     assert_eq!(found.steps, 8);
     let of = |c: super::Compared| [c.recorded, c.nominal, c.mended].map(Option::unwrap);
     let [recorded, nominal, mended] = of(found.overshoot_percent);
@@ -57,7 +57,7 @@ fn a_record_whose_controller_nobody_knows_has_only_its_own_figures() {
     let tables = project();
     let belief = tables.plant.clone().unwrap();
     let plant_only = Tables { plant: Some(belief.clone()), ..Tables::default() };
-    let found = ClosedLoop::measure(&[flight(&belief, 40.0)], &plant_only, &belief, Some(&belief));
+    let found = super::measure(&[flight(&belief, 40.0)], &plant_only, &belief, Some(&belief));
     assert!(found.steps == 5 && found.overshoot_percent.recorded.is_some(), "{found:?}");
     assert_eq!((found.overshoot_percent.nominal, found.settling_s.mended), (None, None));
     assert_eq!((found.critical_gain_ratio.nominal, found.critical_gain_ratio.mended), (None, None));
@@ -68,7 +68,7 @@ fn the_steps_of_several_logs_are_taken_together() {
     let tables = project();
     let belief = tables.plant.clone().unwrap();
     let flight = flight(&belief, 40.0);
-    let [once, twice] = [1, 2].map(|logs| ClosedLoop::measure(&vec![flight.clone(); logs], &tables, &belief, None));
+    let [once, twice] = [1, 2].map(|logs| super::measure(&vec![flight.clone(); logs], &tables, &belief, None));
     assert_eq!((once.steps, twice.steps), (5, 10));
     assert_eq!(once.overshoot_percent.recorded, twice.overshoot_percent.recorded);
     assert!(twice.overshoot_percent.nominal.is_some() && twice.critical_gain_ratio == once.critical_gain_ratio);
@@ -80,7 +80,7 @@ fn a_record_without_setpoints_has_no_steps() {
     let belief = tables.plant.clone().unwrap();
     let samples = flight(&belief, 20.0).recording.samples().to_vec();
     let bare = samples.iter().map(|s| diagnose::Sample { setpoint_mm: None, ..*s }).collect();
-    let found = ClosedLoop::measure(&[log(bare)], &tables, &belief, None);
+    let found = super::measure(&[log(bare)], &tables, &belief, None);
     assert_eq!((found.steps, found.overshoot_percent), (0, super::Compared::default()));
     assert!(found.critical_gain_ratio.nominal.is_some() && found.critical_gain_ratio.mended.is_none());
 }

@@ -23,11 +23,10 @@ mod tests;
 use super::virtual_flight::Desk;
 use crate::flight::experiment::Experiment;
 use candidates::{Candidate, candidates};
-use diagnose::{Diagnosis, Recording};
+use diagnose::{Diagnosis, NextExperiment, Recording};
 use plant::Model;
 use rayon::prelude::*;
 use score::{Records, fly_all};
-use serde::Serialize;
 
 /// An experiment that separates by less, nats a minute, separates nothing: it would have to be flown for long to bring the 5 nats
 /// by which the diagnosis names one effect rather than another.
@@ -39,26 +38,11 @@ const SHORT_LIST: usize = 2;
 /// A name of what may act, and the model in which it does.
 pub type Rival = (&'static str, Model);
 
-/// An experiment that is worth flying next.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Next {
-    /// Its short name.
-    pub name: &'static str,
-    /// Why this one, in a sentence.
-    pub reason: String,
-    /// What it tells apart.
-    pub separates: Vec<&'static str>,
-    /// How decisively, nats per minute of it, for the pair that it separates least.
-    pub expected_nats: f64,
-    /// The file that `run` and `simulate` fly.
-    pub file: String,
-}
-
 /// What can be said about the next flight.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Advice {
     /// The experiment, if one helps.
-    pub experiment: Option<Next>,
+    pub experiment: Option<NextExperiment>,
     /// What no experiment of the list settles, and what would, in sentences.
     pub findings: Vec<String>,
 }
@@ -84,7 +68,7 @@ fn next_flight(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, bel
     }
     let Some(gap) = open_questions::question(found, recording, belief) else { return Advice::default() };
     let stand_ins = open_questions::stand_ins(belief);
-    let experiment = choose(&stand_ins, &with_the_first(stand_ins.len()), &desk).map(|best| Next {
+    let experiment = choose(&stand_ins, &with_the_first(stand_ins.len()), &desk).map(|best| NextExperiment {
         reason: format!("{gap} This experiment is the one of the list that would show most of what may be missing."),
         separates: best.separates.iter().copied().filter(|name| *name != open_questions::AS_BELIEVED).collect(),
         ..best
@@ -98,7 +82,7 @@ pub fn between(rivals: &[Rival], desk: &Desk, recording: &Recording) -> Advice {
     let apart: Vec<Rival> = rivals.iter().filter(|rival| !rivals::is_second_twin(rival, rivals)).cloned().collect();
     let best = if apart.len() > 1 { choose(&apart, &all_pairs(apart.len()), desk) } else { None };
     let told: Vec<&str> = best.as_ref().map_or_else(Vec::new, |best| best.separates.clone());
-    let experiment = best.map(|best| Next {
+    let experiment = best.map(|best| NextExperiment {
         reason: format!(
             "This record cannot tell {} apart; of the safe experiments of the list this one separates them best, by {:.0} \
              nats a minute (5 are e⁵ to 1).",
@@ -123,7 +107,7 @@ fn with_the_first(count: usize) -> Vec<(usize, usize)> {
 }
 
 /// The experiment that separates most of the `pairs` of `rivals`, and of those the one that separates them best.
-fn choose(rivals: &[Rival], pairs: &[(usize, usize)], desk: &Desk) -> Option<Next> {
+fn choose(rivals: &[Rival], pairs: &[(usize, usize)], desk: &Desk) -> Option<NextExperiment> {
     let mut flown: Vec<(Candidate, Records, (usize, f64))> = candidates(desk, rivals)
         .into_par_iter()
         .filter_map(|candidate| {
@@ -146,7 +130,7 @@ fn choose(rivals: &[Rival], pairs: &[(usize, usize)], desk: &Desk) -> Option<Nex
         .map(|(name, _)| *name)
         .filter(|name| separated.iter().any(|(a, b)| a == name || b == name))
         .collect();
-    (!separated.is_empty()).then(|| Next {
+    (!separated.is_empty()).then(|| NextExperiment {
         name: candidate.name,
         reason: String::new(),
         separates,

@@ -1,6 +1,6 @@
 //! The closed loop in words: what was recorded, what the believed model does, what the mended one does.
 
-use crate::analysis::closed_loop::{ClosedLoop, Compared};
+use diagnose::{ClosedLoop, Compared};
 
 /// A line on the steps and one on stability, each only where there is something to say.
 #[must_use]
@@ -43,7 +43,7 @@ fn three(of: Compared, flew: Compared, digits: usize, unit: &str, absent: &str) 
 #[cfg(test)]
 mod tests {
     use super::words;
-    use crate::analysis::closed_loop::{ClosedLoop, Compared, Simulated};
+    use diagnose::{ClosedLoop, Compared, Simulated};
 
     #[test]
     fn what_is_not_known_is_not_said() {

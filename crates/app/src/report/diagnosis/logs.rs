@@ -23,6 +23,22 @@ impl<'a> Logs<'a> {
         (count > 1).then(|| format!("{count} logs together, {:.1} s", self.duration_s))
     }
 
+    /// The stages before the plant where the loop of a log did otherwise than its config says, and what that is worth, nats.
+    #[must_use]
+    pub fn deviations(&self) -> Vec<(&'static str, f64)> {
+        self.upstream.iter().map(|(_, stage)| (stage.name, stage.nats)).collect()
+    }
+
+    /// The same in sentences, by name where there are several logs.
+    pub fn findings_of_loop(&self) -> impl Iterator<Item = String> {
+        self.upstream().map(|(name, stage)| self.named(name, stage.finding.clone()))
+    }
+
+    /// A finding behind the name of its log where there are several.
+    fn named(&self, name: &str, finding: String) -> String {
+        if self.names.len() > 1 { format!("{name}: {finding}") } else { finding }
+    }
+
     /// Where the loop did otherwise than its config says, and the name of the log.
     pub fn upstream(&self) -> impl Iterator<Item = (&'a str, &'a Upstream)> {
         let names = self.names;
@@ -39,9 +55,6 @@ pub fn findings<'a>(found: &'a Diagnosis, logs: &Logs<'a>) -> impl Iterator<Item
 /// The same in sentences, by name where there are several logs, and what no experiment settles.
 #[must_use]
 pub fn sentences(found: &Diagnosis, advice: &Advice, logs: &Logs<'_>) -> Vec<String> {
-    let several = logs.names.len() > 1;
-    let sentence = |(name, finding): (&str, String)| if several { format!("{name}: {finding}") } else { finding };
-    let of_rows = findings(found, logs).map(|(name, finding)| (name, finding.to_string()));
-    let of_loop = logs.upstream().map(|(name, stage)| (name, stage.finding.clone()));
-    of_rows.chain(of_loop).map(sentence).chain(advice.findings.iter().cloned()).collect()
+    let of_rows = findings(found, logs).map(|(name, finding)| logs.named(name, finding.to_string()));
+    of_rows.chain(logs.findings_of_loop()).chain(advice.findings.iter().cloned()).collect()
 }

@@ -1,14 +1,10 @@
-//! A diagnosis: in words, as a document, as a picture and as a page.
+//! A diagnosis: in words, as a picture and as a page. Its document, its sentences and its patch are those of the crate `diagnose`.
 
 pub mod closed_loop;
-pub mod document;
-pub mod left_over;
 pub mod logs;
 pub mod mend;
 pub mod missing_force;
 pub mod next;
 pub mod page;
-pub mod patch;
 pub mod plot;
-pub mod stages;
 pub mod words;

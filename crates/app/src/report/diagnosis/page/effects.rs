@@ -1,11 +1,10 @@
 //! Which effect it is: those that were named, with their numbers, and every one that was tried.
 
 use super::Report;
-use crate::report::diagnosis::document::{Interval, effect_intervals};
 use crate::report::diagnosis::mend;
 use crate::report::kit::page::parts::{chance, number, spoken, stage, table, three_digits};
 use diagnose::thresholds::{FIRST_EFFECT, INDISTINGUISHABLE, SECOND_EFFECT, SHARE_OF_OMITTED};
-use diagnose::{Change, NamedEffect, Scored};
+use diagnose::{Change, Interval, NamedEffect, Scored};
 use maud::{Markup, html};
 use plant::Effects;
 
@@ -39,11 +38,12 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
         Change::Retuned => "believed, of another size",
         Change::Removed => "believed, and not there",
     };
-    let width = report
+    let width = report.found.difference(&entry).map(|(difference, [value, low, high])| {
+        (difference.key, Interval { value, low: Some(low), high: Some(high), at_bound: None })
+    });
+    let rows: Vec<(Markup, Vec<Markup>)> = report
         .found
-        .difference(&entry)
-        .map(|(difference, [value, low, high])| (difference.key, Interval { value, low: Some(low), high: Some(high) }));
-    let rows: Vec<(Markup, Vec<Markup>)> = effect_intervals(named, report.found, &report.found.intervals())
+        .effect_parameters(named)
         .into_iter()
         .chain(width)
         .map(|(key, interval)| {

@@ -2,10 +2,10 @@
 
 use super::Report;
 use super::effects::ends;
-use crate::analysis::closed_loop::{ClosedLoop, Compared};
-use crate::report::diagnosis::document::{ParameterEntry, parameters};
 use crate::report::kit::page::parts::{number, table, three_digits};
 use diagnose::Gap;
+use diagnose::ParameterEntry;
+use diagnose::{ClosedLoop, Compared};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
@@ -87,7 +87,6 @@ fn numbers(report: &Report<'_>) -> Markup {
         let cells = vec![html! { (three_digits(nominal)) }, html! { (three_digits(interval.value)) }, ends(&interval)];
         (html! { (name(key)) }, cells)
     };
-    let known = report.found.intervals();
-    let rows: Vec<Row> = parameters(report.found, report.belief, &known).into_iter().map(row).collect();
+    let rows: Vec<Row> = report.found.base_parameters(report.belief).into_iter().map(row).collect();
     table("Base parameters", &["number", "as believed", "mended", "90 % interval"], &rows)
 }

@@ -1,13 +1,12 @@
 //! Where simulator and rig part: by place, by frequency, and by the time since the duty.
 
 use super::Report;
-use crate::report::diagnosis::document::{SIGNIFICANT, regions};
-use crate::report::diagnosis::left_over::left_over;
 use crate::report::diagnosis::plot::{over_signals, over_time};
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{number, signal, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
+use diagnose::thresholds::SIGNIFICANT;
 use diagnose::{MissingForce, Place, ResidualPlots, Verdict};
 use maud::{Markup, html};
 
@@ -15,7 +14,7 @@ use maud::{Markup, html};
 const STANDS_OUT: f64 = 1.8;
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
-    let (picture, places) = (report.picture, regions(report.found));
+    let (picture, places) = (report.picture, report.found.regions());
     html! {
         p {
             "The force that the belief lacks once its numbers are fitted. Shaded are the places where its forecasts are off by more than "
@@ -23,7 +22,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
             "in closed loop even where nothing is wrong."
         }
         (in_words(&places))
-        @if let Some(shape) = left_over(report.found) { p { (shape) "." } }
+        @if let Some(shape) = report.found.residual_in_words() { p { (shape) "." } }
         @if picture.missing.is_empty() {
             p.nothing { "The ball never flew free: there is no force to draw." }
         } @else {

@@ -3,13 +3,12 @@
 use super::Report;
 use crate::analysis::next_experiment::Advice;
 use crate::report::diagnosis::mend;
-use crate::report::diagnosis::patch::patch;
 use crate::report::kit::page::parts::{command, spoken, to_copy};
 use diagnose::{Change, Diagnosis};
 use maud::{Markup, html};
 
 pub(super) fn simulator(found: &Diagnosis) -> Markup {
-    let patch = patch(found);
+    let patch = found.patch_toml();
     html! {
         @if patch.is_empty() {
             p { "There is nothing to mend: the belief stays as it is." }

@@ -5,11 +5,8 @@ mod gap;
 mod location;
 mod mending;
 mod summary;
-mod verdict;
 
-use super::document::regions;
 use super::logs::{Logs, sentences};
-use crate::analysis::closed_loop::ClosedLoop;
 use crate::analysis::next_experiment::Advice;
 use crate::report::diagnosis::plot::{over_time, runs};
 use crate::report::kit::page::parts::findings;
@@ -17,6 +14,7 @@ use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{commanded, duty};
 use control::compensation::Compensation;
+use diagnose::ClosedLoop;
 use diagnose::{Diagnosis, Series, Verdict};
 use maud::{Markup, html};
 use plant::Model;
@@ -60,7 +58,7 @@ pub fn page(report: &Report<'_>) -> String {
         Section::across("record", "The whole record", whole(&record)),
         Section::words("words", "Words on this page", words()),
     ];
-    let answer = verdict::sentence(report.found);
+    let answer = report.found.verdict_in_words();
     Page { kind: "diagnosis", from, answer: &answer, first: summary::body(report), sections, record: &record }.render()
 }
 
@@ -70,7 +68,7 @@ fn record(report: &Report<'_>) -> Record {
     position.lines.insert(0, commanded(&picture.recording));
     let mut diagrams = vec![position, duty(&picture.recording)];
     if !picture.missing.is_empty() {
-        let mut force = over_time(&picture.missing, &regions(found));
+        let mut force = over_time(&picture.missing, &found.regions());
         force.lines.iter_mut().for_each(|line| line.label = "");
         diagrams.push(force);
     }

@@ -1,15 +1,13 @@
 //! What is seen first, below the answer: the signal path with the guilty stage marked, the gap before and after, and one picture.
 
 use super::Report;
-use super::verdict::with_its_like;
 use crate::report::diagnosis::plot::runs;
-use crate::report::diagnosis::stages::stages;
 use crate::report::diagnosis::words::whole_percent;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{self, bars, chance, spoken};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::plot::{Diagram, commanded};
-use diagnose::{Closed, Series, Verdict};
+use diagnose::{Closed, Series, Verdict, with_rivals};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
@@ -33,7 +31,7 @@ fn lede(report: &Report<'_>) -> Markup {
             @else { (format!("mended, by {after:.1}\u{a0}mm, where noise alone makes {floor:.1}\u{a0}mm. ")) }
         }
         @for named in &found.effects {
-            "It is " (with_its_like(named)) ": " (chance(named.probability)) " sure. "
+            "It is " (with_rivals(named)) ": " (chance(named.probability)) " sure. "
         }
         @for (_, stage) in report.logs.upstream() { "Before the duty reaches the fan: " (stage.finding) ". " }
         @if found.verdict == Verdict::InsufficientData { "Why, and what to fly instead, stands " a href="#check" { "below" } "." }
@@ -54,7 +52,7 @@ const PATH: [(&str, bool); 9] = [
 ];
 
 fn path(report: &Report<'_>) -> Markup {
-    let shares = stages(report.found, report.logs);
+    let shares = report.found.stage_shares(&report.logs.deviations());
     let share = |name: &str| shares.iter().find(|stage| stage.name == if name == "duty" { "timing" } else { name });
     html! {
         figure.path {

@@ -1,0 +1,254 @@
+//! A diagnosis as a document for programs (`airball.diagnosis/1`).
+
+use crate::answer::closed_loop::{ClosedLoop, NextExperiment};
+use crate::answer::diagnosis::{Diagnosis, Verdict};
+use crate::answer::stages::StageShare;
+use crate::fit::parameter::Parameter;
+use crate::gap::forecast_error::Gap;
+use crate::gap::share_closed::Closed;
+use crate::residual::location::Place;
+use crate::residual::spectrum::Band;
+use crate::select::stepwise::{Change, NamedEffect};
+use crate::thresholds::SIGNIFICANT;
+use plant::Model;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Places that a document lists at most.
+const MOST_PLACES: usize = 8;
+
+/// What a document says beside the diagnosis itself. All of it may be left empty.
+#[derive(Clone, Debug, Default)]
+pub struct Context {
+    /// The names of the logs, in the order of the recordings; messages name a log where there are several.
+    pub names: Vec<String>,
+    /// Their length together, seconds.
+    pub duration_s: f64,
+    /// Stages before the plant (`controller`, `timing`) that deviated from the config, and what that is worth, nats.
+    pub deviations: Vec<(&'static str, f64)>,
+    /// More findings, as sentences.
+    pub findings: Vec<String>,
+    /// The closed loop before and after the mend.
+    pub closed_loop: Option<ClosedLoop>,
+    /// What to fly next.
+    pub next_experiment: Option<NextExperiment>,
+}
+
+/// The document.
+#[derive(Clone, Debug, Serialize)]
+pub struct Document {
+    schema: &'static str,
+    verdict: Verdict,
+    effects: Vec<EffectEntry>,
+    parameters: BTreeMap<&'static str, ParameterEntry>,
+    gap: GapEntry,
+    r#where: WhereEntry,
+    check: CheckEntry,
+    next_experiment: Option<NextExperiment>,
+    version: &'static str,
+    config_patch: String,
+    #[serde(skip)]
+    sentences: Vec<String>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct EffectEntry {
+    name: &'static str,
+    change: Change,
+    probability: f64,
+    indistinguishable_from: Vec<&'static str>,
+    parameters: BTreeMap<&'static str, Interval>,
+}
+
+/// A value with its 90 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// The value.
+    pub value: f64,
+    /// Lower end; `None`: the record does not determine it.
+    pub low: Option<f64>,
+    /// Upper end; `None`: the record does not determine it.
+    pub high: Option<f64>,
+    /// The bound of what is possible on this record, if the value stands at it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_bound: Option<f64>,
+}
+
+/// A base parameter: what was believed, and what was found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ParameterEntry {
+    /// What was believed.
+    pub nominal: f64,
+    /// What the mended model has.
+    #[serde(flatten)]
+    pub interval: Interval,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct GapEntry {
+    horizons_s: [f64; 3],
+    nominal_mm: [Option<f64>; 3],
+    refitted_mm: [Option<f64>; 3],
+    mended_mm: [Option<f64>; 3],
+    floor_mm: [Option<f64>; 3],
+    stay_put_mm: [Option<f64>; 3],
+    free_run_10s_mm: BTreeMap<&'static str, Option<f64>>,
+    closed_loop: Option<ClosedLoop>,
+    closed: Option<Closed>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct WhereEntry {
+    stage: Vec<StageShare>,
+    regions: Vec<Place>,
+    frequency_hz: Option<Band>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct CheckEntry {
+    logs: usize,
+    duration_s: f64,
+    findings: Vec<String>,
+}
+
+impl Document {
+    /// The verdict in a sentence, then one for each effect and for the residual.
+    #[must_use]
+    pub fn sentences(&self) -> &[String] {
+        &self.sentences
+    }
+
+    /// The mended model as a config patch (TOML); empty where nothing needs mending.
+    #[must_use]
+    pub fn config_patch(&self) -> &str {
+        &self.config_patch
+    }
+}
+
+impl Diagnosis {
+    /// The document of this diagnosis of a rig that was believed to be `belief`.
+    #[must_use]
+    pub fn document(&self, belief: &Model, context: &Context) -> Document {
+        Document {
+            schema: "airball.diagnosis/1",
+            verdict: self.verdict,
+            effects: self.effects.iter().map(|named| self.effect_entry(named)).collect(),
+            parameters: self.base_parameters(belief),
+            gap: self.gap_entry(context.closed_loop),
+            r#where: WhereEntry {
+                stage: self.stage_shares(&context.deviations),
+                regions: self.regions(),
+                frequency_hz: self.band.filter(|_| self.verdict != Verdict::NoGap),
+            },
+            check: CheckEntry {
+                logs: context.names.len(),
+                duration_s: context.duration_s,
+                findings: self.findings_in_words(context),
+            },
+            next_experiment: context.next_experiment.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            config_patch: self.patch_toml(),
+            sentences: self.sentences(),
+        }
+    }
+
+    /// The places where the refitted belief is significantly wrong, the most significant first.
+    #[must_use]
+    pub fn regions(&self) -> Vec<Place> {
+        self.places.iter().filter(|place| place.p_value < SIGNIFICANT).take(MOST_PLACES).cloned().collect()
+    }
+
+    /// Gain, drag and hover by their keys of the config: what was believed, and what the mended model has.
+    #[must_use]
+    pub fn base_parameters(&self, belief: &Model) -> BTreeMap<&'static str, ParameterEntry> {
+        let entry = |parameter: Parameter| {
+            let nominal = parameter.value(belief).unwrap_or(f64::NAN);
+            ParameterEntry { nominal, interval: self.interval(parameter) }
+        };
+        [Parameter::Gain, Parameter::Drag, Parameter::Hover].into_iter().map(|one| (one.key(), entry(one))).collect()
+    }
+
+    /// The parameters of an effect that was found, by their keys of the config.
+    #[must_use]
+    pub fn effect_parameters(&self, named: &NamedEffect) -> BTreeMap<&'static str, Interval> {
+        let entry = named.candidate.entry;
+        let values = self.mended.model.effects.values(entry.name).unwrap_or_default();
+        let known = self.intervals();
+        let parameters = entry.params.iter().zip(&values).enumerate().map(|(index, (param, value))| {
+            let found = known.iter().find(|(one, ..)| one.index_in(entry.name) == Some(index));
+            (param.name, self.with_ends(*value, found))
+        });
+        parameters.collect()
+    }
+
+    fn interval(&self, parameter: Parameter) -> Interval {
+        let known = self.intervals();
+        let value = parameter.value(&self.mended.model).unwrap_or(f64::NAN);
+        self.with_ends(value, known.iter().find(|(other, ..)| *other == parameter))
+    }
+
+    fn with_ends(&self, value: f64, known: Option<&(Parameter, f64, f64)>) -> Interval {
+        let ends = known.filter(|(_, low, high)| (high - low).is_finite());
+        Interval { value, low: ends.map(|ends| ends.1), high: ends.map(|ends| ends.2), at_bound: None }
+    }
+
+    fn effect_entry(&self, named: &NamedEffect) -> EffectEntry {
+        EffectEntry {
+            name: named.candidate.entry.name,
+            change: named.change,
+            probability: named.probability,
+            indistinguishable_from: named.indistinguishable_from.clone(),
+            parameters: self.effect_parameters(named),
+        }
+    }
+
+    fn gap_entry(&self, closed_loop: Option<ClosedLoop>) -> GapEntry {
+        let [nominal, refitted, mended] = &self.gaps;
+        let free = |gap: &Gap| gap.free_run_10s_mm;
+        GapEntry {
+            horizons_s: nominal.horizons_s,
+            nominal_mm: nominal.error_mm,
+            refitted_mm: refitted.error_mm,
+            mended_mm: mended.error_mm,
+            floor_mm: mended.floor_mm,
+            stay_put_mm: nominal.stay_put_mm,
+            free_run_10s_mm: BTreeMap::from([
+                ("nominal", free(nominal)),
+                ("refitted", free(refitted)),
+                ("mended", free(mended)),
+                ("floor", mended.floor_free_run_10s_mm),
+            ]),
+            closed_loop,
+            closed: self.closed,
+        }
+    }
+
+    /// What each log cannot answer, by name where there are several, the findings of the context, and the residual in words.
+    fn findings_in_words(&self, context: &Context) -> Vec<String> {
+        let several = context.names.len() > 1;
+        let of_rows = self.findings.iter().map(|noted| {
+            let name = context.names.get(noted.flight).map_or("", String::as_str);
+            if several { format!("{name}: {}", noted.finding) } else { noted.finding.to_string() }
+        });
+        of_rows.chain(context.findings.iter().cloned()).chain(self.residual_in_words()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Context;
+    use crate::tests_support::{model, record};
+    use crate::{Options, diagnose};
+    use plant::{Effects, Model};
+
+    #[test]
+    fn a_document_without_any_context_says_verdict_effects_and_patch() {
+        let belief = Model { effects: Effects::default(), drag_per_s: 1.95, ..model() };
+        let found = diagnose(&belief, &record(&model(), 1, 60), &Options::default());
+        let document = found.document(&belief, &Context::default());
+        assert!(document.config_patch().contains("[plant.effects."), "{}", document.config_patch());
+        assert!(document.sentences()[0].starts_with("The rig has "), "{:?}", document.sentences());
+        assert_eq!(document.sentences().len(), 1 + found.effects.len(), "{:?}", document.sentences());
+        assert!(document.check.findings.is_empty() && document.next_experiment.is_none());
+    }
+}

@@ -1,0 +1,181 @@
+//! What a diagnosis says in sentences: the verdict, each effect, and the residual. Terminal, page and document take them from here.
+
+use crate::answer::diagnosis::{Diagnosis, Verdict};
+use crate::answer::document::Interval;
+use crate::residual::misfit::Misfit;
+use crate::select::stepwise::{Change, NamedEffect};
+use crate::thresholds::AIR_RATIO;
+use plant::{Effects, Stage};
+
+/// Terms that a sentence names at most.
+const MOST_TERMS: usize = 3;
+/// What the letters of a term mean.
+const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
+/// Why an answer that leaves nothing over is unexplained all the same.
+const TOO_MANY: &str = "nothing is left over, but three effects or more at once follow almost any record: trust them no more than one that leaves \
+    something, mend the first, fly again, and diagnose again";
+
+impl Diagnosis {
+    /// The verdict in one sentence, without its full stop.
+    #[must_use]
+    pub fn verdict_in_words(&self) -> String {
+        match self.verdict {
+            Verdict::NoGap => "No gap: the simulator forecasts this record as well as noise allows".into(),
+            Verdict::Parameters => {
+                "The simulator lacks no effect that this record shows, but its numbers are off".into()
+            }
+            Verdict::InsufficientData => "This record cannot say what separates simulator and rig".into(),
+            Verdict::Unexplained if self.effects.is_empty() => {
+                "Something separates simulator and rig that no effect of the catalogue explains".into()
+            }
+            Verdict::Unexplained if !self.misfit.is_significant() => {
+                format!("{}, which are more effects at once than one record proves", of_effects(&self.effects))
+            }
+            Verdict::Unexplained => {
+                format!("{}, and something is left that no effect explains", of_effects(&self.effects))
+            }
+            Verdict::Effect => of_effects(&self.effects),
+        }
+    }
+
+    /// An effect in one line: how probable it is, what is to be done about it, its parameters with their 90 % intervals, and what it
+    /// cannot be told from.
+    #[must_use]
+    pub fn effect_in_words(&self, named: &NamedEffect) -> String {
+        let entry = named.candidate.entry;
+        let sure = format!("{:<22} {:.0} % sure   ", entry.name, 100.0 * named.probability);
+        if named.change == Change::Removed {
+            return format!("{sure}believed, and not there: leave it out of the model");
+        }
+        let own = self.effect_parameters(named);
+        let in_order = entry.params.iter().filter_map(|param| Some((param.name, *own.get(param.name)?)));
+        let difference = self.difference(&entry).map(|(difference, [value, low, high])| {
+            (difference.name, Interval { value, low: Some(low), high: Some(high), at_bound: None })
+        });
+        let numbers: Vec<String> =
+            in_order.chain(difference).map(|(name, interval)| format!("{name} = {}", interval.in_words())).collect();
+        let retuned = if named.change == Change::Retuned { "retuned   " } else { "" };
+        let twins = match &named.indistinguishable_from[..] {
+            [] => String::new(),
+            names => format!("   (cannot be told from {})", names.join(", ")),
+        };
+        format!("{sure}{retuned}{}{twins}", numbers.join(", "))
+    }
+
+    /// The form of a significant residual; `None` where it is not, or has no form.
+    #[must_use]
+    pub fn residual_in_words(&self) -> Option<String> {
+        if self.verdict != Verdict::Unexplained {
+            return None;
+        }
+        let misfit = &self.misfit;
+        if !misfit.is_significant() {
+            return Some(TOO_MANY.to_owned());
+        }
+        let terms = misfit.omitted_terms.iter().filter(|_| misfit.omitted_is_reported());
+        let terms: Vec<String> =
+            terms.take(MOST_TERMS).map(|term| format!("{} (z = {:.1})", term.words, term.z)).collect();
+        let known = (!terms.is_empty()).then(|| format!("{} [{LETTERS}]", terms.join(", ")));
+        let events = misfit.event_terms.iter().filter(|_| misfit.events_are_reported());
+        let events: Vec<String> =
+            events.take(MOST_TERMS).map(|event| format!("{} (z = {:.1})", event.words, event.z)).collect();
+        let events = (!events.is_empty()).then(|| events.join(", "));
+        let restless = (misfit.air_ratio > AIR_RATIO)
+            .then(|| format!("noise of the air {:.1} times as strong as believed", misfit.air_ratio));
+        let form: Vec<String> = known.into_iter().chain(events).chain(restless).collect();
+        let acts = stage_in_words(misfit).unwrap_or_default();
+        let without =
+            misfit.outdone_effect.map_or(String::new(), |name| format!(" without {name}, which explains less,"));
+        (!form.is_empty()).then(|| format!("what is left{without} looks like {}{acts}", form.join(", and ")))
+    }
+
+    /// The verdict, then each effect and the residual, a sentence each.
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
+        let effects = self.effects.iter().map(|named| self.effect_in_words(named));
+        std::iter::once(self.verdict_in_words()).chain(effects).chain(self.residual_in_words()).collect()
+    }
+}
+
+impl Interval {
+    /// The value with its ends, and the bound that it stands at, as a config takes numbers.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let plain = |value: f64| format!("{:.*}", decimals(value), value + 0.0);
+        let ends = self.low.zip(self.high).map(|(low, high)| format!(" ({} to {})", plain(low), plain(high)));
+        let bound = self.at_bound.map(|bound| format!(" [at {}, the bound of what this record allows]", plain(bound)));
+        format!("{}{}{}", plain(self.value), ends.unwrap_or_default(), bound.unwrap_or_default())
+    }
+}
+
+/// Half of the smallest number that six places show.
+const SMALLEST: f64 = 5e-7;
+
+/// The places that leave a number three digits that count; none of 0.
+#[must_use]
+pub fn decimals(value: f64) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
+    let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    if value.abs() < SMALLEST { 0 } else { places }
+}
+
+/// An effect and those that it cannot be told from, each with its article.
+#[must_use]
+pub fn with_rivals(named: &NamedEffect) -> String {
+    let names = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
+    names.map(|name| with_article(name)).collect::<Vec<_>>().join(" or ")
+}
+
+fn of_effects(effects: &[NamedEffect]) -> String {
+    let by = |change| effects.iter().filter(move |named| named.change == change).map(with_rivals).collect::<Vec<_>>();
+    let clause = |change, before: &str, after: &str| {
+        let names = by(change);
+        (!names.is_empty()).then(|| format!("{before}{}{after}", listed(&names)))
+    };
+    let clauses = [
+        clause(Change::Added, "the rig has ", " that the simulator lacks"),
+        clause(Change::Retuned, "the rig has ", " of another size than believed"),
+        clause(Change::Removed, "the simulator has ", " that the rig lacks"),
+    ];
+    capital(&clauses.into_iter().flatten().collect::<Vec<_>>().join("; "))
+}
+
+/// "a dead zone", "an end stop", "turbulence".
+fn with_article(name: &str) -> String {
+    format!("{}{}", Effects::entry(name).map_or("", |entry| entry.article), name.replace('_', " "))
+}
+
+/// "a, b and c".
+fn listed(names: &[String]) -> String {
+    match names {
+        [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The stage that most of a residual belongs to, in words.
+fn stage_in_words(misfit: &Misfit) -> Option<String> {
+    let nats = Stage::ALL.map(|stage| (misfit.nats_at(stage), stage));
+    let all: f64 = nats.iter().map(|(own, _)| own).sum();
+    let (_, stage) = nats.into_iter().find(|(own, _)| *own > 0.5 * all)?;
+    Some(format!("; most of that belongs to the {}", stage.name()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{listed, with_article};
+
+    #[test]
+    fn names_are_spoken_as_a_person_would() {
+        assert_eq!(
+            ["dead_zone", "end_stop", "turbulence"].map(with_article),
+            ["a dead zone", "an end stop", "turbulence"]
+        );
+        assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
+    }
+}

@@ -66,8 +66,8 @@ pub enum Neutral {
 pub enum Scale {
     /// The value itself, but no less than a tenth of the first of the entry's sizes.
     Value,
-    /// This many of the parameter's units, whatever its value: for a place, whose value says nothing of how finely it is known.
-    Fixed(f64),
+    /// This many mm, whatever the value: of a height, whose value says nothing of how finely it is known.
+    Height(f64),
 }
 
 /// What an effect is easily taken for.
@@ -221,7 +221,7 @@ impl Entry {
     #[must_use]
     pub fn step_size(&self, index: usize, value: f64) -> f64 {
         match self.params.get(index).map(|param| param.scale) {
-            Some(Scale::Fixed(size)) => size,
+            Some(Scale::Height(size)) => size,
             _ => {
                 let usual = self.sizes.first().and_then(|sizes| sizes.get(index)).copied().unwrap_or(1.0);
                 value.abs().max(0.1 * usual.abs())

@@ -8,6 +8,7 @@
 
 use crate::acts::Ball;
 use crate::actuator::Actuator;
+use crate::effect::{Neutral, Param, Scale};
 use crate::effects::Effects;
 use crate::unsound::Unsound;
 use control::check::{OutOfRange, within};
@@ -42,16 +43,32 @@ pub struct Noise {
     pub acceleration_psd_mm2_per_s3: f64,
 }
 
+/// A base parameter with its bounds.
+const fn base(name: &'static str, min: f64, max: f64) -> Param {
+    Param { name, min, max, neutral: Neutral::Any(0.0), scale: Scale::Value }
+}
+
 impl Model {
+    /// The gain, which is positive on every rig: duty upward is force upward.
+    pub const GAIN: Param = base("gain_mm_per_s2_per_percent", 1e-6, 1e6);
+    /// The linear drag.
+    pub const DRAG: Param = base("drag_per_s", 0.0, 1e3);
+    /// The duty at hover. Another rig's duty may be any number; a record narrows it to the duties that it holds.
+    pub const HOVER: Param = base("hover_duty_percent", -1e3, 1e3);
+
     /// Checks every number against its bounds, and that the effects go together.
     ///
     /// # Errors
     /// The table below `[plant]` (empty for `[plant]` itself) and the first thing wrong there.
     pub fn check(&self) -> Result<(), (String, Unsound)> {
         let base = || -> Result<(), OutOfRange> {
-            within("gain_mm_per_s2_per_percent", self.gain_mm_per_s2_per_percent, 1e-6, 1e6)?;
-            within("drag_per_s", self.drag_per_s, 0.0, 1e3)?;
-            within("hover_duty_percent", self.hover_duty_percent, -1e3, 1e3)?;
+            for (param, value) in [
+                (Self::GAIN, self.gain_mm_per_s2_per_percent),
+                (Self::DRAG, self.drag_per_s),
+                (Self::HOVER, self.hover_duty_percent),
+            ] {
+                within(param.name, value, param.min, param.max)?;
+            }
             within("pipe_length_mm", self.pipe_length_mm, 1.0, 1e6)
         };
         let noise = || -> Result<(), OutOfRange> {

@@ -7,6 +7,7 @@
 //! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
 //! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
+use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::intervals::{Reach, reaches};
 use crate::gap::forecast_error::{Gap, Tally, tallies};
@@ -68,6 +69,8 @@ pub struct Diagnosis {
     pub closed: Option<Closed>,
     /// What the record cannot answer, flight by flight.
     pub findings: Vec<FlightFinding>,
+    /// What each parameter may be on this record.
+    pub(crate) bounds: Bounds,
     /// How far the numbers of the mended model may be off.
     pub(crate) reaches: Vec<Reach>,
 }
@@ -89,7 +92,10 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
     let other_rig = other_rig(belief, &found.fit.model).filter(|_| answers && !found.is_incomplete());
     findings.extend(other_rig.into_iter().flat_map(about_all));
-    if other_rig.is_some() && !found.effects.is_empty() {
+    let bounds = search.problem.bounds();
+    let impossible = impossible(&bounds, [&refitted, &found.fit]).filter(|_| answers);
+    findings.extend(impossible.into_iter().flat_map(about_all));
+    if (other_rig.is_some() && !found.effects.is_empty()) || impossible.is_some() {
         // An effect that needs another rig around it is not what this rig lacks.
         answers = false;
         found = Selection::nothing(&search, &refitted);
@@ -113,7 +119,32 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let Selection { mut effects, rounds, fit: mended, misfit, .. } = found;
     effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
     let reaches = reaches(&search.problem, &mended);
-    Diagnosis { verdict, effects, rounds, refitted, mended, gaps, places, band, misfit, closed, findings, reaches }
+    Diagnosis {
+        verdict,
+        effects,
+        rounds,
+        refitted,
+        mended,
+        gaps,
+        places,
+        band,
+        misfit,
+        closed,
+        findings,
+        bounds,
+        reaches,
+    }
+}
+
+/// What is to be said where a fit ended at a model that cannot be that of the record. Fits stay within their bounds, so that only what no
+/// fit moves can be wrong.
+fn impossible(bounds: &Bounds, fits: [&Fit; 2]) -> Option<Finding> {
+    let wrong = fits.into_iter().find_map(|fit| bounds.check(&fit.model, &fit.parameters).err())?;
+    let key = match wrong {
+        Impossible::Unsound(unsound) => unsound.key(),
+        Impossible::OutOfRecord(parameter) => parameter.key(),
+    };
+    Some(Finding::Impossible { key })
 }
 
 /// What is to be said where fewer readings count than a diagnosis needs.

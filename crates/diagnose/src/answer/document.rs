@@ -175,8 +175,9 @@ impl Diagnosis {
         let values = self.mended.model.effects.values(entry.name).unwrap_or_default();
         let known = self.intervals();
         let parameters = entry.params.iter().zip(&values).enumerate().map(|(index, (param, value))| {
+            let parameter = Parameter::Effect { name: entry.name, index, size: 1.0 };
             let found = known.iter().find(|(one, ..)| one.index_in(entry.name) == Some(index));
-            (param.name, self.with_ends(*value, found))
+            (param.name, self.with_ends(parameter, *value, found))
         });
         parameters.collect()
     }
@@ -184,12 +185,13 @@ impl Diagnosis {
     fn interval(&self, parameter: Parameter) -> Interval {
         let known = self.intervals();
         let value = parameter.value(&self.mended.model).unwrap_or(f64::NAN);
-        self.with_ends(value, known.iter().find(|(other, ..)| *other == parameter))
+        self.with_ends(parameter, value, known.iter().find(|(other, ..)| *other == parameter))
     }
 
-    fn with_ends(&self, value: f64, known: Option<&(Parameter, f64, f64)>) -> Interval {
+    fn with_ends(&self, parameter: Parameter, value: f64, known: Option<&(Parameter, f64, f64)>) -> Interval {
+        let at_bound = self.bounds.active(parameter, &self.mended.model);
         let ends = known.filter(|(_, low, high)| (high - low).is_finite());
-        Interval { value, low: ends.map(|ends| ends.1), high: ends.map(|ends| ends.2), at_bound: None }
+        Interval { value, low: ends.map(|ends| ends.1), high: ends.map(|ends| ends.2), at_bound }
     }
 
     fn effect_entry(&self, named: &NamedEffect) -> EffectEntry {

@@ -13,6 +13,7 @@
 
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
+use crate::fit::bounds::Bounds;
 use crate::fit::parameter::{Parameter, Prior, prior};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
@@ -154,6 +155,19 @@ impl Problem<'_> {
         (best.model, best.total)
     }
 
+    /// What each parameter may be on this record.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of(self.belief, self.recording)
+    }
+
+    /// The model with every parameter moved along `direction`, within its bounds.
+    fn moved(&self, model: &Model, parameters: &[Parameter], direction: &DVector<f64>) -> Model {
+        let step = |model: Model, (parameter, by): (&Parameter, &f64)| parameter.stepped(&model, *by);
+        let moved = parameters.iter().zip(direction.iter()).fold(model.clone(), step);
+        self.bounds().clamped(moved, parameters)
+    }
+
     /// Likelihood and prior of a fit, nats.
     pub(crate) fn total_of(&self, fit: &Fit) -> f64 {
         fit.log_likelihood(|row| self.folds.counts(row)) + fit.log_prior
@@ -167,7 +181,7 @@ impl Problem<'_> {
     /// Climbs from `start`. The slope is that of the last step's start, if that step hardly moved.
     fn maximise(&self, start: &Model, parameters: &[Parameter], patience: StepLimits) -> (Point, Option<Derivatives>) {
         // A noise of 0 has no slope: each number starts where it may be.
-        let mut best = self.point(moved(start, parameters, &DVector::zeros(parameters.len())), parameters);
+        let mut best = self.point(self.moved(start, parameters, &DVector::zeros(parameters.len())), parameters);
         let steep = STEEP * (self.recording.readings() as f64 / LONG).max(1.0);
         let (mut damping, mut end) = (1e-3, patience.steps);
         for taken in 1..=patience.most {
@@ -220,7 +234,7 @@ impl Problem<'_> {
             return (fit.model.clone(), here);
         };
         for _ in 0..SHORTER {
-            let model = moved(&fit.model, &fit.parameters, &direction);
+            let model = self.moved(&fit.model, &fit.parameters, &direction);
             let there = self.by_fold(&model);
             if kept(&there) + self.log_prior(&fit.parameters, &model) > before - slack {
                 return (model, there);
@@ -276,7 +290,7 @@ impl Problem<'_> {
             if shortened >= SHORTER && 0.5 * gradient.dot(&direction) < PROMISING {
                 return None;
             }
-            let there = self.point(moved(&best.model, parameters, &direction), parameters);
+            let there = self.point(self.moved(&best.model, parameters, &direction), parameters);
             if there.total > best.total {
                 *damping = (*damping * 0.2).max(1e-6);
                 return Some(there);
@@ -332,11 +346,6 @@ impl Problem<'_> {
         }
         Derivatives { folds, prior }
     }
-}
-
-/// The model with every free number moved along `direction`.
-fn moved(model: &Model, parameters: &[Parameter], direction: &DVector<f64>) -> Model {
-    parameters.iter().zip(direction.iter()).fold(model.clone(), |model, (parameter, by)| parameter.stepped(&model, *by))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! From innovations to parameters: maximum a posteriori estimates and their intervals.
 
+pub(crate) mod bounds;
 pub(crate) mod estimate;
 pub(crate) mod intervals;
 pub(crate) mod lag_form;

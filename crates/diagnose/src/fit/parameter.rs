@@ -9,6 +9,7 @@
 //! sensor is measured on a ball at rest and better known (2 %), the noise of the air less (10 %), both with ν = 10: what they
 //! would have to grow by to explain a record is worth an effect. The numbers of an effect that is not believed are free.
 
+use crate::fit::bounds::Bounds;
 use plant::{Changes, Effects, Entry, Model, Param};
 
 /// A number of the model that a fit may move.
@@ -125,17 +126,49 @@ impl Parameter {
         }
     }
 
-    /// What the catalogue says of the number; `None` of base parameters.
-    fn param(self) -> Option<&'static Param> {
-        let Self::Effect { name, index, .. } = self else { return None };
-        Effects::entry(name)?.params.get(index)
+    /// Its name and its bounds; `None` of noises.
+    pub(crate) fn param(self) -> Option<&'static Param> {
+        match self {
+            Self::Gain => Some(&Model::GAIN),
+            Self::Drag => Some(&Model::DRAG),
+            Self::Hover => Some(&Model::HOVER),
+            Self::SensorNoise | Self::AirNoise => None,
+            Self::Effect { name, index, .. } => Effects::entry(name)?.params.get(index),
+        }
     }
 
-    /// How far the number may go in `model` on the side of `towards`, in its own scale, until it is what no config may hold.
-    pub(crate) fn room(self, model: &Model, towards: f64) -> f64 {
+    /// Where it does nothing; `None` of base parameters.
+    pub(crate) fn neutral(self, model: &Model) -> Option<f64> {
+        let Self::Effect { index, .. } = self else { return None };
+        self.entry()?.neutral(model).get(index).copied()
+    }
+
+    /// The model with this value of the parameter.
+    pub(crate) fn with_value(self, model: &Model, value: f64) -> Model {
+        let mut model = model.clone();
+        match self {
+            Self::Gain => model.gain_mm_per_s2_per_percent = value,
+            Self::Drag => model.drag_per_s = value,
+            Self::Hover => model.hover_duty_percent = value,
+            Self::SensorNoise => model.noise.sensor_mm = value,
+            Self::AirNoise => model.noise.acceleration_psd_mm2_per_s3 = value,
+            Self::Effect { name, index, .. } => {
+                let mut values = model.effects.values(name).unwrap_or_default();
+                if let Some(old) = values.get_mut(index) {
+                    *old = value;
+                }
+                model.effects.set(name, &values);
+            }
+        }
+        model
+    }
+
+    /// How far it may go in `model` on the side of `towards`, in its own scale, until it leaves its bounds.
+    pub(crate) fn room(self, model: &Model, towards: f64, bounds: &Bounds) -> f64 {
         let Self::Effect { size, .. } = self else { return f64::INFINITY };
-        let Some((param, value)) = self.param().zip(self.value(model)) else { return f64::INFINITY };
-        (if towards < 0.0 { value - param.min } else { param.max - value }) / size
+        let [low, high] = bounds.range(self);
+        let Some(value) = self.value(model) else { return f64::INFINITY };
+        (if towards < 0.0 { value - low } else { high - value }) / size
     }
 
     /// Whether the number is one of this effect.

@@ -42,7 +42,7 @@ fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> O
     let number: Parameter = fit.parameters[at];
     let others: Vec<Parameter> =
         fit.parameters.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, parameter)| *parameter).collect();
-    let room = number.room(&fit.model, deviation);
+    let room = number.room(&fit.model, deviation, &problem.bounds());
     let furthest = room.min((TOO_FAR * deviation.abs()).max(UNIT));
     // The root of the drop is nearly a straight line through 0.
     let (mut inside, mut beyond): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);

@@ -137,6 +137,14 @@ pub enum Finding {
         /// What was fitted by what is believed.
         ratio: f64,
     },
+    /// The fitted model cannot be that of the record.
+    #[error(
+        "no model that this record allows fits it: {key} ends outside its bounds; check the scales of [import] and the table [plant]"
+    )]
+    Impossible {
+        /// The key of the number that is outside, in its table of the config.
+        key: &'static str,
+    },
     /// Rows before the take-off or after the landing.
     #[error(
         "the ball lies at an end of the pipe for {before_s:.2} s before it takes off and {after_s:.2} s after it lands: these rows are left out"

@@ -48,6 +48,9 @@ pub struct Recording {
     readings: Vec<usize>,
     has_fan_speed: bool,
     resolution_mm: f64,
+    /// Smallest and largest duty, percent, and position, mm.
+    duty_range: [f64; 2],
+    height_range: [f64; 2],
     second: Option<Second>,
 }
 
@@ -101,6 +104,8 @@ impl Recording {
             readings: (0..samples.len()).filter(|row| samples[*row].position_mm.is_some()).collect(),
             has_fan_speed: samples.iter().any(|sample| sample.fan_rpm.is_some()),
             resolution_mm: resolution(&samples),
+            duty_range: range(samples.iter().map(|sample| sample.duty_percent)),
+            height_range: range(samples.iter().filter_map(|sample| sample.position_mm)),
             second: Second::of(&samples),
             flights: std::iter::once(all).collect(),
             means_of: vec![1],
@@ -201,6 +206,18 @@ impl Recording {
         self.resolution_mm
     }
 
+    /// The smallest and the largest duty, percent.
+    #[must_use]
+    pub const fn duty_range(&self) -> [f64; 2] {
+        self.duty_range
+    }
+
+    /// The lowest and the highest position, mm.
+    #[must_use]
+    pub const fn height_range(&self) -> [f64; 2] {
+        self.height_range
+    }
+
     /// The second sensor, where there is one.
     pub(crate) const fn second(&self) -> Option<Second> {
         self.second
@@ -230,6 +247,11 @@ pub(crate) fn duration_s(flight: &[Sample]) -> f64 {
 
 fn writes(samples: &[Sample]) -> Vec<Write> {
     samples.iter().map(|&Sample { time_s, duty_percent, .. }| Write { time_s, duty_percent }).collect()
+}
+
+/// The smallest and the largest of some values.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
 fn resolution(samples: &[Sample]) -> f64 {

@@ -28,6 +28,23 @@ fn no_two_folders_of_the_application_import_each_other() {
 }
 
 #[test]
+fn no_two_folders_of_the_diagnosis_import_each_other() {
+    has_no_circle(&root().join("crates/diagnose/src"));
+}
+
+#[test]
+fn the_folders_of_the_diagnosis_follow_the_path_of_the_data() {
+    let imports = Imports::read(&root().join("crates/diagnose/src"));
+    let path = ["record", "filter", "fit", "residual", "select", "answer"];
+    for (at, to) in path.iter().enumerate() {
+        for from in &path[at + 1..] {
+            assert!(!imports.has(to, from), "{to} imports {from}, which comes after it");
+        }
+    }
+    assert!(imports.has("filter", "record") && imports.has("answer", "select"), "{imports:?}");
+}
+
+#[test]
 fn no_two_subjects_of_a_report_import_each_other_and_the_kit_imports_none() {
     let src = root().join("crates/app/src");
     has_no_circle_within(&src, &["report"]);

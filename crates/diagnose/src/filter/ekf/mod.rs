@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! state x = (y, v, A, w, s)                         see `plant::Motion`
-//! x ← motion(x, command), P ← Φ·P·Φᵀ + Q            Φ and Q: see `doubt`
+//! x ← motion(x, command), P ← Φ·P·Φᵀ + Q            Φ and Q: see `covariance`
 //! reading = y, or s behind a sensor's lag
 //! ```
 //!
@@ -260,15 +260,15 @@ impl<'a> Ekf<'a> {
         } else {
             motion.step(self.model, commanded, dt)
         };
-        let doubt = known.doubt(dt, || {
+        let propagation = known.propagation(dt, || {
             let transition = derivative(self.model, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
         });
         if let Some(back) = &mut self.back {
-            back.go(&doubt.0);
+            back.go(&propagation.0);
         }
         self.state = vector(&next);
-        self.covariance = predict_covariance(self.model, &doubt, &self.covariance);
+        self.covariance = predict_covariance(self.model, &propagation, &self.covariance);
     }
 }
 

@@ -23,8 +23,9 @@ static BLIND: LazyLock<PathBuf> = LazyLock::new(|| built("blind"));
 
 /// A binary of the project.
 fn built(name: &str) -> PathBuf {
-    // The whole workspace, so that its dependencies are built with the features that the tests themselves use.
-    let build = escargot::CargoBuild::new().arg("--workspace").bin(name);
+    // As `cargo test --workspace` has built it. A test is named too, here a small one, because only then are the features
+    // the same: those that the crates' tests ask of the dependencies would be left out, and most of it built again.
+    let build = escargot::CargoBuild::new().args(["--workspace", "--test", "catalogue"]).bin(name);
     build.manifest_path(root().join("Cargo.toml")).run().expect("the binary builds").path().to_owned()
 }
 

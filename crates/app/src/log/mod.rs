@@ -1,9 +1,10 @@
 //! What a flight leaves behind, and how it is read again.
 //!
 //! Writing: [`recorder`] (what the loop sees) → [`queue`] (real time) → [`writer`] → MCAP.
-//! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or `table` and `columns` (CSV, mapped by [`import`]) → recording.
+//! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or `table` and `columns` (CSV, mapped by
+//! [`import`](crate::config::import)) → recording.
 //! Mending: [`flight`] → [`recover`] → a new MCAP.
-//! Other rigs' files become ours by [`import`]; ours become tables by [`export`].
+//! Other rigs' files become ours by [`import`](crate::config::import); ours become tables by [`export`].
 
 mod columns;
 pub mod error;

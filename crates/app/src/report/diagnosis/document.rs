@@ -83,8 +83,8 @@ struct CheckEntry {
 }
 
 impl DiagnosisDocument {
-    /// The document of a diagnosis of a rig that was believed to be `belief`, with its closed loop, what to fly next, and the stages
-    /// before the plant.
+    /// The document of a diagnosis of a rig that was believed to be `belief`, with its closed loop, what to fly next, and
+    /// the stages before the plant.
     #[must_use]
     pub fn of(found: &Diagnosis, belief: &Model, closed_loop: &ClosedLoop, advice: &Advice, logs: &Logs<'_>) -> Self {
         let known = found.intervals();

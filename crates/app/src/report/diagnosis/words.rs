@@ -52,8 +52,8 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     words
 }
 
-/// A line for an effect: how sure, what is to be done about it and its numbers with their 90 % intervals; below it what it looks like and how to mend
-/// it, unless it is not there.
+/// A line for an effect: how sure, what is to be done about it and its numbers with their 90 % intervals; below it what it
+/// looks like and how to mend it, unless it is not there.
 fn effect_in_words(
     named: &Named,
     found: &Diagnosis,

@@ -1,4 +1,5 @@
-//! What a flight asks of the world besides its rig: somebody to record it, and somebody to command it. Neither may block.
+//! What a flight asks of the world besides its rig: somebody to record it, and somebody to command it. Neither may
+//! block.
 
 use super::command::Command;
 use super::state::{Answer, State};

@@ -4,7 +4,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use diagnose::{Estimate, GreyBox, OpenLoop, Poles, Recording, ResidualTests, Sample};
+use diagnose::identify::{Estimate, GreyBox, OpenLoop, Poles, ResidualTests};
+use diagnose::{Recording, Sample};
 use plant::effects::FanLag;
 use plant::{Effects, Model, Noise, Simulator};
 use rayon::prelude::*;

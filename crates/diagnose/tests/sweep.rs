@@ -2,8 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use diagnose::transient::Transient;
-use diagnose::{Recording, Sample, Sweep};
+use diagnose::identify::Sweep;
+use diagnose::identify::Transient;
+use diagnose::{Recording, Sample};
 use plant::{Effects, Model, Noise, Simulator};
 use rayon::prelude::*;
 
@@ -89,10 +90,11 @@ fn gain_and_drag_of_a_rig_without_lag_lie_in_their_intervals() {
         .into_par_iter()
         .map(|seed| Sweep::of(&flown(seed, &TABLE.map(|row| row[0])), 0.01).unwrap())
         .collect();
-    for (what, of, truth) in
-        [("K_g", (|s: &Sweep| s.gain) as fn(&Sweep) -> diagnose::Estimate, 254.598), ("a", |s: &Sweep| s.drag, 1.889)]
-    {
-        let holds = |e: diagnose::Estimate| e.low.unwrap() <= truth && truth <= e.high.unwrap();
+    for (what, of, truth) in [
+        ("K_g", (|s: &Sweep| s.gain) as fn(&Sweep) -> diagnose::identify::Estimate, 254.598),
+        ("a", |s: &Sweep| s.drag, 1.889),
+    ] {
+        let holds = |e: diagnose::identify::Estimate| e.low.unwrap() <= truth && truth <= e.high.unwrap();
         let count = found.iter().filter(|found| holds(of(found))).count();
         assert!((40..=49).contains(&count), "{what}: {count} of {SEEDS} intervals hold {truth}");
     }

@@ -59,11 +59,14 @@ fn wider(effect: &Entry) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Reach, reaches};
+    use crate::fit::estimate::Problem;
+    use crate::fit::parameter::Prior;
     use crate::fit::parameter::{BASE, parameters_of_effect};
     use crate::fit::profile::OF_90_PERCENT;
+    use crate::record::folds::Folds;
     use crate::tests_support::{model, record};
     use crate::thresholds::WIDER_APPROXIMATE;
-    use crate::{Fit, Folds, Parameter, Prior, Problem};
+    use crate::{Fit, Parameter};
 
     /// Shows `check` the model fitted to a record of a rig whose `effect` is `values`, and how far the effect's first number reaches.
     fn reach(effect: &'static str, values: &[f64], seed: u64, check: impl Fn(&Problem<'_>, &Fit, Reach)) {

@@ -4,5 +4,6 @@ pub(crate) mod bounds;
 pub(crate) mod estimate;
 pub(crate) mod intervals;
 pub(crate) mod lag_form;
+pub(crate) mod log_likelihood;
 pub(crate) mod parameter;
 pub(crate) mod profile;

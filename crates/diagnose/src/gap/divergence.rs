@@ -26,8 +26,9 @@ pub fn kl_divergence(model: &Model, flown: &Recording, other: &Recording) -> f64
 #[cfg(test)]
 mod tests {
     use super::kl_divergence;
+    use crate::filter::track::innovations;
     use crate::tests_support::{model, record};
-    use crate::{Recording, Sample, innovations};
+    use crate::{Recording, Sample};
 
     #[test]
     fn what_a_wrong_duty_costs_is_what_the_likelihood_loses_on_average() {

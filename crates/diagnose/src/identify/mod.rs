@@ -1,8 +1,18 @@
-//! Identification of a plant of two or three poles from a record.
+//! Identification of a plant of two or three poles from a record: by the likelihood, by the overshoot of the loop, by a relay.
 
 pub(crate) mod grey_box;
 pub(crate) mod open_loop;
-pub mod relay;
+mod relay;
 pub(crate) mod residual_tests;
-pub mod transient;
+pub(crate) mod transient;
 pub(crate) mod validation;
+
+pub use grey_box::{Estimate, GreyBox, Poles, TooLittle};
+pub use open_loop::OpenLoop;
+pub use relay::{Oscillation, oscillation};
+pub use residual_tests::{ResidualTests, Test};
+pub use transient::fan_pole::fan_lag_s;
+pub use transient::second_order::{Transient, TwoPoles};
+pub use transient::steps::{Pulse, Rejected, pulses};
+pub use transient::sweep::{NoSweep, OfGain, Sweep};
+pub use validation::{HeldOut, Percent};

@@ -240,10 +240,12 @@ fn is_or_contains(other: &Candidate, best: &Candidate) -> bool {
 #[cfg(test)]
 mod tests {
     use super::select_first;
+    use crate::fit::estimate::Problem;
+    use crate::fit::parameter::{BASE, Prior};
+    use crate::record::folds::Folds;
     use crate::select::candidates::Candidate;
     use crate::tests_support::{model, record};
     use crate::thresholds::FIRST_EFFECT;
-    use crate::{BASE, Folds, Prior, Problem};
     use plant::Effects;
 
     /// The names that are left, the one to be named first, of made-up candidates: name, gain, evidence.

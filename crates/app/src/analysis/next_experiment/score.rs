@@ -4,8 +4,8 @@ use super::candidates::Candidate;
 use super::{Rival, SEPARATES, settle_s};
 use crate::analysis::virtual_flight::{Desk, Flown};
 use crate::log::reader::sample;
-use diagnose::{BASE, Folds, Parameter, Prior, Problem, Recording, innovations};
-use plant::{Effects, Model};
+use diagnose::{Recording, in_free_flight, log_likelihood};
+use plant::Model;
 
 /// The seed of every flight: experiments are compared on the same noise.
 const SEED: u64 = 1;
@@ -69,32 +69,10 @@ impl Records {
 
 /// How much better `truth` explains its own record than `other` does, nats per minute of free flight.
 fn nats_per_minute(record: &Recording, truth: &Rival, other: &Rival, moved: bool) -> f64 {
-    let folds = Folds::new(&truth.1, record);
-    let likelihood = |rival: &Rival| {
-        let model = if moved { suited(rival, record, &folds) } else { rival.1.clone() };
-        innovations(&model, record).iter().filter(|s| folds.counts(s.row)).map(|s| s.log_density).sum::<f64>()
-    };
-    let all = record.samples().len();
-    let rows = (0..all).filter(|row| folds.counts(*row)).count() as f64;
-    let minutes = record.duration_s() / 60.0 * rows / all.max(1) as f64;
+    let refit = moved.then_some(STEPS);
+    let likelihood = |rival: &Rival| log_likelihood(&rival.1, record, &truth.1, refit);
+    let counts = in_free_flight(&truth.1, record);
+    let rows = counts.iter().filter(|counts| **counts).count() as f64;
+    let minutes = record.duration_s() / 60.0 * rows / counts.len().max(1) as f64;
     if minutes > 0.0 { (likelihood(truth) - likelihood(other)) / minutes } else { 0.0 }
-}
-
-/// The rival with its numbers moved towards where the record is most likely.
-fn suited((_, model): &Rival, record: &Recording, folds: &Folds) -> Model {
-    Problem { recording: record, belief: model, folds, prior: Prior::Belief }.fit_in_steps(
-        model,
-        &numbers_of(model),
-        STEPS,
-    )
-}
-
-/// The base numbers and those of every effect that is on.
-pub(super) fn numbers_of(model: &Model) -> Vec<Parameter> {
-    let present = model.effects.present();
-    let of_effects = present.iter().flat_map(|entry| {
-        let sizes = Effects::entry(entry.name).and_then(|entry| entry.sizes.first().copied()).unwrap_or_default();
-        sizes.iter().enumerate().map(|(index, size)| Parameter::Effect { name: entry.name, index, size: size.abs() })
-    });
-    BASE.into_iter().chain(of_effects).collect()
 }

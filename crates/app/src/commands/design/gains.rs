@@ -17,7 +17,7 @@ use control::design::relay::{Point, Relay, Rule};
 use control::design::riccati::{lqr as least_cost, sampled_lqr};
 use control::regulator::VELOCITY_FILTER_S;
 use control::state_feedback::{Integral, Lqg};
-use diagnose::oscillation::{Oscillation, oscillation};
+use diagnose::identify::{Oscillation, oscillation};
 use nalgebra::{RowSVector, SMatrix, SVector};
 use std::path::Path;
 

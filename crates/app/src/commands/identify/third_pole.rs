@@ -8,7 +8,7 @@ use crate::report::design::plot;
 use crate::report::identify::page::third_pole::{Report, page as html};
 use crate::report::identify::third_pole::{Document, lines, patch};
 use crate::report::kit::page;
-use ::diagnose::fan_pole::fan_lag_s;
+use ::diagnose::identify::fan_lag_s;
 use anyhow::Result;
 use control::design::Linear;
 use control::design::critical::critical_integral_time;

@@ -7,7 +7,8 @@ use crate::report::identify::patch;
 use crate::report::identify::plot::sweep as draw;
 use crate::report::identify::transient::{Document, lines};
 use crate::report::kit::page;
-use ::diagnose::{Recording, Sweep};
+use ::diagnose::Recording;
+use ::diagnose::identify::Sweep;
 use anyhow::{Result, bail};
 
 pub(super) fn transient(args: &TransientArgs) -> Result<()> {

@@ -4,7 +4,7 @@ use crate::analysis::measurement::Found;
 use crate::config::Tables;
 use anyhow::{Result, anyhow};
 use control::predistortion::{MAX_POINTS, Predistortion};
-use diagnose::fan_pole::fan_lag_s;
+use diagnose::identify::fan_lag_s;
 use diagnose::measure::critical::Critical;
 use diagnose::measure::dead_zone::DeadZone;
 use diagnose::measure::jumps::Jumps;

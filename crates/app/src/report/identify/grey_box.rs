@@ -2,7 +2,8 @@
 
 use super::{SCHEMA, name, said};
 use crate::report::kit::table::empty;
-use diagnose::{Estimate, GreyBox, Percent, Poles, Recording, ResidualTests, Test};
+use diagnose::Recording;
+use diagnose::identify::{Estimate, GreyBox, Percent, Poles, ResidualTests, Test};
 use serde::Serialize;
 
 /// Nats by which the third pole must help on what was held out: one more number gains half a nat by chance.

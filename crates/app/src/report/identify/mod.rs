@@ -7,7 +7,7 @@ pub mod third_pole;
 pub mod transient;
 
 use crate::report::kit::words::digits;
-use diagnose::Estimate;
+use diagnose::identify::Estimate;
 use plant::Model;
 use std::fmt::Write;
 
@@ -65,7 +65,7 @@ mod tests {
     use super::{digits, patch};
     use crate::analysis::closed_loop::tests::project;
     use crate::config::Tables;
-    use diagnose::Estimate;
+    use diagnose::identify::Estimate;
 
     fn estimate(name: &'static str, value: f64) -> Estimate {
         Estimate { name, value, low: Some(0.9 * value), high: Some(1.1 * value) }

@@ -5,8 +5,9 @@ use crate::report::kit::palette::{MENDED, NOMINAL, RECORDED, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, write};
 use control::design::Linear;
 use control::design::polynomial::magnitude;
-use diagnose::transient::Transient;
-use diagnose::{GreyBox, OfGain, Poles, Recording, ResidualTests, Sweep};
+use diagnose::Recording;
+use diagnose::identify::Transient;
+use diagnose::identify::{GreyBox, OfGain, Poles, ResidualTests, Sweep};
 use plotters::style::RGBColor;
 use std::path::Path;
 
@@ -143,7 +144,7 @@ fn response(gain: &OfGain) -> Vec<(f64, f64)> {
 
 /// K_g and a over the gain, with their intervals.
 pub fn over_gains(found: &Sweep) -> [Diagram; 2] {
-    let over = |ordinate, of: fn(&OfGain) -> diagnose::Estimate| {
+    let over = |ordinate, of: fn(&OfGain) -> diagnose::identify::Estimate| {
         let points = found.gains.iter().map(|gain| (gain.kp_per_mm, of(gain).value)).collect();
         let interval = |gain: &OfGain| {
             let (low, high) = of(gain).low.zip(of(gain).high)?;

@@ -2,7 +2,7 @@
 
 use super::{SCHEMA, digits, said};
 use crate::report::kit::table::empty;
-use diagnose::{OfGain, Sweep};
+use diagnose::identify::{OfGain, Sweep};
 use serde::Serialize;
 
 /// The document that `identify transient --json` writes.

@@ -10,7 +10,8 @@ use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Diagram, commanded, duty};
-use diagnose::{Estimate, Gap, GreyBox, Poles, Recording, Test};
+use diagnose::identify::{Estimate, GreyBox, Poles, Test};
+use diagnose::{Gap, Recording};
 use maud::{Markup, html};
 use plant::Model;
 

@@ -6,7 +6,7 @@ pub mod transient;
 
 use super::digits;
 use crate::report::kit::page::parts::to_copy;
-use diagnose::Estimate;
+use diagnose::identify::Estimate;
 use maud::{Markup, html};
 
 /// The file that the pages call the patch.

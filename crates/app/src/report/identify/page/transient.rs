@@ -10,7 +10,8 @@ use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Diagram, duty};
 use crate::report::measure::plot::flight;
-use diagnose::{Recording, Sweep};
+use diagnose::Recording;
+use diagnose::identify::Sweep;
 use maud::{Markup, html};
 use plant::Model;
 
@@ -61,7 +62,7 @@ fn visible(found: &Sweep) -> usize {
 
 fn first(report: &Report<'_>) -> Markup {
     let believed = [report.belief.gain_mm_per_s2_per_percent, report.belief.drag_per_s];
-    let line = |(estimate, believed): (&diagnose::Estimate, f64)| {
+    let line = |(estimate, believed): (&diagnose::identify::Estimate, f64)| {
         let (value, about) = value(estimate);
         (name(estimate.name).to_owned(), value, format!("{about}; believed: {}", digits(believed)))
     };

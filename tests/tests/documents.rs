@@ -17,8 +17,19 @@ fn the_architecture_page_names_every_crate_and_no_other() {
 }
 
 #[test]
-fn every_path_that_the_architecture_page_names_exists() {
+fn the_architecture_page_fits_on_two_screens() {
     let page = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    assert!(page.lines().count() <= 110, "{} lines", page.lines().count());
+}
+
+#[test]
+fn every_path_that_the_architecture_page_and_the_page_on_internals_name_exists() {
+    for page in ["ARCHITECTURE.md", "docs/internals.md"] {
+        every_path_exists(&fs::read_to_string(root().join(page)).unwrap());
+    }
+}
+
+fn every_path_exists(page: &str) {
     let quoted = page.split('`').skip(1).step_by(2);
     let files: Vec<&str> = quoted
         .filter_map(|words| words.split(' ').next())

@@ -83,7 +83,7 @@ impl Misfit {
     }
 
     /// Nats of chance of all together: what is missing says a little to many of the statistics, and chance to one.
-    fn together(&self) -> f64 {
+    pub(crate) fn together(&self) -> f64 {
         let asked = [self.omitted, self.events].map(|nats| self.of_its_own(nats));
         let seen = [self.spectral_line, self.mean_by_place, self.restless()];
         asked.iter().chain(&seen).map(|nats| nats.max(0.0)).sum()
@@ -95,7 +95,7 @@ impl Misfit {
     }
 
     /// −ln of the chance that the noise of the air seems to have grown so much.
-    fn restless(&self) -> f64 {
+    pub(crate) fn restless(&self) -> f64 {
         let nats = -(0.5 * libm::erfc(self.air_growth / std::f64::consts::SQRT_2)).max(f64::MIN_POSITIVE).ln();
         if self.air_ratio > AIR_RATIO { nats } else { nats.min(AIR_AS_GUESSED) }
     }

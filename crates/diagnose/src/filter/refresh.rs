@@ -1,8 +1,8 @@
 //! Which readings are new, where a model has a sensor that refreshes slower than the loop reads.
 //!
 //! ```text
-//! F(e) = (e − hold + period)/period, 0 to 1      probability of a refresh within e s after the row of the last new reading
-//! h = (F(e) − F(e'))/(1 − F(e'))                 and since the row before, at e', given none until then
+//! F(e) = (e − hold + period)/period, 0 to 1     probability of a refresh by e seconds after the last new reading's row
+//! h = (F(e) − F(e'))/(1 − F(e'))                and since the row before, at e', given none until then
 //! p(y) = h·p_new(y) + (1 − h)/r·[y equals the last reading]      r: resolution of the file
 //! ```
 //!

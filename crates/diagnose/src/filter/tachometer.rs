@@ -8,8 +8,9 @@
 //! The rotor shows timing, not force: delay, steps and lags between duty and rotor change its speed. Effects behind the
 //! rotor (hysteresis, dead zone, curve, asymmetry, drifts of gain and hover, limits) are not part of w: the speed of a
 //! real fan is never quite a straight line of its duty, and the coloured noise e takes that up. A delay or a lag behind
-//! the rotor, in the air or in the sensor, leaves the speed unchanged, so a delay or a lag of the duty can be told from
-//! one of the reading. The speed depends on the duty alone, so its log-likelihood adds to that of the readings.
+//! the rotor, in the air or in the sensor, leaves the speed unchanged, so a delay or a lag of the duty can be
+//! distinguished from one of the reading. The speed depends on the duty alone, so its log-likelihood adds to that of
+//! the readings.
 //! Source: Cochrane and Orcutt, "Application of least squares regression to relationships containing autocorrelated
 //! error terms", Journal of the American Statistical Association 44 (1949).
 

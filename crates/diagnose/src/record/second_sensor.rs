@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Lag, delay, hold and quantisation belong to the first sensor; the second one shows the motion without them. So a lag
-//! of the sensor can be told from one of the fan, and the delay of a reading from that of the duty. The two sensors may
-//! have different zeros.
+//! of the sensor can be distinguished from one of the fan, and the delay of a reading from that of the duty. The two
+//! sensors may have different zeros.
 
 use crate::record::recording::Sample;
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Which effects a recorded fan speed tells apart.
+//! Which effects a recorded fan speed distinguishes.
 
 use crate::tests_support::{model, record};
 use crate::{Diagnosis, Options, Recording, Sample, Verdict, diagnose};

@@ -1,32 +1,32 @@
-//! How to search, and how far a search has come, for whoever waits for it.
+//! Options of a search, and reports of its progress.
 
 use std::fmt;
 use std::sync::Arc;
 
-/// How to search.
+/// Options of a search.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Effects that the search may not name, as if the catalogue did not hold them.
+    /// Effects that the search must not consider, as if they were not in the catalogue.
     pub without: Vec<String>,
-    /// Who is told how far the search has come.
+    /// The receiver of progress reports.
     pub progress: Progress,
 }
 
-/// News of a search.
+/// A report of progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgressStep {
-    /// So many fits more are to be made: what is found makes further ones worthwhile.
+    /// This many further fits are planned: the results so far require them.
     Planned(usize),
-    /// One of them has been made.
+    /// One of them is done.
     Made,
 }
 
-/// Who is told; nobody by default. Told from several threads.
+/// The receiver of progress reports; none by default. It is called from several threads.
 #[derive(Clone, Default)]
 pub struct Progress(Option<Arc<dyn Fn(ProgressStep) + Send + Sync>>);
 
 impl Progress {
-    /// Tells `who`.
+    /// Calls `who` at every step.
     pub fn new(who: impl Fn(ProgressStep) + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(who)))
     }

@@ -1,15 +1,15 @@
-//! What a judge of diagnoses needs of the diagnosis itself: its densities, and its measure of a gap.
+//! What the blind scoring of diagnoses needs of this crate: its log-likelihoods, and its measure of a gap.
 //!
 //! ```text
 //! nats = ln p(record | rig) − max over rivals of ln p(record | rival)
 //! ```
 //!
-//! The rig has its own numbers; only the two noises are fitted, as those of the rivals are. Rivals, fitted whole to the
-//! record with no prior: the belief, its other effects refitted and that one left as believed, and the same with each
-//! effect of the catalogue that is neither the true one nor a twin of it. Of two effects, each is so left out while the
-//! other is there.
+//! The rig has its true parameters; only its two noises are fitted, as for the rivals. The rivals are fitted to the
+//! whole record without a prior: the belief, with its other effects refitted and the departure as believed; and the
+//! same with each effect of the catalogue added that is neither the true one nor a twin of it. Of two departures, each
+//! is left out in turn while the other is present.
 //!
-//! The rivals come from the search that is being judged: what it does not find is no rival here either.
+//! The rivals come from the search under test: an effect that it does not find is no rival here either.
 
 pub use crate::gap::share_closed::{is_open, share_closed};
 
@@ -28,12 +28,12 @@ use plant::Model;
 pub struct Departure<'a> {
     /// Its name.
     pub name: &'a str,
-    /// Effects that imitate it, and that are no rivals of it.
+    /// Effects that imitate it, and so are no rivals of it.
     pub twins: &'a [&'a str],
 }
 
-/// Nats by which `rig` beats its best rival along `recording`; of several departures, those of the one that shows
-/// least. `None`: there is no departure.
+/// The difference in log-likelihood, nats, between `rig` and its best rival on `recording`; with several departures,
+/// the smallest. `None`: there is no departure.
 #[must_use]
 pub fn nats_above_rivals(
     belief: &Model,
@@ -49,7 +49,7 @@ pub fn nats_above_rivals(
     departures.iter().map(above).reduce(f64::min)
 }
 
-/// ln p of the best model in which `departure` is as believed, and any other as it is.
+/// ln p of the best model in which `departure` is as believed, and the other departures as in `rig`.
 fn best_rival(problem: Problem<'_>, rig: &Model, departures: &[Departure<'_>], departure: &Departure<'_>) -> f64 {
     let name = departure.name;
     let mut start = problem.belief.clone();

@@ -1,9 +1,9 @@
-//! Flights for tests: a square wave of duty about hover, the ball held off the ends by a weak spring of duty.
+//! Flights for tests: a square wave of duty about hover, with weak position feedback that keeps the ball off the ends.
 
 use crate::{Recording, Sample};
 use plant::{Effects, Model, Noise, Simulator};
 
-/// A model with one lag in the fan, long pipe, noise of a real rig.
+/// A model with a fan lag, a long pipe and the noise of a real rig.
 pub(crate) fn model() -> Model {
     Model {
         gain_mm_per_s2_per_percent: 254.6,
@@ -15,7 +15,7 @@ pub(crate) fn model() -> Model {
     }
 }
 
-/// Flies `rig` for `seconds` at 50 Hz by a law from time and reading to duty.
+/// Flies `rig` for `seconds` at 50 Hz; `law` gives the duty from time and reading.
 fn flown(rig: &Model, seed: u64, seconds: u32, mut law: impl FnMut(f64, f64) -> f64) -> Recording {
     let mut simulator = Simulator::new(rig.clone(), seed);
     let rows = (0..seconds * 50).map(|k| {
@@ -40,7 +40,7 @@ pub(crate) fn record(rig: &Model, seed: u64, seconds: u32) -> Recording {
     })
 }
 
-/// Flies `rig` for `seconds` with a duty that is shaken by four sines, which shows what is late.
+/// Flies `rig` for `seconds` with a duty excited by four sines, so that delays and lags are identifiable.
 pub(crate) fn shaken(rig: &Model, seed: u64, seconds: u32) -> Recording {
     flown(rig, seed, seconds, |time_s, reading| {
         let shake: f64 = [3.1_f64, 5.3, 8.9, 13.7].iter().map(|turns| (turns * time_s).sin()).sum();

@@ -1,11 +1,12 @@
-//! A linear axis at 1 kHz whose encoder is all the noise there is, as exact as arithmetic: each millisecond in closed form.
+//! A linear axis at 1 kHz whose only noise is the encoder's quantisation, simulated in closed form for each
+//! millisecond.
 //!
 //! ```text
-//! v' = g·u − d·v − f·sign v, u constant:  v(t) = F/d + (v₀ − F/d)·e^(−d·t), F = g·u − f·sign v; it stops where v(t) = 0
+//! v' = g·u − d·v − f·sign v, u constant: v(t) = F/d + (v₀ − F/d)·e^(−d·t), F = g·u − f·sign v; it stops where v(t) = 0
 //! ```
 //!
-//! Every name, number and verdict here was wrong as long as the filter flew the mean of ten duties, held its noises above a thousandth, or
-//! smoothed friction below 1 mm/s; and with no count at all, as long as rounding was asked for its cause.
+//! These results were wrong while the filter averaged ten duties, kept its noises above a thousandth, or smoothed
+//! friction below 1 mm/s; and, without encoder counts, while rounding errors were tested for a cause.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -22,7 +23,7 @@ struct Axis {
     drag: f64,
     friction: f64,
     late_rows: usize,
-    /// Whether its encoder counts, or shows where it is to the last bit.
+    /// Whether its encoder counts steps; otherwise it gives the exact position.
     counts: bool,
 }
 
@@ -48,7 +49,7 @@ impl Axis {
         (there, terminal + (v - terminal) * left)
     }
 
-    /// 20 s of a loop that follows steps, and a chirp on its duty.
+    /// 20 s of a closed loop that follows steps, with a chirp added to its duty.
     fn flown(&self) -> Recording {
         let mut state = (500.0, 0.0);
         let (mut wanted, mut seen, mut speed) = (500.0, 500.0, 0.0);
@@ -70,12 +71,12 @@ impl Axis {
         Recording::new(rows.collect()).unwrap()
     }
 
-    /// What separates it from [`BELIEVED`], whose owner guesses its noise well.
+    /// The diagnosis with the belief [`BELIEVED`] and a good guess of the noise.
     fn diagnosed(&self) -> Diagnosis {
         self.diagnosed_with(Noise { sensor_mm: 0.0005, acceleration_psd_mm2_per_s3: 1.0 })
     }
 
-    /// The same where the owner guesses this noise.
+    /// The same with this guess of the noise.
     fn diagnosed_with(&self, noise: Noise) -> Diagnosis {
         let belief = Model {
             gain_mm_per_s2_per_percent: BELIEVED.gain,
@@ -89,7 +90,7 @@ impl Axis {
     }
 }
 
-/// The one effect named, and its only number.
+/// The only effect named, and its only parameter.
 fn only(found: &Diagnosis) -> (&'static str, f64) {
     assert_eq!(found.verdict, Verdict::Effect, "{:?}", found.misfit);
     assert_eq!(found.effects.len(), 1);

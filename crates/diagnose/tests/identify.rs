@@ -1,6 +1,6 @@
-//! Grey-box identification recovers what the simulated rig holds, and its intervals hold as often as they say.
+//! Grey-box identification recovers the parameters of the simulated rig, and its intervals have the stated coverage.
 //!
-//! Slow: three times fifty flights of a minute and more, each identified from a guess that is far off.
+//! Slow: three times fifty flights of a minute and more, each identified from an initial guess that is far off.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 const SEEDS: u64 = 50;
 
-/// The project's plant, with or without its fan's lag.
+/// The project's plant, with or without a fan lag.
 fn rig(lag_s: Option<f64>) -> Model {
     Model {
         gain_mm_per_s2_per_percent: 827.2,
@@ -24,7 +24,7 @@ fn rig(lag_s: Option<f64>) -> Model {
     }
 }
 
-/// A first guess that is far off.
+/// An initial guess that is far off.
 fn guess() -> Model {
     Model {
         gain_mm_per_s2_per_percent: 500.0,
@@ -35,7 +35,7 @@ fn guess() -> Model {
     }
 }
 
-/// A binary sequence of ±1 that no two seeds share, each bit 0.4 s long.
+/// A binary sequence of ±1, different for each seed, each bit 0.4 s long.
 fn bit(k: u32, seed: u64) -> f64 {
     let mut x = (u64::from(k / 20) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (seed << 32);
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -64,7 +64,8 @@ fn fly(rig: &Model, seed: u64, seconds: u32, closed: impl Fn(f64) -> bool) -> Re
     Recording::new((0..seconds * 50).map(row).collect()).unwrap()
 }
 
-/// The interval of each number holds its truth as often as 90 % intervals do, and the residual tests reject a right model as seldom as they say.
+/// The interval of each parameter holds its true value as often as a 90 % interval should, and the residual tests
+/// reject a right model as rarely as their level.
 fn assert_sound(truth: &[f64], identify: impl Fn(u64) -> GreyBox + Sync + Send) {
     let found: Vec<GreyBox> = (0..SEEDS).into_par_iter().map(identify).collect();
     let holds = |estimate: &Estimate, truth: f64| {
@@ -76,7 +77,7 @@ fn assert_sound(truth: &[f64], identify: impl Fn(u64) -> GreyBox + Sync + Send) 
         assert!((40..=49).contains(&count), "{name}: {count} of {SEEDS} intervals hold {truth}");
     }
     for test in [|r: &ResidualTests| r.whiteness, |r: &ResidualTests| r.input] {
-        // 5 % of 50 is 2.5; 8 or more has a chance of 0.4 %.
+        // 5 % of 50 is 2.5; 8 or more have a probability of 0.4 %.
         let rejected = found.iter().filter(|found| test(&found.residuals).p_value < 0.05).count();
         assert!(rejected < 8, "{rejected} of {SEEDS} rejected");
     }
@@ -100,7 +101,7 @@ fn two_poles_of_a_closed_loop_lie_in_their_intervals() {
 
 #[test]
 fn three_poles_of_detrended_open_loop_stretches_lie_in_their_intervals() {
-    // The believed hover is wrong, and so would be every stretch without its line.
+    // The believed hover is wrong, which without detrending would bias every stretch.
     let rig = Model { hover_duty_percent: 21.45, ..rig(Some(0.257)) };
     assert_sound(&[827.2, 3.896, 0.257], |seed| {
         let flight = fly(&rig, seed, 100, |time_s| time_s % 20.0 < 6.0);
@@ -115,7 +116,7 @@ fn a_plant_without_the_fans_pole_is_told_by_its_residuals_and_by_what_it_has_not
     assert!(two.residuals.input.p_value < 1e-6 && three.residuals.input.p_value > 0.05, "{:?}", two.residuals.input);
     assert!(two.residuals.whiteness.p_value < 1e-3, "{:?}", two.residuals.whiteness);
     assert!(three.held_out.log_likelihood > two.held_out.log_likelihood + 10.0);
-    // A second ahead; at a tenth both see little but the noise.
+    // A second ahead; at a tenth of a second both errors are mostly noise.
     assert!(three.held_out.percent.ahead[2] > two.held_out.percent.ahead[2]);
 }
 

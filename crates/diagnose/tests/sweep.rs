@@ -1,4 +1,4 @@
-//! The transient method gives back the plant behind a sweep of proportional gains.
+//! The transient method recovers the plant from a sweep of proportional gains.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -19,7 +19,7 @@ const TABLE: [[f64; 5]; 6] = [
     [0.015, 0.392, 1.972, 259.334, 1.547],
 ];
 const HALF_PERIOD_S: f64 = 8.0;
-/// Rows of ten pulses and ten back, 50 a second.
+/// Rows of ten pulses and their returns, 50 a second.
 const ROWS: u32 = 8000;
 
 /// Setpoints of five pulses of ±100 mm and five of ±200 mm.
@@ -31,7 +31,7 @@ fn setpoint_mm(time_s: f64) -> f64 {
 
 #[test]
 fn a_sweep_of_loops_of_second_order_gives_back_the_table_of_the_thesis() {
-    // At 0.007, which the thesis leaves out of its mean, the overshoot is 0.06 %: too little to be read off a pulse.
+    // At 0.007, which the thesis leaves out of its mean, the overshoot is 0.06 %: too little to measure on a pulse.
     for [kp, damping, omega, gain, drag] in TABLE.into_iter().filter(|row| row[0] != 0.007) {
         let loops = Transient { damping, omega };
         let row = |k: u32| {
@@ -50,13 +50,13 @@ fn a_sweep_of_loops_of_second_order_gives_back_the_table_of_the_thesis() {
             }
         };
         let found = Sweep::of(&Recording::new((0..ROWS).map(row).collect()).unwrap(), 0.0).unwrap();
-        // Half a digit of the printed δ and ω_n allows the first part, reading the peak off 50 points a second the second.
+        // First term: half a digit of the printed δ and ω_n. Second term: the peak read at 50 points a second.
         assert!((found.gain.value / gain - 1.0).abs() < 0.0025 + 0.003, "K_p {kp}: {:?}", found.gain);
         assert!((found.drag.value / drag - 1.0).abs() < 0.0015 + 0.003, "K_p {kp}: {:?}", found.drag);
     }
 }
 
-/// Flies a sweep of `gains` on a rig without a fan's lag.
+/// Flies a sweep of `gains` on a rig without a fan lag.
 fn flown(seed: u64, gains: &[f64]) -> Recording {
     let noise = Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 };
     let rig = Model {
@@ -75,7 +75,7 @@ fn flown(seed: u64, gains: &[f64]) -> Recording {
         let reading = simulator.reading_mm().round();
         let setpoint = setpoint_mm(since_s);
         let control = kp * (setpoint - reading);
-        // Hover is believed 0.1 % too high: the ball settles beside the setpoint.
+        // The believed hover is 0.1 % too high: the ball settles off the setpoint.
         let duty_percent = (21.5 + control).clamp(10.0, 40.0);
         simulator.drive(duty_percent);
         let (setpoint_mm, position_mm, control_percent) = (Some(setpoint), Some(reading), Some(control));

@@ -1,38 +1,40 @@
-//! A coarse reading says only that what the sensor saw lies in a cell.
+//! The likelihood of a quantised reading, which is interval-censored: the unrounded reading is only known to lie in a
+//! cell.
 //!
 //! ```text
 //! z ~ N(ŷ, S), cell [a, b]:   p = Φ(β) − Φ(α)      α = (a − ŷ)/√S, β = (b − ŷ)/√S
 //! E z = ŷ + √S·(φ(α) − φ(β))/p      Var z = S·(1 + (α·φ(α) − β·φ(β))/p − ((φ(α) − φ(β))/p)²)
 //! ```
 //!
-//! Source: Johnson, Kotz and Balakrishnan, *Continuous Univariate Distributions* 1, section 13.10, doubly truncated normal.
+//! Source: Johnson, Kotz and Balakrishnan, *Continuous Univariate Distributions* 1, section 13.10, doubly truncated
+//! normal.
 
 use libm::erfc;
 use std::f64::consts::{SQRT_2, TAU};
 
-/// Deviations beyond which a cell's probability is taken from its nearer edge.
+/// Standard deviations beyond which the asymptotic form at the nearer edge of a cell is used.
 const FAR: f64 = 7.0;
 
-/// What a cell says of the reading that fell into it.
+/// The normal distribution truncated to a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cell {
     /// ln of the probability of the cell.
     pub(crate) log_probability: f64,
-    /// Mean of the reading within the cell, from its expectation, in deviations.
+    /// Mean of the reading within the cell, from its expectation, in standard deviations.
     pub(crate) shift: f64,
-    /// Its variance there, in variances.
+    /// Variance of the reading within the cell, in units of its variance without truncation.
     pub(crate) spread: f64,
 }
 
 impl Cell {
-    /// The cell from `low` to `high`, both in deviations from the expectation.
+    /// The cell from `low` to `high`, both in standard deviations from the expectation.
     pub(crate) fn between(low: f64, high: f64) -> Self {
         if low + high < 0.0 {
             let mirrored = Self::between(-high, -low);
             return Self { shift: -mirrored.shift, ..mirrored };
         }
         if low > FAR {
-            // Mills' ratio: almost all of it lies at the nearer edge.
+            // Mills' ratio: almost all of the probability lies at the nearer edge.
             return Self {
                 log_probability: -0.5 * low * low - (low * TAU.sqrt()).ln(),
                 shift: low + 1.0 / low,

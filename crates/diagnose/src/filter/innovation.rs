@@ -1,57 +1,57 @@
-//! How well a model explains a recording: the likelihood of its Kalman innovations, robust to wild readings.
+//! The likelihood of a model's Kalman innovations, robust to outliers.
 //!
 //! ```text
 //! p(ν) = (1 − ε)·N(ν; 0, S) + ε·N(ν; 0, κ²·S)        ε = 0.002, κ = 10
 //! ```
 //!
-//! One wild reading costs a model some 10 nats, not thousands, and moves its filter by the share in which it is no wild
-//! one. The contamination is part of every model alike, so that likelihoods of different models compare.
+//! One outlier costs a model some 10 nats instead of thousands, and updates its filter only by its probability of being
+//! no outlier. The contamination is the same in every model, so likelihoods of different models can be compared.
 //! Source: Huber, *Robust Statistics*, the gross-error model.
 
 use crate::filter::censored::Cell;
 use crate::stats::log_sum::log_sum;
 
-/// Share of wild readings that every model grants.
+/// Share ε of outliers in every model.
 const WILD_SHARE: f64 = 0.002;
-/// How many times wider they scatter.
+/// Ratio κ of an outlier's standard deviation to a usual one.
 const WILD_WIDTH: f64 = 10.0;
-/// How much the wild readings of a sensor that has them scatter about their size, as a share of it.
+/// Standard deviation of a sensor's believed outliers about their size, as a share of the size.
 const WILD_SCATTER: f64 = 0.1;
 
-/// One reading as a model saw it coming; a speed of the fan has rpm where others have mm.
+/// The innovation of a reading under a model; for a fan speed, rpm take the place of mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
     /// The row of the reading.
     pub row: usize,
-    /// ŷ: what was expected, mm.
+    /// ŷ: expected reading, mm.
     pub expected_mm: f64,
-    /// S: the variance expected of the innovation ν, mm².
+    /// S: variance of the innovation ν, mm².
     pub variance_mm2: f64,
-    /// How much the reading says of ŷ: 1 for a usual one, 0 for a wild one.
+    /// Information of the reading on ŷ, relative to a usual one: 1 for a usual one, 0 for an outlier.
     pub weight: f64,
-    /// √S·∂ln p/∂ŷ: for a usual reading ν/√S, normal with variance 1 when the model is right.
+    /// Standardised innovation, √S·∂ln p/∂ŷ: for a usual reading ν/√S, normal with variance 1 under a right model.
     pub standardised: f64,
-    /// 2·∂ln p/∂ln S at the same ν: for a usual reading ν²/S − 1.
+    /// Variance score, 2·∂ln p/∂ln S at the same ν: for a usual reading ν²/S − 1.
     pub variance_score: f64,
     /// ln p(ν), nats.
     pub log_density: f64,
-    /// The sensor only repeated itself: nothing was expected.
+    /// The sensor repeated its last reading: there is no expectation.
     pub repeat: bool,
 }
 
-/// A reading and what is believed of how it was taken.
+/// A reading, and the model's assumptions about its measurement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reading {
     pub(crate) row: usize,
     pub(crate) position_mm: f64,
-    /// Probability and size of wild readings that the model believes in.
+    /// Probability and size of the outliers in the model.
     pub(crate) outliers: Option<(f64, f64)>,
-    /// Step of a coarse sensor, mm, and the resolution of the file, mm.
+    /// Step of a quantised sensor, mm, and the resolution of the file, mm.
     pub(crate) coarse: Option<(f64, f64)>,
 }
 
 impl Innovation {
-    /// Weighs a reading against its expectation.
+    /// The innovation of a reading with this expectation and variance.
     pub(crate) fn of(reading: Reading, expected_mm: f64, variance_mm2: f64) -> Self {
         let deviation = variance_mm2.sqrt();
         let residual = (reading.position_mm - expected_mm) / deviation;
@@ -86,7 +86,7 @@ impl Innovation {
         let wide = -0.5 * (residual / WILD_WIDTH).powi(2) / variance_mm2;
         let mut log_density = log_sum(good, scale + wide - WILD_WIDTH.ln() + WILD_SHARE.ln());
         if share > 0.0 {
-            // Wild readings scatter about their size.
+            // Outliers scatter about their size.
             let variance = variance_mm2 + (WILD_SCATTER * size_mm).powi(2);
             let scale = -0.5 * (std::f64::consts::TAU * variance).ln() + ((1.0 - WILD_SHARE) * share / 2.0).ln();
             for side in [size_mm, -size_mm] {
@@ -107,7 +107,7 @@ impl Innovation {
         }
     }
 
-    /// A reading that only repeats the one before, and ln p of that.
+    /// A reading that repeats the last one, and ln p of that.
     #[must_use]
     pub(crate) fn of_repeat(row: usize, log_density: f64) -> Self {
         Self {
@@ -157,7 +157,7 @@ mod tests {
                 let standardised = (at(1e-5, 4.0).log_density - at(-1e-5, 4.0).log_density) / 2e-5 * 2.0;
                 let variance_score = (at(0.0, 4.0004).log_density - at(0.0, 3.9996).log_density) / 1e-4 * 2.0 / 2.0;
                 let here = at(0.0, 4.0);
-                // What the wild part adds to the slopes is left out.
+                // The slopes leave out the outliers' part of the density.
                 assert!(
                     (here.standardised - standardised).abs() < 0.01
                         && (here.variance_score - variance_score).abs() < 0.01,

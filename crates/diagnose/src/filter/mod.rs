@@ -1,4 +1,4 @@
-//! From a model and a recording to innovations: the extended Kalman filter along the recorded duty.
+//! Innovations of a model on a recording: the extended Kalman filter with the recorded duty as its input.
 
 pub(crate) mod censored;
 pub(crate) mod ekf;

@@ -1,25 +1,26 @@
-//! Which readings are new, where a model believes that the sensor refreshes slower than the loop reads.
+//! Which readings are new, where a model has a sensor that refreshes slower than the loop reads.
 //!
 //! ```text
-//! F(e) = (e − hold + period)/period, 0 to 1      chance that the sensor has refreshed e seconds after the row of its last reading
-//! h = (F(e) − F(e'))/(1 − F(e'))                 and since the row before, at e', if it had not until then
-//! p(y) = h·p_new(y) + (1 − h)/r·[y is the last reading again]      r: resolution of the file
+//! F(e) = (e − hold + period)/period, 0 to 1     probability of a refresh by e seconds after the last new reading's row
+//! h = (F(e) − F(e'))/(1 − F(e'))                and since the row before, at e', given none until then
+//! p(y) = h·p_new(y) + (1 − h)/r·[y equals the last reading]      r: resolution of the file
 //! ```
 //!
-//! When in a row's period the last refresh fell is not known, hence the ramp; it is widened by what clocks wander. A reading that is the same
-//! again counts as a repeat, and moves no filter, until the refresh is overdue, F = 1. The clock alone decides that and never p_new: models
-//! that each chose their own readings would differ by the luck of the choice, by more nats than an effect is worth.
+//! The time of the last refresh within a row's period is unknown, hence the ramp; it is widened by the clocks' jitter.
+//! A reading that equals the last one counts as a repeat, and updates no filter, until the refresh is overdue, F = 1.
+//! The clock alone decides this, never p_new: if each model chose its own readings, models would differ at random by
+//! more nats than an effect gains.
 
 use plant::Model;
 
-/// What clocks wander: shares of the hold and of the period.
+/// Jitter of the clocks: shares of the hold and of the period.
 const HOLD_WANDERS: f64 = 0.05;
 const PERIOD_WANDERS: f64 = 0.1;
-/// A refresh is never quite impossible, nor quite certain.
+/// Smallest and largest probability of a refresh: never 0, never 1.
 const EARLIEST: f64 = 1e-5;
 const LATEST: f64 = 0.98;
 
-/// The last reading of a sensor that refreshes now and then, and when it was new.
+/// The last reading of a slow sensor, and when it was new.
 #[derive(Clone, Debug)]
 pub(crate) struct Refresh {
     hold_s: f64,
@@ -30,13 +31,13 @@ pub(crate) struct Refresh {
 }
 
 impl Refresh {
-    /// The sensor of `model`, if it is believed to be slow, after its first reading.
+    /// The sensor of `model`, if it is slow, after its first reading.
     pub(crate) fn of(model: &Model, period_s: f64, time_s: f64, reading_mm: f64) -> Option<Self> {
         let hold_s = model.effects.hold()?.hold_s;
         (hold_s > 0.0).then_some(Self { hold_s, period_s, new_s: time_s, before_s: time_s, last_mm: reading_mm })
     }
 
-    /// The chance that the sensor has refreshed since the row before.
+    /// The probability that the sensor has refreshed since the row before.
     pub(crate) fn chance(&self, time_s: f64) -> f64 {
         let (before, now) = (self.refreshed(self.before_s), self.refreshed(time_s));
         ((now - before) / (1.0 - before).max(EARLIEST)).clamp(EARLIEST, LATEST)
@@ -48,20 +49,20 @@ impl Refresh {
         ((time_s - earliest_s) / (self.period_s + 2.0 * wander_s)).clamp(0.0, 1.0)
     }
 
-    /// Whether a reading is the last one again.
+    /// Whether a reading equals the last one.
     pub(crate) fn is_same(&self, reading_mm: f64) -> bool {
         reading_mm == self.last_mm
     }
 
-    /// Whether the sensor must have refreshed, so that even the same reading again is a new one.
+    /// Whether the sensor must have refreshed, so that even an equal reading is a new one.
     pub(crate) fn is_overdue(&self, time_s: f64) -> bool {
         self.refreshed(time_s) >= 1.0
     }
 
-    /// Goes on after a row whose reading was new, or a repeat.
+    /// Updates the state after a row whose reading was `new`, or a repeat.
     pub(crate) fn go_on(&mut self, time_s: f64, reading_mm: f64, new: bool) {
         if new {
-            // A refresh that shows the same number again is noticed late.
+            // A refresh that gives the same reading again is noticed late.
             let late_s = if self.is_same(reading_mm) { (time_s - self.new_s) % self.hold_s } else { 0.0 };
             (self.new_s, self.last_mm) = (time_s - late_s, reading_mm);
         }
@@ -78,7 +79,7 @@ mod tests {
     use plant::effects::StaleSamples;
     use plant::{Effects, Model};
 
-    /// A flight whose readings are held for so many rows and rounded to a step.
+    /// A flight whose readings are held for `rows` rows and rounded to a step.
     fn held(rows: usize, step_mm: f64) -> Recording {
         let good = record(&model(), 1, 20);
         let round = |mm: f64| (mm / step_mm).round() * step_mm;

@@ -1,4 +1,4 @@
-//! The way of a model's filter along a recording, reading by reading.
+//! Runs a model's filter along a recording, reading by reading.
 
 use crate::filter::ekf::{Ekf, PropagationCache, SmootherMemory};
 use crate::filter::innovation::{Innovation, Reading};
@@ -9,9 +9,10 @@ use crate::record::second_sensor::Second;
 use crate::stats::log_sum::log_sum;
 use plant::Model;
 
-/// Runs the filter of `model` over `recording` and shows it after each reading: the row, how the reading was seen coming,
-/// and the filter, unless the model says that the sensor only repeated itself. Each flight begins with a new filter. With `back`, the
-/// filter remembers its way. With `second`, it takes what a second sensor says as well, and writes down how it saw that coming.
+/// Runs the filter of `model` over `recording` and calls `show` after each reading with the row, its innovation, and
+/// the filter, or no filter where the model takes the reading for a repeat. Each flight starts with a new filter. With
+/// `back`, the filter keeps what the smoother needs. With `second`, it also uses the readings of a second sensor and
+/// appends their innovations.
 pub(crate) fn run_filter<'a>(
     model: &'a Model,
     recording: &'a Recording,
@@ -66,16 +67,17 @@ pub(crate) fn run_filter<'a>(
     }
 }
 
-/// A second sensor's readings on the way.
+/// The readings of a second sensor during a run.
 struct Beside<'s> {
     sensor: Second,
-    /// The row whose reading comes next.
+    /// The row of the next reading.
     next: usize,
     seen: &'s mut Vec<Innovation>,
 }
 
 impl Beside<'_> {
-    /// Takes the readings of a flight that were made up to `until_s`: a first sensor that is late tells of a moment that the second has seen long since.
+    /// Updates the filter by a flight's readings up to `until_s`: a reading of a delayed first sensor belongs to an
+    /// earlier time than one of the second in the same row.
     fn up_to(&mut self, until_s: f64, start: usize, rows: &[Sample], ekf: &mut Ekf<'_>, steps: &mut PropagationCache) {
         let start_s = rows.first().map_or(0.0, |first| first.time_s);
         while let Some(sample) = rows.get(self.next - start).filter(|sample| sample.time_s - start_s <= until_s) {
@@ -90,7 +92,7 @@ impl Beside<'_> {
     }
 }
 
-/// Whether a reading is new, and ln p of it where the sensor may only have repeated itself.
+/// Whether a reading is new, and ln p of it where the sensor may have repeated its last one.
 fn arrival(
     refresh: Option<&Refresh>,
     time_s: f64,

@@ -1,30 +1,32 @@
-//! The recorded speed of the fan: what it says of the way from the duty to the rotor.
+//! The likelihood of the recorded fan speed: evidence about the path from the duty to the rotor.
 //!
 //! ```text
 //! w: speed in percent of duty, as `plant::Rotor` follows the duty
-//! rpm = a + b·w + e,  e_k = ρ·e_(k−1) + n_k      a, b, ρ and the variance of n: where this record is most likely
+//! rpm = a + b·w + e,  e_k = ρ·e_(k−1) + n_k      a, b, ρ and the variance of n: most likely on this record
 //! ```
 //!
-//! A rotor shows its timing and no force: delay, steps and lags between duty and rotor move its speed, and whatever comes after it (play, dead
-//! zone, curve, asymmetry, drifts of gain and hover, limits) does not, because a speed of a real fan is never quite a straight line of
-//! its duty: the coloured e takes that up. What is late behind the rotor, in the air or in the sensor, leaves the speed alone; so a
-//! delay or a lag of the duty is told from one of the reading. The speed depends on the duty alone, so that its likelihood
-//! stands beside that of the readings. Source: Cochrane and Orcutt, "Application of least squares regression to
-//! relationships containing autocorrelated error terms", Journal of the American Statistical Association 44 (1949).
+//! The rotor shows timing, not force: delay, steps and lags between duty and rotor change its speed. Effects behind the
+//! rotor (hysteresis, dead zone, curve, asymmetry, drifts of gain and hover, limits) are not part of w: the speed of a
+//! real fan is never quite a straight line of its duty, and the coloured noise e takes that up. A delay or a lag behind
+//! the rotor, in the air or in the sensor, leaves the speed unchanged, so a delay or a lag of the duty can be
+//! distinguished from one of the reading. The speed depends on the duty alone, so its log-likelihood adds to that of
+//! the readings.
+//! Source: Cochrane and Orcutt, "Application of least squares regression to relationships containing autocorrelated
+//! error terms", Journal of the American Statistical Association 44 (1949).
 
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::{Recording, Sample};
 use plant::{Model, Rotor};
 
-/// The rotor's first seconds show how fast it was before the record began.
+/// The rotor's first seconds depend on its speed before the record began.
 const WARM_UP_S: f64 = 1.5;
-/// Fewer speeds than this say nothing of a straight line.
+/// With fewer speeds than this no straight line is fitted.
 const ENOUGH: usize = 50;
-/// Rounds of line and colour, and the strongest colour.
+/// Iterations of line and autocorrelation, and the largest autocorrelation ρ.
 const ROUNDS: usize = 3;
 const MOST_COLOUR: f64 = 0.98;
 
-/// A recorded speed: its row, what it was, w as the model has it, and whether the row before it has one as well.
+/// A recorded speed: its row, its value, the model's w, and whether the row before it has a speed too.
 struct Speed {
     row: usize,
     rpm: f64,
@@ -32,7 +34,7 @@ struct Speed {
     follows: bool,
 }
 
-/// The line from w to the speed, the colour of what is off it, and the variance of what is new in that.
+/// The line from w to the speed, the autocorrelation ρ of its residuals, and the variance of n.
 struct Line {
     a: f64,
     b: f64,
@@ -40,7 +42,7 @@ struct Line {
     variance: f64,
 }
 
-/// Every recorded speed as `model` saw it coming; none where there are too few.
+/// The innovation of every recorded speed under `model`; none where there are too few.
 pub(crate) fn innovations(model: &Model, recording: &Recording) -> Vec<Innovation> {
     if !recording.has_fan_speed() {
         return Vec::new();
@@ -50,7 +52,7 @@ pub(crate) fn innovations(model: &Model, recording: &Recording) -> Vec<Innovatio
     Line::of(&all).map_or_else(Vec::new, |line| line.innovations(&all))
 }
 
-/// The recorded speeds of a flight, and w along its duty.
+/// The recorded speeds of a flight, with w by its duty.
 fn speeds(model: &Model, flight: &[Sample], first_row: usize) -> Vec<Speed> {
     let Some(first) = flight.first() else { return Vec::new() };
     let mut rotor = Rotor::new(model, first.duty_percent);
@@ -69,7 +71,7 @@ fn speeds(model: &Model, flight: &[Sample], first_row: usize) -> Vec<Speed> {
 }
 
 impl Line {
-    /// The line and the colour that suit the speeds best. `None`: too few, or a duty that never moves.
+    /// The most likely line and autocorrelation. `None`: too few speeds, or a constant duty.
     fn of(all: &[Speed]) -> Option<Self> {
         let pairs: Vec<(&Speed, &Speed)> = all.iter().zip(all.iter().skip(1)).filter(|pair| pair.1.follows).collect();
         if pairs.len() < ENOUGH {
@@ -77,7 +79,7 @@ impl Line {
         }
         let (n, mut line) = (pairs.len() as f64, Self { a: 0.0, b: 0.0, colour: 0.0, variance: 0.0 });
         for _ in 0..ROUNDS {
-            // Least squares of what is new in the speed on what is new in w.
+            // Least squares of the speed on w after ρ times the value before is subtracted from both.
             let new = |before: f64, now: f64| now - line.colour * before;
             let points = pairs.iter().map(|(p, q)| (new(p.duty_percent, q.duty_percent), new(p.rpm, q.rpm)));
             let (x, y) = points.clone().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
@@ -94,7 +96,7 @@ impl Line {
             line.variance = pairs.iter().map(|(p, q)| (off(q) - colour * off(p)).powi(2) / n).sum();
             line.colour = colour;
         }
-        // A speed without noise still leaves a division.
+        // The variance must be above 0 for the division even without noise.
         Some(Self { variance: line.variance.max(1e-9 * line.b.powi(2)), ..line })
     }
 

@@ -1,4 +1,4 @@
-//! A model's filter along a whole recording, and forecasts from any of its readings.
+//! A model's filter along a whole recording, and forecasts from any reading.
 
 use crate::filter::ekf::{Ekf, FilteredStep, PropagationCache, Segment, Smoothed, SmootherMemory, smoothed};
 use crate::filter::innovation::Innovation;
@@ -8,32 +8,32 @@ use crate::record::recording::Recording;
 use plant::Model;
 use std::ops::Range;
 
-/// A model's filter along a recording: where it is after each reading.
+/// A model's filter along a recording, with its state after each reading.
 #[derive(Debug)]
 pub struct Track<'a> {
     model: &'a Model,
     recording: &'a Recording,
-    /// Rows that hold a reading, and the filter after it.
+    /// Rows that hold a reading, and the filter after each.
     estimates: Vec<(usize, Ekf<'a>)>,
-    /// Every reading but the first, as it was seen coming.
+    /// The innovation of every reading but the first.
     innovations: Vec<Innovation>,
     /// Whether each row holds a reading that is no repeat.
     new: Vec<bool>,
 }
 
-/// What a model expects of a later reading.
+/// A model's forecast of a later reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// The row of the reading.
     pub row: usize,
     /// Expected reading, mm.
     pub position_mm: f64,
-    /// Its variance by the model's noise, the reading's own included, mm².
+    /// Its variance by the model's noise, including the reading's own, mm².
     pub variance_mm2: f64,
 }
 
-/// Every reading but the first, which has nothing to be compared with, as the model saw it coming; then every
-/// reading of a second sensor, and every speed of the fan, in rpm where others have mm.
+/// The innovation of every reading but the first, which has no prediction; then of every reading of a second sensor,
+/// and of every fan speed, in rpm instead of mm.
 #[must_use]
 pub fn innovations(model: &Model, recording: &Recording) -> Vec<Innovation> {
     let mut all = Vec::with_capacity(recording.readings());
@@ -47,14 +47,14 @@ pub fn innovations(model: &Model, recording: &Recording) -> Vec<Innovation> {
     all
 }
 
-/// What is expected of each row's reading, mm; `None` where there is none, or the model says that the sensor only repeated itself.
+/// The expected reading of each row, mm; `None` where there is no reading, or the model takes it for a repeat.
 pub(crate) fn expected_mm(model: &Model, recording: &Recording) -> Vec<Option<f64>> {
     let mut all = vec![None; recording.samples().len()];
     run_filter(model, recording, None, None, |row, innovation, ekf| all[row] = ekf.map(|_| innovation.expected_mm));
     all
 }
 
-/// The way from reading to reading, and how each was seen coming.
+/// The innovation of each reading, and the segment of the filter up to it.
 pub(crate) fn segments(model: &Model, recording: &Recording) -> Vec<(Innovation, Segment)> {
     let mut all = Vec::with_capacity(recording.readings());
     run_filter(model, recording, Some(SmootherMemory::default()), None, |_, innovation, ekf| {
@@ -63,7 +63,7 @@ pub(crate) fn segments(model: &Model, recording: &Recording) -> Vec<(Innovation,
     all
 }
 
-/// What the whole flight, before and after it, says of each reading's moment: the row and the states.
+/// The row of each reading, and the smoothed state there, from the whole flight.
 pub(crate) fn smoothed_states(model: &Model, recording: &Recording) -> Vec<(usize, Smoothed)> {
     let (mut rows, mut traces) = (Vec::new(), Vec::<FilteredStep>::new());
     run_filter(model, recording, Some(SmootherMemory::default()), None, |row, _, ekf| {
@@ -100,13 +100,13 @@ impl<'a> Track<'a> {
         Self { model, recording, estimates, innovations, new }
     }
 
-    /// Every reading but the first, as the model saw it coming.
+    /// The innovation of every reading but the first.
     #[must_use]
     pub fn into_surprises(self) -> Vec<Innovation> {
         self.innovations
     }
 
-    /// What was known after each reading but the last: its row, position and velocity.
+    /// The filtered state after each reading but the last: its row, position and velocity.
     pub fn states(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let known = self.estimates.iter().take(self.estimates.len().saturating_sub(1));
         known.map(|(row, ekf)| {
@@ -115,7 +115,7 @@ impl<'a> Track<'a> {
         })
     }
 
-    /// How many readings the recording has that are no repeats.
+    /// Number of readings of the recording that are no repeats.
     #[must_use]
     pub fn readings(&self) -> usize {
         self.estimates.len()
@@ -129,7 +129,8 @@ impl<'a> Track<'a> {
         Some((row, sample.time_s, sample.position_mm?))
     }
 
-    /// Forecasts every later reading of the same flight from what was known after reading number `from`, by the recorded duty.
+    /// Forecasts every later reading of the same flight from the state after reading number `from`, with the recorded
+    /// duty.
     pub fn forecasts(&self, from: usize) -> impl Iterator<Item = Forecast> {
         let start = self.estimates.get(from);
         let mut row = start.map_or(self.new.len(), |(row, _)| *row);
@@ -162,7 +163,7 @@ mod tests {
         let noise = Noise { sensor_mm: 0.0, acceleration_psd_mm2_per_s3: 0.0 };
         let own = Model { noise, ..model() };
         let recording = record(&own, 1, 20);
-        // A filter that trusts its readings forgets that the ball took off in the middle of a step.
+        // A filter with little sensor noise soon corrects the error of a take-off in the middle of a step.
         let noise = Noise { sensor_mm: 1e-4, acceleration_psd_mm2_per_s3: 360.0 };
         let trusting = Model { noise, ..own };
         let track = Track::new(&trusting, &recording);
@@ -174,7 +175,7 @@ mod tests {
 
     #[test]
     fn the_spread_of_forecasts_is_what_the_filter_says_it_is() {
-        // Normalised squared errors of one-second forecasts average to 1, over many flights.
+        // Squared errors of one-second forecasts, divided by their variances, average to 1 over many flights.
         let own = model();
         let (mut sum, mut count) = (0.0, 0.0);
         for seed in 0..40 {
@@ -212,7 +213,7 @@ mod tests {
 
     #[test]
     fn every_flight_is_followed_and_forecast_as_if_it_were_alone() {
-        // A drift and a delay, so that a clock or a duty carried over would show.
+        // A drift and a delay, so that a clock or a duty carried over from the first flight would show.
         let mut own = model();
         own.effects.set("gain_drift", &[0.005]);
         own.effects.set("transport_delay", &[0.05]);
@@ -220,7 +221,7 @@ mod tests {
         let both = crate::Recording::together(flights.clone());
         let together = super::innovations(&own, &both);
         let apart: Vec<_> = flights.iter().flat_map(|flight| super::innovations(&own, flight)).collect();
-        // The first reading of the second flight has nothing to be compared with either.
+        // The first reading of the second flight has no prediction either.
         let compared = together.iter().filter(|s| s.row != both.flights()[1].start);
         for (a, b) in compared.zip(&apart) {
             assert!(

@@ -1,4 +1,4 @@
-//! What a record could be of: bounds of the parameters, narrowed by what was recorded.
+//! Bounds of the parameters, narrowed by what was recorded.
 //!
 //! ```text
 //! hover     lowest duty − m ≤ hover ≤ highest duty + m       m: half of the range of duties
@@ -6,36 +6,37 @@
 //! others    as the config accepts them; the gain keeps its sign
 //! ```
 //!
-//! A ball that is still in the pipe at the end was pushed both ways, so that the duty that balances it lies among those that flew. The
-//! margin is for a mean force that an effect may take up. A stop that no reading came near is of no record.
+//! A ball that is still in the pipe at the end was accelerated both ways, so the duty that balances it lies within the
+//! range of recorded duties. The margin is for a mean force that an effect may add. A stop beyond all readings cannot
+//! be estimated.
 
 use crate::fit::parameter::Parameter;
 use crate::record::recording::Recording;
 use plant::{Model, Scale, Unsound};
 
-/// Share of the range of duties by which hover may lie beyond it.
+/// Margin of hover beyond the range of duties, as a share of that range.
 const MARGIN: f64 = 0.5;
-/// A value this near to a bound stands at it, as a share of the larger of the two, and as a number.
+/// A value this near to a bound is at it: relative to the larger of the two, and absolute.
 const NEAR: f64 = 1e-9;
 
-/// Bounds of the parameters of every model of one record.
+/// Bounds of the parameters of every model on one record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     hover_percent: [f64; 2],
     height_mm: [f64; 2],
 }
 
-/// Why a model cannot be that of a record.
+/// Why a model is not possible on a record.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Impossible {
-    /// The model is none that a config may hold.
+    /// The config does not allow the model.
     Unsound(Unsound),
-    /// A parameter is outside what the record allows.
+    /// A parameter is outside the bounds of the record.
     OutOfRecord(Parameter),
 }
 
 impl Bounds {
-    /// The bounds on this record of a rig that is believed to be `belief`.
+    /// The bounds on this record, for a rig that is believed to be `belief`.
     pub(crate) fn of(belief: &Model, recording: &Recording) -> Self {
         let [low, high] = recording.duty_range();
         let margin = MARGIN * (high - low);
@@ -57,7 +58,7 @@ impl Bounds {
         }
     }
 
-    /// The model with each of these parameters within its bounds.
+    /// The model with each of these parameters clamped to its bounds.
     pub(crate) fn clamped(&self, model: Model, parameters: &[Parameter]) -> Model {
         parameters.iter().fold(model, |model, parameter| {
             let [low, high] = self.range(*parameter);
@@ -69,7 +70,7 @@ impl Bounds {
         })
     }
 
-    /// The bound that a parameter of `model` stands at, if it does; one at which the parameter does nothing is none.
+    /// The bound at which a parameter of `model` is, if any; a bound where the parameter has no effect does not count.
     #[must_use]
     pub fn active(&self, parameter: Parameter, model: &Model) -> Option<f64> {
         let value = parameter.value(model)?;
@@ -78,7 +79,7 @@ impl Bounds {
         self.range(parameter).into_iter().filter(near).find(|bound| neutral != Some(*bound))
     }
 
-    /// Checks a model: the bounds of the config, and those of the record for `parameters`.
+    /// Checks a model against the bounds of the config, and `parameters` against those of the record.
     pub(crate) fn check(&self, model: &Model, parameters: &[Parameter]) -> Result<(), Impossible> {
         model.check().map_err(|(_, unsound)| Impossible::Unsound(unsound))?;
         let outside = |parameter: &&Parameter| {

@@ -1,4 +1,4 @@
-//! Fitting a model to a recording: maximum posterior by Fisher scoring.
+//! Fitting a model to a recording: maximum a posteriori estimation by Fisher scoring.
 //!
 //! ```text
 //! L = Σ ln p(ν_k) + ln prior(θ)   ν_k = y_k − ŷ_k, S_k: innovation and its variance, functions of the parameters θ
@@ -6,9 +6,10 @@
 //! H = Σ w·( ∂ŷ·∂ŷᵀ/S + ½·∂lnS·∂lnSᵀ )          Levenberg–Marquardt: (H + λ·diag H)·δ = g
 //! ```
 //!
-//! What shapes p itself, as the share of wild readings does, adds its scores: g = Σ ∂ln p, H = Σ ∂ln p·∂ln pᵀ.
-//! Derivatives are differences of whole filter runs, in the scales of [`Parameter`], so that one λ serves all. Gradient and information are kept by
-//! fold, so that a fit without a fold is one step away. The covariance of θ is H⁻¹ when the model is right.
+//! Parameters of p itself, such as the share of outliers, add their scores: g = Σ ∂ln p, H = Σ ∂ln p·∂ln pᵀ.
+//! Derivatives are differences of whole filter runs, in the scales of [`Parameter`], so that one λ suits all. Gradient
+//! and information are kept by fold, so that a fit without a fold takes one step. The covariance of θ is H⁻¹ when the
+//! model is right.
 //! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
 
 use crate::filter::innovation::Innovation;
@@ -21,36 +22,36 @@ use crate::thresholds::LONG;
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
 
-/// Scoring steps; a fit that needs more creeps along a valley that the record cannot resolve.
+/// Most scoring steps; a fit that needs more moves along a ridge of the likelihood that the record does not determine.
 const STEPS: usize = 15;
-/// The same while the slope is steep: from a noise believed far too large a step goes down by a factor of e at most.
+/// The same while the slope is steep: from a believed noise far too large, a step reduces it by a factor of e at most.
 const MOST_STEPS: usize = 60;
-/// A step that gains less than this, nats, is the last.
+/// The fit ends after a step that gains less than this, nats.
 const GAIN_ENOUGH: f64 = 0.05;
-/// A step that gains more than this, nats of a record that is not long, is on a slope that is worth climbing on.
+/// A step that gains more than this, nats on a record of usual length, is on a steep slope, and the fit continues.
 const STEEP: f64 = 20.0;
-/// Information below which a record says nothing of a number.
+/// Information below which the record does not determine a parameter.
 const NOTHING_TOLD: f64 = 1e-6;
-/// Length of the differences in scaled parameters.
+/// Length of the finite differences, in scaled parameters.
 const DIFFERENCE: f64 = 0.01;
-/// Times that a step is shortened; and where it still promises so many nats.
+/// A step is shortened this many times, and further while it is predicted to gain this many nats.
 const SHORTER: usize = 6;
 const PROMISING: f64 = 1.0;
 const SHORTEST: usize = 14;
 
-/// Nats, fold by fold.
+/// Log-likelihood by fold, nats.
 pub type LogLikByFold = [f64; Folds::COUNT];
 
 /// A model fitted to a recording.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// The model at its best.
+    /// The model at the maximum.
     pub model: Model,
-    /// What was moved.
+    /// The fitted parameters.
     pub parameters: Vec<Parameter>,
-    /// The readings as the model sees them.
+    /// The innovations of the readings under the model.
     pub innovations: Vec<Innovation>,
-    /// ln prior at the best, up to a constant.
+    /// ln prior at the maximum, up to a constant.
     pub log_prior: f64,
     slope: Derivatives,
 }
@@ -77,14 +78,16 @@ impl Fit {
         self.innovations.iter().filter(|s| counts(s.row)).map(|s| s.log_density).sum()
     }
 
-    /// Standard deviations of the moved numbers in their own scale; infinite where the record says nothing of a number.
+    /// Standard deviations of the fitted parameters in their own scale; infinite where the record does not determine a
+    /// parameter.
     #[must_use]
     pub fn deviations(&self) -> Vec<f64> {
         let deviation = |variance: &f64| if *variance > 0.0 { variance.sqrt() } else { f64::INFINITY };
         self.covariance().diagonal().iter().map(deviation).collect()
     }
 
-    /// Covariance of the moved numbers in their own scale; a variance is infinite where the record says nothing of a number.
+    /// Covariance of the fitted parameters in their own scale; a variance is infinite where the record does not
+    /// determine a parameter.
     pub(crate) fn covariance(&self) -> DMatrix<f64> {
         let information = self.slope.total(None).1;
         let told: Vec<usize> = (0..self.parameters.len()).filter(|i| information[(*i, *i)] > NOTHING_TOLD).collect();
@@ -101,31 +104,31 @@ impl Fit {
     }
 }
 
-/// What is to be fitted to what.
+/// A fitting problem.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {
     /// The rows.
     pub recording: &'a Recording,
-    /// The owner's belief, which the prior holds to.
+    /// The owner's belief, the centre of the prior.
     pub belief: &'a Model,
     /// Which rows count, and in which fold.
     pub folds: &'a Folds,
-    /// What is known beforehand.
+    /// The prior.
     pub prior: Prior,
 }
 
-/// How long a maximise goes on.
+/// Limits of the number of steps.
 #[derive(Clone, Copy)]
 struct StepLimits {
     /// Steps.
     steps: usize,
-    /// Steps after the last on a steep slope.
+    /// Further steps after each on a steep slope.
     more: usize,
-    /// All steps at most.
+    /// Most steps in total.
     most: usize,
 }
 
-/// Everything about one point of a fit.
+/// A model during a fit, with its innovations and its log-posterior.
 struct Point {
     model: Model,
     innovations: Vec<Innovation>,
@@ -133,7 +136,7 @@ struct Point {
 }
 
 impl Problem<'_> {
-    /// Moves the numbers `free` of `start` to where the readings that count are most likely.
+    /// Moves `parameters` of `start` to the maximum of the posterior of the readings that count.
     #[must_use]
     pub fn fit(&self, start: &Model, parameters: &[Parameter]) -> Fit {
         let (best, slope) =
@@ -143,19 +146,20 @@ impl Problem<'_> {
         Fit { model: best.model, parameters: parameters.to_vec(), innovations: best.innovations, log_prior, slope }
     }
 
-    /// The model after so many steps at most.
+    /// The model after at most this many steps.
     #[must_use]
     pub fn fit_in_steps(&self, start: &Model, parameters: &[Parameter], most_steps: usize) -> Model {
         self.maximise(start, parameters, StepLimits { steps: most_steps, more: 0, most: most_steps }).0.model
     }
 
-    /// A first look: the model after so many steps, and as many more as the slope is steep; its likelihood and prior, nats.
+    /// A short fit, for screening: the model after `steps` steps, and more while the slope is steep; with its
+    /// log-likelihood and log-prior in total, nats.
     pub(crate) fn fit_briefly(&self, start: &Model, parameters: &[Parameter], steps: usize) -> (Model, f64) {
         let (best, _) = self.maximise(start, parameters, StepLimits { steps, more: 1, most: STEPS });
         (best.model, best.total)
     }
 
-    /// What each parameter may be on this record.
+    /// The bounds of each parameter on this record.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         Bounds::of(self.belief, self.recording)
@@ -168,19 +172,19 @@ impl Problem<'_> {
         self.bounds().clamped(moved, parameters)
     }
 
-    /// Likelihood and prior of a fit, nats.
+    /// Log-likelihood and log-prior of a fit in total, nats.
     pub(crate) fn total_of(&self, fit: &Fit) -> f64 {
         fit.log_likelihood(|row| self.folds.counts(row)) + fit.log_prior
     }
 
-    /// Likelihood and prior of `model` as it is, nats.
+    /// Log-likelihood and log-prior of `model` in total, without a fit, nats.
     pub(crate) fn total(&self, model: &Model, parameters: &[Parameter]) -> f64 {
         self.point(model.clone(), parameters).total
     }
 
-    /// Climbs from `start`. The slope is that of the last step's start, if that step hardly moved.
+    /// Maximises from `start`. The derivatives are those before the last step, if that step gained almost nothing.
     fn maximise(&self, start: &Model, parameters: &[Parameter], patience: StepLimits) -> (Point, Option<Derivatives>) {
-        // A noise of 0 has no slope: each number starts where it may be.
+        // A noise of 0 has no slope: each parameter starts within its bounds.
         let mut best = self.point(self.moved(start, parameters, &DVector::zeros(parameters.len())), parameters);
         let steep = STEEP * (self.recording.readings() as f64 / LONG).max(1.0);
         let (mut damping, mut end) = (1e-3, patience.steps);
@@ -204,20 +208,21 @@ impl Problem<'_> {
         (best, None)
     }
 
-    /// The models that the same fit gives without each fold in turn: one scoring step from the fit to all.
+    /// The models fitted without each fold in turn: one scoring step from the fit to all folds.
     #[must_use]
     pub fn without_each_fold(&self, fit: &Fit) -> Vec<Model> {
         (0..Folds::COUNT).map(|fold| self.without(fit, fold).0).collect()
     }
 
-    /// What each fold is worth under the model that was fitted without it, nats.
+    /// The held-out log-likelihood of each fold, under the model that was fitted without it, nats.
     #[must_use]
     pub fn held_out(&self, fit: &Fit) -> LogLikByFold {
         std::array::from_fn(|fold| self.without(fit, fold).1[fold])
     }
 
-    /// The fit without a fold, and what each fold is worth under it. A number of an added effect that the other folds do not
-    /// determine goes back to where it does nothing, else a fold would vouch for what it alone has seen.
+    /// The model fitted without a fold, and the log-likelihood of each fold under it. A parameter of an added effect
+    /// that the other folds do not determine returns to its neutral value; otherwise the fold that alone determines it
+    /// would not be held out.
     fn without(&self, fit: &Fit, fold: usize) -> (Model, LogLikByFold) {
         let kept = |worth: &LogLikByFold| worth.iter().sum::<f64>() - worth[fold];
         let here = self.of_each_fold(&fit.innovations);
@@ -244,12 +249,12 @@ impl Problem<'_> {
         (fit.model.clone(), here)
     }
 
-    /// ln prior of the numbers `free` of `model`, up to a constant; 0 where the record alone speaks.
+    /// ln prior of `parameters` in `model`, up to a constant; 0 without a prior.
     pub(crate) fn log_prior(&self, parameters: &[Parameter], model: &Model) -> f64 {
         if self.prior == Prior::Belief { prior(parameters, model, self.belief) } else { 0.0 }
     }
 
-    /// What each fold is worth under `model` as it is, nats.
+    /// The log-likelihood of each fold under `model`, without a fit, nats.
     #[must_use]
     pub fn by_fold(&self, model: &Model) -> LogLikByFold {
         self.of_each_fold(&innovations(model, self.recording))
@@ -300,7 +305,7 @@ impl Problem<'_> {
         None
     }
 
-    /// Gradient and information of likelihood and prior at `point`.
+    /// Gradient and information of log-likelihood and log-prior at `point`.
     fn slope(&self, point: &Point, parameters: &[Parameter]) -> Derivatives {
         let nudged: Vec<Vec<Innovation>> = parameters
             .iter()
@@ -314,7 +319,7 @@ impl Problem<'_> {
             let Some(fold) = self.folds.of(s.row) else { continue };
             let deviation = s.variance_mm2.sqrt();
             for i in 0..n {
-                // A reading that turns from new to repeated has no slope.
+                // A reading that changes between new and repeated has no derivative.
                 if s.repeat || nudged[i][k].repeat {
                     (shift[i], spread[i], density[i]) = (0.0, 0.0, 0.0);
                     continue;

@@ -1,11 +1,12 @@
-//! The 90 % intervals of the numbers that a diagnosis found.
+//! The 90 % intervals of the fitted parameters.
 //!
 //! ```text
-//! reach = √( p² + (1.645·f)² )        p: how far a number moves, down and up, until likelihood and prior drop by ½·(1.645·w)²
+//! reach = √( p² + (1.645·f)² )
+//! p: distance, down and up, at which log-likelihood and log-prior drop by ½·(1.645·w)²
 //! ```
 //!
-//! w: how much wider than the likelihood's own, which takes the form of an effect for exact, 1 of what is read off; f: what a delay may
-//! stand for of the forms of the lags.
+//! w: ratio of the width to that of the likelihood, which assumes that the form of an effect is exact; 1 for what is
+//! read off. f: standard deviation of a delay by the unknown form of the lags.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
@@ -16,11 +17,12 @@ use crate::thresholds::{WIDER, WIDER_APPROXIMATE, WIDER_IMPACTS};
 use plant::{Effects, Entry, Form, Model, Start};
 use rayon::prelude::*;
 
-/// How far a number reaches down and up from where it was found, in its own scale.
+/// A parameter, and the distances from its estimate to the lower and upper end of its interval, in its own scale.
 pub(crate) type Reach = (Parameter, [f64; 2]);
 
-/// How far the numbers of a fit reach: those of effects by the profile of the likelihood, which need not be a parabola, base parameters by
-/// its curvature. None of a number that the record does not determine, nor of a step of duty, where each valley is a grid of its own.
+/// The intervals of a fit: for effects from the profile likelihood, which need not be a parabola, for base parameters
+/// from the curvature. None for a parameter that the record does not determine, nor for a step of duty, where the
+/// likelihood has a maximum for each grid.
 pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
     let deviations = fit.deviations();
     let reach = |(at, parameter): (usize, &Parameter)| match parameter {
@@ -47,7 +49,7 @@ fn read_off_parameters(model: &Model, recording: &Recording) -> Vec<(Parameter, 
     model.effects.present().into_iter().filter_map(read).collect()
 }
 
-/// How much wider the interval of a parameter of an effect is than that of the likelihood.
+/// Ratio of the width of an effect's intervals to that of the likelihood.
 fn wider(effect: &Entry) -> f64 {
     match effect.form {
         Form::Impacts => WIDER_IMPACTS,
@@ -68,7 +70,8 @@ mod tests {
     use crate::thresholds::WIDER_APPROXIMATE;
     use crate::{Fit, Parameter};
 
-    /// Shows `check` the model fitted to a record of a rig whose `effect` is `values`, and how far the effect's first number reaches.
+    /// Fits a record of a rig whose `effect` has `values`, and calls `check` with the fit and the interval of the
+    /// effect's first parameter.
     fn reach(effect: &'static str, values: &[f64], seed: u64, check: impl Fn(&Problem<'_>, &Fit, Reach)) {
         let belief = model();
         let mut rig = belief.clone();
@@ -98,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_number_that_may_go_no_further_ends_there() {
-        // A zone of one side and a moved hover explain the same record: either edge may be at hover.
+        // A one-sided dead zone and a shifted hover explain the same record: either edge may be at hover.
         reach("dead_zone", &[-0.1, 0.3], 1, |_, fit, (lower, [_, up])| {
             assert_eq!(lower.value(&lower.stepped(&fit.model, up)), Some(0.0));
         });

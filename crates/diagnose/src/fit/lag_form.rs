@@ -1,29 +1,31 @@
-//! The lags of a model, and what stands for the form of each.
+//! The lags of a model, and the error of their first-order form.
 //!
-//! No rig's lag is quite of first order: of two lags in series, the small one comes to a dead time on the same side of the ball.
+//! The lag of a rig is never exactly of first order. Of two lags in series, the smaller one acts like a dead time in
+//! the same stage.
 
 use plant::{Effects, Entry, Late};
 
-/// The effects of the catalogue that are a lag.
+/// The effects of the catalogue that are lags.
 pub(crate) fn lags() -> impl Iterator<Item = &'static Entry> {
     Effects::CATALOGUE.iter().filter(|entry| entry.acts.late == Some(Late::Lag))
 }
 
-/// The effect that stands for what a lag lacks of its form: the dead time of the same stage.
+/// The effect that stands for the error of a lag's form: the dead time of the same stage.
 pub(crate) fn dead_time_beside(lag: &Entry) -> Option<&'static Entry> {
     Effects::CATALOGUE.iter().find(|entry| entry.acts.late == Some(Late::DeadTime) && entry.stage == lag.stage)
 }
 
-/// The share of a lag that its form is known to within: rotor and column of air are two lags in series, and the small one is late by
-/// its length.
+/// Standard deviation of the form of a lag, as a share of its time constant: rotor and air column are two lags in
+/// series, and the smaller one delays by its time constant.
 const FORM_OF_A_LAG: f64 = 0.05;
 
-/// How far the form of a lag may make things late beyond its first order, seconds: a standard deviation.
+/// Standard deviation of the delay by the unknown form of a lag, beyond its first order, seconds.
 pub(crate) fn form_s(effects: &Effects, lag: &Entry) -> f64 {
     FORM_OF_A_LAG * effects.late_s(lag.name)
 }
 
-/// How far a dead time may stand for the forms of the lags beside it, seconds: a standard deviation; 0 of what is no dead time.
+/// Standard deviation of the delays by the unknown forms of all lags, which a dead time may stand for, seconds; 0 if
+/// `entry` is no dead time.
 pub(crate) fn forms_beside_s(effects: &Effects, entry: &Entry) -> f64 {
     let is_dead_time = entry.acts.late == Some(Late::DeadTime);
     if is_dead_time { lags().map(|lag| form_s(effects, lag).powi(2)).sum::<f64>().sqrt() } else { 0.0 }

@@ -1,4 +1,4 @@
-//! From innovations to parameters: maximum a posteriori estimates and their intervals.
+//! Maximum a posteriori estimates of parameters from innovations, and their intervals.
 
 pub(crate) mod bounds;
 pub(crate) mod estimate;

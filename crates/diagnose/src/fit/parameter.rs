@@ -1,65 +1,68 @@
-//! What a fit may move, in scales of its own, and what the owner's belief in it is worth.
+//! The parameters of a fit, each in its own scale, and their prior, which is the owner's belief.
 //!
 //! ```text
 //! −ln p(d) = (ν + 1)/2 · ln( 1 + d²/(ν·s²) )        d: distance from the belief, Student's t with scale s
 //! ```
 //!
-//! An owner knows gain and drag to some percent, unless they are off altogether: a scale of 5 % with the tails of a
-//! Cauchy distribution (ν = 1), so that a number that moved far costs a few nats and no more, and moves all the way. The noise of a
-//! sensor is measured on a ball at rest and better known (2 %), the noise of the air less (10 %), both with ν = 10: what they
-//! would have to grow by to explain a record is worth an effect. The numbers of an effect that is not believed are free.
+//! An owner knows gain and drag to some percent, unless they are altogether wrong: a scale of 5 % with the tails of a
+//! Cauchy distribution (ν = 1), so that a parameter far from its belief costs only a few nats, and the prior does not
+//! stop it on the way. The noise of a sensor is measured on a ball at rest and better known (2 %), the noise of the air
+//! less so (10 %), both with ν = 10: the growth of these noises that would explain a record costs as much as an effect.
+//! The parameters of an effect that is not believed have no prior.
 
 use crate::fit::bounds::Bounds;
 use plant::{Changes, Effects, Entry, Model, Param};
 
-/// A number of the model that a fit may move.
+/// A parameter of the model that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter {
     /// `gain_mm_per_s2_per_percent`, as a ratio.
     Gain,
     /// `drag_per_s`, as a ratio.
     Drag,
-    /// `hover_duty_percent`, in tenths.
+    /// `hover_duty_percent`, in tenths of a percent.
     Hover,
     /// `noise.sensor_mm`, as a ratio.
     SensorNoise,
     /// `noise.acceleration_psd_mm2_per_s3`, as a ratio.
     AirNoise,
-    /// A number of an effect that is on.
+    /// A parameter of an effect that is on.
     Effect {
         /// The effect.
         name: &'static str,
-        /// Which of its parameters.
+        /// The index of the parameter.
         index: usize,
-        /// A size that a rig would show.
+        /// A typical size on a rig.
         size: f64,
     },
 }
 
-/// What a fit knows of the numbers before it sees the record.
+/// The prior of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prior {
-    /// What the owner's belief in them is worth, see [`Parameter`].
+    /// The owner's belief, see [`Parameter`].
     Belief,
-    /// Nothing: the record alone speaks.
+    /// None: maximum likelihood.
     Nothing,
 }
 
-/// The numbers that every model has, noise last.
+/// The parameters that every model has, noise last.
 pub const BASE: [Parameter; 5] =
     [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::SensorNoise, Parameter::AirNoise];
 
-/// Share of its value within which an owner knows a number of an effect.
+/// Scale of the prior of an effect's parameter, as a share of its value.
 const EFFECT_KNOWN: f64 = 0.07;
-/// What drag and noises are kept above, so that a belief of 0 can move: 1/s, mm and mm²/s³. Both noises are far below those of an encoder's step.
+/// Lower limits of drag and noises, so that a belief of 0 can move: 1/s, mm and mm²/s³. Both noises are far below those
+/// of an encoder's step.
 const LEAST_DRAG: f64 = 1e-3;
 const LEAST_SENSOR_MM: f64 = 1e-5;
 const LEAST_AIR: f64 = 1e-6;
 
-/// Farthest that a number of a scale of ratios moves at once: a noise believed 0 to that of the worst sensor.
+/// Longest move of a parameter with a ratio scale: from a noise believed 0 to that of the worst sensor.
 const FARTHEST: f64 = 25.0;
 
-/// The parameters of an effect that a fit moves, each in steps of the size of `values`; none of an effect whose value the readings show.
+/// The parameters of an effect that a fit moves, each in steps of the size of `values`; none for an effect whose value
+/// is read off the readings.
 pub(crate) fn parameters_of_effect(name: &'static str, values: &[f64]) -> Vec<Parameter> {
     let Some(entry) = Effects::entry(name).filter(|entry| !entry.start.is_read_off()) else { return Vec::new() };
     let all = values.iter().enumerate().take(entry.params.len());
@@ -67,7 +70,7 @@ pub(crate) fn parameters_of_effect(name: &'static str, values: &[f64]) -> Vec<Pa
 }
 
 impl Parameter {
-    /// Scale and degrees of freedom of the owner's belief; `None` where nothing is believed.
+    /// Scale and degrees of freedom of the prior; `None` where there is no belief.
     fn belief(self, belief: &Model) -> Option<(f64, f64)> {
         match self {
             Self::Gain | Self::Drag => Some((0.05, 1.0)),
@@ -81,7 +84,7 @@ impl Parameter {
         }
     }
 
-    /// How far `model` is from `belief`, in the number's own scale.
+    /// The distance of `model` from `belief`, in the parameter's own scale.
     #[must_use]
     pub fn distance(self, model: &Model, belief: &Model) -> f64 {
         let ratio = |a: f64, b: f64, least: f64| (a.max(least) / b.max(least)).ln();
@@ -100,7 +103,7 @@ impl Parameter {
         }
     }
 
-    /// The number as the config has it; `None` where its effect is off.
+    /// The value as the config has it; `None` where the effect is off.
     #[must_use]
     pub fn value(self, model: &Model) -> Option<f64> {
         match self {
@@ -126,7 +129,7 @@ impl Parameter {
         }
     }
 
-    /// Its name and its bounds; `None` of noises.
+    /// Its name and its bounds; `None` for noises.
     pub(crate) fn param(self) -> Option<&'static Param> {
         match self {
             Self::Gain => Some(&Model::GAIN),
@@ -137,7 +140,7 @@ impl Parameter {
         }
     }
 
-    /// Where it does nothing; `None` of base parameters.
+    /// The value at which it has no effect; `None` for base parameters.
     pub(crate) fn neutral(self, model: &Model) -> Option<f64> {
         let Self::Effect { index, .. } = self else { return None };
         self.entry()?.neutral(model).get(index).copied()
@@ -163,7 +166,7 @@ impl Parameter {
         model
     }
 
-    /// How far it may go in `model` on the side of `towards`, in its own scale, until it leaves its bounds.
+    /// The distance to its bound in `model` on the side of `towards`, in its own scale.
     pub(crate) fn room(self, model: &Model, towards: f64, bounds: &Bounds) -> f64 {
         let Self::Effect { size, .. } = self else { return f64::INFINITY };
         let [low, high] = bounds.range(self);
@@ -171,12 +174,12 @@ impl Parameter {
         (if towards < 0.0 { value - low } else { high - value }) / size
     }
 
-    /// Whether the number is one of this effect.
+    /// Whether it is a parameter of this effect.
     pub(crate) fn is_of(self, effect: &str) -> bool {
         matches!(self, Self::Effect { name, .. } if name == effect)
     }
 
-    /// Its index among the parameters of this effect; `None` of others.
+    /// Its index among the parameters of this effect; `None` for others.
     pub(crate) fn index_in(self, effect: &str) -> Option<usize> {
         match self {
             Self::Effect { name, index, .. } if name == effect => Some(index),
@@ -184,18 +187,19 @@ impl Parameter {
         }
     }
 
-    /// The effect that it belongs to; `None` of base parameters.
+    /// The effect that it belongs to; `None` for base parameters.
     pub(crate) fn entry(self) -> Option<&'static Entry> {
         let Self::Effect { name, .. } = self else { return None };
         Effects::entry(name)
     }
 
-    /// Whether it shapes the density of a reading, and not its expectation or variance.
+    /// Whether it changes the density of a reading, rather than its expectation or variance.
     pub(crate) fn is_of_the_density(self) -> bool {
         self.entry().is_some_and(|entry| entry.acts.changes == Changes::Density)
     }
 
-    /// How far a number of an effect that is not believed is from doing nothing, in its own scale, as far as 1.
+    /// The distance of a parameter from its neutral value, in its own scale, clamped to ±1; `None` unless its effect is
+    /// absent from the belief.
     pub(crate) fn distance_from_neutral(self, model: &Model, belief: &Model) -> Option<f64> {
         let Self::Effect { name, index, size } = self else { return None };
         if belief.effects.values(name).is_some() {
@@ -205,7 +209,7 @@ impl Parameter {
         Some(((self.value(model)? - neutral) / size).clamp(-1.0, 1.0))
     }
 
-    /// ln of the prior density of where `model` is, up to a constant; its slope; and a curvature that bounds it.
+    /// ln of the prior density at `model`, up to a constant; its slope; and an upper bound of its curvature.
     pub(crate) fn prior(self, model: &Model, belief: &Model) -> (f64, f64, f64) {
         let Some((scale, tail)) = self.belief(belief) else { return (0.0, 0.0, 0.0) };
         let d = self.distance(model, belief);
@@ -214,7 +218,7 @@ impl Parameter {
         (-(tail + 1.0) / 2.0 * (d * d / width).ln_1p(), -d * curvature, curvature)
     }
 
-    /// The model with this number moved by `by` in its own scale, within its bounds.
+    /// The model with this parameter moved by `by` in its own scale, within its bounds.
     #[must_use]
     pub fn stepped(self, model: &Model, by: f64) -> Model {
         let mut model = model.clone();
@@ -241,7 +245,7 @@ impl Parameter {
     }
 }
 
-/// ln of the prior density of `model`, up to a constant, over the numbers that a fit moved.
+/// ln of the prior density of `model` over these parameters, up to a constant.
 #[must_use]
 pub fn prior(parameters: &[Parameter], model: &Model, belief: &Model) -> f64 {
     parameters.iter().map(|parameter| parameter.prior(model, belief).0).sum()

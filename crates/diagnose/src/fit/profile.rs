@@ -1,32 +1,37 @@
-//! The interval of one number by its profile likelihood: as far as it can move, all others following, until the record minds.
+//! The interval of one parameter by its profile likelihood: how far it can move, all others refitted, until the
+//! likelihood drops.
 //!
 //! ```text
-//! L(θ̂) − max over the others of L(θ_i = x, others) = ½·z²        z = 1.645 for 90 %: 2.706, the quantile of χ² with one degree of freedom, halved
+//! L(θ̂) − max over the others of L(θ_i = x, others) = ½·z²
+//! z = 1.645 for 90 %: z² = 2.706, the quantile of χ² with one degree of freedom
 //! ```
 //!
-//! Where the likelihood is no parabola, as between a drag and a lag that are nearly one double pole, or is rough, as that of a play, an
-//! interval from its curvature is too short; this one is not.
-//! Source: Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", Applied Statistics 37 (1988).
+//! Where the likelihood is no parabola, as between a drag and a lag that nearly form a double pole, or is rough, as
+//! that of hysteresis, an interval from the curvature is too short; this one is not.
+//! Source: Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", Applied
+//! Statistics 37 (1988).
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
 
-/// Near enough to where the likelihood shall have dropped to, as a share of the drop, and so many drops that a search loses its way.
+/// Tolerance of the drop, as a share of it; and the largest drop that the search uses, in multiples of it.
 const NEAR: f64 = 0.04;
 const FAR: f64 = 100.0;
-/// Deviations on either side that hold 90 % of a normal distribution.
+/// Half-width of the 90 % interval of a normal distribution, in standard deviations.
 pub(crate) const OF_90_PERCENT: f64 = 1.645;
-/// Tries at most to find an end, and steps of the others each time.
+/// Most evaluations to find an end, and fitting steps of the other parameters in each.
 const TRIES: usize = 8;
 const STEPS: usize = 4;
-/// An end further than so many deviations, and than a unit of the number's own scale, is none.
+/// There is no end further than this many standard deviations and than one unit of the parameter's own scale.
 const TOO_FAR: f64 = 12.0;
 const UNIT: f64 = 1.0;
-/// Where a likelihood is rough, its curvature at the top may be that of a spike: the least deviation to start from, in the number's own scale.
+/// Least standard deviation to start from, in the parameter's own scale: a rough likelihood may have a spurious
+/// curvature at its maximum.
 const LEAST_DEVIATION: f64 = 0.02;
 
-/// How far number `at` of the fit may move down (negative) and up, in its own scale: `z` deviations where the likelihood is a parabola.
-/// `None`: the record sets no end there, nor does what the number may be.
+/// The distances from the estimate of parameter `at` to the lower (negative) and upper end of its interval, in its own
+/// scale: `z` standard deviations where the likelihood is a parabola. `None`: neither the record nor the parameter's
+/// bounds set an end there.
 pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize, z: f64) -> [Option<f64>; 2] {
     let deviation = fit.deviations().get(at).copied().unwrap_or(f64::INFINITY);
     if !deviation.is_finite() {
@@ -36,7 +41,8 @@ pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize, z: f64) -> [
     [-deviation, deviation].map(|towards| end(problem, fit, at, towards, z))
 }
 
-/// Where the likelihood has dropped enough, on the side of `deviation`, or where the number may go no further.
+/// The distance at which the likelihood has dropped enough on the side of `deviation`, or at which the parameter
+/// reaches its bound.
 fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> Option<f64> {
     let (top, enough) = (problem.total_of(fit), 0.5 * z * z);
     let number: Parameter = fit.parameters[at];
@@ -44,7 +50,7 @@ fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> O
         fit.parameters.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, parameter)| *parameter).collect();
     let room = number.room(&fit.model, deviation, &problem.bounds());
     let furthest = room.min((TOO_FAR * deviation.abs()).max(UNIT));
-    // The root of the drop is nearly a straight line through 0.
+    // The square root of the drop is nearly a straight line through 0.
     let (mut inside, mut beyond): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);
     let mut here = (z * deviation.abs()).min(furthest);
     for left in (0..TRIES).rev() {
@@ -54,7 +60,7 @@ fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> O
         let by = here.copysign(deviation);
         let (model, total) = problem.fit_briefly(&number.stepped(&fit.model, by), &others, STEPS);
         let drop = top - total - problem.log_prior(&[number], &model);
-        // A model that predicts nothing is far beyond the end.
+        // A model without finite likelihood is far beyond the end.
         let drop = if drop.is_finite() { drop.clamp(0.0, FAR * enough) } else { FAR * enough };
         if (drop - enough).abs() < NEAR * enough {
             return Some(by);

@@ -1,20 +1,22 @@
-//! How far two duties lie apart, in the currency of a diagnosis.
+//! The difference between two duties, as the Kullback–Leibler divergence of the readings that a model predicts from
+//! them.
 //!
 //! ```text
-//! nats = ½·Σ (ŷ'_k − ŷ_k)²/S_k        ŷ from the duty that flew, ŷ' from another; both filters see the same readings
+//! nats = ½·Σ (ŷ'_k − ŷ_k)²/S_k        ŷ from the recorded duty, ŷ' from another; both filters use the same readings
 //! ```
 //!
-//! What the readings lose on average if a right model is told the other duty: the expected difference of log-likelihoods,
-//! without the part of it that is chance, so that equal duties are exactly 0 apart.
-//! Source: Kullback and Leibler, "On information and sufficiency", Annals of Mathematical Statistics 22 (1951), of two normal densities.
+//! The expected loss of log-likelihood of a right model with the other duty, without its random part, so that equal
+//! duties have exactly 0.
+//! Source: Kullback and Leibler, "On information and sufficiency", Annals of Mathematical Statistics 22 (1951), for two
+//! normal densities.
 
 use crate::filter::track::innovations;
 use crate::record::free_flight::in_free_flight;
 use crate::record::recording::Recording;
 use plant::Model;
 
-/// Nats that the readings in free flight of `flown` lose where `model` is told the duty of `other`. Both hold the same readings in the
-/// same order; rows without a reading may differ.
+/// Expected loss of log-likelihood, nats, of the readings in free flight of `flown` if `model` has the duty of `other`
+/// as its input. Both hold the same readings in the same order; rows without a reading may differ.
 #[must_use]
 pub fn kl_divergence(model: &Model, flown: &Recording, other: &Recording) -> f64 {
     let counts = in_free_flight(model, flown);
@@ -40,14 +42,14 @@ mod tests {
             let wrong = Recording::new(wrong.collect()).unwrap();
             assert_eq!(kl_divergence(&model(), &flown, &flown), 0.0);
             apart += kl_divergence(&model(), &flown, &wrong);
-            // The first seconds show the prior, and do not count.
+            // The first seconds depend on the prior and do not count.
             let total = |recording: &Recording| {
                 let late = innovations(&model(), recording).into_iter().filter(|s| s.row > 100);
                 late.map(|s| s.log_density).sum::<f64>()
             };
             lost += total(&flown) - total(&wrong);
         }
-        // Chance moves the sum of losses by √(2·nats).
+        // The standard deviation of the sum of losses is √(2·nats).
         assert!(apart > 20.0 && (lost - apart).abs() < 4.0 * (2.0 * apart).sqrt(), "{apart} and {lost} nats");
     }
 }

@@ -1,14 +1,14 @@
-//! The gap: how well a model forecasts a recording, beside what noise alone would give.
+//! The gap: the forecast errors of a model on a recording, compared with those by noise alone.
 //!
 //! ```text
 //! E(h) = rms over all readings k of ( forecast made after reading k for the reading h later − that reading )
-//! F(h) = rms of the deviation that the model's own noise makes the filter expect of the same forecasts
+//! F(h) = rms of the standard deviation that the filter expects of the same forecasts by the model's own noise
 //! stay put: the same errors when the forecast is reading k itself
-//! free run: the forecasts of all readings in windows of 10 s, each from what was known at its start
+//! free run: the forecasts of all readings in windows of 10 s, each from the state at its start
 //! ```
 //!
-//! A model that is right has E = F at every horizon. In closed loop too: forecasts use the duty as recorded,
-//! and only the noise after reading k can separate them from the readings.
+//! A right model has E = F at every horizon. This holds in closed loop too: forecasts use the duty as recorded, and
+//! only the noise after reading k can separate them from the readings.
 
 use crate::filter::track::{Forecast, Track};
 use crate::record::recording::Recording;
@@ -19,29 +19,29 @@ use serde::Serialize;
 const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 /// Length of a free run, seconds.
 const FREE_RUN_S: f64 = 10.0;
-/// The filter's first seconds show the prior, not the model.
+/// The filter's first seconds depend on the prior, not on the model.
 const WARM_UP_S: f64 = 2.0;
-/// Forecast steps that are enough for three digits; a longer recording starts its forecasts less often.
+/// Number of forecast steps that is enough for three digits; a longer recording starts its forecasts less often.
 const ENOUGH_STEPS: usize = 10_000_000;
 
-/// How well a model forecasts a recording: rms errors in mm. `None` where the recording is too short to say.
+/// Forecast errors of a model on a recording: rms errors in mm. `None` where the recording is too short.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gap {
-    /// How far ahead, seconds.
+    /// Forecast horizons, seconds.
     pub horizons_s: [f64; 3],
-    /// Error of the model.
+    /// Errors of the model.
     pub error_mm: [Option<f64>; 3],
-    /// Error of the forecast that the ball stays where it was read.
+    /// Errors of the forecast that the ball does not move.
     pub stay_put_mm: [Option<f64>; 3],
-    /// What the model's noise alone gives.
+    /// Noise floor: errors by the model's noise alone.
     pub floor_mm: [Option<f64>; 3],
-    /// Error of free runs over 10 s.
+    /// Error of free runs of 10 s.
     pub free_run_10s_mm: Option<f64>,
-    /// What the model's noise alone gives there.
+    /// Noise floor of the free runs.
     pub floor_free_run_10s_mm: Option<f64>,
 }
 
-/// A root mean square that grows.
+/// A running root mean square.
 #[derive(Clone, Copy, Debug, Default)]
 struct MeanSquare {
     sum: f64,
@@ -72,7 +72,7 @@ struct Errors {
     floor: MeanSquare,
 }
 
-/// Errors of forecasts, as sums that can be added up.
+/// Sums of forecast errors, which can be added.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     horizons: [Errors; 3],
@@ -80,13 +80,13 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Mean squares at the longest horizon: of the model, and of noise alone.
+    /// Mean squares at the longest horizon: of the model, and of its noise floor.
     pub(crate) fn squares_at_1_s(&self) -> Option<(f64, f64)> {
         let Errors { model, floor, .. } = self.horizons[2];
         (model.count > 0.0).then(|| (model.sum / model.count, floor.sum / floor.count))
     }
 
-    /// The sums of several.
+    /// The total of several.
     pub(crate) fn sum<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
         all.fold(Self::default(), |mut sum, one| {
             for (into, from) in sum.horizons.iter_mut().zip(&one.horizons) {
@@ -124,7 +124,7 @@ impl Gap {
     }
 }
 
-/// Errors of the forecasts and free runs that start from each row, by the group that `group` puts it in.
+/// Errors of the forecasts and free runs that start from each row, by its group.
 pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize) -> Option<usize>) -> Vec<Tally> {
     let track = Track::new(model, recording);
     let mut all: Vec<Tally> = Vec::new();
@@ -144,7 +144,7 @@ pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize
     all
 }
 
-/// The readings that forecasts start from, decimated where all would take too many steps.
+/// The readings from which forecasts start, decimated where all would take too many steps.
 fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item = usize> + 'a {
     let rows_per_s = recording.samples().len() as f64 / recording.duration_s().max(1e-9);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
@@ -175,7 +175,7 @@ fn horizons(
         for forecast in track.forecasts(from) {
             let ahead_s = samples[forecast.row].time_s - start_s;
             while horizon < HORIZONS_S.len() && ahead_s >= HORIZONS_S[horizon] - half_period_s {
-                // A reading that misses the horizon by more than half a period, or 2 % of it, answers for another horizon.
+                // A reading more than half a period, or 2 % of the horizon, too late belongs to another horizon.
                 let slack_s = half_period_s.max(0.02 * HORIZONS_S[horizon]) + 1e-9;
                 if ahead_s <= HORIZONS_S[horizon] + slack_s {
                     errors[horizon].add(samples[forecast.row].position_mm, start_mm, forecast);
@@ -190,18 +190,18 @@ fn horizons(
     }
 }
 
-/// A free run: what the model expects of every reading over 10 s, from what was known at its start.
+/// A free run: the forecasts of every reading over 10 s, from the state at its start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeRun {
-    /// The row of the reading that it starts from.
+    /// The row of the reading at its start.
     pub row: usize,
     /// That reading, mm.
     pub start_mm: f64,
-    /// What is expected of the readings after it.
+    /// The forecasts of the readings after it.
     pub forecasts: Vec<Forecast>,
 }
 
-/// Free runs one after another, as many as each flight of the recording holds whole.
+/// Successive free runs: as many as fit into each flight of the recording.
 #[must_use]
 pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
     runs(&Track::new(model, recording), recording)

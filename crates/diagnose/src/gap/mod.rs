@@ -1,4 +1,4 @@
-//! How large the gap is: forecast errors, and the share of them that a model closes.
+//! The size of the gap: forecast errors, and the share of them that a model closes.
 
 pub(crate) mod divergence;
 pub(crate) mod forecast_error;

@@ -1,19 +1,20 @@
-//! How far the mended model closes the gap at 1 s, with the interval that the record allows.
+//! The share of the gap at 1 s that the fitted model closes, with its 90 % interval.
 //!
 //! ```text
-//! closed = (E_nominal² − E_mended²) / (E_nominal² − F²)      on stretches that were not fitted to, not clipped
+//! closed = (E_nominal² − E_mended²) / (E_nominal² − F²)      on held-out stretches, not clipped
 //! ```
 //!
-//! The interval comes from drawing the stretches anew with replacement: what it varies is what another flight of the same kind
-//! would have shown. F is that of the mended model for both. Source: Künsch, "The jackknife and the bootstrap for general
-//! stationary observations", Annals of Statistics 17 (1989).
+//! The interval is a block bootstrap: the stretches are drawn again with replacement, which gives the variation between
+//! flights of the same kind. F is that of the fitted model for both.
+//! Source: Künsch, "The jackknife and the bootstrap for general stationary observations", Annals of Statistics 17
+//! (1989).
 
 use crate::gap::forecast_error::Tally;
 use crate::thresholds::OPEN_GAP;
 use plant::Normal;
 use serde::Serialize;
 
-/// Times that the stretches are drawn.
+/// Number of bootstrap draws.
 const DRAWS: usize = 500;
 
 /// A share of the gap, with its 90 % interval.
@@ -28,7 +29,7 @@ pub struct Closed {
 }
 
 impl Closed {
-    /// From the errors of the belief and of the mended model, stretch by stretch. `None`: there is too little to close.
+    /// From the errors of the belief and of the fitted model, by stretch. `None`: there is no gap to close.
     pub(crate) fn of(nominal: &[Tally], mended: &[Tally]) -> Option<Self> {
         let both: Vec<(&Tally, &Tally)> = nominal.iter().zip(mended).collect();
         let (before, floor) = (squares(both.iter().map(|pair| pair.0))?.0, squares(both.iter().map(|pair| pair.1))?.1);
@@ -47,13 +48,13 @@ impl Closed {
     }
 }
 
-/// Whether mean squares before and by noise alone leave a gap that is worth closing.
+/// Whether the mean square error exceeds the noise floor by enough to be a gap.
 #[must_use]
 pub fn is_open(before: f64, floor: f64) -> bool {
     before.sqrt() >= OPEN_GAP * floor.sqrt()
 }
 
-/// The share of the gap that is closed, from mean squares before, after and by noise alone.
+/// The share of the gap that is closed, from the mean squares before, after and of the noise floor.
 #[must_use]
 pub fn share_closed(before: f64, after: f64, floor: f64) -> f64 {
     (before - after) / (before - floor)
@@ -84,10 +85,10 @@ mod tests {
         let right = by_stretch(&model());
         let closed = Closed::of(&belief, &right).unwrap();
         assert!(closed.value > 0.85 && closed.high > 0.95 && closed.high - closed.low < 0.5, "{closed:?}");
-        // A mended model that is the belief closes nothing; its own noise sets the floor.
+        // A fitted model that equals the belief closes nothing; its own noise sets the floor.
         let none = Closed::of(&belief, &belief).unwrap();
         assert!(none.value == 0.0 && none.low == 0.0 && none.high == 0.0, "{none:?}");
-        // Errors below what the noise gives leave nothing to close.
+        // Errors below the noise floor leave no gap to close.
         let mut restless = model();
         restless.noise.acceleration_psd_mm2_per_s3 *= 4.0;
         let restless = by_stretch(&restless);

@@ -1,16 +1,19 @@
-//! From take-off to landing: a ball that still lies at an end of the pipe, or lies there again for good, says nothing of what moves it.
+//! Rows before take-off and after landing are left out: a ball that rests at an end of the pipe shows nothing of the
+//! forces that move it.
 //!
-//! What such rows do say, that an end holds the ball, no model of free flight has; and a filter that begins there begins wrong.
+//! Such rows do show that an end holds the ball, but no model of free flight describes that, and a filter that starts
+//! there starts with a wrong state.
 
 use crate::record::check::Finding;
 use crate::record::free_flight::is_at_end;
 use crate::record::recording::Recording;
 use plant::Model;
 
-/// Fewer rows than this are the noise of a start in flight.
+/// Fewer rows than this are noise at the start of a flight.
 const LIES: usize = 5;
 
-/// One flight without the rows before its take-off and after its landing, and what to say of that. `None`: it has none, or never takes off.
+/// One flight without the rows before its take-off and after its landing, with the finding about them. `None`: it has
+/// no such rows, or never takes off.
 pub(crate) fn airborne(flight: &Recording, belief: &Model) -> Option<(Finding, Recording)> {
     let rows = flight.samples();
     let flies = |at: &usize| rows[*at].position_mm.is_some_and(|mm| !is_at_end(belief, mm));
@@ -35,14 +38,14 @@ mod tests {
     use plant::effects::SensorQuantisation;
     use plant::{Effects, Model};
 
-    /// A flight, long after its take-off.
+    /// A flight that starts well after its take-off.
     fn flight(rig: &Model, seconds: u32) -> Recording {
         let whole = record(rig, 1, seconds + 3);
         let rows = whole.samples()[150..].iter();
         Recording::new(rows.map(|row| Sample { time_s: row.time_s - 3.0, ..*row }).collect()).unwrap()
     }
 
-    /// A flight after two seconds on the ground and before one.
+    /// The flight with two seconds on the ground before it and one second after it.
     fn from_ground_to_ground(flight: &Recording) -> Recording {
         let lying = |time_s: f64| Sample { time_s, duty_percent: 25.0, position_mm: Some(0.0), ..Sample::default() };
         let before = (0..100).map(|k| lying(f64::from(k) * 0.02));

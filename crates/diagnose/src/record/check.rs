@@ -1,32 +1,32 @@
-//! The check of a record: is it fit to answer, and what can it not answer?
+//! The check of a record: can it be diagnosed, and which questions can it not answer?
 //!
-//! Works on the rows alone, before any model runs. Every finding is a sentence with its numbers that ends in what to do.
-//! Spread is measured robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
+//! Works on the rows alone, before any model runs. Every finding is a sentence with its values that ends in what to do.
+//! Spread is estimated robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
 
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::OTHER_RIG;
 use plant::Model;
 
-/// A time between rows so many times longer than usual is a gap.
+/// A time between rows that is this many times longer than usual is a gap.
 const GAP: f64 = 3.0;
-/// A reading so many robust deviations off its neighbours is an outlier: chance gives one in 10⁸.
+/// A reading this many robust deviations away from its neighbours is an outlier: noise gives one in 10⁸.
 const OUTLIER: f64 = 6.0;
-/// More exact repeats in a row than this, of a position that otherwise moves, are a sensor that refreshes late.
+/// More exact repeats in a row than this, of a position that otherwise moves, show a sensor that refreshes slowly.
 const REPEATS: usize = 3;
-/// A VL53L0X without a target says one of these numbers.
+/// The codes by which a VL53L0X reports that it has no target.
 const NO_TARGET_MM: [f64; 2] = [8190.0, 8191.0];
-/// A duty that moves less than this, percent, excites nothing: four steps of a 12-bit chip.
+/// A duty whose range is smaller than this, percent, excites nothing: four steps of a 12-bit chip.
 const STILL_PERCENT: f64 = 0.1;
 
-/// A hover beyond this cannot be met by duties that are fractions.
+/// A hover duty above this, percent, is out of reach of duties that are recorded as fractions.
 const FRACTION_OF_HOVER: f64 = 2.0;
-/// Share of readings outside the pipe that makes it another pipe.
+/// From this share of readings outside the pipe on, the record is of another pipe.
 const ELSEWHERE: f64 = 0.1;
-/// Rows further apart than the longest forecast that is asked for, seconds, show nothing.
+/// Rows further apart than this, the longest forecast horizon, seconds, are too slow.
 const SLOWEST_S: f64 = 1.0;
 
-/// Something about a record that its reader should know.
+/// A finding about a record that its reader should know.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Finding {
     /// The duty hardly moves.
@@ -38,7 +38,7 @@ pub enum Finding {
         /// Largest minus smallest duty, percent.
         range_percent: f64,
     },
-    /// The duty looks like a fraction.
+    /// The duty seems to be recorded as a fraction.
     #[error(
         "every duty lies within 0 to 1, as fractions do; if they are fractions, say [import] duty_percent.scale = 100"
     )]
@@ -57,9 +57,9 @@ pub enum Finding {
          plant.pipe_length_mm and the scale and offset of [import]"
     )]
     OutsidePipe {
-        /// How many.
+        /// Number of such readings.
         count: usize,
-        /// The one furthest outside, mm.
+        /// The reading furthest outside, mm.
         furthest_mm: f64,
         /// Length of the model's pipe, mm.
         length_mm: f64,
@@ -67,17 +67,17 @@ pub enum Finding {
     /// Readings that are codes for "no target".
     #[error("{count} readings are 8190 or 8191, which a VL53L0X says without a target: they count as empty")]
     NoTarget {
-        /// How many.
+        /// Number of such readings.
         count: usize,
     },
-    /// Time between rows is uneven.
+    /// The time between rows is uneven.
     #[error(
         "{count} gaps between rows, the longest {longest_s:.3} s where {usual_s:.4} s is usual; forecasts cross them by the duty before them"
     )]
     Gaps {
-        /// How many.
+        /// Number of gaps.
         count: usize,
-        /// The longest, seconds.
+        /// The longest gap, seconds.
         longest_s: f64,
         /// The usual time between rows, seconds.
         usual_s: f64,
@@ -90,14 +90,14 @@ pub enum Finding {
         /// The usual time between rows, seconds.
         usual_s: f64,
     },
-    /// Too little to go by.
+    /// Too few readings.
     #[error(
         "{readings} readings in free flight, and the diagnosis needs {needed}: fly longer, or name more flights of this rig together"
     )]
     TooFew {
-        /// Readings that count.
+        /// Readings in free flight.
         readings: usize,
-        /// How many there should be.
+        /// Readings that are needed.
         needed: usize,
     },
     /// Readings far from their neighbours.
@@ -105,44 +105,44 @@ pub enum Finding {
         "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of all; a reading so far off counts for little in the fits: look at them first"
     )]
     Outliers {
-        /// How many.
+        /// Number of such readings.
         count: usize,
         /// Share of all readings, percent.
         percent: f64,
-        /// The limit, mm.
+        /// The limit for a jump, mm.
         limit_mm: f64,
     },
-    /// A log among several that says nothing.
+    /// A log among several that cannot be diagnosed.
     #[error("this log is left out of the diagnosis, and the others are used without it")]
     LeftOut,
-    /// The diagnosis worked on fewer readings.
+    /// The diagnosis used fewer readings.
     #[error("a fast clock: the diagnosis used every duty, and one reading in {merged}")]
     Decimated {
-        /// One reading in so many was used.
+        /// One reading out of this many was used.
         merged: usize,
     },
-    /// The diagnosis worked on means of readings.
+    /// The diagnosis used means of readings.
     #[error("a fast clock: the diagnosis used every duty, and the means of {merged} readings each")]
     Averaged {
-        /// So many readings were merged.
+        /// Number of readings in each mean.
         merged: usize,
     },
-    /// The record and the belief do not go together.
+    /// The record and the belief do not match.
     #[error(
         "the record fits a {number} that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.{number}"
     )]
     OtherRig {
         /// The base parameter, as the config names it.
         number: &'static str,
-        /// What was fitted by what is believed.
+        /// Ratio of the fitted value to the believed one.
         ratio: f64,
     },
-    /// The fitted model cannot be that of the record.
+    /// The fitted model is outside the bounds that the record sets.
     #[error(
         "no model that this record allows fits it: {key} ends outside its bounds; check the scales of [import] and the table [plant]"
     )]
     Impossible {
-        /// The key of the number that is outside, in its table of the config.
+        /// The key of the parameter that is outside, in its table of the config.
         key: &'static str,
     },
     /// Rows before the take-off or after the landing.
@@ -155,7 +155,7 @@ pub enum Finding {
         /// Time after the landing, seconds.
         after_s: f64,
     },
-    /// The same reading again and again.
+    /// The same reading is repeated many times.
     #[error(
         "{percent:.0} % of the readings are repeated, up to {longest} times: the ball stands still, the readings are coarse, or \
          the sensor refreshes slower than the loop reads; in the last case mark repeats by a column `fresh` or leave them empty"
@@ -168,7 +168,7 @@ pub enum Finding {
     },
 }
 
-/// What the reader of `recording`, which is one flight, should know before comparing it with `model`.
+/// The findings about `recording`, which is one flight, to know before it is compared with `model`.
 #[must_use]
 pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
     let samples = recording.samples();
@@ -211,7 +211,7 @@ fn no_target(readings: &[f64]) -> Option<Finding> {
 }
 
 fn outside_pipe(readings: &[f64], model: &Model) -> Option<Finding> {
-    // Noise carries a ball that rests at an end a little beyond it.
+    // Noise moves the readings of a ball at an end a little beyond it.
     let slack_mm = OUTLIER * model.noise.sensor_mm;
     let beyond = |reading: f64| (-reading).max(reading - model.pipe_length_mm);
     let outside = || readings.iter().copied().filter(|reading| beyond(*reading) > slack_mm);
@@ -219,11 +219,12 @@ fn outside_pipe(readings: &[f64], model: &Model) -> Option<Finding> {
     Some(Finding::OutsidePipe { count: outside().count(), furthest_mm, length_mm: model.pipe_length_mm })
 }
 
-/// A reading against the mean of its neighbours: what the ball does on the way cancels, what the sensor does once stays.
+/// Each reading against the mean of its neighbours: steady motion of the ball cancels, a single error of the sensor
+/// does not.
 fn outliers(readings: &[f64], model: &Model) -> Option<Finding> {
     let odd: Vec<f64> = readings.windows(3).map(|r| r[1] - (r[0] + r[2]) / 2.0).collect();
     let deviation = 1.4826 * median(odd.iter().map(|value| value.abs()).collect())?;
-    // No less than the believed noise allows: the deviation of this difference is σ·√1.5.
+    // At least what the believed noise gives: the standard deviation of this difference is σ·√1.5.
     let limit_mm = OUTLIER * deviation.max(1.5_f64.sqrt() * model.noise.sensor_mm);
     let single = |w: &[f64]| w[1].abs() > limit_mm && w[1].abs() > w[0].abs() && w[1].abs() >= w[2].abs();
     let count = odd.windows(3).filter(|w| single(w)).count();
@@ -237,7 +238,7 @@ fn repeats(readings: &[f64]) -> Option<Finding> {
     (percent > 20.0).then(|| Finding::Repeats { percent, longest: runs().max().unwrap_or_default() })
 }
 
-/// Whether findings leave nothing to diagnose: nothing moves, or the record and the belief are not of one rig.
+/// Whether findings make a diagnosis impossible: nothing moves, or the record and the belief are not of one rig.
 pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &Model) -> bool {
     let readings = recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
     findings.iter().any(|finding| match finding {
@@ -248,19 +249,19 @@ pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &M
     })
 }
 
-/// What is to be said of a model that was mended with so much other a gain, or so much more drag, that it is no longer the believed rig. With less
-/// drag it may be: an effect can take its place.
+/// The finding about a fitted model whose gain or drag differs so much from the belief that it is another rig. Much
+/// less drag is no such finding: an effect can take its place.
 pub(crate) fn other_rig(belief: &Model, mended: &Model) -> Option<Finding> {
     let gain = mended.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent;
     let drag = mended.drag_per_s / belief.drag_per_s;
     if gain.max(gain.recip()) > OTHER_RIG {
         return Some(Finding::OtherRig { number: "gain_mm_per_s2_per_percent", ratio: gain });
     }
-    // A belief without drag has no ratio to it.
+    // A believed drag of 0 gives no ratio.
     (belief.drag_per_s > 0.0 && drag > OTHER_RIG).then_some(Finding::OtherRig { number: "drag_per_s", ratio: drag })
 }
 
-/// The recording without the readings by which a VL53L0X says that it saw nothing (8190, 8191); `None` if it has none of them.
+/// The recording without the readings by which a VL53L0X reports no target (8190, 8191); `None` if it has none of them.
 #[must_use]
 pub fn without_codes(recording: &Recording) -> Option<Recording> {
     let samples = recording.samples();
@@ -275,7 +276,7 @@ mod tests {
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
 
-    /// The findings of a good flight after `spoil` has changed its rows.
+    /// The findings about a good flight after `spoil` has changed its rows.
     fn findings(spoil: impl FnOnce(&mut Vec<Sample>)) -> Vec<Finding> {
         let mut samples = record(&model(), 1, 40).samples().to_vec();
         spoil(&mut samples);

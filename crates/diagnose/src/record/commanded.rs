@@ -3,7 +3,7 @@
 use crate::record::recording::Recording;
 use plant::{Actuator, Model};
 
-/// The acceleration that is commanded when each duty is written, mm/s².
+/// The commanded acceleration when each duty is written, mm/s².
 pub(crate) fn commanded(model: &Model, recording: &Recording) -> Vec<f64> {
     let writes = recording.writes();
     let mut actuator = Actuator::new(model, writes.first().map_or(0.0, |first| first.duty_percent));

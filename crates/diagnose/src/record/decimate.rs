@@ -1,39 +1,41 @@
-//! Recordings of a fast clock, decimated to what a rig of this kind can show.
+//! Recordings of a fast clock, decimated to the bandwidth of a rig of this kind.
 //!
-//! Every duty is kept, since what a fan makes of a duty that chatters is not what it makes of its mean. Readings are merged to some that are a
-//! hundredth of a second apart: a ball in a pipe, or an arm, does not show more than that. Each is the mean of the readings about it, and
-//! as much surer: the controller saw them all, and a filter that left some out would take what the controller makes of them for
-//! something that the rig does. Readings whose mean is no reading (coarse, held, wild, with less noise than their path bends) are picked, one in
-//! so many.
+//! Every duty is kept: a fan does not respond to a duty that changes fast as it does to its mean. Readings are merged
+//! into means a hundredth of a second apart, because a ball in a pipe, or an arm, shows nothing faster. Each mean has a
+//! variance that is smaller by the number of its readings. Readings are not dropped, because the controller reacted to
+//! all of them: a filter without some of them would take the controller's reaction for an effect of the rig. One of
+//! each `merged` readings is picked where their mean is not a valid reading: quantised or repeated readings, outliers,
+//! or a path whose curvature shifts the mean by a good part of its noise.
 
 use crate::record::reading_variance::reading_variance;
 use crate::record::recording::{Recording, Sample};
 use crate::stats::spread::spread;
 use plant::Model;
 
-/// Recordings with fewer rows together are taken as they are.
+/// Recordings with fewer rows in total are used as they are.
 const MANY_ROWS: usize = 20_000;
-/// Rows a second that are enough.
+/// Readings per second that are enough.
 const ENOUGH_HZ: f64 = 100.0;
-/// The same where rows are many even so, and how many that is.
+/// The same for very long records, and the number of rows above which it applies.
 const FEWER_HZ: f64 = 50.0;
 const VERY_MANY_ROWS: f64 = 400_000.0;
-/// What a path bends by within a block moves its mean off the middle; it may do so by this share of the mean's own noise.
+/// The curvature of the path within a block moves the mean off the middle; at most this share of the mean's noise is
+/// allowed.
 const BENT: f64 = 0.3;
-/// Share of the blocks of readings that must be whole.
+/// Share of the blocks that must hold a reading in every row.
 const ENOUGH_WHOLE: f64 = 0.9;
 
 /// How readings were merged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Decimated {
-    /// How many became one.
+    /// Number of readings merged into one.
     pub(crate) merged: usize,
-    /// Whether the one is their mean.
+    /// Whether it is their mean; otherwise one of them is picked.
     pub(crate) means: bool,
 }
 
-/// The decimated flight, one of `all`, of a rig that is believed to be `belief`, and how; `None` where it is used as it is. `smooth`: the
-/// mean of readings of a ball at rest is a reading.
+/// The decimated `flight`, one of `all`, of a rig that is believed to be `belief`, and how it was decimated; `None`
+/// where it is used as it is. `smooth`: a mean of readings of a ball at rest is a valid reading.
 pub(crate) fn decimated(
     flight: &Recording,
     all: &[Recording],
@@ -50,7 +52,7 @@ pub(crate) fn decimated(
     if all_rows < MANY_ROWS || merged < 2 {
         return None;
     }
-    // An odd number has a row in the middle.
+    // An odd number has a middle row.
     let count = merged | 1;
     let sigma_mm = (reading_variance(belief) / count as f64).sqrt();
     let straight = bend_mm(samples, belief, count, count as f64 / rate_hz) < BENT * sigma_mm;
@@ -63,15 +65,16 @@ pub(crate) fn decimated(
     Recording::new(rows.collect()).ok().map(|recording| (Decimated { merged, means: false }, recording))
 }
 
-/// How far the mean of a block of `count` rows lies off its middle, mm: a·T²/24 for the acceleration that the ball gets from how far the
-/// blocks' duties spread. What a duty does within a block bends no path.
+/// The distance of the mean of a block of `count` rows from its middle, mm: a·T²/24, where a is the acceleration by the
+/// spread of the blocks' mean duties. Changes of duty within a block bend no path.
 fn bend_mm(samples: &[Sample], belief: &Model, count: usize, seconds: f64) -> f64 {
     let blocks =
         samples.chunks_exact(count).map(|block| block.iter().map(|row| row.duty_percent).sum::<f64>() / count as f64);
     belief.gain_mm_per_s2_per_percent.abs() * spread(blocks).unwrap_or(0.0) * seconds * seconds / 24.0
 }
 
-/// The rows, of each `count` the middle one with the mean of their readings, where none of them lacks one. `None`: too many do.
+/// The rows, where the middle one of each `count` holds the mean of their readings if none is missing. `None`: readings
+/// are missing in too many blocks.
 fn means(samples: &[Sample], count: usize) -> Option<Vec<Sample>> {
     let mut rows: Vec<Sample> = samples.iter().map(unread).collect();
     let mut whole = 0;
@@ -87,7 +90,7 @@ fn means(samples: &[Sample], count: usize) -> Option<Vec<Sample>> {
     (whole as f64 > ENOUGH_WHOLE * (samples.len() / count) as f64).then_some(rows)
 }
 
-/// A row without what was measured in it.
+/// A row without its measurements.
 fn unread(row: &Sample) -> Sample {
     Sample { position_mm: None, position2_mm: None, fan_rpm: None, ..*row }
 }
@@ -98,7 +101,7 @@ mod tests {
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
 
-    /// 40 s at 1 kHz, every position its time.
+    /// 40 s at 1 kHz, each position equal to its time.
     fn fast(seen: impl Fn(u32) -> bool) -> Recording {
         let row = |k| Sample {
             time_s: 0.001 * f64::from(k),
@@ -121,7 +124,7 @@ mod tests {
             assert_eq!(thin.mean_of(0), if smooth { merged } else { 1 });
             for (sample, full) in thin.samples().iter().zip(fast.samples()) {
                 assert_eq!(sample.duty_percent, full.duty_percent);
-                // The mean of a straight line lies on it.
+                // The mean of a straight line lies on the line.
                 assert!(sample.position_mm.is_none_or(|mm| (mm - sample.time_s).abs() < 1e-12));
             }
         }
@@ -131,7 +134,8 @@ mod tests {
     fn readings_whose_path_bends_more_than_their_noise_are_picked() {
         let mut quiet = model();
         let fast = fast(|_| true);
-        // 254.6 mm/s² per percent, blocks of 11 ms whose duties spread by 2.9 %: 0.0037 mm. That within a block bends nothing.
+        // 254.6 mm/s² per percent, blocks of 11 ms whose mean duties spread by 2.9 %: 0.0037 mm. Changes within a block
+        // bend nothing.
         for (sensor_mm, means) in [(0.05, true), (0.03, false)] {
             quiet.noise.sensor_mm = sensor_mm;
             let (how, _) = decimated(&fast, fast.as_ref(), &quiet, true).unwrap();

@@ -1,7 +1,8 @@
-//! Which rows count, and which of them are kept back together: stretches of the record dealt out in turn.
+//! Folds for cross-validation: the rows that count, cut into stretches, which are assigned to the folds in turn.
 //!
-//! Interleaved, so that a drift or a programme's phases fall into every fold; each stretch longer than a filter remembers.
-//! No stretch spans two flights. The innovation of a reading already knows all readings before it, whichever fold they are in.
+//! Stretches are interleaved so that a drift or the phases of an experiment are in every fold; each is longer than the
+//! memory of a filter. No stretch spans two flights. The innovation of a reading depends on all readings before it,
+//! whichever fold they are in.
 
 use crate::record::free_flight::in_free_flight;
 use crate::record::recording::Recording;
@@ -10,17 +11,17 @@ use plant::Model;
 /// Length of a stretch, seconds.
 const STRETCH_S: f64 = 5.0;
 
-/// The stretch of every row, and so its fold.
+/// The stretch of every row; it determines the row's fold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Folds {
     stretches: Vec<Option<usize>>,
 }
 
 impl Folds {
-    /// How many folds there are.
+    /// Number of folds.
     pub const COUNT: usize = 4;
 
-    /// Deals out the rows in free flight. A record too short for stretches of their usual length gets shorter ones.
+    /// Assigns the rows in free flight. A record too short for stretches of the usual length gets shorter ones.
     #[must_use]
     pub fn new(belief: &Model, recording: &Recording) -> Self {
         let counts = in_free_flight(belief, recording);
@@ -39,14 +40,14 @@ impl Folds {
         Self { stretches }
     }
 
-    /// The same without the rows for which `keep` does not hold.
+    /// The same folds without the rows for which `keep` is false.
     #[must_use]
     pub(crate) fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
         let kept = self.stretches.iter().enumerate().map(|(row, stretch)| stretch.filter(|_| keep(row)));
         Self { stretches: kept.collect() }
     }
 
-    /// The stretch that a row is in; `None` if the row does not count.
+    /// The stretch of a row; `None` if the row does not count.
     #[must_use]
     pub fn stretch(&self, row: usize) -> Option<usize> {
         self.stretches.get(row).copied().flatten()
@@ -86,7 +87,7 @@ mod tests {
         let each = |fold: usize| (0..together.samples().len()).filter(|row| folds.of(*row) == Some(fold)).count();
         let counts: [usize; Folds::COUNT] = std::array::from_fn(each);
         assert!(counts.iter().all(|count| *count > 200), "{counts:?}");
-        // The start of every flight is not yet free flight.
+        // The start of every flight is not free flight.
         assert!(together.flights().iter().all(|flight| !folds.counts(flight.start) && folds.counts(flight.end - 1)));
     }
 }

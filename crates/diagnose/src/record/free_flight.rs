@@ -1,22 +1,22 @@
-//! Free flight: the rows where the ball touches no end of the pipe, and has not for a while.
+//! Free flight: the rows where the ball touches no end of the pipe, and has not for some time.
 
 use crate::record::recording::Recording;
 use plant::Model;
 use std::ops::Range;
 
-/// After the start, or after the ball lay at an end of the pipe, the filter needs so long to forget it, seconds.
+/// Time after the start, or after the ball rested at an end of the pipe, until the filter has settled, seconds.
 const FORGET_S: f64 = 1.5;
-/// A ball nearer to an end than this lies there, mm, or five deviations of its sensor.
+/// A ball nearer to an end than this, mm, or five standard deviations of its sensor, rests there.
 const AT_END_MM: f64 = 10.0;
 
-/// Whether a ball at a height lies at an end of the pipe.
+/// Whether a ball at height `mm` rests at an end of the pipe.
 pub(crate) fn is_at_end(model: &Model, mm: f64) -> bool {
     let near_mm = AT_END_MM.max(5.0 * model.noise.sensor_mm);
     mm < near_mm || mm > model.pipe_length_mm - near_mm
 }
 
-/// Which rows count in a comparison of models: those where the ball has been in free flight for a while. At an end the
-/// state is not normal, and a filter that takes it for normal would pay for that with its parameters.
+/// Which rows count in a comparison of models: those where the ball has been in free flight for some time. At an end
+/// the state is not normally distributed, and a filter that assumes so gives biased parameters.
 #[must_use]
 pub fn in_free_flight(model: &Model, recording: &Recording) -> Vec<bool> {
     let of_flight = |flight: &Range<usize>| {

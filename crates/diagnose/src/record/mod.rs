@@ -1,4 +1,4 @@
-//! What was recorded: the rows of a rig, checked, and prepared for a comparison with a model.
+//! Recorded rows of a rig, checked and prepared for a comparison with a model.
 
 pub(crate) mod airborne;
 pub(crate) mod check;

@@ -1,8 +1,8 @@
-//! From the flights as they were recorded to the rows that a diagnosis works on.
+//! Prepares recorded flights for a diagnosis.
 //!
-//! Each flight is checked by itself; codes of the sensor are taken out, a fast clock is decimated, and a flight that says nothing, or
-//! is of another rig, is left out where there are others. Then they are put into an order of their own, so that the
-//! answer does not depend on the one in which they were named.
+//! Each flight is checked by itself. Codes of the sensor are removed and a fast clock is decimated. A flight that
+//! cannot be diagnosed, or is of another rig, is left out where there are others. The flights are then sorted by
+//! content, so that the answer does not depend on the order in which they were given.
 
 use crate::record::airborne::airborne;
 use crate::record::check::{Finding, check, is_hopeless, without_codes};
@@ -13,20 +13,20 @@ use crate::record::recording::{Recording, Sample};
 use plant::{Changes, Model};
 use std::borrow::Cow;
 
-/// A finding, and which of the flights it is about, from 0 in the order in which they were given.
+/// A finding, and the flight that it is about, counted from 0 in the order in which they were given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlightFinding {
     /// The flight.
     pub flight: usize,
-    /// What is to be known of it.
+    /// The finding about it.
     pub finding: Finding,
 }
 
-/// What a diagnosis works on.
+/// The rows of a diagnosis, and the findings about them.
 pub(crate) struct Prepared<'a> {
     pub(crate) findings: Vec<FlightFinding>,
     pub(crate) recording: Cow<'a, Recording>,
-    /// Whether any flight can answer.
+    /// Whether any flight can be diagnosed.
     pub(crate) can_answer: bool,
 }
 
@@ -51,7 +51,8 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Whether the mean of some readings in a row is a reading itself, only surer: none is wild, held or coarse, and noise hides their resolution.
+/// Whether the mean of several readings is a valid reading of smaller variance: no outliers, no repeats, no
+/// quantisation, and noise larger than the resolution.
 fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
     let odd = |finding: &Finding| matches!(finding, Finding::Outliers { .. } | Finding::Repeats { .. });
     let believed = belief.effects.present().iter().any(|entry| entry.acts.changes == Changes::Density);
@@ -59,14 +60,14 @@ fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
     noisy && !believed && !findings.iter().any(odd) && coarse_step(flight, belief).is_none()
 }
 
-/// The rows of `recordings`, one flight each, as every method here uses them, and what is to be known of each.
+/// The rows of `recordings`, one flight each, as every method here uses them, and the findings about each.
 #[must_use]
 pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<FlightFinding>, Recording) {
     let Prepared { findings, recording, .. } = Prepared::of(recordings, belief);
     (findings, recording.into_owned())
 }
 
-/// The findings of a flight, its rows as they are used, and whether they can answer anything.
+/// The findings about a flight, its rows as they are used, and whether it can be diagnosed.
 fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Cow<'a, Recording>, bool) {
     let mut findings = check(flight, belief);
     let flight = without_codes(flight).map_or(Cow::Borrowed(flight), Cow::Owned);
@@ -88,7 +89,7 @@ fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Fin
     (findings, Cow::Owned(decimated), answers)
 }
 
-/// One recording of all flights, in an order that depends on what they hold alone.
+/// One recording of all flights, in an order that depends only on their content.
 fn together(mut flights: Vec<Cow<'_, Recording>>) -> Cow<'_, Recording> {
     let row = |row: &Sample| (row.duty_percent.to_bits(), row.position_mm.map(f64::to_bits));
     flights.sort_by(|a, b| {
@@ -112,7 +113,8 @@ mod tests {
         Model { effects: Effects::default(), ..model() }
     }
 
-    /// Width of the interval of the lag's time constant: ln of the ratio of its ends, since a shorter lag is known as well as a longer one in shares of itself.
+    /// Width of the interval of the lag's time constant: ln of the ratio of its ends, because the relative uncertainty
+    /// is the same for short and long lags.
     fn width_of_lag(found: &Diagnosis) -> f64 {
         let is_lag =
             |parameter: &Parameter| matches!(parameter, Parameter::Effect { name: "fan_lag" | "sensor_lag", .. });

@@ -1,31 +1,32 @@
-//! Whether the readings lie on a grid that is coarser than the file: what a coarse sensor leaves behind.
+//! Whether the readings lie on a grid that is coarser than the file's resolution: a quantised sensor.
 //!
 //! ```text
 //! on the grid: |y − φ − s·round((y − φ)/s)| ≤ max(0.8·r, 0.08·s)      s: step, φ: phase, r: resolution of the file
 //! ```
 //!
-//! By chance a reading lies there once in s/r times, so that each one that does speaks for the step.
+//! A reading without quantisation lies there only once in s/r times, so every reading that does is evidence for the
+//! step.
 
 use crate::record::recording::Recording;
 use plant::Model;
 
-/// Share of the readings that must lie on a grid: wild ones may not.
+/// Share of the readings that must lie on a grid: outliers may not.
 const ON_GRID: f64 = 0.97;
-/// Steps of the scan, as a ratio, and its bounds, mm.
+/// Ratio of successive steps in the scan, and the largest step, mm.
 const FINER: f64 = 1.0004;
 const COARSEST_MM: f64 = 60.0;
-/// Steps of the scan among which the best is chosen: 6 %.
+/// Number of steps of the scan among which the best is chosen: a range of 6 %.
 const NEAR: usize = 150;
-/// What a reading off the grid costs, nats: only a wild one is there.
+/// Log-likelihood that a reading off the grid costs, nats: only an outlier is off the grid.
 pub(crate) const OFF_GRID: f64 = 12.0;
-/// How far off a grid a reading may be, in resolutions of the file: half of one is its rounding.
+/// Largest distance of a reading from the grid, in resolutions of the file: rounding gives half of one.
 const EDGE: f64 = 0.8;
-/// The same as a share of the step, so that a scan of steps meets it.
+/// The same as a share of the step, so that the scan does not step over it.
 const SLACK: f64 = 0.08;
-/// A step that counts as coarse is this many times the noise of a reading.
+/// A step counts as quantisation if it is at least this many times the noise of a reading.
 const COARSE: f64 = 1.2;
 
-/// Every reading that occurs, and how often.
+/// Every value of a reading, and how often it occurs.
 struct Levels(Vec<(f64, f64)>);
 
 impl Levels {
@@ -35,7 +36,7 @@ impl Levels {
         Self(readings.chunk_by(|a, b| a == b).map(|same| (same[0], same.len() as f64)).collect())
     }
 
-    /// The file's resolution, mm: the coarsest of the usual ones that holds every reading.
+    /// The file's resolution, mm: the coarsest of the usual ones of which every reading is a multiple.
     fn file_resolution_mm(&self) -> f64 {
         let holds = |r: &&f64| self.0.iter().all(|(y, _)| (y / **r - (y / **r).round()).abs() < 1e-4);
         [1.0, 0.5, 0.25, 0.1, 0.05].iter().find(holds).copied().unwrap_or(0.01)
@@ -47,7 +48,7 @@ impl Levels {
         sin.atan2(cos) * step / std::f64::consts::TAU
     }
 
-    /// The line through the levels over their numbers on a grid of about `step` mm: least squares.
+    /// The step near `step` mm that fits the levels best: least squares of the levels against their indices.
     fn fitted_step(&self, step: f64, fine: f64) -> CoarseStep {
         let phase = self.phase_mm(step);
         let on = self.0.iter().filter(|(y, _)| lies_on(*y, step, phase, fine));
@@ -59,7 +60,7 @@ impl Levels {
             return CoarseStep { mm: step, sigma_mm: fine };
         }
         let mm = points.iter().map(|point| (point.0 - n) * (point.1 - y)).sum::<f64>() / spread;
-        // The file rounds levels that follow each other alike: their errors do not average out.
+        // The file rounds neighbouring levels alike: their errors do not average out.
         CoarseStep { mm, sigma_mm: fine / (4.0 * spread / count).sqrt() }
     }
 
@@ -90,7 +91,7 @@ fn lies_on(y: f64, step: f64, phase: f64, fine: f64) -> bool {
     (off - off.round()).abs() * step <= (EDGE * fine).max(SLACK * step)
 }
 
-/// A coarse sensor's step as the readings show it.
+/// The step of a quantised sensor, estimated from the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CoarseStep {
     /// The step, mm.
@@ -99,7 +100,7 @@ pub(crate) struct CoarseStep {
     pub(crate) sigma_mm: f64,
 }
 
-/// A sensor with steps: which readings it can give, in a file of some resolution.
+/// The grid of a quantised sensor: the readings that it can give, at the resolution of the file.
 pub(crate) struct Grid {
     step: f64,
     fine: f64,
@@ -107,7 +108,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The grid of steps of `step` mm on which most readings lie.
+    /// The grid of `step` mm on which most readings lie.
     pub(crate) fn of(recording: &Recording, step: f64) -> Self {
         let levels = Levels::of(recording);
         let fine = levels.file_resolution_mm();
@@ -115,13 +116,14 @@ impl Grid {
         Self { step, fine, phase: levels.phase_mm(step) }
     }
 
-    /// Step and resolution of the file, mm, for a reading that the sensor can give.
+    /// Step and resolution of the file, mm; `None` for a reading that the sensor cannot give.
     pub(crate) fn cell(&self, y: f64) -> Option<(f64, f64)> {
         lies_on(y, self.step, self.phase, self.fine).then_some((self.step, self.fine))
     }
 }
 
-/// The coarsest grid that the readings lie on, if it is coarse beside the believed noise and the file.
+/// The coarsest grid on which the readings lie, if it is coarse compared with the believed noise and the file's
+/// resolution.
 pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<CoarseStep> {
     let levels = Levels::of(recording);
     let fine = levels.file_resolution_mm();
@@ -132,7 +134,7 @@ pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<Coarse
     }
     let scan = std::iter::successors(Some(COARSEST_MM), |step| Some(step / FINER));
     let first = scan.take_while(|step| *step > least).find(|step| levels.share(*step, fine) >= ON_GRID)?;
-    // The first step that will do is a little too coarse; the best one is where the readings lie closest.
+    // The first step that passes is slightly too large; the best one is where the readings lie closest.
     let near = std::iter::successors(Some(first), |step| Some(step / FINER)).take(NEAR);
     let near = near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))?;
     Some(levels.fitted_step(near, fine))

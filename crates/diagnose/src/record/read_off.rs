@@ -1,4 +1,4 @@
-//! Parameters that the readings show by themselves, so that no fit moves them.
+//! Parameters that are read directly off the readings, so that no fit moves them.
 
 use crate::record::quantisation::coarse_step;
 use crate::record::recording::Recording;
@@ -12,7 +12,8 @@ pub(crate) struct ReadOff {
     pub(crate) sigma: f64,
 }
 
-/// The parameter of an effect as the readings of a rig that is believed to be `model` show it. `None`: they do not.
+/// The value of an effect's parameter, read off the readings of a rig that is believed to be `model`. `None`: the
+/// readings do not show it.
 pub(crate) fn read_off(entry: &Entry, recording: &Recording, model: &Model) -> Option<ReadOff> {
     match entry.start {
         Start::ReadingStep => {

@@ -1,7 +1,7 @@
-//! A recording: what a rig did, as rows of time, duty and position, whoever recorded it.
+//! A recording: time, duty and position of a rig in rows, whoever recorded it.
 //!
-//! It may hold several flights of one rig. Their rows follow each other in one count of rows and of time; what has a memory, a
-//! filter or a drift, starts anew at each.
+//! It may hold several flights of one rig. Their rows share one count of rows and of time; what has a state, such as a
+//! filter or a drift, is reset at the start of each flight.
 
 pub use crate::record::error::RecordingError;
 
@@ -13,13 +13,13 @@ use std::ops::Range;
 pub struct Sample {
     /// Seconds since any fixed start.
     pub time_s: f64,
-    /// Commanded position, millimetres, where the log has it.
+    /// Setpoint of the position, millimetres, where the log has it.
     pub setpoint_mm: Option<f64>,
-    /// What the controller asked for, percent of duty about hover, where the log has it.
+    /// Output of the controller, percent of duty about hover, where the log has it.
     pub control_percent: Option<f64>,
-    /// Duty from this row to the next, percent. Another rig's may be any number.
+    /// Duty from this row to the next, percent. For another rig any number is allowed.
     pub duty_percent: f64,
-    /// Position of the ball, millimetres, upward. `None`: the sensor gave nothing new in this row.
+    /// Position of the ball, millimetres, upward. `None`: the sensor gave no new reading in this row.
     pub position_mm: Option<f64>,
     /// Speed of the fan, revolutions per minute, where the log has it.
     pub fan_rpm: Option<f64>,
@@ -34,16 +34,16 @@ pub(crate) struct Write {
     pub(crate) duty_percent: f64,
 }
 
-/// Rows in the order of time, checked; of one flight, or of several of one rig.
+/// Rows in order of time, checked; of one flight, or of several flights of one rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     samples: Vec<Sample>,
     /// The rows of each flight.
     flights: Vec<Range<usize>>,
-    /// Of how many readings each of a flight is the mean.
+    /// Number of readings in each mean, by flight.
     means_of: Vec<usize>,
-    /// The duty of each row and the rows that hold a reading, apart from the rest: filters go along them thousands of times, and of a long
-    /// record no cache holds all.
+    /// The duty of each row and the rows that hold a reading, stored separately for speed: filters pass over them
+    /// thousands of times, and no cache holds all columns of a long record.
     writes: Vec<Write>,
     readings: Vec<usize>,
     has_fan_speed: bool,
@@ -113,26 +113,26 @@ impl Recording {
         }
     }
 
-    /// The same flight, each of its readings known to be the mean of so many.
+    /// The same flight, where each reading is the mean of `count` readings.
     #[must_use]
     pub(crate) fn of_means(self, count: usize) -> Self {
         Self { means_of: vec![count.max(1); self.flights.len()], ..self }
     }
 
-    /// Of how many readings the one in `row` is the mean.
+    /// The number of readings of which the one in `row` is the mean.
     pub(crate) fn mean_of(&self, row: usize) -> usize {
         let number = self.flights.partition_point(|flight| flight.end <= row);
         self.means_of.get(number).copied().unwrap_or(1)
     }
 
-    /// Several flights of one rig as one recording. Each is put behind the one before it by whole seconds, so that the steps of
-    /// its clock stay what they are. Of none it is a recording without rows.
+    /// Several flights of one rig as one recording. Each is placed after the previous one by whole seconds, so that its
+    /// time steps do not change. An empty list gives a recording without rows.
     #[must_use]
     pub fn together(recordings: impl IntoIterator<Item = Self>) -> Self {
         recordings.into_iter().reduce(Self::then).unwrap_or_else(|| Self::of_one(Vec::new()))
     }
 
-    /// This recording, and after it another.
+    /// This recording, followed by another.
     fn then(self, next: Self) -> Self {
         let end_s = self.samples.last().map_or(0.0, |last| last.time_s);
         let start_s = next.samples.first().map_or(0.0, |first| first.time_s);
@@ -164,7 +164,7 @@ impl Recording {
         &self.flights
     }
 
-    /// The rows of the flight that `row` belongs to; of a row that does not exist, those of the last.
+    /// The rows of the flight that `row` belongs to; for a row that does not exist, those of the last flight.
     #[must_use]
     pub fn flight_of(&self, row: usize) -> Range<usize> {
         let number = self.flights.partition_point(|flight| flight.end <= row);
@@ -183,7 +183,7 @@ impl Recording {
         self.samples.iter().any(|sample| sample.position2_mm.is_some())
     }
 
-    /// How many rows hold a reading.
+    /// Number of rows that hold a reading.
     #[must_use]
     pub const fn readings(&self) -> usize {
         self.readings.len()
@@ -200,7 +200,7 @@ impl Recording {
         duration_s(&self.samples[flight.clone()]) / self.readings_of(flight).len().max(1) as f64
     }
 
-    /// The smallest step between two readings in a row, mm.
+    /// The smallest difference between two successive readings, mm.
     #[must_use]
     pub const fn resolution_mm(&self) -> f64 {
         self.resolution_mm
@@ -223,21 +223,21 @@ impl Recording {
         self.second
     }
 
-    /// From the first row to the last, seconds; of several flights, the sum.
+    /// Time from the first row to the last, seconds; for several flights, the sum.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.flights.iter().map(|flight| duration_s(&self.samples[flight.clone()])).sum()
     }
 }
 
-/// One recording where several of one rig may stand.
+/// One recording can be used where several are expected.
 impl AsRef<[Self]> for Recording {
     fn as_ref(&self) -> &[Self] {
         std::slice::from_ref(self)
     }
 }
 
-/// From the first row of a flight to its last, seconds.
+/// Time from the first row of a flight to its last, seconds.
 pub(crate) fn duration_s(flight: &[Sample]) -> f64 {
     match flight {
         [first, .., last] => last.time_s - first.time_s,

@@ -1,18 +1,18 @@
-//! How long a slow sensor holds its readings: what is left behind by one that refreshes slower than the loop reads.
+//! How long a slow sensor holds its readings, where it refreshes slower than the loop reads.
 //!
 //! ```text
 //! hold = Σ gap_i / Σ n_i      gap_i: time between readings that differ, s; n_i = round(gap_i/hold): refreshes in it
 //! ```
 //!
-//! A refresh that shows the same number again is hidden in a gap of two holds.
+//! A refresh that gives the same reading again is hidden in a gap of two holds.
 
 use crate::record::recording::Recording;
 
-/// A hold is at least so many rows long, and gaps shorter than this share of it are rare.
+/// A hold is at least this many rows long; gaps shorter than this share of it must be rare.
 const LEAST_ROWS: f64 = 1.5;
 const SHORT: f64 = 0.6;
 const RARE: usize = 20;
-/// Rounds of counting refreshes and dividing by them.
+/// Iterations of counting refreshes and dividing by their number.
 const ROUNDS: usize = 4;
 
 /// How long readings are held.
@@ -20,11 +20,11 @@ const ROUNDS: usize = 4;
 pub(crate) struct Hold {
     /// The hold, seconds.
     pub(crate) seconds: f64,
-    /// Its standard deviation, seconds: a gap is known to a row.
+    /// Its standard deviation, seconds: the length of a gap is known to within a row.
     pub(crate) sigma_s: f64,
 }
 
-/// The hold that the readings show, if they repeat themselves regularly.
+/// The hold that the readings show; `None` if they do not repeat regularly.
 pub(crate) fn hold(recording: &Recording) -> Option<Hold> {
     let rows = recording.samples();
     let period_s = recording.duration_s() / recording.readings().max(1) as f64;

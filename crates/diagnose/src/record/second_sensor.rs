@@ -1,29 +1,30 @@
-//! A second sensor: where the ball is, without what the first sensor makes of it.
+//! A second sensor: the position of the ball, unaffected by the first sensor.
 //!
 //! ```text
 //! reading₂ = y + offset + noise₂      noise₂: σ = √(π/12)·mean |y_(k−1) − 2·y_k + y_(k+1)|
 //! ```
 //!
-//! Lag, delay, hold and steps belong to the first sensor, and what the ball really did is seen past them: so a lag of the sensor is told from one of
-//! the fan, and the delay of a reading from that of the duty. The two sensors need not agree about where 0 is.
+//! Lag, delay, hold and quantisation belong to the first sensor; the second one shows the motion without them. So a lag
+//! of the sensor can be distinguished from one of the fan, and the delay of a reading from that of the duty. The two
+//! sensors may have different zeros.
 
 use crate::record::recording::Sample;
 use std::f64::consts::PI;
 
-/// Fewer readings than this are no second sensor.
+/// With fewer readings than this there is no second sensor.
 const ENOUGH: u32 = 50;
 
-/// What is known of a second sensor beforehand.
+/// Offset and noise of a second sensor, estimated before any fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Second {
-    /// Its reading less that of the first, on average, mm.
+    /// Mean difference of its reading and that of the first sensor, mm.
     pub(crate) offset_mm: f64,
     /// Variance of its noise, mm².
     pub(crate) variance_mm2: f64,
 }
 
 impl Second {
-    /// The second sensor of a recording's rows. `None`: they have none, or hardly.
+    /// The second sensor of a recording's rows. `None`: it has no or too few readings.
     pub(crate) fn of(rows: &[Sample]) -> Option<Self> {
         let (mut count, mut apart) = (0, 0.0);
         for (second, first) in rows.iter().filter_map(|row| Some((row.position2_mm?, row.position_mm?))) {
@@ -41,7 +42,7 @@ impl Second {
             return None;
         }
         let sigma_mm = (PI / 12.0).sqrt() * bent / f64::from(bends);
-        // A reading without noise still leaves a division.
+        // The variance must be above 0 for the division even without noise.
         Some(Self { offset_mm: apart / f64::from(count), variance_mm2: sigma_mm.powi(2).max(1e-6) })
     }
 }
@@ -53,7 +54,7 @@ mod tests {
     use crate::{Options, Recording, Sample, Verdict, diagnose};
     use plant::{Effects, Model, Normal, Simulator};
 
-    /// A flight of `rig` that a second sensor, 7 mm off and with 2 mm of noise, sees as it is.
+    /// A flight of `rig` that a second sensor reads directly, with an offset of 7 mm and noise of 2 mm.
     fn seen(rig: &Model, seed: u64) -> Recording {
         let mut simulator = Simulator::new(rig.clone(), seed);
         let mut noise = Normal::new(seed, 8);
@@ -85,7 +86,7 @@ mod tests {
         assert_eq!(Second::of(without_second(&seen(&model(), 3)).samples()), None);
     }
 
-    /// With the second sensor `truth` is named alone; without it, as a set with its twin.
+    /// With the second sensor the search names `truth` alone; without it, it names a set of `truth` and `twin`.
     fn is_settled(truth: &'static str, size: f64, twin: &'static str) {
         let belief = Model { effects: Effects::default(), ..model() };
         let mut rig = belief.clone();

@@ -1,16 +1,17 @@
-//! The chance of a χ² as large as the one found, in closed form.
+//! The tail probability of the χ² distribution, in closed form.
 //!
 //! ```text
-//! Q(n, x) = Γ(n/2, x/2)/Γ(n/2)        Γ(a + 1, x) = a·Γ(a, x) + xᵃ·e⁻ˣ        Q(2, x) = e^(−x/2), Q(1, x) = erfc(√(x/2))
-//! Q(n, x) ≈ ½·erfc(z/√2)                   z = ((x/n)^⅓ − 1 + 2/(9n))/√(2/(9n)), of many degrees of freedom
+//! Q(n, x) = Γ(n/2, x/2)/Γ(n/2)             Γ(a + 1, x) = a·Γ(a, x) + xᵃ·e⁻ˣ
+//! Q(2, x) = e^(−x/2), Q(1, x) = erfc(√(x/2))
+//! Q(n, x) ≈ ½·erfc(z/√2)                   z = ((x/n)^⅓ − 1 + 2/(9n))/√(2/(9n)), for many degrees of freedom
 //! ```
 //!
 //! Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 6.5.22, 26.4.4, 26.4.5, 26.4.17 and 26.4.19.
 
-/// So many degrees of freedom are many: the finite sums would overflow at some 1400.
+/// Above this many degrees of freedom the approximation is used: the finite sums would overflow at some 1400.
 const MANY: usize = 1000;
 
-/// The chance that a χ² of so many degrees of freedom is `x` or more. 1 without any.
+/// The probability that a χ² variable with `degrees` degrees of freedom is `x` or more; 1 for 0 degrees.
 pub(crate) fn survival(degrees: usize, x: f64) -> f64 {
     if degrees == 0 || x.is_nan() || x <= 0.0 {
         1.0
@@ -22,7 +23,8 @@ pub(crate) fn survival(degrees: usize, x: f64) -> f64 {
     }
 }
 
-/// ln of that chance for `m` degrees of freedom, at least 1, and `x` above 0: by its finite sums, without the underflow of the tail.
+/// ln of that probability for `m` degrees of freedom, at least 1, and `x` above 0: by its finite sums, without
+/// underflow in the tail.
 pub(crate) fn ln_chance(x: f64, m: usize) -> f64 {
     let half = 0.5 * x;
     let (mut sum, mut term, first) = if m.is_multiple_of(2) {
@@ -89,7 +91,7 @@ mod tests {
         ] {
             assert!((ln_chance(x, m).exp() / p - 1.0).abs() < 2e-4, "{m} {x}: {}", ln_chance(x, m).exp());
         }
-        // Far out the tail goes on without underflow: ln of it falls by half of what x grows by, and a little.
+        // Far out in the tail ln of it does not underflow: it falls by a little less than half of the increase of x.
         let fall = ln_chance(4000.0, 3) - ln_chance(4002.0, 3);
         assert!((0.999..1.0).contains(&fall), "{fall}");
     }

@@ -1,6 +1,6 @@
 //! The least-squares line through points.
 
-/// Derivatives and offset of the line nearest to the points. `None`: they set no slope.
+/// Slope and offset of the least-squares line through the points. `None`: the points determine no slope.
 pub(crate) fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! Sums of numbers that are given by their logarithms.
+//! The sum of numbers that are given by their logarithms.
 
 /// ln(eᵃ + eᵇ).
 pub(crate) fn log_sum(a: f64, b: f64) -> f64 {

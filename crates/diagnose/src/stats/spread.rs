@@ -1,6 +1,6 @@
 //! The standard deviation of a sample.
 
-/// The standard deviation of some values, in their unit; `None` where they do not differ.
+/// The standard deviation of `values`, in their unit; `None` where they do not differ.
 pub(crate) fn spread(values: impl Iterator<Item = f64>) -> Option<f64> {
     let all: Vec<f64> = values.collect();
     let n = all.len() as f64;

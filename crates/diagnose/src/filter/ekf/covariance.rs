@@ -1,4 +1,4 @@
-//! How doubt about the state grows over a step: its transition and what the air adds.
+//! The prediction step of the state covariance: transition matrix and process noise.
 //!
 //! ```text
 //! Φ = ∂motion/∂x                                    by central differences
@@ -10,24 +10,24 @@ use super::{STATES, Square, State};
 use nalgebra::SMatrix;
 use plant::{Model, Motion};
 
-/// PropagationCache of the differences, each small beside a flight and large beside rounding.
+/// Steps of the central differences: small compared with the motion of a flight, large compared with rounding errors.
 const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3];
-/// Lengths of steps that are active_states: a clock of whole milliseconds has few.
+/// Number of cached step lengths: a clock of whole milliseconds has few.
 const STEPS_KNOWN: usize = 16;
 
-/// Propagation that is none, in any unit. What nothing disturbs, as a fan's lag, is known ever better, and numbers so small that a processor has no
-/// normal form for them make a step ten times as slow.
+/// A covariance smaller than this, in any unit, counts as 0. The variance of a state without process noise, such as
+/// that of a fan lag, tends to 0, and subnormal numbers make a step ten times slower.
 const NEGLIGIBLE: f64 = 1e-100;
 
-/// The number, or none where it is as small as no doubt.
+/// The number, or 0 where it is negligible.
 pub(super) fn flush_tiny(number: f64) -> f64 {
     if number.abs() < NEGLIGIBLE { 0.0 } else { number }
 }
 
-/// How a step of a certain length moves doubt: Φ and Q.
+/// Transition matrix Φ and process noise Q of a step of a certain length.
 pub(super) type Propagation = (Square, Square);
 
-/// The last steps' Φ and Q by their length: where the model is linear, steps of one length share them.
+/// Φ and Q of the last steps by their length: where the model is linear, steps of the same length share them.
 #[derive(Debug)]
 pub(crate) struct PropagationCache {
     linear: bool,
@@ -36,7 +36,7 @@ pub(crate) struct PropagationCache {
 }
 
 impl PropagationCache {
-    /// An empty cache of `model`.
+    /// An empty cache for `model`.
     pub(crate) fn of(model: &Model) -> Self {
         Self { linear: model.effects.motion_is_linear(), known: Vec::new(), next: 0 }
     }
@@ -59,8 +59,8 @@ impl PropagationCache {
     }
 }
 
-/// P ← Φ·P·Φᵀ + Q, in the states that `model` remembers alone: what follows from them or from the command is never asked for its doubt. Most models
-/// remember two of five, and this product is most of what a search takes.
+/// P ← Φ·P·Φᵀ + Q, for the active states of `model` alone: the covariance of the others is never used. Most models have
+/// two active states of five, and this product takes most of the time of a search.
 pub(super) fn predict_covariance(model: &Model, (transition, noise): &Propagation, covariance: &Square) -> Square {
     let mut own = [0; STATES];
     let mut count = 0;
@@ -95,7 +95,7 @@ fn predict_covariance_in<const N: usize>(
     all
 }
 
-/// The covariance that the air gathers over a step with this `transition`.
+/// The process noise of a step with this transition matrix.
 pub(super) fn process_noise(model: &Model, transition: &Square, dt: f64) -> Square {
     let first = State::from([0.0, 1.0, 0.0, 0.0, 0.0]);
     let last = transition * first;
@@ -109,7 +109,7 @@ pub(super) fn process_noise(model: &Model, transition: &Square, dt: f64) -> Squa
     noise
 }
 
-/// A motion as a state.
+/// The state vector of a motion.
 pub(super) fn vector(motion: &Motion) -> State {
     State::from([
         motion.position_mm,
@@ -120,13 +120,13 @@ pub(super) fn vector(motion: &Motion) -> State {
     ])
 }
 
-/// Which states this model remembers; the others follow from them or from the command.
+/// Which states are active in this model; the others follow from them or from the command.
 pub(super) fn active_states(model: &Model) -> [bool; STATES] {
     let effects = &model.effects;
     [true, true, effects.has_fan_state(), effects.coloured_force().is_some(), effects.has_sensor_state()]
 }
 
-/// ∂flow/∂x at `motion` by differences, for the states that this model remembers.
+/// ∂flow/∂x at `motion` by central differences, for the active states of this model.
 pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
     let mut transition = Square::zeros();
     for (i, _) in active_states(model).iter().enumerate().filter(|(_, active)| **active) {
@@ -152,12 +152,12 @@ mod tests {
     use crate::tests_support::model;
     use plant::{Effects, Model, Motion};
 
-    /// Any matrix: entries of both signs that follow no rule that a product would share.
+    /// A test matrix without symmetry, with entries of both signs.
     fn any(seed: f64) -> Square {
         Square::from_fn(|i, j| (seed + 7.1 * i as f64 + 3.3 * j as f64).sin())
     }
 
-    /// The transition of a step by plain differences of the motion, with steps of their own.
+    /// The transition matrix of a step by central differences of the motion, with other steps than those under test.
     fn by_differences(model: &Model, commanded: f64, motion: &Motion, dt: f64) -> Square {
         let column = |i: usize| {
             let by = [1e-2, 1e-1, 1.0, 1.0, 1e-2][i];
@@ -191,9 +191,9 @@ mod tests {
             let mut model = bare.clone();
             model.effects.set(entry.name, entry.sizes[0]);
             if model.effects.friction().is_some() {
-                continue; // The filter takes the mean of what it does to a velocity that is not known; see `Ekf::step`.
+                continue; // The filter averages friction over the distribution of the velocity; see `Ekf::step`.
             }
-            // What is cached of the first state must serve the second.
+            // What is cached at the first state must hold at the second.
             let mut cache = PropagationCache::of(&model);
             for motion in &states {
                 let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, commanded, dt);
@@ -220,7 +220,7 @@ mod tests {
             let whole = transition * before * transition.transpose() + noise;
             let predict_covariance = predict_covariance(&model, &(transition, noise), &before);
             assert!((predict_covariance - whole).abs().max() < 1e-14, "{predict_covariance} for {whole}");
-            // What the others have is not asked for.
+            // The entries of the other states must not be used.
             let spoilt = Square::from_fn(|i, j| if is_own(i) && is_own(j) { before[(i, j)] } else { f64::NAN });
             assert_eq!(super::predict_covariance(&model, &(transition, noise), &spoilt), predict_covariance);
         }

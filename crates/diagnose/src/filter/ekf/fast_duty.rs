@@ -1,63 +1,64 @@
-//! Duties that are written faster than a ball follows: a few commands that do to it what all of them do.
+//! Duties that are written faster than a ball responds: a few commands with the same effect as all of them.
 //!
 //! ```text
-//! c̄ = 1/T·∫ c dt                                    the ball ends as fast as it does
-//! c̄ ∓ r in either half, r = 4/T²·∫ c·(t − T/2) dt   and where it does, whatever the duty did meanwhile
+//! c̄ = 1/T·∫ c dt                                    the same velocity of the ball after T
+//! c̄ ∓ r in either half, r = 4/T²·∫ c·(t − T/2) dt   and the same position, however the duty changed within T
 //! ```
 //!
-//! The second matters where readings have almost no noise: a command that rises by Δ within T moves the ball by Δ·T²/12 less than its mean does.
+//! The second matters where readings have almost no noise: a command that rises by Δ within T moves the ball by Δ·T²/12
+//! less than its mean does.
 
-/// Duties that follow each other faster than this are flown together, seconds.
+/// Duties that follow each other faster than this are averaged, seconds.
 const CHATTER_S: f64 = 0.005;
 
-/// How the duties between two readings are flown.
+/// How the duties between two readings are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DutyAveraging {
-    /// Each by itself.
+    /// Not at all.
     Each,
-    /// As their mean.
+    /// To one mean.
     Mean,
-    /// As a mean for either half of the time.
+    /// To a mean for each half of the time.
     Halves,
 }
 
 impl DutyAveraging {
-    /// How duties are flown of which so many are written in `duration_s`.
+    /// The averaging for a flight of `duration_s` with this many writes.
     pub(super) fn of(duration_s: f64, writes: usize) -> Self {
         if duration_s < CHATTER_S * writes as f64 { Self::Halves } else { Self::Each }
     }
 
-    /// The same for readings with noise enough to hide what the duties do between two of them.
+    /// The same for readings whose noise hides what the duties do between two of them.
     pub(super) fn roughly(self) -> Self {
         if self == Self::Halves { Self::Mean } else { self }
     }
 
-    /// Whether duties are flown together.
+    /// Whether duties are averaged.
     pub(super) const fn averages(self) -> bool {
         !matches!(self, Self::Each)
     }
 }
 
-/// Duties on their way to be flown together.
+/// The duties of a block that is averaged.
 pub(super) struct DutyBlock {
     from_s: f64,
-    /// Up to when they are summed, seconds since the start of the record.
+    /// The end of the sums so far, seconds since the start of the flight.
     pub(super) until_s: f64,
     /// ∫ command dt, mm/s.
     impulse: f64,
     /// ∫ command · (t − from) dt, mm.
     moment: f64,
-    /// Of how many commands.
+    /// Number of commands.
     count: u32,
 }
 
 impl DutyBlock {
-    /// None yet, at `from_s` seconds since the start of the record.
+    /// An empty block from `from_s` seconds since the start of the flight.
     pub(super) const fn from(from_s: f64) -> Self {
         Self { from_s, until_s: from_s, impulse: 0.0, moment: 0.0, count: 0 }
     }
 
-    /// Adds a command in force up to `until_s`, mm/s².
+    /// Adds a command, mm/s², that is in force until `until_s`.
     pub(super) fn add(&mut self, commanded: f64, until_s: f64) {
         let impulse = commanded * (until_s - self.until_s);
         self.impulse += impulse;
@@ -66,7 +67,7 @@ impl DutyBlock {
         self.count += 1;
     }
 
-    /// The commands that do what all of them do, mm/s², and how long each is in force, seconds.
+    /// The averaged commands, mm/s², and how long each is in force, seconds.
     pub(super) fn as_few(&self, flown: DutyAveraging) -> (impl Iterator<Item = f64> + use<>, f64) {
         let all_s = self.until_s - self.from_s;
         let (mean, half_s) = (self.impulse / all_s, all_s / 2.0);
@@ -82,7 +83,7 @@ impl DutyBlock {
 mod tests {
     use super::{DutyAveraging, DutyBlock};
 
-    /// Where a ball at rest at 0 is, and how fast, after commands of so long each.
+    /// Position and velocity of a ball that starts at rest at 0, after commands of `step_s` each.
     fn flown(commands: impl Iterator<Item = f64>, step_s: f64) -> (f64, f64) {
         commands.fold((0.0, 0.0), |(y, v), a| (y + (v + 0.5 * a * step_s) * step_s, v + a * step_s))
     }

@@ -1,4 +1,4 @@
-//! A model's Kalman filter on its way along a recording.
+//! A model's extended Kalman filter along a recording.
 //!
 //! ```text
 //! state x = (y, v, A, w, s)                         see `plant::Motion`
@@ -6,9 +6,9 @@
 //! reading = y, or s behind a sensor's lag
 //! ```
 //!
-//! The extended Kalman filter: exact for the linear part, which central differences reproduce to rounding, and for
-//! whatever acts on the duty alone. A reading that is old is a reading of an earlier time: the filter comes by there
-//! first. Each variance_score uses its real length and ends where the command jumps.
+//! It is exact for linear models, where central differences are accurate to rounding, and for effects that act on the
+//! duty alone. A delayed reading belongs to an earlier time, and the filter uses it there. Each integration step has
+//! the real time between its ends and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
 mod covariance;
@@ -30,20 +30,21 @@ const STATES: usize = 5;
 type State = SVector<f64, STATES>;
 type Square = SMatrix<f64, STATES, STATES>;
 
-/// Longest integration step, seconds: RK4 is exact to 1e-6 of a rig's motion there.
+/// Longest integration step, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
 const MAX_STEP_S: f64 = 0.02;
-/// Before the first reading nothing is known of the velocity but that a ball in a pipe stays below 2 m/s.
+/// Standard deviation of the velocity before the first reading: a ball in a pipe stays below 2 m/s.
 pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
-/// Below this speed friction is smoothed, whatever the filter knows, or below what friction takes of it in a step.
+/// Friction is smoothed over at least this speed, or over the speed that friction takes off in a step if that is less.
 const SLOWEST_MM_PER_S: f64 = 1.0;
-/// A velocity known to this share of that tells when the ball stops.
+/// Friction is smoothed where the velocity's standard deviation exceeds this share of the speed that friction takes off
+/// in a step.
 const KNOWN: f64 = 0.25;
-/// Wild readings come singly: so many in a row are the ball, and the filter is what was wrong.
+/// Outliers come singly: after this many in a row the filter was wrong, and the next reading counts in full.
 const WILD_IN_A_ROW: u32 = 2;
-/// The same for a sensor that is believed to have wild readings: they may come in bursts.
+/// The same for a sensor that is believed to have outliers: they may come in bursts.
 const WILD_IN_A_BURST: u32 = 5;
 
-/// The filter, where it is, and the fan's part of the way there.
+/// The filter: its state, covariance and time, and the duty's path to the fan.
 #[derive(Clone, Debug)]
 pub(crate) struct Ekf<'a> {
     model: &'a Model,
@@ -54,19 +55,19 @@ pub(crate) struct Ekf<'a> {
     actuator: Actuator,
     /// Time of the filter since the start of the flight, seconds.
     time_s: f64,
-    /// The next row whose duty has not been written yet.
+    /// The next row whose duty has not been written.
     next_write: usize,
     wild_run: u32,
-    /// How the duties between two readings are flown.
+    /// How the duties between two readings are averaged.
     flown: DutyAveraging,
     /// Variance of a reading, mm².
     reading_mm2: f64,
-    /// What the way back needs, apart because most filters lack it; `None`: nobody goes back.
+    /// What the smoother needs, boxed because most filters lack it; `None`: no smoothing.
     back: Option<Box<SmootherMemory>>,
 }
 
 impl<'a> Ekf<'a> {
-    /// A filter that knows the first reading of a flight, at row `row` of its `writes`, and nothing else.
+    /// A filter that starts from the first reading of a flight, at row `row` of its `writes`.
     pub(crate) fn new(
         model: &'a Model,
         writes: &'a [Write],
@@ -99,39 +100,39 @@ impl<'a> Ekf<'a> {
         ekf
     }
 
-    /// The same filter for readings that are means of so many.
+    /// The same filter for readings that are means of `count` readings.
     pub(crate) fn of_means(self, count: usize) -> Self {
         let flown = if count > 1 { self.flown.roughly() } else { self.flown };
         Self { reading_mm2: self.reading_mm2 / count as f64, flown, ..self }
     }
 
-    /// Moves the filter to when the reading of `row` was taken.
+    /// Propagates the filter to the time of the reading of `row`.
     pub(crate) fn advance_to_row(&mut self, row: usize, steps: &mut PropagationCache) {
         if let Some(time_s) = reading_time(self.model, self.writes, row) {
             self.advance_to(time_s, steps);
         }
     }
 
-    /// What the reading here would be, mm, and its variance, mm².
+    /// The expected reading, mm, and its variance, mm².
     pub(crate) fn predicted_reading(&self) -> (f64, f64) {
         let seen = seen_state(self.model);
         (self.state[seen], self.covariance[(seen, seen)] + self.reading_mm2)
     }
 
-    /// The same for a reading as the file shows it, rounded by a coarse sensor.
+    /// The same for a reading as the file holds it, rounded by a quantised sensor.
     pub(crate) fn predicted_rounded_reading(&self) -> (f64, f64) {
         let rounding = self.model.effects.reading_step_mm().map_or(0.0, |step_mm| step_mm.powi(2) / 12.0);
         let (position_mm, variance_mm2) = self.predicted_reading();
         (position_mm, variance_mm2 + rounding)
     }
 
-    /// How a reading is seen coming.
+    /// The innovation of a reading.
     pub(crate) fn predict(&self, reading: Reading) -> Innovation {
         let (expected, variance) = self.predicted_reading();
         Innovation::of(reading, expected, variance)
     }
 
-    /// Takes a reading as far as it is no wild one: a wild one moves nothing.
+    /// Updates the state by a reading, weighted by its probability of being no outlier: an outlier has no effect.
     pub(crate) fn take(&mut self, reading: Reading) -> Innovation {
         if let Some(back) = &mut self.back {
             back.arrive(self.state, self.covariance);
@@ -151,7 +152,8 @@ impl<'a> Ekf<'a> {
         innovation
     }
 
-    /// Flies on to `time_s` since the start of the flight, and takes what a second sensor says of the ball itself.
+    /// Propagates to `time_s` since the start of the flight, and updates the state by a second sensor's reading of the
+    /// ball itself.
     pub(crate) fn update_by_second_sensor(
         &mut self,
         time_s: f64,
@@ -168,7 +170,7 @@ impl<'a> Ekf<'a> {
         innovation
     }
 
-    /// When the reading of `row` was taken, seconds since the start of the flight.
+    /// The time of the reading of `row`, seconds since the start of the flight.
     pub(crate) fn time_of(&self, row: usize) -> f64 {
         reading_time(self.model, self.writes, row).unwrap_or(self.time_s)
     }
@@ -178,7 +180,7 @@ impl<'a> Ekf<'a> {
         (self.state[0], self.state[1])
     }
 
-    /// Flies on to `time_s`, through every duty that is written and every jump of the command on the way.
+    /// Propagates to `time_s` through every written duty and every jump of the command.
     fn advance_to(&mut self, time_s: f64, steps: &mut PropagationCache) {
         let start_s = self.writes.first().map_or(0.0, |first| first.time_s);
         let mut chatter = DutyBlock::from(self.time_s);
@@ -204,7 +206,7 @@ impl<'a> Ekf<'a> {
         }
     }
 
-    /// Where duties are written faster than a ball follows, each is in `chatter` until all are flown at once.
+    /// Where duties are written faster than a ball responds, adds each to `chatter` until all are propagated at once.
     fn average_duty(&mut self, chatter: &mut DutyBlock, next_s: f64, last: bool, known: &mut PropagationCache) {
         let middle_s = 0.5 * (chatter.until_s + next_s);
         chatter.add(self.actuator.commanded(self.model, middle_s.max(0.0)), next_s);
@@ -217,7 +219,7 @@ impl<'a> Ekf<'a> {
         }
     }
 
-    /// Flies on to `time_s`, until which the command does not jump.
+    /// Propagates to `time_s`; the command does not jump before.
     fn propagate_to(&mut self, time_s: f64, known: &mut PropagationCache) {
         let (start, ahead) = (self.time_s, time_s - self.time_s);
         let steps = (ahead / MAX_STEP_S).ceil().max(1.0);
@@ -244,7 +246,8 @@ impl<'a> Ekf<'a> {
             sensed_mm: x[4],
         };
         let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
-        // An end of the pipe stops the ball, not the doubt about it: the covariance grows as if there were none.
+        // An end of the pipe stops the ball but does not reduce the uncertainty: the covariance grows as in an endless
+        // pipe.
         let endless = |nudged: &Motion| {
             let friction = self.model.effects.friction().map(|friction| friction.acceleration_mm_per_s2);
             match friction.filter(|friction| roughness > KNOWN * friction * dt) {
@@ -272,23 +275,23 @@ impl<'a> Ekf<'a> {
     }
 }
 
-/// What friction does on average to a ball whose velocity is known to `roughness` mm/s only, mm/s²: −f·E sign(v). Without it a
-/// filter would take a ball that creeps for one that sticks, and be sure of it.
+/// Expected acceleration by friction of a ball whose velocity has the standard deviation `roughness`, mm/s²: −f·E
+/// sign(v). Without it a filter would take a slow ball for a stopped one, with too small a covariance.
 fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
     -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
 }
 
-/// When the reading of `row` was taken, seconds since the start of the flight. `None`: there is no such row.
+/// The time of the reading of `row`, seconds since the start of the flight. `None`: there is no such row.
 fn reading_time(model: &Model, writes: &[Write], row: usize) -> Option<f64> {
     let since_start_s = writes.get(row)?.time_s - writes.first()?.time_s;
     Some(since_start_s - model.effects.reading_delay_s())
 }
 
-/// The filter before its first reading, which it then takes as it takes every other: state and covariance.
+/// State and covariance before the first reading, which then updates them as every other does.
 fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> (State, Square) {
     let commanded = model.commanded(duty_percent);
     let effects = &model.effects;
-    // How far the fan may be from where it is told to go: it may stand still.
+    // Standard deviation of the fan from its command: it may stand still.
     let fan = if effects.has_fan_state() {
         model.hover_duty_percent.abs().max(1.0) * model.gain_mm_per_s2_per_percent
     } else {
@@ -301,7 +304,7 @@ fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> (State, Square) {
     (state, Square::from_diagonal(&deviations.component_mul(&deviations)))
 }
 
-/// Which part of the state the reading shows.
+/// The index of the state that the reading measures.
 fn seen_state(model: &Model) -> usize {
     if model.effects.has_sensor_state() { 4 } else { 0 }
 }

@@ -1,4 +1,4 @@
-//! The way back: what a whole recording says of a moment, not only what came before it.
+//! The smoother: the state at each reading, given all readings before and after it.
 //!
 //! ```text
 //! G = P_k·Φᵀ·P⁻¹(k+1|k)
@@ -6,8 +6,8 @@
 //! P̂_k = P_k + G·(P̂_{k+1} − P(k+1|k))·Gᵀ
 //! ```
 //!
-//! The smoother of Rauch, Tung and Striebel on the filter's own linearisation. States that follow from others, as the sensed
-//! position does without a lag, are left out of the inverse.
+//! The smoother of Rauch, Tung and Striebel on the filter's own linearisation. States that follow from others, such as
+//! the sensed position without a lag, are left out of the inverse.
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
 use super::covariance::flush_tiny;
@@ -15,18 +15,18 @@ use super::{Ekf, Square, State, active_states, seen_state};
 use crate::filter::innovation::Innovation;
 use plant::Model;
 
-/// What keeps an inverse from failing where two states are as good as one: a share of their variance.
+/// Added to the diagonal as a share of the variance, so that the inverse exists where two states are fully correlated.
 const JITTER: f64 = 1e-12;
 
 /// A state and its covariance.
 type Known = (State, Square);
 
-/// What a filter remembers for the way back.
+/// What a filter keeps for the smoother.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SmootherMemory {
     /// Φ since the last reading.
     since: Square,
-    /// Φ between the last two readings, and what was known before the last one was taken.
+    /// Φ between the last two readings, and the predicted state before the last one.
     leg: (Square, Known),
 }
 
@@ -47,18 +47,18 @@ impl SmootherMemory {
     }
 }
 
-/// The way from one reading to the next, as it matters to those who follow it on.
+/// The segment from one reading to the next, as forward sensitivities need it.
 pub(crate) struct Segment {
-    /// The moment of the reading, seconds since the start of the flight.
+    /// The time of the reading, seconds since the start of the flight.
     pub(crate) time_s: f64,
     transition: Square,
-    /// How far the reading moves each state, but for its innovation over its variance.
+    /// Covariance of the states with the reading: the gain times the innovation's variance.
     towards: State,
-    /// Height and velocity, as they are known after the reading, mm and mm/s.
+    /// Filtered position and velocity after the reading, mm and mm/s.
     pub(crate) known: (f64, f64),
 }
 
-/// The same as it matters to those who come back along it.
+/// The same segment, as the smoother needs it.
 pub(crate) struct FilteredStep {
     time_s: f64,
     transition: Square,
@@ -66,51 +66,51 @@ pub(crate) struct FilteredStep {
     filtered: Known,
 }
 
-/// What a whole recording says of a moment.
+/// The smoothed estimate at a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Smoothed {
-    /// The moment, seconds since the start of the record.
+    /// The time, seconds since the start of the flight.
     pub(crate) time_s: f64,
     /// Position, mm.
     pub(crate) position_mm: f64,
     /// Velocity, mm/s.
     pub(crate) velocity_mm_per_s: f64,
-    /// The air's push, mm/s², and its standard deviation.
+    /// The acceleration by turbulence, mm/s², and its standard deviation.
     pub(crate) air_mm_per_s2: (f64, f64),
 }
 
 impl Ekf<'_> {
-    /// The same filter, which remembers what the way back needs.
+    /// The same filter, which keeps what the smoother needs.
     pub(crate) fn remembering(self, back: Option<SmootherMemory>) -> Self {
         Self { back: back.map(Box::new), ..self }
     }
 
-    /// The way to the reading that was taken last. `None`: this filter does not remember.
+    /// The segment up to the last reading. `None`: this filter keeps no memory for the smoother.
     pub(crate) fn leg(&self) -> Option<Segment> {
         let (transition, (_, expected)) = &self.back.as_ref()?.leg;
         let towards = expected.column(seen_state(self.model)).into_owned();
         Some(Segment { time_s: self.time_s, transition: *transition, towards, known: self.position_and_velocity() })
     }
 
-    /// The same for the way back.
+    /// The same for the smoother.
     pub(crate) fn trace(&self) -> Option<FilteredStep> {
         let (transition, expected) = self.back.as_ref()?.leg;
         Some(FilteredStep { time_s: self.time_s, transition, expected, filtered: (self.state, self.covariance) })
     }
 }
 
-/// How far a small push along the way, or a small shift of readings, moves what a filter expects.
+/// Sensitivity of the filter's expected state to a small force, or to a small shift of readings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensitivity(State);
 
 impl Sensitivity {
-    /// Nothing was pushed yet.
+    /// The sensitivity before any force.
     pub(crate) fn zero() -> Self {
         Self(State::zeros())
     }
 
-    /// Goes along `leg`, of `dt` seconds, with a constant push, mm/s², and a shift of its reading, mm: how far the reading that is expected
-    /// moves, mm. Then the reading is taken as it was `taken`.
+    /// Propagates over `leg`, `dt` seconds long, with a constant force, mm/s², and a shift of its reading, mm. Returns
+    /// the change of the expected reading, mm, then applies the update with the weight of `taken`.
     pub(crate) fn go(
         &mut self,
         model: &Model,
@@ -119,7 +119,7 @@ impl Sensitivity {
         taken: &Innovation,
     ) -> f64 {
         let seen = seen_state(model);
-        // The trapezoid of what a change of velocity has become at the end of the leg.
+        // Trapezoidal rule for the effect of the changed velocity at the end of the segment.
         let mut pushed = leg.transition.column(1) * (0.5 * dt * push);
         pushed[1] += 0.5 * dt * push;
         self.0 = leg.transition * self.0 + pushed;
@@ -130,7 +130,7 @@ impl Sensitivity {
     }
 }
 
-/// What is known in smoothed_states at the end of each leg.
+/// The smoothed estimates at the end of each segment.
 pub(crate) fn smoothed(model: &Model, traces: &[FilteredStep]) -> Vec<Smoothed> {
     let mut all = Vec::with_capacity(traces.len());
     let mut later: Option<(Known, &FilteredStep)> = None;
@@ -149,7 +149,8 @@ pub(crate) fn smoothed(model: &Model, traces: &[FilteredStep]) -> Vec<Smoothed> 
     all
 }
 
-/// What is known of a moment, `filtered` so far, once `later` is known of the end of the leg that follows.
+/// The smoothed state at a reading, from its `filtered` state and the smoothed state `later` at the end of the next
+/// segment.
 fn back(model: &Model, filtered: Known, next: &FilteredStep, later: Known) -> Known {
     let (state, covariance) = filtered;
     let Some(gain) = gain(model, &covariance, next) else { return filtered };
@@ -157,11 +158,11 @@ fn back(model: &Model, filtered: Known, next: &FilteredStep, later: Known) -> Kn
     (state + gain * (later.0 - expected), covariance + gain * (later.1 - spread) * gain.transpose())
 }
 
-/// G. `None`: the covariance has no inverse, and nothing is learnt from later.
+/// The smoother's gain G. `None`: the covariance has no inverse, and later readings add nothing.
 fn gain(model: &Model, covariance: &Square, next: &FilteredStep) -> Option<Square> {
     let spread = next.expected.1;
     let own = active_states(model);
-    // In units of each state's own deviation: positions and accelerations differ by orders of magnitude.
+    // In units of each state's own standard deviation: positions and accelerations differ by orders of magnitude.
     let scale = State::from_fn(|i, _| if own[i] && spread[(i, i)] > 0.0 { spread[(i, i)].sqrt().recip() } else { 0.0 });
     let scaled = Square::from_fn(|i, j| {
         let same = if i == j { JITTER + f64::from(u8::from(scale[i] == 0.0)) } else { 0.0 };

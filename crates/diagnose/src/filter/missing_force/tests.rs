@@ -6,12 +6,12 @@ use plant::{Effects, Model, Noise, Normal, Simulator};
 
 const PERIOD_S: f64 = 0.02;
 
-/// A rig whose duty acts at once, so that a force is a duty that no log shows.
+/// A rig whose duty acts without a lag, so that a force equals a duty that is not in the log.
 fn rig() -> Model {
     Model { effects: Effects::default(), ..model() }
 }
 
-/// Flies `rig` for 60 s while `force`, mm/s² at a time in s, pushes the ball.
+/// Flies `rig` for 60 s while `force`, mm/s² as a function of time in s, acts on the ball.
 fn record(rig: &Model, seed: u64, mut force: impl FnMut(f64) -> f64) -> Recording {
     let mut simulator = Simulator::new(rig.clone(), seed);
     let mut last = 0.0;
@@ -29,7 +29,7 @@ fn record(rig: &Model, seed: u64, mut force: impl FnMut(f64) -> f64) -> Recordin
     Recording::new(rows.collect()).unwrap()
 }
 
-/// Share of the moments after the first 5 s at which the force lies within `sigmas` of what was found.
+/// Share of the estimates after the first 5 s whose error is within `sigmas` standard deviations.
 fn covered(found: &[MissingForce], sigmas: f64, force: impl Fn(f64) -> f64) -> f64 {
     let late: Vec<_> = found.iter().filter(|moment| moment.time_s > 5.0).collect();
     let off = |m: &MissingForce| (m.force_mm_per_s2 - force(m.time_s)).abs() / m.sigma_mm_per_s2;
@@ -40,7 +40,7 @@ fn covered(found: &[MissingForce], sigmas: f64, force: impl Fn(f64) -> f64) -> f
 fn a_force_that_wanders_lies_within_one_sigma_as_often_as_it_should() {
     let (mut one, mut two) = (0.0, 0.0);
     for seed in 0..6 {
-        // √2000 mm/s² in a second.
+        // Intensity: √2000 mm/s² in a second.
         let (mut steps, mut walk) = (Normal::new(seed, 9), vec![0.0]);
         while walk.len() < 3001 {
             walk.push(walk[walk.len() - 1] + (2000.0 * PERIOD_S).sqrt() * steps.draw());
@@ -51,7 +51,7 @@ fn a_force_that_wanders_lies_within_one_sigma_as_often_as_it_should() {
         one += covered(&found, 1.0, at) / 6.0;
         two += covered(&found, 2.0, at) / 6.0;
     }
-    // Some 800 independent moments: 4 standard errors are 7 % and 3 %.
+    // Some 800 independent estimates: 4 standard errors are 7 % and 3 %.
     assert!((one - 0.683_f64).abs() < 0.07 && (two - 0.954_f64).abs() < 0.03, "{one} and {two}");
 }
 
@@ -70,7 +70,8 @@ fn a_push_of_known_size_and_time_is_recovered() {
 
 #[test]
 fn the_sigma_of_a_force_on_a_free_mass_is_that_of_the_wiener_smoother() {
-    // Without drag and white noise: σ² = ∫ q·s/(s·ω⁶ + q)·ω⁴ dω/2π = q/(3·ω₀), ω₀⁶ = q/s, s = σ_y²·T the noise's density.
+    // Without drag and white noise: σ² = ∫ q·s/(s·ω⁶ + q)·ω⁴ dω/2π = q/(3·ω₀), ω₀⁶ = q/s, s = σ_y²·T the noise's
+    // density.
     let noise = Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 0.0 };
     let mass = Model { drag_per_s: 0.0, noise, ..rig() };
     let recording = record(&mass, 1, |_| 0.0);
@@ -104,7 +105,7 @@ fn what_a_dead_zone_swallows_is_missing() {
     let mut stuck = rig();
     stuck.effects.dead_zone = Some(plant::effects::DeadZone { lower_percent: -0.3, upper_percent: 0.3 });
     let found = missing_force(&rig(), &record(&stuck, 4, |_| 0.0));
-    // Where the duty asks for more than the zone is wide, 0.3 % of it are swallowed: 76 mm/s² against it.
+    // Where the duty is beyond the dead zone, 0.3 % of it are lost: 76 mm/s² against it.
     let mean = |side: f64| {
         let beyond: Vec<_> = found.iter().filter(|m| side * (m.duty_percent - 21.4) > 0.4).collect();
         beyond.iter().map(|m| m.force_mm_per_s2).sum::<f64>() / beyond.len() as f64

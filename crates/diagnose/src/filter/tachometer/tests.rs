@@ -1,11 +1,11 @@
-//! What a recorded fan speed settles.
+//! Which effects a recorded fan speed distinguishes.
 
 use crate::tests_support::{model, record};
 use crate::{Diagnosis, Options, Recording, Sample, Verdict, diagnose};
 use plant::{Effects, Model, Normal};
 
-/// A flight of `rig` whose rotor, `late_s` behind the duty and with a lag of `lag_s`, is seen at 3000 ± 30 rpm and bends a little: integrated by
-/// small steps of its own, apart from the code under test.
+/// A flight of `rig` whose rotor, `late_s` behind the duty and with a lag of `lag_s`, is recorded at 3000 ± 30 rpm with
+/// a slight curvature: integrated by small steps, independently of the code under test.
 fn seen(rig: &Model, seed: u64, late_s: f64, lag_s: f64) -> Recording {
     let flight = record(rig, seed, 60);
     let samples = flight.samples();
@@ -42,7 +42,7 @@ fn names(found: &Diagnosis) -> Vec<(&'static str, Vec<&'static str>)> {
     names.collect()
 }
 
-/// With the speed `truth` is named alone; without it, as a set of both.
+/// With the speed the search names `truth` alone; without it, it names a set of both.
 fn is_settled(truth: &'static str, values: &[f64], twin: &'static str, late_s: f64, lag_s: f64) {
     let belief = Model { effects: Effects::default(), ..model() };
     let recording = seen(&with(truth, values), 4, late_s, lag_s);

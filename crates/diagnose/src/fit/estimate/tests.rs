@@ -1,4 +1,4 @@
-//! What a fit recovers.
+//! A fit recovers the parameters of the rig.
 
 use super::Problem;
 use crate::fit::parameter::{BASE, Parameter, Prior};
@@ -28,6 +28,6 @@ fn a_fit_recovers_the_numbers_of_the_rig_within_their_own_deviations() {
         inside += off.iter().filter(|off| off.abs() < 1.645).count();
         all += off.len();
     }
-    // 90 % of 32 is 28.8; fewer than 24 has a chance of 1 %.
+    // 90 % of 32 is 28.8; fewer than 24 have a probability of 1 %.
     assert!(inside >= 24, "{inside} of {all} within their 90 % intervals");
 }

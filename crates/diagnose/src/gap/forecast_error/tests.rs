@@ -1,4 +1,4 @@
-//! What the gap promises.
+//! Properties of the gap.
 
 use super::Gap;
 use crate::tests_support::{model, record};
@@ -28,7 +28,7 @@ fn a_missing_fan_lag_opens_the_gap_and_the_right_model_closes_it() {
 
 #[test]
 fn staying_put_is_the_change_of_the_reading() {
-    // A ramp of 10 mm/s without noise: the ball is h·10 mm further after h.
+    // A ramp of 10 mm/s without noise: the ball moves by h·10 mm within h.
     let row = |k: u32| Sample {
         time_s: 0.02 * f64::from(k),
         duty_percent: 21.4,
@@ -63,7 +63,7 @@ fn the_forecasts_of_several_flights_are_those_of_each() {
 
 #[test]
 fn readings_at_uneven_times_are_forecast_for_their_own_time() {
-    // The true model at twice the jitter of a real log still reaches the floor.
+    // The true model at twice the jitter of a real log still reaches the noise floor.
     let recording = record(&model(), 9, 80);
     let kept = recording.samples().iter().enumerate().filter(|(k, _)| k % 7 != 3 && k % 11 != 5);
     let dropped: Vec<Sample> = recording

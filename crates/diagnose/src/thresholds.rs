@@ -1,19 +1,21 @@
 //! The numbers that decide an answer, in the order in which they are asked.
 //!
 //! Each says what it decides, and how it was chosen. *False alarms* are the share of right models that pass it, as
-//! `cargo test --release -p diagnose -- --ignored --nocapture rates_of_false_alarms` prints them: 200 flights of 60 s, simulated by
-//! the very model that is believed, with seeds that nothing else uses. Whoever changes a number runs that again. How often the
-//! numbers together are right on rigs whose equations the diagnosis does not know is the proof page's matter (`docs/blind.md`).
+//! `cargo test --release -p diagnose -- --ignored --nocapture rates_of_false_alarms` prints them: 200 flights of 60 s,
+//! simulated by the very model that is believed, with seeds that nothing else uses. Whoever changes a number runs that
+//! again. How often the numbers together are right on rigs whose equations the diagnosis does not know is the proof
+//! page's matter (`docs/blind.md`).
 //!
-//! Likelihoods are in nats. Numbers that belong to one step alone, and decide no answer, stand at the head of that step.
+//! Likelihoods are in nats. Numbers that belong to one step alone, and decide no answer, stand at the head of that
+//! step.
 
 // Is there enough to answer?
 
-/// Readings in free flight that a diagnosis and an identification need. Chosen: five parameters and their noise need some tens of
-/// readings each. No false alarms: it silences, and blames nothing.
+/// Readings in free flight that a diagnosis and an identification need. Chosen: five parameters and their noise need
+/// some tens of readings each. No false alarms: it silences, and blames nothing.
 pub const ENOUGH_READINGS: usize = 300;
-/// Readings that count in full; of a longer record each counts for less. Chosen: no model is exact, and with readings enough any is
-/// found wrong; 6000 are 110 s at 55 Hz, the longest of the project's own experiments.
+/// Readings that count in full; of a longer record each counts for less. Chosen: no model is exact, and with readings
+/// enough any is found wrong; 6000 are 110 s at 55 Hz, the longest of the project's own experiments.
 pub(crate) const LONG: f64 = 6000.0;
 /// Mean square of the standardised innovations below which they are rounding. A fitted noise leaves 1.
 pub(crate) const QUIET: f64 = 0.05;
@@ -22,7 +24,8 @@ pub(crate) const QUIET: f64 = 0.05;
 
 /// Gain at the screening that a full fit takes. Chosen: below half of what a name takes.
 pub(crate) const SCREENED: f64 = 2.5;
-/// How many candidates are fitted in full, and how far behind the best they may be at the screening: nats, and a share of its gain.
+/// How many candidates are fitted in full, and how far behind the best they may be at the screening: nats, and a share
+/// of its gain.
 pub(crate) const FULL_FITS: usize = 8;
 pub(crate) const BEHIND: f64 = 20.0;
 pub(crate) const BEHIND_SHARE: f64 = 0.4;
@@ -49,9 +52,11 @@ pub(crate) const FURTHER_EFFECT: f64 = 16.0;
 pub(crate) const BESIDE_COARSE_READINGS: f64 = 20.0;
 /// The same as a share of what is explained already, which the form of the named effects may leave.
 pub(crate) const SHARE_OF_EXPLAINED: f64 = 0.005;
-/// The same as a share of what the score test still asks for without the effect: what explains less is not what is missing.
+/// The same as a share of what the score test still asks for without the effect: what explains less is not what is
+/// missing.
 pub const SHARE_OF_OMITTED: f64 = 0.25;
-/// The same for a random force of the air: the growth of the air's noise counts against it already. False alarms: 0 of 200 flights.
+/// The same for a random force of the air: the growth of the air's noise counts against it already. False alarms: 0 of
+/// 200 flights.
 pub(crate) const RANDOM_FORCE: f64 = 1.2;
 /// A random force yields to another effect that gains more than this share of what it gains.
 pub(crate) const RANDOM_FORCE_YIELDS: f64 = 0.5;
@@ -72,29 +77,33 @@ pub(crate) const MOST_SEARCHES: usize = 5;
 pub(crate) const NOTHING: f64 = 1e-3;
 /// What the form of a believed lag may be worth to another effect that makes something late.
 pub(crate) const COST_BESIDE_A_LAG: f64 = 7.0;
-/// What is late by less than this share of it and of the lag beside it is that lag's form: of two lags in series, the small one.
+/// What is late by less than this share of it and of the lag beside it is that lag's form: of two lags in series, the
+/// small one.
 pub(crate) const SHARE_OF_A_LAG: f64 = 0.16;
 
 // Is the residual significant?
 
-/// −ln p at which one statistic alone is significant: terms of the score test, spectral line, uneven mean, growth of the air's noise.
-/// False alarms: 0 of 200 flights each.
+/// −ln p at which one statistic alone is significant: terms of the score test, spectral line, uneven mean, growth of
+/// the air's noise. False alarms: 0 of 200 flights each.
 pub(crate) const ALONE: f64 = 11.0;
 /// The same for the whiteness, standard deviations of its χ². False alarms: 0 of 200 flights.
 pub(crate) const WHITENESS: f64 = 5.5;
 /// The same for an uneven variance, −ln p. False alarms: 0 of 200 flights.
 pub(crate) const UNEVEN_VARIANCE: f64 = 12.0;
-/// Σ −ln p of five statistics. Theory: the sum of five exponential numbers passes it four times in a thousand.
+/// Σ −ln p of five statistics. Theory: the sum of five exponential numbers passes it four times in a thousand. False
+/// alarms: 1 of 200 flights.
 pub(crate) const TOGETHER: f64 = 13.0;
-/// The air's noise, which an owner guesses, counts no more than the first, in −ln p, as long as it grew by less than the second, a ratio.
+/// The air's noise, which an owner guesses, counts no more than the first, in −ln p, as long as it grew by less than
+/// the second, a ratio.
 pub(crate) const AIR_AS_GUESSED: f64 = 3.0;
 /// See above: the ratio.
 pub const AIR_RATIO: f64 = 1.3;
 /// −ln p of a statistic that is reported beside others.
 pub(crate) const REPORTED: f64 = 3.0;
-/// −ln p of the score test beside a named effect. Chosen: a doubt costs less there than an alarm where nothing is wrong.
+/// −ln p of the score test beside a named effect. Chosen: a doubt costs less there than an alarm where nothing is
+/// wrong. False alarms: 1 of 200 flights.
 pub(crate) const OMITTED_BESIDE_NAME: f64 = 4.5;
-/// −ln p of events, whose many looks differ less than they are counted for. False alarms: 0 of 200 flights.
+/// −ln p of events, whose many looks differ less than they are counted for. False alarms: 1 of 200 flights.
 pub(crate) const EVENTS: f64 = 6.5;
 /// −ln p of terms and events of coarse readings: within a step nothing is normal.
 pub(crate) const OMITTED_COARSE: f64 = 80.0;
@@ -102,10 +111,12 @@ pub(crate) const OMITTED_COARSE: f64 = 80.0;
 pub(crate) const COARSE: f64 = 2.0;
 /// Share of what effects explain that their form may leave.
 pub(crate) const SHARE_OF_FORM: f64 = 0.02;
-/// What an uneven spread must say more than a force, nats: a filter whose model is right but for its form is not equally sure everywhere.
+/// What an uneven spread must say more than a force, nats: a filter whose model is right but for its form is not
+/// equally sure everywhere.
 pub(crate) const UNEVEN_SPREAD: f64 = 2.0;
-/// Limits beside a random force, which follows most of what is missing: −ln p of the score test and of an uneven mean, standard deviations
-/// of bursts, and the ratio that the white noise may change by, unless it is within so many deviations of the belief.
+/// Limits beside a random force, which follows most of what is missing: −ln p of the score test and of an uneven mean,
+/// standard deviations of bursts, and the ratio that the white noise may change by, unless it is within so many
+/// deviations of the belief. False alarms of the mean: 1 of 200 flights; of bursts: 0.
 pub(crate) const OMITTED_BESIDE_RANDOM_FORCE: f64 = 4.5;
 pub(crate) const MEAN_BESIDE_RANDOM_FORCE: f64 = 5.0;
 pub(crate) const BURSTS: f64 = 3.3;
@@ -114,13 +125,14 @@ pub(crate) const WHITE_NOISE_KEPT_SIGMAS: f64 = 2.0;
 
 // Where does the gap lie?
 
-/// A place or a band is wrong by more than chance when its p-value, over all that were looked at, is below this. Convention.
+/// A place or a band is wrong by more than chance when its p-value, over all that were looked at, is below this.
+/// Convention.
 pub const SIGNIFICANT: f64 = 0.05;
 
 // How far is the answer to be trusted, and how is it ordered?
 
-/// Factor on the probability of a name, without and with a significant residual. Chosen: the shares of right names among rigs of the
-/// blind proof.
+/// Factor on the probability of a name, without and with a significant residual. Chosen: the shares of right names
+/// among rigs of the blind proof.
 pub(crate) const TRUST: f64 = 0.96;
 pub(crate) const TRUST_BESIDE_RESIDUAL: f64 = 0.15;
 /// Fall of the error 1 s ahead for which moved base parameters matter: a share of the noise floor, and mm.
@@ -130,8 +142,8 @@ pub(crate) const PARAMETERS_MM: f64 = 0.5;
 pub(crate) const OPEN_GAP: f64 = 1.5;
 /// One mean square is larger than another from this ratio on: the order of the names.
 pub(crate) const LARGER: f64 = 2.0;
-/// Factors on the widths of intervals: by how near the catalogue's form comes to what rigs do, and of the base parameters. Chosen: so
-/// that some 90 % of withheld values lie within.
+/// Factors on the widths of intervals: by how near the catalogue's form comes to what rigs do, and of the base
+/// parameters. Chosen: so that some 90 % of withheld values lie within.
 pub(crate) const WIDER_IMPACTS: f64 = 2.5;
 pub(crate) const WIDER_APPROXIMATE: f64 = 1.9;
 pub(crate) const WIDER: f64 = 1.25;
@@ -187,7 +199,8 @@ mod tests {
         ]
     }
 
-    /// Slow: it prints how many flights of right models pass each threshold, and fails where the answer itself would be wrong.
+    /// Slow: it prints how many flights of right models pass each threshold, and fails where the answer itself would be
+    /// wrong.
     #[test]
     #[ignore = "some minutes; run it when a threshold is changed"]
     fn rates_of_false_alarms() {

@@ -31,6 +31,11 @@ pub struct Ball {
     pub pipe_length_mm: f64,
 }
 
+/// The fan's acceleration from a constant command, from what it was, and from the seconds since; see [`Acts::follows`].
+pub type Follows<E> = fn(&E, f64, f64, f64) -> f64;
+/// The sensed position from what it was, from the path of the ball since, and from the seconds since; see [`Acts::senses`].
+pub type Senses<E> = fn(&E, f64, [f64; 3], f64) -> f64;
+
 /// What an effect of type `E` does at each place of the signal path; `None`: nothing.
 #[derive(Debug)]
 pub struct Acts<E: 'static> {
@@ -51,7 +56,7 @@ pub struct Acts<E: 'static> {
     /// The acceleration that the fan gives of a commanded one, both in mm/s² about hover.
     pub limits: Option<fn(&E, f64) -> f64>,
     /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command (first).
-    pub follows: Option<fn(&E, f64, f64, f64) -> f64>,
+    pub follows: Option<Follows<E>>,
     /// The acceleration that it adds to the ball, mm/s².
     pub force: Option<fn(&E, &Ball) -> f64>,
     /// Slot. The random force of the air.
@@ -61,7 +66,7 @@ pub struct Acts<E: 'static> {
     /// Slot. The ends of the ball's way.
     pub ends: Option<fn(&E) -> EndStop>,
     /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle and end (second).
-    pub senses: Option<fn(&E, f64, [f64; 3], f64) -> f64>,
+    pub senses: Option<Senses<E>>,
     /// How old a reading is, seconds.
     pub delays_reading: Option<fn(&E) -> f64>,
     /// Standard deviation of a reading, mm, of the one without the effect.

@@ -29,7 +29,7 @@ mod signal_path;
 mod simulator;
 mod unsound;
 
-pub use acts::{Acts, Ball, Changes, Late, Readings, Summary};
+pub use acts::{Acts, Ball, Changes, Follows, Late, Readings, Senses, Summary};
 pub use actuator::Actuator;
 pub use effect::{Difference, Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start};
 pub use effects::Effects;

@@ -45,7 +45,7 @@ pub struct MissingForce {
 /// The force that `model` lacks on `recording`, at each reading in free flight. The white noise of `model` should be
 /// the believed one: noise that was fitted to a record has grown by what is missing.
 #[must_use]
-pub fn missing_force(model: &Model, recording: &Recording) -> Vec<MissingForce> {
+pub(crate) fn missing_force(model: &Model, recording: &Recording) -> Vec<MissingForce> {
     let folds = Folds::new(model, recording);
     let samples = recording.samples();
     let free = with_likely_force(model, recording, &folds);

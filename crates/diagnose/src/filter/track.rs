@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// A model's filter along a recording, with its state after each reading.
 #[derive(Debug)]
-pub struct Track<'a> {
+pub(crate) struct Track<'a> {
     model: &'a Model,
     recording: &'a Recording,
     /// Rows that hold a reading, and the filter after each.
@@ -35,7 +35,7 @@ pub struct Forecast {
 /// The innovation of every reading but the first, which has no prediction; then of every reading of a second sensor,
 /// and of every fan speed, in rpm instead of mm.
 #[must_use]
-pub fn innovations(model: &Model, recording: &Recording) -> Vec<Innovation> {
+pub(crate) fn innovations(model: &Model, recording: &Recording) -> Vec<Innovation> {
     let mut all = Vec::with_capacity(recording.readings());
     let mut second = Vec::new();
     run_filter(model, recording, None, Some(&mut second), |_, innovation, _| all.push(innovation));
@@ -86,7 +86,7 @@ pub(crate) fn smoothed_states(model: &Model, recording: &Recording) -> Vec<(usiz
 impl<'a> Track<'a> {
     /// Runs the filter of `model` over `recording`.
     #[must_use]
-    pub fn new(model: &'a Model, recording: &'a Recording) -> Self {
+    pub(crate) fn new(model: &'a Model, recording: &'a Recording) -> Self {
         let (mut estimates, mut innovations) = (Vec::new(), Vec::new());
         let mut new = vec![false; recording.samples().len()];
         run_filter(model, recording, None, None, |row, innovation, ekf| {
@@ -102,12 +102,12 @@ impl<'a> Track<'a> {
 
     /// The innovation of every reading but the first.
     #[must_use]
-    pub fn into_surprises(self) -> Vec<Innovation> {
+    pub(crate) fn into_surprises(self) -> Vec<Innovation> {
         self.innovations
     }
 
     /// The filtered state after each reading but the last: its row, position and velocity.
-    pub fn states(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+    pub(crate) fn states(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let known = self.estimates.iter().take(self.estimates.len().saturating_sub(1));
         known.map(|(row, ekf)| {
             let (position_mm, velocity) = ekf.position_and_velocity();
@@ -117,13 +117,13 @@ impl<'a> Track<'a> {
 
     /// Number of readings of the recording that are no repeats.
     #[must_use]
-    pub fn readings(&self) -> usize {
+    pub(crate) fn readings(&self) -> usize {
         self.estimates.len()
     }
 
     /// The row, time and position of reading number `reading`.
     #[must_use]
-    pub fn reading(&self, reading: usize) -> Option<(usize, f64, f64)> {
+    pub(crate) fn reading(&self, reading: usize) -> Option<(usize, f64, f64)> {
         let &(row, _) = self.estimates.get(reading)?;
         let sample = self.recording.samples().get(row)?;
         Some((row, sample.time_s, sample.position_mm?))
@@ -131,7 +131,7 @@ impl<'a> Track<'a> {
 
     /// Forecasts every later reading of the same flight from the state after reading number `from`, with the recorded
     /// duty.
-    pub fn forecasts(&self, from: usize) -> impl Iterator<Item = Forecast> {
+    pub(crate) fn forecasts(&self, from: usize) -> impl Iterator<Item = Forecast> {
         let start = self.estimates.get(from);
         let mut row = start.map_or(self.new.len(), |(row, _)| *row);
         let flight = self.recording.flight_of(row);

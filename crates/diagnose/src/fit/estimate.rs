@@ -40,7 +40,7 @@ const PROMISING: f64 = 1.0;
 const SHORTEST: usize = 14;
 
 /// Log-likelihood by fold, nats.
-pub type LogLikByFold = [f64; Folds::COUNT];
+pub(crate) type LogLikByFold = [f64; Folds::COUNT];
 
 /// A model fitted to a recording.
 #[derive(Clone, Debug)]

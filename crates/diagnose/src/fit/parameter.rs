@@ -47,7 +47,7 @@ pub enum Prior {
 }
 
 /// The parameters that every model has, noise last.
-pub const BASE: [Parameter; 5] =
+pub(crate) const BASE: [Parameter; 5] =
     [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::SensorNoise, Parameter::AirNoise];
 
 /// Scale of the prior of an effect's parameter, as a share of its value.
@@ -247,6 +247,6 @@ impl Parameter {
 
 /// ln of the prior density of `model` over these parameters, up to a constant.
 #[must_use]
-pub fn prior(parameters: &[Parameter], model: &Model, belief: &Model) -> f64 {
+pub(crate) fn prior(parameters: &[Parameter], model: &Model, belief: &Model) -> f64 {
     parameters.iter().map(|parameter| parameter.prior(model, belief).0).sum()
 }

@@ -70,7 +70,7 @@ pub struct GreyBox {
 pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
-        "{readings} readings in parameters flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s, or longer stretches \
+        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s, or longer stretches \
          without control, which count from 4 s on"
     )]
     Readings {

@@ -5,8 +5,8 @@
 //! nats(m)        −ln P(χ²_m > Σ z²) − ln C(n, m)            the m moments of largest z, no two within the reach
 //! ```
 //!
-//! Source: Willsky and Jones, "A generalized likelihood ratio approach to the detection and estimation of jumps in linear systems",
-//! IEEE Transactions on Automatic Control 21 (1976).
+//! Source: Willsky and Jones, "A generalized likelihood ratio approach to the detection and estimation of jumps in
+//! linear systems", IEEE Transactions on Automatic Control 21 (1976).
 
 use super::bursts::bursts;
 use super::sensitivities::Step;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! two poles   K/(s(s + a))        three poles   K/(s(s + a)(τs + 1))
-//! θ = (K, a, τ, hover, both noises) = arg max Σ ln p(ν_k)      ν: innovations of the Kalman filter with the recorded duty
+//! θ = (K, a, τ, hover, both noises) = arg max Σ ln p(ν_k)      ν: innovations of the Kalman filter, input: duty
 //! ```
 //!
 //! The input is the recorded duty, whatever made it. In closed loop too the innovations of a right model are white, so

@@ -1,55 +1,55 @@
-//! The figures of the closed loop that a document holds. They are measured where the controller is known, outside this crate.
+//! Closed-loop quantities of a document. They are measured outside this crate, where the controller is known.
 
 use serde::Serialize;
 
-/// What one quantity is in the record and in the two simulations; `None` where there is nothing to say.
+/// One quantity in the record and in the two simulations; `None` if undefined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Compared {
     /// On the rig.
     pub recorded: Option<f64>,
-    /// The model as believed, flown by the record's controller.
+    /// The believed model with the controller of the record.
     pub nominal: Option<f64>,
-    /// The mended model, flown by it.
+    /// The mended model with the same controller.
     pub mended: Option<f64>,
 }
 
-/// A quantity that only a simulation can show.
+/// A quantity that only simulations give.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Simulated {
-    /// The model as believed.
+    /// The believed model.
     pub nominal: Option<f64>,
     /// The mended model.
     pub mended: Option<f64>,
 }
 
-/// The figures of the closed loop.
+/// Closed-loop quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClosedLoop {
-    /// Steps of the record that were looked at.
+    /// Number of setpoint steps that were evaluated.
     pub steps: usize,
-    /// Largest excursion beyond the new setpoint, percent of the jump.
+    /// Largest overshoot of the new setpoint, percent of the step.
     pub overshoot_percent: Compared,
-    /// Time of the first visible peak beyond the new setpoint, seconds.
+    /// Time of the first clear peak beyond the new setpoint, seconds.
     pub peak_time_s: Compared,
-    /// The band that counts as settled, percent of the jump to either side.
+    /// Half-width of the settling band, percent of the step.
     pub settling_band_percent: f64,
-    /// Time until the ball stays in that band, seconds.
+    /// Settling time: when the ball enters that band for good, seconds.
     pub settling_s: Compared,
-    /// The smallest multiple of the loop's proportional gain at which it loses stability.
+    /// Critical gain: the smallest factor on the proportional gain at which the loop becomes unstable.
     pub critical_gain_ratio: Simulated,
 }
 
-/// An experiment that is worth flying next.
+/// A recommended next experiment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NextExperiment {
     /// Its short name.
     pub name: &'static str,
-    /// Why this one, in a sentence.
+    /// The reason, in a sentence.
     pub reason: String,
-    /// What it tells apart.
+    /// The hypotheses that it separates.
     pub separates: Vec<&'static str>,
-    /// How decisively, nats per minute of it, for the pair that it separates least.
+    /// Expected evidence, nats per minute, for the pair that it separates least.
     pub expected_nats: f64,
-    /// The file that `run` and `simulate` fly.
+    /// The file for `run` and `simulate`.
     pub file: String,
 }

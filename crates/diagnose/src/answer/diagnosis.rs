@@ -1,11 +1,11 @@
-//! The diagnosis: check, which, how far and where, put together into a verdict.
+//! The diagnosis: checks, selection of effects, gap and location, combined into a verdict.
 //!
 //! ```text
-//! belief → fitted belief → + best effect → + next effect …      each step must gain on stretches that it was not fitted to
+//! belief → fitted belief → + best effect → + next effect …      each step must gain held-out log-likelihood
 //! ```
 //!
-//! The first that holds: `insufficient_data`, `unexplained` (innovations still depend on what was known, or are coloured),
-//! `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
+//! The first verdict that applies: `insufficient_data`, `unexplained` (the innovations depend on known signals, or are
+//! coloured), `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
 use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::{Fit, Problem};
@@ -28,7 +28,7 @@ use crate::thresholds::{ENOUGH_READINGS, PARAMETERS_MM, PARAMETERS_SHARE, TRUST,
 use plant::Model;
 use rayon::prelude::*;
 
-/// What is wrong, in a word.
+/// The verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -38,20 +38,20 @@ pub enum Verdict {
     Parameters,
     /// One or more effects.
     Effect,
-    /// Something is left that no effect explains.
+    /// A residual remains that no effect explains.
     Unexplained,
-    /// The record cannot answer.
+    /// The record cannot give an answer.
     InsufficientData,
 }
 
-/// Everything that a diagnosis says.
+/// The result of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// The answer.
+    /// The verdict.
     pub verdict: Verdict,
-    /// What was found: what is to be added, the most important first, then what became of the believed.
+    /// The named effects: those to add, the most important first, then the changes of believed effects.
     pub effects: Vec<NamedEffect>,
-    /// What each effect gained that was tried, search by search.
+    /// The scores of all tested effects, by round of the selection.
     pub rounds: Vec<Vec<Scored>>,
     /// The belief with its base parameters refitted.
     pub refitted: Fit,
@@ -63,19 +63,19 @@ pub struct Diagnosis {
     pub places: Vec<Place>,
     /// The frequencies at which the refitted belief is most wrong.
     pub band: Option<Band>,
-    /// What is left over.
+    /// The residual tests.
     pub misfit: Misfit,
-    /// How much of the gap at 1 s the mended model closes; `None` where there is too little to close.
+    /// Share of the gap at 1 s that the mended model closes; `None` if the gap is too small.
     pub closed: Option<Closed>,
-    /// What the record cannot answer, flight by flight.
+    /// Problems of the record, by flight.
     pub findings: Vec<FlightFinding>,
-    /// What each parameter may be on this record.
+    /// The possible values of each parameter on this record.
     pub(crate) bounds: Bounds,
-    /// How far the numbers of the mended model may be off.
+    /// The uncertainty of the parameters of the mended model.
     pub(crate) reaches: Vec<Reach>,
 }
 
-/// Compares `belief` with a recording, or with several of one rig, and says what separates them.
+/// Compares `belief` with one or several recordings of a rig and finds what separates them.
 #[must_use]
 pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
     let Prepared { mut findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
@@ -96,7 +96,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let impossible = impossible(&bounds, [&refitted, &found.fit]).filter(|_| answers);
     findings.extend(impossible.into_iter().flat_map(about_all));
     if (other_rig.is_some() && !found.effects.is_empty()) || impossible.is_some() {
-        // An effect that needs another rig around it is not what this rig lacks.
+        // An effect that needs another rig's parameters is not what this rig lacks.
         answers = false;
         found = Selection::nothing(&search, &refitted);
     }
@@ -136,8 +136,8 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     }
 }
 
-/// What is to be said where a fit ended at a model that cannot be that of the record. Fits stay within their bounds, so that only what no
-/// fit moves can be wrong.
+/// The finding for a fit that ended at an impossible model. Fits keep their parameters within bounds, so only fixed
+/// values can be impossible.
 fn impossible(bounds: &Bounds, fits: [&Fit; 2]) -> Option<Finding> {
     let wrong = fits.into_iter().find_map(|fit| bounds.check(&fit.model, &fit.parameters).err())?;
     let key = match wrong {
@@ -147,14 +147,14 @@ fn impossible(bounds: &Bounds, fits: [&Fit; 2]) -> Option<Finding> {
     Some(Finding::Impossible { key })
 }
 
-/// What is to be said where fewer readings count than a diagnosis needs.
+/// The finding for fewer readings than a diagnosis needs.
 fn too_few(recording: &Recording, folds: &Folds) -> Option<Finding> {
     let rows = recording.samples().iter().enumerate();
     let readings = rows.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
     (readings < ENOUGH_READINGS).then_some(Finding::TooFew { readings, needed: ENOUGH_READINGS })
 }
 
-/// The belief; one of no noise at all is taken as that of readings rounded to the step of the file: step/√12.
+/// The belief; without any noise, with the noise of readings rounded to the resolution of the file: step/√12.
 fn with_rounding(belief: &Model, recording: &Recording) -> Model {
     let mut belief = belief.clone();
     if belief.noise.sensor_mm == 0.0 {
@@ -163,12 +163,12 @@ fn with_rounding(belief: &Model, recording: &Recording) -> Model {
     belief
 }
 
-/// How far a name beside this verdict is to be trusted.
+/// Factor on the probability of a named effect for this verdict.
 fn trust(verdict: Verdict) -> f64 {
     if verdict == Verdict::Unexplained { TRUST_BESIDE_RESIDUAL } else { TRUST }
 }
 
-/// Held-out forecast errors of the belief and of the fits, each made anew without each fold; stretch by stretch.
+/// Held-out forecast errors of the belief and of the fits, each fitted without each fold, by stretch of the record.
 fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>; 3] {
     let Problem { recording, folds, .. } = search.problem;
     let of = |models: Vec<Model>| {
@@ -183,7 +183,8 @@ fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>
     [tallies(belief, recording, &|row| folds.stretch(row)), refitted, mended]
 }
 
-/// Moving the base parameters lowers the error at 1 s by more than 5 % of the floor and 0.5 mm.
+/// Whether the fitted base parameters lower the error at 1 s by more than 5 % of the noise floor and by more than 0.5
+/// mm.
 fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
     match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
         (Some(nominal), Some(refitted), Some(floor)) => {
@@ -194,8 +195,8 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 }
 
 impl Diagnosis {
-    /// The chance that each effect of a search acts, trusted as far as the names of the verdict are; `None` of those that were not
-    /// fitted in full.
+    /// The probability of each effect of a round, with the trust in this verdict; `None` for those that were not fitted
+    /// in full.
     #[must_use]
     pub fn chances(&self, tried: &[Scored]) -> Vec<Option<f64>> {
         chances(tried).into_iter().map(|chance| Some(trust(self.verdict) * chance?)).collect()
@@ -210,7 +211,7 @@ mod tests {
     use crate::{Finding, Parameter, Recording, Sample};
     use plant::{Effects, Model};
 
-    /// A flight of a rig that sticks, which the belief does not, every row spoilt by its number.
+    /// A flight of a rig with a dead zone that is not believed; `spoil` changes each row by its number.
     fn spoilt(spoil: impl Fn(usize, &mut Sample)) -> super::Diagnosis {
         let zone = plant::effects::DeadZone { lower_percent: -0.4, upper_percent: 0.4 };
         let rig = Model { effects: Effects { dead_zone: Some(zone), ..model().effects }, ..model() };
@@ -263,12 +264,12 @@ mod tests {
         assert!(found.findings.iter().any(short), "{:?}", found.findings);
     }
 
-    /// A flight of a rig whose supply sags: duty above hover loses a share of its thrust, which comes back in three seconds.
+    /// A flight of a rig with a weak supply: duty above hover loses a share of its thrust, with a time constant of 3 s.
     fn with_weak_supply(share: f64, seed: u64) -> Recording {
         let mut rows = record(&model(), seed, 80).samples().to_vec();
         let (mut sag, mut before_s) = (0.0, 0.0);
         for row in &mut rows {
-            // What acted was less than the log says.
+            // The true duty was less than the logged one.
             let logged = row.duty_percent + sag;
             let above = (logged - model().hover_duty_percent).max(0.0);
             sag += (share * above - sag) * (1.0 - (-(row.time_s - before_s) / 3.0).exp());
@@ -287,7 +288,7 @@ mod tests {
                 "seed {seed}: {:?}",
                 found.misfit
             );
-            // It goes with a duty of before.
+            // The residual depends on earlier duties.
             let first = &found.misfit.omitted_terms[0].words;
             assert!(first.contains("u") && first.contains('~'), "seed {seed}: {first}");
         }
@@ -306,7 +307,7 @@ mod tests {
         let belief = Model { effects: Effects::default(), ..model() };
         let found = diagnose(&belief, &record(&model(), 4, 80), &Options::default());
         assert_eq!(found.verdict, Verdict::Effect);
-        // A lag of the sensor differs from one of the fan by the colour of the noise alone.
+        // A lag of the sensor differs from one of the fan only in the colour of the noise.
         let named = &found.effects[0];
         assert!([&[named.candidate.entry.name], &named.indistinguishable_from[..]].concat().contains(&"fan_lag"));
         assert!(found.effects[0].probability > 0.9);

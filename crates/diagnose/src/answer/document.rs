@@ -1,4 +1,4 @@
-//! A diagnosis as a document for programs (`airball.diagnosis/1`).
+//! A diagnosis as a machine-readable document (`airball.diagnosis/1`).
 
 use crate::answer::closed_loop::{ClosedLoop, NextExperiment};
 use crate::answer::diagnosis::{Diagnosis, Verdict};
@@ -14,23 +14,23 @@ use plant::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Places that a document lists at most.
+/// Largest number of places in a document.
 const MOST_PLACES: usize = 8;
 
-/// What a document says beside the diagnosis itself. All of it may be left empty.
+/// What a document contains besides the diagnosis. Everything may be empty.
 #[derive(Clone, Debug, Default)]
 pub struct Context {
-    /// The names of the logs, in the order of the recordings; messages name a log where there are several.
+    /// The names of the logs, in the order of the recordings. Messages name the log if there are several.
     pub names: Vec<String>,
-    /// Their length together, seconds.
+    /// Their total length, seconds.
     pub duration_s: f64,
-    /// Stages before the plant (`controller`, `timing`) that deviated from the config, and what that is worth, nats.
+    /// Stages before the plant (`controller`, `timing`) that deviated from the config, and the nats of that deviation.
     pub deviations: Vec<(&'static str, f64)>,
-    /// More findings, as sentences.
+    /// Further findings, as sentences.
     pub findings: Vec<String>,
-    /// The closed loop before and after the mend.
+    /// The closed loop before and after the correction of the model.
     pub closed_loop: Option<ClosedLoop>,
-    /// What to fly next.
+    /// The recommended next experiment.
     pub next_experiment: Option<NextExperiment>,
 }
 
@@ -65,21 +65,21 @@ struct EffectEntry {
 pub struct Interval {
     /// The value.
     pub value: f64,
-    /// Lower end; `None`: the record does not determine it.
+    /// Lower end; `None` if it is not identifiable.
     pub low: Option<f64>,
-    /// Upper end; `None`: the record does not determine it.
+    /// Upper end; `None` if it is not identifiable.
     pub high: Option<f64>,
-    /// The bound of what is possible on this record, if the value stands at it.
+    /// The bound of the possible values on this record, if the value lies at it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_bound: Option<f64>,
 }
 
-/// A base parameter: what was believed, and what was found.
+/// A base parameter: believed and found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ParameterEntry {
-    /// What was believed.
+    /// The believed value.
     pub nominal: f64,
-    /// What the mended model has.
+    /// The value of the mended model.
     #[serde(flatten)]
     pub interval: Interval,
 }
@@ -112,13 +112,13 @@ struct CheckEntry {
 }
 
 impl Document {
-    /// The verdict in a sentence, then one for each effect and for the residual.
+    /// The verdict in a sentence, then one sentence for each effect and for the residual.
     #[must_use]
     pub fn sentences(&self) -> &[String] {
         &self.sentences
     }
 
-    /// The mended model as a config patch (TOML); empty where nothing needs mending.
+    /// The mended model as a config patch (TOML); empty if nothing changes.
     #[must_use]
     pub fn config_patch(&self) -> &str {
         &self.config_patch
@@ -126,7 +126,7 @@ impl Document {
 }
 
 impl Diagnosis {
-    /// The document of this diagnosis of a rig that was believed to be `belief`.
+    /// The document of this diagnosis; `belief`: the believed model.
     #[must_use]
     pub fn document(&self, belief: &Model, context: &Context) -> Document {
         Document {
@@ -158,7 +158,7 @@ impl Diagnosis {
         self.places.iter().filter(|place| place.p_value < SIGNIFICANT).take(MOST_PLACES).cloned().collect()
     }
 
-    /// Gain, drag and hover by their keys of the config: what was believed, and what the mended model has.
+    /// Gain, drag and hover by their keys of the config: believed and mended.
     #[must_use]
     pub fn base_parameters(&self, belief: &Model) -> BTreeMap<&'static str, ParameterEntry> {
         let entry = |parameter: Parameter| {
@@ -225,7 +225,8 @@ impl Diagnosis {
         }
     }
 
-    /// What each log cannot answer, by name where there are several, the findings of the context, and the residual in words.
+    /// The findings of each log, with its name if there are several, the findings of the context, and the residual in
+    /// words.
     fn findings_in_words(&self, context: &Context) -> Vec<String> {
         let several = context.names.len() > 1;
         let of_rows = self.findings.iter().map(|noted| {

@@ -1,4 +1,4 @@
-//! The 90 % intervals of the numbers that a diagnosis found, in the units of the config.
+//! The 90 % intervals of the fitted parameters, in the units of the config.
 
 use crate::answer::diagnosis::Diagnosis;
 use crate::fit::intervals::Reach;
@@ -8,12 +8,12 @@ use crate::fit::profile::OF_90_PERCENT;
 use crate::thresholds::WIDER;
 use plant::{Difference, Entry};
 
-/// A step of a number in its own scale to take its slope from.
+/// Step of the numerical derivative of a value, in the scale of the parameter.
 const SLIGHTLY: f64 = 1e-4;
 
 impl Diagnosis {
-    /// The 90 % intervals of the numbers that the mended model moved, in the units of the config: low and high. None of a number that the
-    /// record does not determine, nor of a step of duty.
+    /// The 90 % intervals of the parameters of the mended model, in the units of the config: low and high. Parameters
+    /// that are not identifiable are left out, and the step of a duty quantisation.
     #[must_use]
     pub fn intervals(&self) -> Vec<(Parameter, f64, f64)> {
         let end = |parameter: Parameter, by: f64| parameter.value(&parameter.stepped(&self.mended.model, by));
@@ -24,8 +24,8 @@ impl Diagnosis {
         self.reaches.iter().filter_map(ends).collect()
     }
 
-    /// The difference of two parameters of an effect that is known far better than each, in their unit, with its 90 % interval. `None`:
-    /// the effect has none or was not found, or the record does not determine it.
+    /// The difference of two parameters of an effect that is known far better than each, in their unit, with its 90 %
+    /// interval. `None` if the effect has none or was not found, or if the difference is not identifiable.
     #[must_use]
     pub fn difference(&self, effect: &Entry) -> Option<(Difference, [f64; 3])> {
         let difference = effect.difference?;
@@ -46,7 +46,7 @@ impl Diagnosis {
         reach.is_finite().then(|| (difference, [width, (width - reach).max(0.0), width + reach]))
     }
 
-    /// How far a number may stand for the form of what is beside it, in its own scale.
+    /// Standard deviation of a parameter due to the form of the lags next to it, in the scale of the parameter.
     fn form_beside(&self, parameter: Parameter) -> f64 {
         match parameter {
             Parameter::Effect { size, .. } => {
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_delay_beside_a_lag_of_another_form_holds_it() {
-        // The lag that is believed to be one of 0.2 s is two in series.
+        // The lag that is believed to be one of 0.2 s consists of two in series.
         let mut rig = model();
         for (name, seconds) in [("fan_lag", 0.19), ("sensor_lag", 0.01), ("transport_delay", 0.08)] {
             rig.effects.set(name, &[seconds]);

@@ -1,4 +1,4 @@
-//! The answer: the verdict, where the gap lies, and what a report draws.
+//! The answer: verdict, location of the gap, and data for the plots of a report.
 
 pub(crate) mod closed_loop;
 pub(crate) mod diagnosis;

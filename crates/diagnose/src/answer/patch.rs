@@ -4,7 +4,7 @@ use crate::answer::diagnosis::{Diagnosis, Verdict};
 use std::fmt::Write;
 
 impl Diagnosis {
-    /// The mended model as a patch (TOML) that `simulate` and `replay` take; empty where nothing needs mending.
+    /// The mended model as a patch (TOML) for `simulate` and `replay`; empty if nothing changes.
     #[must_use]
     pub fn patch_toml(&self) -> String {
         if matches!(self.verdict, Verdict::NoGap | Verdict::InsufficientData) {

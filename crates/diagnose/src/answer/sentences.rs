@@ -1,4 +1,4 @@
-//! What a diagnosis says in sentences: the verdict, each effect, and the residual. Terminal, page and document take them from here.
+//! A diagnosis in sentences: the verdict, each effect, and the residual. Terminal, page and document use them.
 
 use crate::answer::diagnosis::{Diagnosis, Verdict};
 use crate::answer::document::Interval;
@@ -7,16 +7,16 @@ use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::AIR_RATIO;
 use plant::{Effects, Stage};
 
-/// Terms that a sentence names at most.
+/// Largest number of terms in a sentence.
 const MOST_TERMS: usize = 3;
-/// What the letters of a term mean.
+/// Explanation of the letters in terms.
 const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
-/// Why an answer that leaves nothing over is unexplained all the same.
+/// Explanation of an unexplained answer without a significant residual.
 const TOO_MANY: &str = "nothing is left over, but three effects or more at once follow almost any record: trust them no more than one that leaves \
     something, mend the first, fly again, and diagnose again";
 
 impl Diagnosis {
-    /// The verdict in one sentence, without its full stop.
+    /// The verdict in one sentence, without a full stop.
     #[must_use]
     pub fn verdict_in_words(&self) -> String {
         match self.verdict {
@@ -38,8 +38,8 @@ impl Diagnosis {
         }
     }
 
-    /// An effect in one line: how probable it is, what is to be done about it, its parameters with their 90 % intervals, and what it
-    /// cannot be told from.
+    /// An effect in one line: its probability, its change, its parameters with their 90 % intervals, and the effects
+    /// that are indistinguishable from it.
     #[must_use]
     pub fn effect_in_words(&self, named: &NamedEffect) -> String {
         let entry = named.candidate.entry;
@@ -62,7 +62,7 @@ impl Diagnosis {
         format!("{sure}{retuned}{}{twins}", numbers.join(", "))
     }
 
-    /// The form of a significant residual; `None` where it is not, or has no form.
+    /// The form of a significant residual; `None` if it is not significant or has no clear form.
     #[must_use]
     pub fn residual_in_words(&self) -> Option<String> {
         if self.verdict != Verdict::Unexplained {
@@ -89,7 +89,7 @@ impl Diagnosis {
         (!form.is_empty()).then(|| format!("what is left{without} looks like {}{acts}", form.join(", and ")))
     }
 
-    /// The verdict, then each effect and the residual, a sentence each.
+    /// The verdict, each effect and the residual, one sentence each.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let effects = self.effects.iter().map(|named| self.effect_in_words(named));
@@ -98,7 +98,7 @@ impl Diagnosis {
 }
 
 impl Interval {
-    /// The value with its ends, and the bound that it stands at, as a config takes numbers.
+    /// The value with its interval, and the bound that it lies at, in the number format of a config.
     #[must_use]
     pub fn in_words(&self) -> String {
         let plain = |value: f64| format!("{:.*}", decimals(value), value + 0.0);
@@ -108,10 +108,10 @@ impl Interval {
     }
 }
 
-/// Half of the smallest number that six places show.
+/// Half of the smallest number that six decimal places show.
 const SMALLEST: f64 = 5e-7;
 
-/// The places that leave a number three digits that count; none of 0.
+/// Decimal places for three significant digits; none for 0.
 #[must_use]
 pub fn decimals(value: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
@@ -119,7 +119,7 @@ pub fn decimals(value: f64) -> usize {
     if value.abs() < SMALLEST { 0 } else { places }
 }
 
-/// An effect and those that it cannot be told from, each with its article.
+/// An effect and those that are indistinguishable from it, each with its article.
 #[must_use]
 pub fn with_rivals(named: &NamedEffect) -> String {
     let names = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
@@ -158,7 +158,7 @@ fn capital(words: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// The stage that most of a residual belongs to, in words.
+/// The stage with most of the residual, in words.
 fn stage_in_words(misfit: &Misfit) -> Option<String> {
     let nats = Stage::ALL.map(|stage| (misfit.nats_at(stage), stage));
     let all: f64 = nats.iter().map(|(own, _)| own).sum();

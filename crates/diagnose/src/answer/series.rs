@@ -1,6 +1,6 @@
-//! What a report draws of a diagnosis: free runs before and after the mend, and the missing force.
+//! Data for the plots of a report: free runs before and after the correction of the model, and the missing force.
 //!
-//! A run of the mended model is that of the fit without the stretch that it starts in, as the errors of the report are.
+//! As in the errors of the report, the free runs of the mended model use the fit without the fold in which they start.
 
 use crate::answer::diagnosis::Diagnosis;
 use crate::filter::missing_force::{MissingForce, missing_force};
@@ -14,23 +14,24 @@ use crate::residual::plots::ResidualPlots;
 use plant::Model;
 use rayon::prelude::*;
 
-/// Series to draw. The noise of the air is the least that was believed or found, so that what is missing does not hide in it. Rows of the runs are rows of the recording that is here.
+/// Data for plots. The air's noise is the smallest of the believed and the fitted values, so that it does not hide the
+/// missing force. Row numbers refer to the recording here.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// The rows that the diagnosis worked on.
+    /// The rows that the diagnosis used.
     pub recording: Recording,
     /// Free runs of the belief.
     pub nominal: Vec<FreeRun>,
-    /// Free runs of the mended model, each fitted without the stretch that it starts in.
+    /// Free runs of the mended model, each from the fit without the fold in which it starts.
     pub mended: Vec<FreeRun>,
-    /// The force that the belief lacks once its base parameters are fitted; none where the ball never flew free.
+    /// The force that the refitted belief lacks; empty if the ball was never in free flight.
     pub missing: Vec<MissingForce>,
-    /// What the belief with fitted numbers leaves over, and what the mended model does.
+    /// Residual plots of the refitted belief and of the mended model.
     pub left: [ResidualPlots; 2],
 }
 
 impl Series {
-    /// The series of what was `found` when a recording, or several of one rig, were compared with `belief`.
+    /// The data for the diagnosis `found` of these recordings and `belief`.
     #[must_use]
     pub fn of(found: &Diagnosis, belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized)) -> Self {
         let recording = Prepared::of(recordings.as_ref(), belief).recording.into_owned();

@@ -1,12 +1,13 @@
-//! Where along the signal path a gap arises: what is worth a word at each stage of the plant, and the chance of as much where nothing is wrong.
+//! Location of the gap along the signal path: the evidence at each stage of the plant, and the probability of as much
+//! by chance.
 //!
 //! ```text
-//! nats(stage)    what its effects gained, and what is left over there asks for
-//! p(stage)       n·Q(k, 2·gain) of an effect of k numbers, one of the n of the catalogue; of what is left over, the chance of its test
+//! nats(stage)    gains of its effects, and scores of its residual terms
+//! p(stage)       n·Q(k, 2·gain) for an effect of k parameters, one of n in the catalogue; of a residual: of its test
 //! ```
 //!
-//! Twice the gain of k numbers that do nothing is χ² with k degrees of freedom. Source: Wilks, "The large-sample distribution of the likelihood
-//! ratio", Annals of Mathematical Statistics 9 (1938); n by Bonferroni.
+//! Twice the gain of k parameters without effect is χ² with k degrees of freedom; n is the Bonferroni correction.
+//! Source: Wilks, "The large-sample distribution of the likelihood ratio", Annals of Mathematical Statistics 9 (1938).
 
 use crate::answer::diagnosis::{Diagnosis, Verdict};
 use crate::select::stepwise::NamedEffect;
@@ -21,7 +22,7 @@ pub struct StageShare {
     pub name: &'static str,
     /// Its share of the nats.
     pub share: f64,
-    /// The chance of so much if the model were right.
+    /// The probability of so many nats if the model is right.
     pub p_value: f64,
 }
 
@@ -29,8 +30,8 @@ pub struct StageShare {
 const OF_THE_LOOP: [&str; 2] = ["controller", "timing"];
 
 impl Diagnosis {
-    /// Each stage's share of the nats: of the plant, and of the loop before it by its `deviations` from the config (stage and nats),
-    /// each of which was looked for once, so that its chance is at most e^−nats (Markov).
+    /// Each stage's share of the nats: of the plant, and of the loop before it by its `deviations` from the config
+    /// (stage and nats). Each deviation is one test, so its p-value is at most e^−nats (Markov).
     #[must_use]
     pub fn stage_shares(&self, deviations: &[(&'static str, f64)]) -> Vec<StageShare> {
         let of_plant = Stage::ALL.map(|stage| (stage.name(), self.nats_at(stage), self.chance_at(stage)));
@@ -41,13 +42,13 @@ impl Diagnosis {
         shares(of_loop.into_iter().chain(of_plant).collect())
     }
 
-    /// Likelihood gained at a stage by the effects that were found, and asked for there by what they leave unexplained, nats.
+    /// Held-out gains of the effects at a stage, plus the scores of the residual there, nats.
     #[must_use]
     pub fn nats_at(&self, stage: Stage) -> f64 {
         self.found_at(stage).map(|named| named.candidate.held_out_gain).sum::<f64>() + self.left_at(stage)
     }
 
-    /// The chance of so much at that stage if the model were right, all effects that were tried taken into account.
+    /// The probability of so many nats at a stage if the model is right, corrected for the number of tested effects.
     #[must_use]
     pub fn chance_at(&self, stage: Stage) -> f64 {
         let looks = Effects::CATALOGUE.len() as f64;
@@ -58,7 +59,7 @@ impl Diagnosis {
         self.found_at(stage).map(of_effect).fold(left, f64::min).min(1.0)
     }
 
-    /// The effects of a stage that are not doubted.
+    /// The named effects of a stage, without the rejected one.
     fn found_at(&self, stage: Stage) -> impl Iterator<Item = &NamedEffect> {
         let doubted = self.misfit.outdone_effect;
         self.effects.iter().filter(move |named| {

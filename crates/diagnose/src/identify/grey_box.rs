@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! two poles   K/(s(s + a))        three poles   K/(s(s + a)(τs + 1))
-//! θ = (K, a, τ, hover, both noises) = arg max Σ ln p(ν_k)      ν: innovations of the Kalman filter along the recorded duty
+//! θ = (K, a, τ, hover, both noises) = arg max Σ ln p(ν_k)      ν: innovations of the Kalman filter, input: duty
 //! ```
 //!
-//! The recorded duty goes in, whoever made it: in closed loop as well the innovations of a right model are white, and no controller is
-//! simulated (the direct approach). Other effects of the start stay as they are believed. The start says nothing of the result.
+//! The input is the recorded duty, whatever made it. In closed loop too the innovations of a right model are white, so
+//! no controller is simulated (direct approach). Other effects of the initial model keep their believed values. The
+//! result does not depend on the initial values.
 //! Source: Ljung, *System Identification*, 2nd edition, chapters 7 and 13; the thesis, sections 3.1.3 and 3.1.4.
 
 use crate::fit::estimate::{Fit, Problem};
@@ -22,50 +23,50 @@ use plant::effects::FanLag;
 use plant::{Effect, Model};
 use serde::Serialize;
 
-/// Lags of the fan from which a fit of three poles begins, seconds; the best wins.
+/// Initial fan lags of a fit with three poles, seconds; the best one is used.
 const LAGS_S: [f64; 3] = [0.05, 0.2, 0.6];
-/// Steps of the first look from each, at least.
+/// Smallest number of scoring steps from each before they are compared.
 const FIRST_LOOK: usize = 4;
 
-/// How many poles the plant has.
+/// The number of poles of the plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Poles {
-    /// The ball alone.
+    /// The ball only.
     Two,
     /// Ball and fan.
     Three,
 }
 
-/// A number of the plant with its 90 % interval.
+/// A parameter of the plant with its 90 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// Its key in the config's `[plant]`.
     pub name: &'static str,
     /// The most likely value.
     pub value: f64,
-    /// Lower end; `None`: the record sets none.
+    /// Lower end; `None` if it is not identifiable.
     pub low: Option<f64>,
-    /// Upper end; `None`: the record sets none.
+    /// Upper end; `None` if it is not identifiable.
     pub high: Option<f64>,
 }
 
-/// A plant that was identified.
+/// An identified plant.
 #[derive(Clone, Debug)]
 pub struct GreyBox {
-    /// How many poles it has.
+    /// The number of poles.
     pub poles: Poles,
-    /// The model at its best, and how the record looks to it.
+    /// The fitted model and its innovations.
     pub fit: Fit,
-    /// Gain, drag, hover and, with three poles, the fan's lag.
+    /// Gain, drag, hover and, with three poles, the fan lag.
     pub estimates: Vec<Estimate>,
-    /// Whether the innovations are noise.
+    /// Tests whether the innovations are white noise.
     pub residuals: ResidualTests,
-    /// How well the same fit, made without the last third of each flight, foretells that third.
+    /// Prediction of the last third of each flight by a fit without that third.
     pub held_out: HeldOut,
 }
 
-/// Why nothing was identified.
+/// Why identification is not possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TooLittle {
     /// Too few readings in free flight.
@@ -74,13 +75,13 @@ pub enum TooLittle {
          without control, which count from 4 s on"
     )]
     Readings {
-        /// How many there are.
+        /// Number of readings found.
         readings: usize,
     },
 }
 
 impl GreyBox {
-    /// Identifies a plant of so many poles from `recording`, with `start` as a first guess.
+    /// Identifies a plant with this number of poles from `recording`; `start`: initial values.
     ///
     /// # Errors
     /// [`TooLittle`]: the record is too short.
@@ -101,7 +102,7 @@ impl GreyBox {
     }
 }
 
-/// The start with a fan's lag where three poles are asked for, and without where two are.
+/// The initial model with a fan lag for three poles, and without for two.
 fn with_poles(start: &Model, poles: Poles) -> Model {
     let lag_s = match poles {
         Poles::Two => None,
@@ -110,12 +111,12 @@ fn with_poles(start: &Model, poles: Poles) -> Model {
     with_lag(start, lag_s)
 }
 
-/// The model whose fan has this lag, or none.
+/// The model with this fan lag, or without.
 fn with_lag(model: &Model, lag_s: Option<f64>) -> Model {
     Model { effects: model.effects.with_fan_lag(lag_s), ..model.clone() }
 }
 
-/// The most likely model, from the start's own lag and from others.
+/// The most likely model from several initial fan lags.
 fn best_fit(problem: &Problem<'_>, poles: Poles) -> Fit {
     let parameters = parameters(problem.belief);
     let near = with_noise_that_fits(problem, &parameters);
@@ -125,18 +126,18 @@ fn best_fit(problem: &Problem<'_>, poles: Poles) -> Fit {
     }
     let looks = starts.iter().map(|start| problem.fit_briefly(start, &parameters, FIRST_LOOK));
     let best = looks.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(near, |(model, _)| model);
-    // A lag moves in units of what it is about.
+    // The scale of a lag depends on its value.
     problem.fit(&best, &self::parameters(&best))
 }
 
-/// What a fit moves: gain, drag, hover, both noises, and the fan's lag where there is one.
+/// The fitted parameters: gain, drag, hover, both noises, and the fan lag if the model has one.
 fn parameters(model: &Model) -> Vec<Parameter> {
     let lag =
         model.effects.fan_lag_s().map_or_else(Vec::new, |lag_s| parameters_of_effect(FanLag::ENTRY.name, &[lag_s]));
     [&BASE[..], &lag].concat()
 }
 
-/// The key of a number in the config's `[plant]`. `None`: a nuisance.
+/// The key of a parameter in the config's `[plant]`; `None` for a nuisance parameter.
 const fn key(parameter: Parameter) -> Option<&'static str> {
     match parameter {
         Parameter::Gain => Some("gain_mm_per_s2_per_percent"),
@@ -147,7 +148,7 @@ const fn key(parameter: Parameter) -> Option<&'static str> {
     }
 }
 
-/// Every number but the nuisances, with its interval.
+/// All parameters but the nuisance parameters, with their intervals.
 fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
     let one = |(at, parameter): (usize, &Parameter)| {
         let (name, value) = (key(*parameter)?, parameter.value(&fit.model)?);

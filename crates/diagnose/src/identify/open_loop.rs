@@ -1,12 +1,13 @@
-//! Open-loop records, detrended: each stretch without control loses its own line of position and its own mean of duty.
+//! Open-loop records, detrended: a line is subtracted from the position of each open-loop stretch, and the mean from
+//! its duty.
 //!
 //! ```text
 //! ÿ = K·(u − h) − a·ẏ,   y' = y − (b·t + c)   ⟹   ÿ' = K·(u − h − a·b/K) − a·ẏ'
 //! ```
 //!
-//! A line taken from the position only shifts the stretch's hover. What is left of it is a force that is constant over a stretch and
-//! unknown beforehand, which the filter finds: gain, drag and lag stay what they are, whatever the line. It does not hold where the lift changes
-//! with height.
+//! A line subtracted from the position only shifts the hover duty of the stretch. The rest is an unknown constant force
+//! per stretch, which the filter estimates. Gain, drag and lag do not change, whatever the line. This does not hold if
+//! the lift depends on height.
 //! Source: the thesis, section 3.1.3, detrends its open-loop records by a line.
 
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle};
@@ -14,29 +15,30 @@ use crate::record::recording::{Recording, Sample};
 use crate::stats::line::line;
 use plant::Model;
 
-/// The shortest stretch that is used, seconds: a filter forgets its start in half of it.
+/// The shortest stretch that is used, seconds: the filter forgets its initial state in half of it.
 const SHORTEST_S: f64 = 4.0;
-/// Nearer to an end than this the ball may lie there, mm.
+/// Distance from an end within which the ball may lie there, mm.
 const AT_END_MM: f64 = 10.0;
-/// The pipe in which a detrended ball flies, in lengths of the real one: no line leads it to an end.
+/// Length of the virtual pipe of a detrended ball, in lengths of the real one: no line reaches its ends.
 const LONGER: f64 = 10.0;
-/// What a line leaves of hover, percent, 1 sigma; and for how long it stays what it is: for ever.
+/// Remaining uncertainty of hover, percent, 1σ; and its correlation time, which makes it constant.
 const HOVER_PERCENT: f64 = 0.3;
 const FOR_EVER_S: f64 = 1e5;
 
-/// Stretches without control, ready to be identified.
+/// Open-loop stretches for identification.
 #[derive(Clone, Debug)]
 pub struct OpenLoop {
-    /// The stretches, one after another.
+    /// The stretches in sequence.
     pub recording: Recording,
-    /// The belief as it is.
+    /// The belief.
     believed: Model,
-    /// The belief in a pipe without ends, with a constant force for what the lines leave.
+    /// The belief in a pipe without ends, with a constant force for the remaining offset.
     detrended: Model,
 }
 
 impl OpenLoop {
-    /// The stretches of `flights` without control that are long enough. A record that has no setpoint anywhere is open loop as a whole.
+    /// The open-loop stretches of `flights` that are long enough. A record without any setpoint is open loop as a
+    /// whole.
     #[must_use]
     pub fn of(flights: &[Recording], belief: &Model) -> Self {
         let mut there = Model { pipe_length_mm: (LONGER * belief.pipe_length_mm).min(1e6), ..belief.clone() };
@@ -55,10 +57,10 @@ impl OpenLoop {
         Self { recording, believed: belief.clone(), detrended: there }
     }
 
-    /// Identifies a plant of so many poles. Of hover it says nothing: every stretch has its own.
+    /// Identifies a plant with this number of poles. Hover is not identifiable: it differs between stretches.
     ///
     /// # Errors
-    /// [`TooLittle`]: there are too few stretches without control, or they are too short.
+    /// [`TooLittle`]: the open-loop stretches are too few or too short.
     pub fn identify(&self, poles: Poles) -> Result<GreyBox, TooLittle> {
         let mut found = GreyBox::identify(&self.detrended, &self.recording, poles)?;
         found.estimates.retain(|estimate| estimate.name != "hover_duty_percent");
@@ -71,7 +73,7 @@ impl OpenLoop {
     }
 }
 
-/// `rows` about the middle of the pipe and about hover. `None`: too short.
+/// `rows` about the middle of the pipe and the hover duty; `None` if too short.
 fn detrended(rows: &[Sample], belief: &Model) -> Option<Recording> {
     let (first, last) = (rows.first()?, rows.last()?);
     if last.time_s - first.time_s < SHORTEST_S {
@@ -105,7 +107,7 @@ mod tests {
     fn each_stretch_without_control_loses_its_line_and_its_mean() {
         let rows = (0..1000).map(|k| row(k, (200..500).contains(&k) || k >= 900)).collect();
         let found = OpenLoop::of(&[Recording::new(rows).unwrap()], &model());
-        // 2 s at the end are too short.
+        // The stretch of 2 s at the end is too short.
         assert_eq!(found.recording.flights().len(), 1);
         let middle = 0.5 * found.detrended.pipe_length_mm;
         let rows = found.recording.samples();

@@ -1,36 +1,36 @@
-//! The oscillation of a loop under a relay: one point of the plant's frequency response, from what was recorded.
+//! Relay oscillation: one point of the plant's frequency response from a recorded loop with a relay.
 //!
 //! ```text
-//! period      from the position's rises through its mean, over the last half of the record
+//! period      from the upward crossings of the position through its mean, in the last half of the record
 //! Y, U        2/T·∫ x·e^(−jωt) dt over whole periods: fundamental of position and duty, the duty held from row to row
-//! G(jω)       Y/U          its phase is −180° + a little
+//! G(jω)       Y/U          its phase is slightly above −180°
 //! ```
 //!
-//! Both fundamentals are measured, so that a relay that chatters, or whose duty meets a limit, is no error.
+//! Both fundamentals are measured, so that chatter of the relay or a limit of the duty causes no error.
 //! Source: Åström & Hägglund, *Advanced PID Control*, "Relay feedback".
 
 use crate::record::recording::{Recording, Sample};
 use nalgebra::Complex;
 
-/// Rises at least: three whole periods.
+/// Smallest number of upward crossings: three whole periods.
 const FEWEST_RISES: usize = 4;
-/// A rise counts after the ball was this far below the mean, as a share of its lowest.
+/// A crossing counts after the ball was this far below the mean, as a share of its lowest position.
 const ARMED: f64 = 0.4;
 
-/// What a loop under a relay settled at.
+/// The steady oscillation of a loop with a relay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillation {
-    /// Of the position, mm.
+    /// Amplitude of the position, mm.
     pub amplitude_mm: f64,
-    /// Of the duty, percent.
+    /// Amplitude of the duty, percent.
     pub duty_amplitude_percent: f64,
-    /// Seconds.
+    /// Period, seconds.
     pub period_s: f64,
-    /// How far the plant's phase is short of −180°, radians.
+    /// Phase of the plant above −180°, radians.
     pub short_of_half_turn: f64,
 }
 
-/// The oscillation in the last half of a record. `None`: fewer than three whole periods, or none at all.
+/// The oscillation in the last half of a record; `None` with fewer than three whole periods.
 #[must_use]
 pub fn oscillation(recording: &Recording) -> Option<Oscillation> {
     let samples = recording.samples();
@@ -59,7 +59,7 @@ pub fn oscillation(recording: &Recording) -> Option<Oscillation> {
     (found.amplitude_mm > 0.0 && found.duty_amplitude_percent > 0.0).then_some(found)
 }
 
-/// When the position rises through `mean`, each rise once.
+/// Times of the upward crossings through `mean`, without repetitions by noise.
 fn rises(readings: &[(f64, f64)], mean: f64) -> Vec<f64> {
     let lowest = readings.iter().map(|(_, mm)| mm - mean).fold(0.0, f64::min);
     let mut armed = false;
@@ -75,7 +75,7 @@ fn rises(readings: &[(f64, f64)], mean: f64) -> Vec<f64> {
     found
 }
 
-/// ∫ x·e^(−jωt) dt from the one time to the other; x is held from point to point, or a line between them.
+/// ∫ x·e^(−jωt) dt over an interval; x is held from point to point, or interpolated to the middle of each segment.
 fn integral(points: &[(f64, f64)], held: bool, omega: f64, (from, to): (f64, f64)) -> Complex<f64> {
     let turn = |t: f64| Complex::new(libm::cos(omega * t), -libm::sin(omega * t));
     let mut sum = Complex::new(0.0, 0.0);
@@ -86,7 +86,7 @@ fn integral(points: &[(f64, f64)], held: bool, omega: f64, (from, to): (f64, f64
             continue;
         }
         let value = if held { x0 } else { x0 + (x1 - x0) * ((low + high) / 2.0 - t0) / (t1 - t0) };
-        // The exact integral of e^(−jωt) over the piece.
+        // The exact integral of e^(−jωt) over the segment.
         sum += (turn(high) - turn(low)) * Complex::new(0.0, 1.0 / omega) * value;
     }
     sum
@@ -111,7 +111,7 @@ mod tests {
         }
     }
 
-    /// The model of the tests under a relay about hover, at 50 Hz.
+    /// The test model with a relay about hover, at 50 Hz.
     fn under_relay(hysteresis_mm: f64) -> Recording {
         let mut simulator = Simulator::new(model(), 5);
         let mut control = 1.0;

@@ -1,13 +1,14 @@
-//! Residual tests of an identified model: are its innovations white, and do they know nothing of the input before them?
+//! Residual tests of an identified model: whether its innovations are white and independent of earlier duties.
 //!
 //! ```text
 //! e_k = ν_k/√S_k     x_k: e_{k−1} … e_{k−20} (whiteness), or means of the duty over windows of the past (input)
-//! χ² = ( RSS of e on D − RSS of e on D and x ) / mean e²        D = ∂ŷ/∂θ/√S: what fitting θ has already taken out of e
+//! χ² = ( RSS of e on D − RSS of e on D and x ) / mean e²        D = ∂ŷ/∂θ/√S: the part of e that the fit explained
 //! ```
 //!
-//! A score test: with D in both regressions the degrees of freedom are those of x alone, and the p-value is right for a fitted model, in closed
-//! loop as well, because the duty of a row never knows the innovations after it.
-//! Sources: Ljung, *System Identification*, 2nd edition, section 16.6; Breusch, "Testing for autocorrelation in dynamic linear models" (1978).
+//! This is a score test. With D in both regressions the degrees of freedom are those of x alone. The p-value is right
+//! for a fitted model, in closed loop too, because the duty of a row does not depend on later innovations.
+//! Sources: Ljung, *System Identification*, 2nd edition, section 16.6; Breusch, "Testing for autocorrelation in dynamic
+//! linear models" (1978).
 
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
@@ -18,51 +19,51 @@ use crate::stats::chi_square::survival;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-/// Innovations before a reading that the test of whiteness looks at.
+/// Lags of the whiteness test, readings.
 const LAGS: usize = 20;
-/// Windows of duty before a reading: their ends, in readings.
+/// Ends of the windows of duty before a reading, in readings.
 const WINDOWS: [usize; 9] = [0, 1, 3, 6, 11, 19, 34, 59, 99];
-/// Length of the differences in scaled parameters.
+/// Step of the numerical derivatives in scaled parameters.
 const DIFFERENCE: f64 = 0.01;
-/// Directions of the regressors that are weaker than this share of the strongest are none.
+/// Smallest eigenvalue of the regressors that counts, as a share of the largest.
 const NO_DIRECTION: f64 = 1e-9;
-/// Deviations on either side that hold 95 % of a normal distribution: the usual band of a correlation.
+/// Standard deviations on either side that contain 95 % of a normal distribution.
 const BAND: f64 = 1.96;
 
-/// A test: its χ², degrees of freedom, and the chance of so much under a right model.
+/// A test: its χ², degrees of freedom and p-value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Test {
     /// χ².
     pub chi_square: f64,
     /// Degrees of freedom.
     pub degrees: usize,
-    /// Chance of as much or more if the model were right.
+    /// Probability of such a χ² or more if the model is right.
     pub p_value: f64,
 }
 
-/// What the innovations say of a model.
+/// The residual tests of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResidualTests {
-    /// Against the innovations before.
+    /// Test against earlier innovations.
     pub whiteness: Test,
-    /// Against the duty before.
+    /// Test against earlier duties.
     pub input: Test,
     /// Autocorrelation at 1, 2, … readings.
     pub autocorrelation: Vec<f64>,
     /// Correlation with the duty 1, 2, … readings before.
     pub with_input: Vec<f64>,
-    /// White innovations stay below this in 95 % of the lags.
+    /// Limit that white innovations keep at 95 % of the lags.
     pub band: f64,
 }
 
 /// A reading that counts.
 struct Row {
     e: f64,
-    /// D: how e moves with each number of the fit.
+    /// D: sensitivity of e to each fitted parameter.
     slopes: Vec<f64>,
-    /// e before it, nearest first; 0 before the flight.
+    /// Earlier e, latest first; 0 before the flight.
     past: Vec<f64>,
-    /// Duty before it, about its mean.
+    /// Earlier duties minus their mean.
     duty: Vec<f64>,
     windows: Vec<f64>,
 }
@@ -90,7 +91,7 @@ impl ResidualTests {
     }
 }
 
-/// The readings of `innovations`, without the speeds of the fan that follow them.
+/// The innovations of readings, without those of fan speeds, which follow them.
 fn readings(all: &[Innovation]) -> &[Innovation] {
     let end = all.windows(2).position(|pair| pair[1].row <= pair[0].row).map_or(all.len(), |at| at + 1);
     &all[..end]
@@ -130,7 +131,7 @@ fn rows(fit: &Fit, recording: &Recording, folds: &Folds) -> Vec<Row> {
     rows
 }
 
-/// The mean of the last `from` to `to` of `all`.
+/// The mean of `all` between `from` and `to` values before the end.
 fn window(all: &[f64], from: usize, to: usize) -> f64 {
     let part = &all[all.len().saturating_sub(to)..all.len().saturating_sub(from)];
     part.iter().sum::<f64>() / (to - from) as f64
@@ -144,7 +145,7 @@ fn test(rows: &[Row], of: fn(&Row) -> &[f64], power: f64) -> Test {
     Test { chi_square, degrees, p_value: survival(degrees, chi_square) }
 }
 
-/// How much of Σe² a regression on `x` explains, and how many directions `x` has.
+/// The part of Σe² that a regression on `x` explains, and the rank of `x`.
 fn explained(rows: &[Row], x: impl Fn(&Row) -> Vec<f64>) -> (f64, usize) {
     let width = rows.first().map_or(0, |row| x(row).len());
     let (mut squares, mut products) = (DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width));
@@ -153,7 +154,7 @@ fn explained(rows: &[Row], x: impl Fn(&Row) -> Vec<f64>) -> (f64, usize) {
         products.axpy(row.e, &x, 1.0);
         squares.ger(1.0, &x, &x, 1.0);
     }
-    // Every regressor in its own size, so that weak directions are told from small units.
+    // Each regressor is normalised, so that small units are not taken for weak directions.
     let size = squares.diagonal().map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
     let scale = DMatrix::from_diagonal(&size);
     let eigen = (&scale * squares * &scale).symmetric_eigen();

@@ -1,10 +1,10 @@
-//! How well an identified model foretells what it has not seen: the last third of each flight.
+//! Validation of an identified model on held-out data: the last third of each flight.
 //!
 //! ```text
-//! fit = 1 − ‖y − ŷ‖/‖y − mean y‖        in percent; ŷ: forecasts some time ahead, or simulations over 10 s, from the filter's state
+//! fit = 1 − ‖y − ŷ‖/‖y − mean y‖        in percent; ŷ: forecasts, or free runs of 10 s, from the filter's state
 //! ```
 //!
-//! The model is fitted anew without that third. What noise alone allows is beside it: no model can be better than that but by chance.
+//! The model is fitted again without that third. The noise floor is given too: no model is better except by chance.
 //! Source: the measure of `compare` in MATLAB's System Identification Toolbox.
 
 use crate::filter::track::innovations;
@@ -16,23 +16,23 @@ use crate::stats::spread::spread;
 use plant::Model;
 use serde::Serialize;
 
-/// The share of each flight that is fitted to.
+/// The share of each flight that is used for the fit.
 const FITTED: f64 = 2.0 / 3.0;
 
-/// Fits in percent on the last third of each flight. `None` where it is too short to say.
+/// Fits in percent on the last third of each flight; `None` if it is too short.
 #[derive(Clone, Debug)]
 pub struct HeldOut {
     /// The model, fitted without that third.
     pub model: Model,
-    /// Of the model.
+    /// Fit of the model.
     pub percent: Percent,
-    /// Of what its noise alone would leave.
+    /// Fit that its noise allows.
     pub allowed: Percent,
     /// The same errors in mm.
     pub gap: Gap,
-    /// ln p of the readings of that third, nats: what two models may be compared by.
+    /// ln p of the readings of that third, nats, for the comparison of two models.
     pub log_likelihood: f64,
-    /// Simulations over 10 s within that third.
+    /// Free runs of 10 s within that third.
     pub runs: Vec<FreeRun>,
 }
 
@@ -41,12 +41,12 @@ pub struct HeldOut {
 pub struct Percent {
     /// Forecasts 0.1, 0.5 and 1 s ahead.
     pub ahead: [Option<f64>; 3],
-    /// Simulations over 10 s.
+    /// Free runs of 10 s.
     pub simulated_10s: Option<f64>,
 }
 
 impl HeldOut {
-    /// Fits again what `fit` has fitted, without the last third of each flight, and tries the result there.
+    /// Repeats the fit without the last third of each flight and evaluates the result there.
     pub(crate) fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
         let recording = problem.recording;
         let is_late = late(recording);
@@ -75,7 +75,7 @@ impl HeldOut {
         }
     }
 
-    /// The errors of a model on the last third of each flight: what a fit is to be compared with.
+    /// The errors of a model on the last third of each flight, for comparison with a fit.
     #[must_use]
     pub fn gap_of(model: &Model, recording: &Recording) -> Gap {
         let (folds, is_late) = (Folds::new(model, recording), late(recording));
@@ -83,7 +83,7 @@ impl HeldOut {
     }
 }
 
-/// Which rows are in the last third of their flight.
+/// Whether each row is in the last third of its flight.
 fn late(recording: &Recording) -> Vec<bool> {
     let of_flight = |rows: &[Sample]| {
         let (first_s, last_s) = (rows.first().map_or(0.0, |s| s.time_s), rows.last().map_or(0.0, |s| s.time_s));

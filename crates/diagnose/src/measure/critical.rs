@@ -1,15 +1,16 @@
-//! The critical gain, by steps under rising gains of a proportional-integral law.
+//! The critical gain from setpoint steps at rising gains of a proportional-integral controller.
 //!
 //! ```text
-//! law       Δu = K_p·Δe + (K_p/T_i)·e·dt                    read off the log: exact where nothing else acts
-//! step      e = c + d·t + e^(σt)·(A·cos ωt + B·sin ωt)      σ: growth, below zero for a loop that comes to rest
-//! K_u       where σ = α + β·x + γ·x² is zero, x = ln K_p    weighted parabola; the variance of the zero is that of σ there over its slope²
+//! law       Δu = K_p·Δe + (K_p/T_i)·e·dt                    from the log: exact if nothing else acts
+//! step      e = c + d·t + e^(σt)·(A·cos ωt + B·sin ωt)      σ: growth rate, negative for a stable loop
+//! K_u       zero of σ = α + β·x + γ·x², x = ln K_p          weighted parabola; var x = var σ/(∂σ/∂x)² at the zero
 //! ```
 //!
-//! The parabola takes the steps near the critical gain, |σ| small beside ω; their scatter about it is the error, whatever its cause:
-//! noise that feeds the swing, air, limits of the fan. A straight line would be 0.7 % low on a fan that is fast beside the ball. A dead zone
-//! lets small swings die and a limit lets large ones live: the gain holds for swings of the size of these.
-//! Source: root locus and log decrement, Åström & Murray, *Feedback Systems*; the interval: the delta method.
+//! The parabola uses the steps near the critical gain, with |σ| small against ω. Their scatter about it is the error,
+//! whatever its cause: noise that excites the oscillation, air, limits of the fan. A straight line would be 0.7 % low
+//! for a fan that is fast against the ball. A dead zone damps small oscillations, and a limit sustains large ones: the
+//! gain holds for oscillations of this amplitude.
+//! Sources: root locus and logarithmic decrement, Åström & Murray, *Feedback Systems*; the interval: the delta method.
 
 use super::optimum::maximise;
 use super::{Estimate, MeasureError};
@@ -17,39 +18,39 @@ use crate::record::recording::{Recording, Sample};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use serde::Serialize;
 
-/// A step of the setpoint, mm.
+/// Smallest step of the setpoint, mm.
 const JUMP_MM: f64 = 20.0;
-/// Rows from which the law is read, and how exactly the others must keep to it, as a share of Δu.
+/// Rows from which the control law is determined, and the largest deviation of the others, as a share of Δu.
 const LAW_ROWS: usize = 25;
 const EXACT: f64 = 1e-3;
-/// What the fast poles do is over after this time, seconds; then the swing must last so long.
+/// The fast poles have decayed after this time, seconds; and the shortest oscillation after it.
 const SKIP_S: f64 = 0.8;
 const SHORTEST_S: f64 = 3.0;
-/// Steps count whose growth is within this share of ω, and so many are needed.
+/// Largest growth rate of a usable step, as a share of ω, and the smallest number of steps.
 const NEAR: f64 = 0.1;
 const FEWEST: usize = 6;
-/// Where frequencies are sought, rad/s, and in how many places.
+/// Range of initial frequencies, rad/s, and their number.
 const SLOWEST: f64 = 0.6;
 const FASTEST: f64 = 20.0;
 const PLACES: u32 = 100;
 
-/// What steps under rising gains say.
+/// The result of steps at rising gains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Critical {
     /// K_u, percent of duty per mm.
     pub kp_per_mm: Estimate,
-    /// T_i of the law, seconds.
+    /// T_i of the controller, seconds.
     pub ti_s: f64,
-    /// The frequency of the swing there, rad/s.
+    /// The frequency of the oscillation at the critical gain, rad/s.
     pub omega: f64,
-    /// Every step that swings.
+    /// All steps with an oscillation.
     pub swings: Vec<Swing>,
 }
 
-/// A step and the swing after it.
+/// A step and the oscillation after it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Swing {
-    /// When the setpoint jumped, seconds.
+    /// Time of the step, seconds.
     pub time_s: f64,
     /// K_p, percent of duty per mm.
     pub kp_per_mm: f64,
@@ -59,7 +60,7 @@ pub struct Swing {
     pub growth_per_s: f64,
     /// ω, rad/s.
     pub omega: f64,
-    /// Deviation of σ if its residuals were white, 1/s: a weight.
+    /// Standard deviation of σ for white residuals, 1/s, used as a weight.
     #[serde(skip)]
     deviation: f64,
 }
@@ -67,7 +68,8 @@ pub struct Swing {
 /// The critical gain in a recording.
 ///
 /// # Errors
-/// [`MeasureError::NoSwing`]: no step swings. [`MeasureError::NotCritical`] says what the steps that there are show.
+/// [`MeasureError::NoSwing`]: no step has an oscillation. [`MeasureError::NotCritical`] describes the steps that were
+/// found.
 pub fn critical(recording: &Recording) -> Result<Critical, MeasureError> {
     let swings: Vec<Swing> = recording
         .flights()
@@ -100,7 +102,7 @@ pub fn critical(recording: &Recording) -> Result<Critical, MeasureError> {
     })
 }
 
-/// Where the weighted parabola of σ over ln K_p crosses zero upwards. `None`: nowhere among the steps.
+/// Where the weighted parabola of σ over ln K_p crosses zero upwards; `None` if not between the steps.
 fn crossing(near: &[Swing]) -> Option<Estimate> {
     let middle = near.iter().map(|s| s.kp_per_mm.ln()).sum::<f64>() / near.len() as f64;
     let powers = |x: f64| Vector3::new(1.0, x, x * x);
@@ -115,7 +117,7 @@ fn crossing(near: &[Swing]) -> Option<Estimate> {
     let law = inverse * right;
     let misfit: f64 = points().map(|(row, growth, weight)| weight * (growth - law.dot(&row)).powi(2)).sum();
     let freedom = near.len() as f64 - 3.0;
-    // The zero with a rising σ, without loss of digits where the parabola is nearly a line.
+    // The zero with a rising σ, without cancellation if the parabola is nearly a line.
     let root = (law[1] * law[1] - 4.0 * law[0] * law[2]).sqrt();
     let zero = -2.0 * law[0] / (law[1] + root);
     let variance = misfit / freedom * (powers(zero).transpose() * inverse * powers(zero))[0] / (root * root);
@@ -124,7 +126,7 @@ fn crossing(near: &[Swing]) -> Option<Estimate> {
     (among && root > 0.0).then(|| Estimate::student(middle + zero, variance.sqrt(), freedom))
 }
 
-/// A row with everything that the law needs.
+/// A row with all inputs of the control law.
 #[derive(Clone, Copy)]
 struct Row {
     time_s: f64,
@@ -134,7 +136,7 @@ struct Row {
     duration_s: f64,
 }
 
-/// A step of the setpoint and the rows that keep to one proportional-integral law after it.
+/// A setpoint step and the rows after it that follow one proportional-integral law.
 struct Stretch {
     rows: Vec<Row>,
     kp_per_mm: f64,
@@ -181,7 +183,7 @@ impl Stretch {
         })
     }
 
-    /// The swing after the step. `None`: it is too short, or no swing explains it.
+    /// The oscillation after the step; `None` if it is too short or does not converge.
     fn swing(&self) -> Option<Swing> {
         let start_s = self.rows.first()?.time_s;
         let late: Vec<(f64, f64)> =
@@ -190,7 +192,7 @@ impl Stretch {
         if lasts_s < SHORTEST_S {
             return None;
         }
-        // In radians over the whole stretch, so that both numbers have the same size.
+        // In radians over the whole stretch, so that both parameters have the same scale.
         let nats =
             |at: &[f64]| -0.5 * late.len() as f64 * residue(&late, at[0] / lasts_s, at[1] / lasts_s).max(1e-12).ln();
         let ratio = (FASTEST / SLOWEST).ln() / f64::from(PLACES);
@@ -211,7 +213,7 @@ impl Stretch {
     }
 }
 
-/// The sum of squares that the best swing of this growth and frequency leaves.
+/// The residual sum of squares of the best oscillation with this growth rate and frequency.
 fn residue(points: &[(f64, f64)], growth: f64, omega: f64) -> f64 {
     let mut normal = nalgebra::Matrix4::<f64>::zeros();
     let mut right = nalgebra::Vector4::<f64>::zeros();

@@ -1,32 +1,32 @@
-//! Dead zone: where the force begins, above and below, by jumps whose duties lie near hover.
+//! Dead zone: the duties at which the force begins, from jumps with duties near hover.
 //!
 //! ```text
-//! F = K·max(0, u − upper)      over the jumps that are not beyond doubt on the other side; below the same with signs turned
-//! interval                     where χ² is within 2.71 of its least, that of K left free (profile likelihood)
+//! F = K·max(0, u − upper)      for the jumps without a significant force downwards; the lower edge likewise
+//! interval                     χ², minimised over K, within 2.71 of its least value (profile likelihood)
 //! ```
 //!
-//! Both edges are absolute duties: what counts as hover within the zone is a choice, and the middle is taken. A misfit of the straight
-//! line, as from a curve that bends, widens the intervals. Each side is found by itself, so that a rig without a zone has two edges
-//! that differ by chance only. Source: the thesis, section 3.2.1 and figure 3.2.1; Venzon & Moolgavkar, "Profile-likelihood-based
-//! confidence intervals", Applied Statistics 37 (1988).
+//! Both edges are absolute duties. The hover duty within the zone is arbitrary; the middle is used. A misfit of the
+//! straight line, for example by a curved characteristic, widens the intervals. Each edge is estimated separately, so
+//! that the two edges of a rig without a dead zone differ by chance only. Sources: the thesis, section 3.2.1 and figure
+//! 3.2.1; Venzon & Moolgavkar, "Profile-likelihood-based confidence intervals", Applied Statistics 37 (1988).
 
 use super::interval::X;
 use super::jumps::{Jump, Jumps};
 use super::{Estimate, MeasureError};
 use serde::Serialize;
 
-/// Duties further from hover than this are not near it, percent.
+/// Largest distance of a duty from hover, percent.
 const NEAR_PERCENT: f64 = 1.6;
-/// Jumps at least on each side, moved beyond doubt: this many deviations.
+/// Smallest number of jumps on each side with a significant force, and the limit in standard deviations.
 const FEWEST: usize = 4;
 const BEYOND_DOUBT: f64 = 3.0;
-/// How finely an edge is sought, percent, and how far beyond the points.
+/// Step of the grid of edges, percent, and its extent beyond the points.
 const STEP_PERCENT: f64 = 5e-4;
 const BEYOND_PERCENT: f64 = 0.5;
 /// χ² per degree of freedom above which the line does not fit.
 const MISFIT: f64 = 1.6;
 
-/// Where the force begins.
+/// The edges of the dead zone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DeadZone {
     /// Duty below which the ball falls, percent.
@@ -39,7 +39,7 @@ pub struct DeadZone {
     pub gain_above: Estimate,
 }
 
-/// A duty and its force, turned so that the edge is to the left and the force positive.
+/// A duty and its force, with signs such that the force is positive beyond the edge.
 #[derive(Clone, Copy)]
 struct Point {
     duty: f64,
@@ -47,7 +47,7 @@ struct Point {
     weight: f64,
 }
 
-/// The edges by the forces of jumps.
+/// The edges from the forces of jumps.
 ///
 /// # Errors
 /// [`MeasureError::OneSided`] when the jumps do not move the ball both ways.
@@ -86,7 +86,7 @@ pub fn dead_zone(found: &Jumps) -> Result<DeadZone, MeasureError> {
     })
 }
 
-/// The deviation that all forces share, as a share of them.
+/// Common relative standard deviation of all forces.
 fn shared_share(jumps: &[Jump]) -> f64 {
     let (up, down) = jumps.iter().fold((0.0, 0.0), |(up, down), jump| {
         let force = jump.mm_per_s2.value.abs();
@@ -95,7 +95,7 @@ fn shared_share(jumps: &[Jump]) -> f64 {
     if down > 0.0 { up / down } else { 0.0 }
 }
 
-/// The edge of a side, and its gain with the deviation. `None`: too few points.
+/// The edge of a side, and the gain with its standard deviation; `None` for too few points.
 fn edge(points: &[Point]) -> Option<(Estimate, (f64, f64))> {
     let sure = points.iter().filter(|point| point.force > BEYOND_DOUBT * point.weight.powf(-0.5)).count();
     let last = points.iter().map(|point| point.duty).fold(f64::NEG_INFINITY, f64::max);
@@ -115,12 +115,13 @@ fn edge(points: &[Point]) -> Option<(Estimate, (f64, f64))> {
     let within = || tried.iter().filter(|(_, line)| line.chi_square <= best.chi_square + X * X * wider);
     let low = within().map(|(at, _)| *at).fold(at, f64::min);
     let high = within().map(|(at, _)| *at).fold(at, f64::max);
-    // Edge and gain err together: the gain at the ends of the edge's interval tells how much.
+    // The errors of edge and gain are correlated: the gains within the interval of the edge give that part of the
+    // error.
     let by_edge = within().map(|(_, line)| (line.gain - best.gain).abs()).fold(0.0, f64::max) / X;
     Some((Estimate { value: at, low, high }, (best.gain, by_edge.hypot(best.gain_deviation * wider.sqrt()))))
 }
 
-/// The best line from a given edge.
+/// The best line for a given edge.
 #[derive(Clone, Copy)]
 struct Line {
     gain: f64,

@@ -1,27 +1,28 @@
-//! A ball under a duty that is held: its way, reading by reading, and the force behind it.
+//! The motion of a ball under constant duty, and the force of that duty.
 //!
 //! ```text
 //! ẏ = v      v̇ = w − a·v + white noise (q)      τ·ẇ = F − w      reading = y + noise (r)
 //! ```
 //!
-//! F is the force of the held duty, w what the fan gives of it yet. At the start the ball is at rest but for what the controller's
-//! own unrest leaves: v ~ N(0, s_v²), w ~ N(0, s_w²). A Kalman filter with F as a fourth state gives the likelihood of τ, q, r, s_v, s_w,
-//! and F itself. The drag a must be known: the way of the ball is the same when a and 1/τ change places, and only the noise of the air tells them
-//! apart, weakly. F is flat in what it moves the ball by, not in mm/s²: else a weaker ball would be likelier for no reason.
+//! F is the force of the constant duty, w the part that the fan already exerts. At the start the ball is at rest except
+//! for small motions left by the controller: v ~ N(0, s_v²), w ~ N(0, s_w²). A Kalman filter with F as a fourth state
+//! gives the likelihood of τ, q, r, s_v, s_w, and F itself. The drag a must be known: the motion does not change if a
+//! and 1/τ are exchanged, and only the air's noise separates them weakly. The prior of F is flat in the displacement of
+//! the ball, not in mm/s²: otherwise smaller forces would be more likely for no reason.
 //! Source: the thesis, equations 3.1.1.14 and 3.1.3.6; the filter: Anderson & Moore, *Optimal Filtering*.
 
 use super::hold::Hold;
 use crate::filter::innovation::{Innovation, Reading};
 use nalgebra::{Matrix4, Vector4};
 
-/// Nothing is known of the force: its deviation beforehand, mm/s².
+/// Standard deviation of the prior of the force, mm/s²: practically uninformative.
 const ANY_FORCE: f64 = 1e5;
-/// Where the ball starts, 1σ about the first reading, mm.
+/// Standard deviation of the initial position about the first reading, mm.
 const ANY_PLACE: f64 = 100.0;
-/// a·τ this near to 1 makes the fan's and the ball's exponentials one; they are kept so far apart.
+/// Smallest distance of a·τ from 1, where the exponentials of fan and ball coincide.
 const APART: f64 = 1e-5;
 
-/// What all jumps of a record share.
+/// The parameters that all jumps of a record share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Glide {
     /// a, 1/s.
@@ -38,10 +39,10 @@ pub(super) struct Glide {
     start_push: f64,
 }
 
-/// What one jump says under a [`Glide`].
+/// The result of one jump under a [`Glide`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Way {
-    /// ln of the probability of the readings, up to a constant.
+    /// ln p of the readings, up to a constant.
     pub(super) nats: f64,
     /// F, mm/s².
     pub(super) force: f64,
@@ -49,20 +50,20 @@ pub(super) struct Way {
     pub(super) deviation: f64,
 }
 
-/// Where the search begins, as logarithms, and how far from there a rig may well be: a sheet of numbers that no record contradicts.
+/// Initial values of the parameters, and the standard deviations of their logarithms in a weak prior.
 const USUAL: [f64; Glide::NUMBERS] = [0.2, 300.0, 6.0, 10.0, 60.0];
 const SPREAD: [f64; Glide::NUMBERS] = [1.0, 2.0, 2.0, 1.5, 1.5];
 
 impl Glide {
-    /// How many numbers are sought.
+    /// Number of estimated parameters.
     pub(super) const NUMBERS: usize = 5;
 
-    /// Where a search begins.
+    /// Initial values of the logarithms.
     pub(super) fn start() -> Vec<f64> {
         USUAL.map(f64::ln).to_vec()
     }
 
-    /// From the drag, 1/s, and the logarithms of the numbers that are sought.
+    /// From the drag, 1/s, and the logarithms of the estimated parameters.
     pub(super) fn of(drag_per_s: f64, logarithms: &[f64]) -> Self {
         let at = |i: usize| logarithms.get(i).copied().unwrap_or_default().clamp(-20.0, 20.0).exp();
         let lag_s = at(0);
@@ -71,7 +72,7 @@ impl Glide {
         Self { drag_per_s, lag_s, psd: at(1), sensor_variance: at(2), start_speed: at(3), start_push: at(4) }
     }
 
-    /// ln of how likely such numbers are beforehand, up to a constant.
+    /// Log-prior of the parameters, up to a constant.
     pub(super) fn prior(logarithms: &[f64]) -> f64 {
         let off = logarithms.iter().zip(USUAL.iter().zip(SPREAD)).map(|(x, (usual, spread))| (x - usual.ln()) / spread);
         -0.5 * off.map(|x| x * x).sum::<f64>()
@@ -110,17 +111,17 @@ impl Glide {
         Way { nats, force: state[3], deviation: covariance[(3, 3)].max(0.0).sqrt() }
     }
 
-    /// How far a force of 1 mm/s² moves a ball at rest in `time_s`, mm.
+    /// Displacement of a ball from rest in `time_s` by a force of 1 mm/s², mm.
     fn moves(&self, time_s: f64) -> f64 {
         self.over(time_s).0[(0, 3)].max(f64::MIN_POSITIVE)
     }
 
-    /// Transition and noise over `dt` seconds.
+    /// Transition matrix and process noise over `dt` seconds.
     fn over(&self, dt: f64) -> (Matrix4<f64>, Matrix4<f64>) {
         let (a, rate) = (self.drag_per_s, 1.0 / self.lag_s);
         let (ball, fan) = ((-a * dt).exp(), (-rate * dt).exp());
         let slowed = (1.0 - ball) / a;
-        // What a force that fades with the fan's lag gives: speed and way.
+        // Velocity and displacement by a force that decays with the fan lag.
         let speed = (fan - ball) / (a - rate);
         let way = ((1.0 - fan) * self.lag_s - slowed) / (a - rate);
         #[rustfmt::skip]
@@ -130,7 +131,7 @@ impl Glide {
             0.0, 0.0,    fan,   1.0 - fan,
             0.0, 0.0,    0.0,   1.0,
         );
-        // Between two readings the drag hardly changes what the noise does.
+        // Between two readings the drag hardly changes the process noise.
         let mut noise = Matrix4::zeros();
         noise[(0, 0)] = self.psd * dt.powi(3) / 3.0;
         noise[(0, 1)] = self.psd * dt.powi(2) / 2.0;

@@ -1,8 +1,8 @@
-//! Stretches of a recording in which the duty was held and no controller was at work.
+//! Stretches of a recording with constant duty and without controller.
 
 use crate::record::recording::{Recording, Sample};
 
-/// Readings taken while one duty was held.
+/// Readings during one constant duty.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hold {
     /// The duty, percent.
@@ -15,7 +15,7 @@ pub(super) struct Hold {
     pub(super) readings: Vec<(f64, f64)>,
 }
 
-/// All holds, in the order of time. The reading at which the next duty was written still belongs to the one before it.
+/// All holds in order of time. The reading at which the next duty is written belongs to the previous hold as well.
 pub(super) fn holds(recording: &Recording) -> Vec<Hold> {
     recording.flights().iter().flat_map(|flight| of_flight(&recording.samples()[flight.clone()])).collect()
 }
@@ -44,12 +44,12 @@ fn of_flight(rows: &[Sample]) -> Vec<Hold> {
 }
 
 impl Hold {
-    /// How long it lasted, seconds.
+    /// Duration, seconds.
     pub(super) fn duration_s(&self) -> f64 {
         self.end_s - self.start_s
     }
 
-    /// The readings without those of the first seconds.
+    /// The readings after the first `seconds`.
     pub(super) fn after(&self, seconds: f64) -> &[(f64, f64)] {
         let first = self.readings.partition_point(|(time_s, _)| *time_s < self.start_s + seconds);
         &self.readings[first..]

@@ -1,4 +1,4 @@
-//! A number and where it lies with a probability of 90 %.
+//! A value and its 90 % interval.
 //!
 //! ```text
 //! t_ν ≈ x + (x³ + x)/4ν + (5x⁵ + 16x³ + 3x)/96ν² + …      χ²_ν ≈ ν·(1 − 2/9ν + x·√(2/9ν))³       x: normal quantile
@@ -8,7 +8,7 @@
 
 use serde::Serialize;
 
-/// The normal quantile that leaves 5 % beyond it.
+/// The 95 % quantile of the standard normal distribution.
 pub(super) const X: f64 = 1.644_853_626_951_472;
 
 /// A value with its 90 % interval.
@@ -23,20 +23,20 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// A value that errs normally with this standard deviation.
+    /// A value with a normal error of this standard deviation.
     #[must_use]
     pub fn normal(value: f64, deviation: f64) -> Self {
         Self { value, low: value - X * deviation, high: value + X * deviation }
     }
 
-    /// The same where the deviation itself comes from so many degrees of freedom.
+    /// The same if the standard deviation was estimated with so many degrees of freedom.
     #[must_use]
     pub fn student(value: f64, deviation: f64, freedom: f64) -> Self {
         let t = student(freedom);
         Self { value, low: value - t * deviation, high: value + t * deviation }
     }
 
-    /// The mean of independent values. `None`: fewer than three.
+    /// The mean of independent values; `None` for fewer than three.
     #[must_use]
     pub fn of_mean(values: &[f64]) -> Option<Self> {
         if values.len() < 3 {
@@ -55,21 +55,21 @@ impl Estimate {
         Self { value: deviation, low: bound(X), high: bound(-X) }
     }
 
-    /// Value and ends moved and stretched: `scale·x + offset`.
+    /// Linear function of value and ends: `scale·x + offset`.
     #[must_use]
     pub fn mapped(self, scale: f64, offset: f64) -> Self {
         let [value, a, b] = [self.value, self.low, self.high].map(|x| scale * x + offset);
         Self { value, low: a.min(b), high: a.max(b) }
     }
 
-    /// Whether `truth` lies within.
+    /// Whether the interval contains `truth`.
     #[must_use]
     pub fn holds(&self, truth: f64) -> bool {
         self.low <= truth && truth <= self.high
     }
 }
 
-/// Student's t beyond which 5 % lie.
+/// The 95 % quantile of Student's t.
 fn student(freedom: f64) -> f64 {
     let (nu, x2) = (freedom, X * X);
     X + X * (x2 + 1.0) / (4.0 * nu)

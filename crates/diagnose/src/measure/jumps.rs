@@ -1,14 +1,14 @@
-//! Timed jumps: duties that are held from rest, and the force behind each.
+//! Timed jumps: constant duties from rest, and the force of each.
 //!
 //! ```text
-//! lag τ and the noise from all jumps together (see `glide`), then a force for each
-//! var F = var of the filter + J·Σ·Jᵀ          Σ: covariance of what the jumps share, J = ∂F/∂ of it
+//! lag τ and the noise levels from all jumps together (see `glide`), then the force of each jump
+//! var F = var of the filter + J·Σ·Jᵀ          Σ: covariance of the common parameters θ, J = ∂F/∂θ
 //! ```
 //!
-//! The drag is given, as in the thesis, which takes that of its model: jumps cannot tell it from the fan's lag. Forces are in proportion to
-//! it where jumps are long, so that a drag that is off scales the curve; the edges of a dead zone do not depend on it.
-//! The thesis has the time over a fixed way; its formula, corrected, stands beside each force for comparison. It leaves out the fan's lag,
-//! which makes short jumps look weak.
+//! The drag is given, as in the thesis, which takes it from its model: jumps cannot separate it from the fan lag. For
+//! long jumps forces are proportional to the drag, so a wrong drag scales the curve; the edges of a dead zone do not
+//! depend on it. The thesis measures the time over a fixed distance. The result of its corrected formula is given next
+//! to each force for comparison. It neglects the fan lag, which makes the forces of short jumps look too small.
 //! Source: the thesis, section 3.2.2; see [`crate::measure::timed_jump`].
 
 use super::glide::{Glide, Way};
@@ -20,12 +20,12 @@ use crate::record::recording::Recording;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// A jump lasts so long at least, seconds, and has so many readings.
+/// Shortest duration of a jump, seconds, and its smallest number of readings.
 const SHORTEST_S: f64 = 0.3;
 const FEWEST_READINGS: usize = 8;
-/// Jumps at least: the lag is found with them.
+/// Smallest number of jumps: they determine the lag.
 const FEWEST: usize = 6;
-/// Length of the differences behind J.
+/// Step of the numerical derivatives for J.
 const DIFFERENCE: f64 = 0.02;
 
 /// The jumps of a record.
@@ -33,39 +33,39 @@ const DIFFERENCE: f64 = 0.02;
 pub struct Jumps {
     /// a: linear drag of the ball, as given, 1/s.
     pub drag_per_s: f64,
-    /// τ: lag of the fan, seconds.
+    /// τ: fan lag, seconds.
     pub lag_s: Estimate,
-    /// One after another.
+    /// The jumps in sequence.
     pub jumps: Vec<Jump>,
 }
 
 /// One jump.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Jump {
-    /// The duty that was held, percent.
+    /// The constant duty, percent.
     pub duty_percent: f64,
-    /// From where to where, mm.
+    /// Start and end, mm.
     pub from_mm: f64,
     /// See `from_mm`.
     pub to_mm: f64,
-    /// How long, seconds.
+    /// Duration, seconds.
     pub time_s: f64,
     /// The force over the mass, mm/s².
     pub mm_per_s2: Estimate,
-    /// The same by way and time alone, without the fan's lag, mm/s².
+    /// The same from distance and time only, without the fan lag, mm/s².
     pub timed_mm_per_s2: Option<f64>,
-    /// Deviation of the force that this jump alone is to blame for, mm/s².
+    /// Standard deviation of the force due to this jump alone, mm/s².
     #[serde(skip)]
     pub(super) own_deviation: f64,
-    /// Deviation of the force that all jumps share, mm/s².
+    /// Standard deviation of the force due to the common parameters, mm/s².
     #[serde(skip)]
     pub(super) shared_deviation: f64,
 }
 
-/// Finds the jumps and their forces, for a ball of this drag, 1/s.
+/// Finds the jumps and their forces for a ball of this drag, 1/s.
 ///
 /// # Errors
-/// [`MeasureError`] says how many jumps there were, or that nothing explains them.
+/// [`MeasureError`] gives the number of jumps, or states that the fit failed.
 pub fn jumps(recording: &Recording, drag_per_s: f64) -> Result<Jumps, MeasureError> {
     let counts = |hold: &Hold| hold.duration_s() >= SHORTEST_S && hold.readings.len() >= FEWEST_READINGS;
     let holds: Vec<Hold> = holds(recording).into_iter().filter(counts).collect();

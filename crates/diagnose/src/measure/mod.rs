@@ -1,14 +1,14 @@
-//! Measurements: a recording of an experiment in, what it says of the rig out, with 90 % intervals.
+//! Measurements of rig quantities from the recording of an experiment, with 90 % intervals.
 //!
 //! ```text
-//! noise_floor   a ball at rest                      → deviation of one reading
+//! noise_floor   a ball at rest                      → standard deviation of one reading
 //! two_ends      a ball at the bottom and at the top → offset and scale of the sensor
-//! jumps         duties held from rest               → force at each duty, lag of the fan
-//! dead_zone     the forces of those jumps           → where the force begins, up and down
-//! critical      steps under rising gains            → the gain at which the loop no longer comes to rest
+//! jumps         constant duties from rest           → force at each duty, fan lag
+//! dead_zone     the forces of those jumps           → edges of the dead zone
+//! critical      steps at rising gains               → critical gain
 //! ```
 //!
-//! None of them knows a model of the rig; the drag of the ball alone is given for the jumps, the travel for the ends.
+//! None of them uses a model of the rig. Only the drag of the ball is given for the jumps, and the travel for the ends.
 
 pub mod critical;
 pub mod dead_zone;
@@ -26,10 +26,10 @@ pub use interval::Estimate;
 #[cfg(test)]
 mod tests;
 
-/// Why a record says nothing.
+/// Why a record gives no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeasureError {
-    /// No stretch with the fan driven and the ball at rest.
+    /// No stretch with constant duty and the ball at rest.
     #[error("{found} readings of a ball at rest, with the fan driven without control; at least {needed} are needed")]
     NoRest {
         /// Readings found.
@@ -61,7 +61,7 @@ pub enum MeasureError {
         /// Shortest jump that counts, seconds.
         shortest_s: f64,
     },
-    /// The forces lie on one side only.
+    /// The forces have one sign only.
     #[error(
         "{below} jumps went down and {above} up beyond doubt; each edge needs {needed}: is the hover duty of the \
          config, {middle_percent:.2} % being the middle of the jumps, far off?"
@@ -71,18 +71,18 @@ pub enum MeasureError {
         below: usize,
         /// Jumps with a force upward.
         above: usize,
-        /// Needed on each side.
+        /// Smallest number on each side.
         needed: usize,
         /// Mean duty of the jumps, percent.
         middle_percent: f64,
     },
-    /// No step was followed by an oscillation.
+    /// No step has an oscillation after it.
     #[error(
         "no step under a proportional-integral law is followed by an oscillation, and at least {needed} are needed; fly \
          experiments/critical-gain.toml, or higher gains than this log has"
     )]
     NoSwing {
-        /// Needed.
+        /// Smallest number of steps.
         needed: usize,
     },
     /// The loop was not near its critical gain.
@@ -93,14 +93,14 @@ pub enum MeasureError {
     NotCritical {
         /// Usable steps.
         found: usize,
-        /// Needed.
+        /// Smallest number of steps.
         needed: usize,
-        /// Smallest growth, 1/s.
+        /// Smallest growth rate, 1/s.
         slowest: f64,
-        /// Largest growth, 1/s.
+        /// Largest growth rate, 1/s.
         fastest: f64,
     },
-    /// The search for the lag did not end.
+    /// The estimation of the lag did not converge.
     #[error("no lag of the fan explains the jumps; are the ends of the pipe too near, or readings missing?")]
     NoFit,
 }

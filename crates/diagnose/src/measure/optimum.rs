@@ -1,25 +1,25 @@
-//! The maximum of a smooth function of few numbers, and how sharp it is.
+//! The maximum of a smooth function of few parameters, and its covariance.
 //!
 //! ```text
 //! gradient, curvature C: central differences      (C + λ·diag C)·δ = gradient      covariance C⁻¹
 //! ```
 //!
-//! The function is a logarithm of a probability, in numbers whose sizes are about 1. Source: Nocedal & Wright, *Numerical
-//! Optimization*, "Modified Newton".
+//! The function is a log-probability, in parameters scaled to sizes of about 1.
+//! Source: Nocedal & Wright, *Numerical Optimization*, "Modified Newton".
 
 use nalgebra::{DMatrix, DVector};
 
-/// Length of the differences.
+/// Step of the numerical derivatives.
 const DIFFERENCE: f64 = 0.02;
-/// Steps at most, and the gain below which a step is the last.
+/// Largest number of steps, and the gain below which a step is the last.
 const MOST_STEPS: usize = 40;
 const GAIN_ENOUGH: f64 = 1e-4;
-/// The longest step in any number.
+/// The longest step in any parameter.
 const LONGEST: f64 = 0.7;
-/// Times that a step is damped more.
+/// Number of increases of the damping per step.
 const TRIALS: usize = 8;
 
-/// Where the maximum is, and the covariance of its numbers. `None`: none was found.
+/// The maximum and the covariance of the parameters; `None` without convergence.
 pub(super) fn maximise(f: impl Fn(&[f64]) -> f64, start: &[f64]) -> Option<(Vec<f64>, DMatrix<f64>)> {
     let mut best = start.to_vec();
     let mut value = f(&best);

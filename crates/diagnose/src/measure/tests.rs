@@ -1,4 +1,5 @@
-//! Measurements of simulated rigs whose numbers are known: of 50 rigs, a 90 % interval holds the truth on 40 to 49.
+//! Measurements of simulated rigs with known parameters: for 50 seeds a 90 % interval contains the true value 40 to 49
+//! times.
 
 use super::critical::critical;
 use super::dead_zone::dead_zone;
@@ -13,18 +14,18 @@ use control::design::law::Gains;
 use plant::{Model, Simulator, effects::DeadZone};
 use rayon::prelude::*;
 
-/// One stretch of a flight.
+/// A part of a flight.
 #[derive(Clone, Copy)]
 enum Leg {
-    /// A duty, until the time is over or the ball leaves 100 to 500 mm.
+    /// A constant duty, until the time is over or the ball leaves 100 to 500 mm.
     Drive { percent: f64, seconds: f64 },
-    /// A setpoint, under K_p, T_i and T_d.
+    /// A setpoint with a PID controller of K_p, T_i and T_d.
     Hold { setpoint_mm: f64, law: [f64; 3], seconds: f64 },
 }
 
 const CALM: [f64; 3] = [0.02, 15.0, 0.35];
 
-/// Flies the legs at 50 Hz.
+/// Simulates the legs at 50 Hz.
 fn fly(rig: &Model, seed: u64, legs: &[Leg]) -> Recording {
     let mut simulator = Simulator::new(rig.clone(), seed);
     let (mut k, mut samples) = (0_u32, Vec::new());
@@ -67,7 +68,7 @@ fn fly(rig: &Model, seed: u64, legs: &[Leg]) -> Recording {
     Recording::new(samples).unwrap()
 }
 
-/// Asserts that each interval holds its truth on 40 to 49 of 50 seeds.
+/// Asserts that each interval contains the true value for 40 to 49 of 50 seeds.
 fn assert_calibrated<const N: usize>(truth: [f64; N], measured: impl Fn(u64) -> [Estimate; N] + Send + Sync) {
     let all: Vec<[Estimate; N]> = (1..=50).into_par_iter().map(measured).collect();
     let counts: [usize; N] = std::array::from_fn(|i| all.iter().filter(|found| found[i].holds(truth[i])).count());
@@ -100,7 +101,7 @@ fn two_ends_give_back_a_sensor_that_is_off_in_offset_and_scale() {
     });
 }
 
-/// Duties in turn, whatever the ball does.
+/// Duties in sequence, without a limit of the position.
 fn fly_through(rig: &Model, seed: u64, legs: &[Leg]) -> Vec<Sample> {
     let mut simulator = Simulator::new(rig.clone(), seed);
     let mut k = 0_u32;
@@ -124,7 +125,7 @@ fn fly_through(rig: &Model, seed: u64, legs: &[Leg]) -> Vec<Sample> {
     samples
 }
 
-/// Jumps up from 150 mm and down from 450 mm, in turn, with these duties beyond hover.
+/// Jumps up from 150 mm and down from 450 mm in turn, with hover duty plus or minus these values.
 fn jump_legs(beyond: &[f64]) -> Vec<Leg> {
     let hold = |setpoint_mm, seconds| Leg::Hold { setpoint_mm, law: CALM, seconds };
     let pair = |by: &f64| {
@@ -167,7 +168,7 @@ fn the_forces_of_jumps_lie_in_their_intervals_as_often_as_they_should() {
     };
     let all: Vec<(usize, usize)> = (1..=50).into_par_iter().map(share).collect();
     let (right, of) = all.iter().fold((0, 0), |(right, of), one| (right + one.0, of + one.1));
-    // The jumps of a record share the lag, so that they err together: wider than 800 independent ones would be.
+    // The jumps of a record share the lag, so their errors are correlated: a wider range than for 800 independent ones.
     let share = right as f64 / of as f64;
     assert!((0.86..0.94).contains(&share), "{right} of {of}");
 }

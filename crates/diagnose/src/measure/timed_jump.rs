@@ -1,18 +1,18 @@
-//! The force curve: the acceleration behind a timed jump from rest.
+//! The force curve: the acceleration from the time of a jump from rest.
 //!
 //! ```text
 //! ÿ = F/m − a·ẏ,  y(0) = 0, ẏ(0) = 0        Δy = (F/m)/a·( Δt − (1 − e^(−aΔt))/a )
 //! F/m = a·Δy/( Δt − (1 − e^(−aΔt))/a )       a → 0: 2·Δy/Δt²
 //! ```
 //!
-//! The duty is held through the jump. Source: the thesis, section 3.2.2. Erratum: its equations 3.2.2.1 to 3 write −a·y where the
-//! drag is −a·ẏ and lose terms on the way; its measured curve comes from them and is only comparable with itself.
+//! The duty is constant during the jump. Source: the thesis, section 3.2.2. Erratum: its equations 3.2.2.1 to 3 have
+//! −a·y instead of the drag −a·ẏ and lose terms. Its measured curve comes from them and is only comparable with itself.
 
-/// Below this a·Δt the difference above has lost its digits, and its series is exact to 1e-9.
+/// Below this a·Δt the difference above cancels, and its series is exact to 1e-9.
 const SHORT: f64 = 0.01;
 
-/// F/m, mm/s², of a ball that moved by `jump_mm` in `time_s` from rest, against the drag `drag_per_s`. `None`: no time passed, or
-/// a number is none.
+/// F/m, mm/s², of a ball that moved by `jump_mm` in `time_s` from rest, with the drag `drag_per_s`. `None` if the time
+/// is not positive or a value is not finite.
 #[must_use]
 pub fn acceleration(jump_mm: f64, time_s: f64, drag_per_s: f64) -> Option<f64> {
     if !(time_s > 0.0 && drag_per_s >= 0.0) {

@@ -1,11 +1,11 @@
-//! Two-end calibration of the sensor: a ball at rest at the bottom and at the top, a known way apart.
+//! Two-end calibration of the sensor: a ball at rest at the bottom and at the top, a known distance apart.
 //!
 //! ```text
 //! position = scale·(reading − bottom)      scale = travel/(top − bottom)
 //! ```
 //!
-//! Readings are positions under the belief in force; the result corrects that belief. The interval of an end's mean grows with
-//! the correlation of the readings. What is left out: a sensor that is not straight between the ends.
+//! Readings are positions by the present calibration; the result corrects it. The interval of a mean includes the
+//! correlation of the readings. Neglected: non-linearity of the sensor between the ends.
 
 use super::hold::{Hold, holds};
 use super::noise_floor::{NoiseFloor, of_hold};
@@ -13,38 +13,40 @@ use super::{Estimate, MeasureError};
 use crate::record::recording::Recording;
 use serde::Serialize;
 
-/// The ends are so far apart at least, as a share of the travel.
+/// Smallest distance of the ends, as a share of the travel.
 const APART: f64 = 0.5;
-/// Holds that are shorter are the way from one end to the other, seconds.
+/// Shorter holds belong to the motion between the ends, seconds.
 const SHORTEST_S: f64 = 4.0;
 
-/// What the two ends say.
+/// The result of the two ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TwoEnds {
     /// Mean reading at the bottom, mm; it should be 0.
     pub bottom_mm: Estimate,
     /// Noise at the bottom, 1σ, mm.
     pub noise_mm: f64,
-    /// What the top says. `None`: there the ball is in the sensor's blind zone, so that readings are missing or wrong.
+    /// The result at the top; `None` if the ball is in the sensor's blind zone there, so that readings are missing or
+    /// wrong.
     pub top: Option<Top>,
 }
 
-/// What the top says.
+/// The result at the top.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Top {
     /// Mean reading, mm; it should be the travel.
     pub reading_mm: Estimate,
-    /// By what distances from the bottom must be multiplied.
+    /// Factor for distances from the bottom.
     pub scale: Estimate,
     /// Noise, 1σ, mm.
     pub noise_mm: f64,
 }
 
-/// Calibrates against `travel_mm`, the ball's way from its rest at the bottom to its rest at the top. A top above `blind_above_mm` is not
-/// used: there the ball is too near to the sensor. Where its readings are missing, the duty cannot be held either.
+/// Calibrates with `travel_mm`, the distance between the rest positions at the bottom and at the top. A top above
+/// `blind_above_mm` is not used, because the ball is too near to the sensor there; where readings are missing the duty
+/// cannot be held either.
 ///
 /// # Errors
-/// [`MeasureError`] says which end is missing.
+/// [`MeasureError`] names the missing end.
 pub fn two_ends(recording: &Recording, travel_mm: f64, blind_above_mm: f64) -> Result<TwoEnds, MeasureError> {
     let holds: Vec<Hold> = holds(recording).into_iter().filter(|hold| hold.duration_s() > SHORTEST_S).collect();
     let by_duty = |a: &&Hold, b: &&Hold| a.duty_percent.total_cmp(&b.duty_percent);
@@ -69,7 +71,7 @@ pub fn two_ends(recording: &Recording, travel_mm: f64, blind_above_mm: f64) -> R
     Ok(TwoEnds { bottom_mm, noise_mm: bottom.sensor_mm.value, top })
 }
 
-/// The mean of readings that are correlated as these are, as of a first-order process.
+/// The mean of correlated readings, as of a first-order process.
 fn mean(end: &NoiseFloor) -> Estimate {
     let correlation = end.correlation.clamp(0.0, 0.99);
     let effective = end.readings as f64 * (1.0 - correlation) / (1.0 + correlation);

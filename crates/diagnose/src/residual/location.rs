@@ -1,14 +1,15 @@
-//! Where a model is wrong: the innovations against what was known before them.
+//! Where a model is wrong: the standardised innovations as a function of what was known before each reading.
 //!
 //! ```text
 //! z(place) = Σ e_k·w_k / √Σ w_k²        e = ν/√S; w: 1 where the regressor lies in the place, 0 elsewhere
-//! z(lag)   = the same                   w: how far the duty moved from `to` to `from` seconds before the reading
+//! z(lag)   = the same                   w: the change of duty between `to` and `from` seconds before the reading
 //! ```
 //!
-//! Places are sixths of the record by duty, height, velocity and time, and sixths of the time since the duty moved, each known before the
-//! reading. Under a right model the e_k are white with mean 0 whatever the loop does, and their signs are coin tosses: flipping them
-//! gives the distribution of the largest |z| over all places, which is what a p-value is taken from, so that looking at many places
-//! costs nothing. Source: Romano and Wolf, "Stepwise multiple testing", Econometrica 73 (2005).
+//! Places are sixths of the record by duty, height, velocity and time, and sixths of the time since a change of duty.
+//! All of these are known before the reading. Under a right model the e_k are white with mean 0, also in closed loop,
+//! and their signs are random. Random sign flips give the distribution of the largest |z| over all places. The p-value
+//! comes from that distribution, so it needs no further correction for the number of places.
+//! Source: Romano and Wolf, "Stepwise multiple testing", Econometrica 73 (2005).
 
 use crate::filter::track::Track;
 use crate::record::folds::Folds;
@@ -16,25 +17,26 @@ use crate::record::recording::Recording;
 use plant::{Model, Normal};
 use serde::Serialize;
 
-/// Places by each regressor.
+/// Places per regressor.
 const PLACES: usize = 6;
-/// The longest time since the duty moved that is looked at, seconds.
+/// The longest time since a change of duty, seconds.
 const LONGEST_LAG_S: f64 = 1.5;
-/// Sign flips: the smallest p-value is one in so many.
+/// Sign flips. The smallest possible p-value is 1/(FLIPS + 1).
 const FLIPS: usize = 999;
 
-/// A place where the innovations are not 0 on average.
+/// A place where the mean innovation differs from 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Place {
-    /// The regressor: `duty_percent`, `position_mm`, `velocity_mm_per_s`, `time_s`, or `lag_s`, the time since the duty moved.
+    /// The regressor: `duty_percent`, `position_mm`, `velocity_mm_per_s`, `time_s`, or `lag_s`, the time since a change
+    /// of duty.
     pub signal: &'static str,
-    /// Where the place begins.
+    /// Lower end.
     pub from: f64,
-    /// Where it ends.
+    /// Upper end.
     pub to: f64,
     /// Its share of the squared z of all places.
     pub share: f64,
-    /// Chance of so large a z anywhere if the model were right.
+    /// Probability of so large a |z| at any place if the model is right.
     pub p_value: f64,
 }
 
@@ -45,21 +47,21 @@ pub(crate) struct Row {
     pub(crate) time_s: f64,
     /// Duty, height, velocity, and time since the start of the flight.
     pub(crate) known: [f64; 4],
-    /// The innovation in deviations, as far as it is no wild one.
+    /// The standardised innovation, limited for outliers.
     pub(crate) standardised: f64,
 }
 
-/// A place, and what each row counts there.
+/// A place and the weights of its rows.
 struct Weighed {
     signal: &'static str,
     from: f64,
     to: f64,
-    /// Rows and what they count, √Σw² = 1.
+    /// Row numbers and their weights, √Σw² = 1.
     weights: Vec<(usize, f64)>,
 }
 
 impl Weighed {
-    /// `None`: no row counts.
+    /// `None` if all weights are 0.
     fn new(signal: &'static str, [from, to]: [f64; 2], mut weights: Vec<(usize, f64)>) -> Option<Self> {
         let length = weights.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
         weights.iter_mut().for_each(|(_, weight)| *weight /= length);
@@ -71,7 +73,7 @@ impl Weighed {
     }
 }
 
-/// Every place of these rows of a recording, the most significant first.
+/// All places of these rows of a recording, the most significant first.
 pub(crate) fn places_of(rows: &[Row], recording: &Recording) -> Vec<Place> {
     let evenly = |(signal, from, to, spot): Spot| {
         Weighed::new(SIGNALS[signal], [from, to], spot.into_iter().map(|k| (k, 1.0)).collect())
@@ -101,7 +103,7 @@ pub(crate) fn places_of(rows: &[Row], recording: &Recording) -> Vec<Place> {
     places
 }
 
-/// The sixths of the time since the duty moved, each row weighed by how far it moved then.
+/// The sixths of the time since a change of duty. Each row is weighted by the size of that change.
 fn lags(rows: &[Row], recording: &Recording) -> impl Iterator<Item = Weighed> {
     let samples = recording.samples();
     // The duty of a row is written after its reading.
@@ -137,15 +139,15 @@ pub(crate) fn rows(model: &Model, recording: &Recording, folds: &Folds) -> Vec<R
         .collect()
 }
 
-/// A place: which of what was known, from, to, and which rows.
+/// A place: index of the regressor, lower end, upper end, and row numbers.
 pub(crate) type Spot = (usize, f64, f64, Vec<usize>);
 
-/// The sixths by each of what was known.
+/// The sixths of each regressor.
 pub(crate) fn spots(rows: &[Row]) -> Vec<Spot> {
     (0..SIGNALS.len()).flat_map(|signal| sixths(rows, signal)).collect()
 }
 
-/// Six places with equally many readings each, by one of what was known.
+/// Six places of one regressor with equally many readings each.
 fn sixths(rows: &[Row], signal: usize) -> Vec<Spot> {
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|a, b| rows[*a].known[signal].total_cmp(&rows[*b].known[signal]));

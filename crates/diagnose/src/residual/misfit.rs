@@ -1,12 +1,12 @@
-//! What is left over: whether the innovations of a mended model are still more than noise.
+//! Residual tests: whether the innovations of the fitted model differ from white noise.
 //!
 //! ```text
 //! e_k = ν_k/√S_k           white, mean 0, variance 1 under a right model, whatever the loop does
 //! colour    Q = n(n+2)·Σ r_l²/(n−l), l ≤ L            Ljung and Box: (Q − L)/√(2L)
 //! line      g = max_f |Σ e_k·exp(−2πi·f·t_k)|²/n      exponential with mean 1 at each frequency
 //! energy    the largest |z| of mean e² in sixths of duty, height, speed and time
-//! omitted   the terms that e_k ask for, the moments at which something happened, and bursts of pushes: see `omitted`
-//! air       (d + g·σ²)/σ: how far the noise of the air had to grow, in deviations, its prior taken away
+//! omitted   score test of omitted terms, of events, and of bursts of force: see `score_test`
+//! air       (d + g·σ²)/σ: growth of the air's noise in standard deviations, without its prior
 //! ```
 //!
 //! Sources: Ljung and Box, Biometrika 65 (1978); Fisher's test for a hidden period, Proc. R. Soc. A 125 (1929).
@@ -21,59 +21,59 @@ use crate::thresholds::{COARSE, LONG, QUIET, SHARE_OF_FORM};
 use plant::Model;
 use serde::Serialize;
 
-/// Statistics of what is left over. Each is large where something is; of a long record each is what 6000 readings like it would show.
+/// Statistics of the residual. Each is large for a wrong model. For a long record each is scaled to 6000 such readings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Misfit {
-    /// Portmanteau over half a second, deviations.
+    /// Portmanteau statistic over half a second, standard deviations.
     pub whiteness: f64,
-    /// −ln of the chance of so strong a line anywhere in the spectrum.
+    /// −ln of the probability of so strong a line anywhere in the spectrum.
     pub spectral_line: f64,
-    /// Uneven energy over places: −ln of its chance.
+    /// Uneven variance over places: −ln of its probability.
     pub variance_by_place: f64,
-    /// Uneven mean over places: −ln of its chance.
+    /// Uneven mean over places: −ln of its probability.
     pub mean_by_place: f64,
-    /// Terms that the model omits and the innovations ask for: −ln of the chance that they ask for so much.
+    /// Terms that the model omits: −ln of the probability of so large scores.
     pub omitted: f64,
     /// Those terms.
     pub omitted_terms: Vec<Omitted>,
-    /// Moments at which something happened: −ln of the chance that they say so much.
+    /// Events at single moments: −ln of the probability of so large scores.
     pub events: f64,
-    /// What happened.
+    /// Those events.
     pub event_terms: Vec<Omitted>,
-    /// How much the pushes that it leaves come in bursts, deviations: a turbulence pushes all the time.
+    /// How much the remaining force comes in bursts, standard deviations. A turbulence acts all the time.
     pub bursts: f64,
-    /// Nats of it that the form of what was found may leave, which is never quite that of the catalogue.
+    /// Nats allowed for the form of the effects found, which the catalogue only approximates.
     pub form_allowance: f64,
-    /// The effect without which this is left: its terms say more than that name explains, and are likelier what is missing.
+    /// The effect that was rejected because the omitted terms without it explain more than it does, or `None`.
     pub outdone_effect: Option<&'static str>,
-    /// An effect was named.
+    /// Whether an effect was named.
     #[serde(skip)]
     pub(crate) beside_named_effect: bool,
-    /// The readings are coarse: their innovations have another shape in the middle of a cell than at its edges.
+    /// Whether the readings are coarse: the distribution of their innovations depends on the position within a step.
     pub coarse: bool,
-    /// Growth of the air's noise, deviations.
+    /// Growth of the air's noise, standard deviations.
     pub air_growth: f64,
-    /// The same as a ratio of the believed one.
+    /// The same as a ratio to the believed noise.
     pub air_ratio: f64,
-    /// What each reading counts: of a long record less than 1.
+    /// Weight of each reading: below 1 for a long record.
     #[serde(skip)]
     pub(crate) weight: f64,
 }
 
-/// A ball this near to a stop may have met it, mm; and so long the filter is not normal afterwards, seconds.
+/// A ball this near to a stop may touch it, mm; and the innovations are not normal for so long afterwards, seconds.
 const NEAR_STOP_MM: f64 = 10.0;
 const FORGET_STOP_S: f64 = 0.5;
-/// One part in so many of the readings must be left to judge.
+/// One part in so many of the readings must remain after that.
 const LEFT_TO_JUDGE: usize = 5;
-/// Lags of the portmanteau, seconds.
+/// Longest lag of the portmanteau statistic, seconds.
 const LAGS_S: f64 = 0.5;
 
 impl Misfit {
-    /// Judges the innovations of `fit`, whose effects explain so many nats by what the rig does; `None`: none was named.
+    /// Tests the innovations of `fit`. `explained`: nats that its named effects explain; `None` if none was named.
     #[must_use]
     pub fn of(problem: &Problem<'_>, fit: &Fit, explained: Option<f64>) -> Self {
         if is_quiet(fit) {
-            // Rounding, which nothing is to be asked of.
+            // The innovations are rounding errors, which need no test.
             return Self { beside_named_effect: explained.is_some(), air_ratio: 1.0, weight: 1.0, ..Self::default() };
         }
         let rows = clear_of_stops(&fit.model, rows(&fit.model, problem.recording, problem.folds));
@@ -105,18 +105,18 @@ impl Misfit {
     }
 }
 
-/// Whether the readings are seen coming far nearer than the least noise that a model may have lets expect, as those of a simulation without any.
+/// Whether the innovations are far smaller than the smallest noise of a model, as in a simulation without noise.
 pub(crate) fn is_quiet(fit: &Fit) -> bool {
     let power: f64 = fit.innovations.iter().map(|innovation| innovation.variance_score + 1.0).sum();
     power < QUIET * fit.innovations.len() as f64
 }
 
-/// Whether the noise leaves readings within one cell of the sensor for long.
+/// Whether the step of the readings is wide against the noise, so that readings repeat.
 fn is_coarse(model: &Model) -> bool {
     model.effects.reading_step_mm().is_some_and(|step_mm| step_mm > COARSE * model.noise.sensor_mm)
 }
 
-/// The rows where the ball has not met a stop lately: a filter takes what it knows for normal, and at a bounce that is not so.
+/// The rows without a recent contact with a stop. The filter assumes normal states, which a bounce violates.
 fn clear_of_stops(model: &Model, rows: Vec<Row>) -> Vec<Row> {
     let Some(stops) = model.effects.ends() else { return rows };
     let near_mm = NEAR_STOP_MM.max(5.0 * model.noise.sensor_mm);
@@ -129,7 +129,7 @@ fn clear_of_stops(model: &Model, rows: Vec<Row>) -> Vec<Row> {
         row.time_s >= clear_from_s
     };
     let clear: Vec<Row> = rows.iter().copied().filter(clear).collect();
-    // A ball that never leaves its stop is judged as it is.
+    // A ball that is always near a stop is tested with all rows.
     if clear.len() > rows.len() / LEFT_TO_JUDGE { clear } else { rows }
 }
 
@@ -139,7 +139,7 @@ fn lags(rows: &[Row]) -> usize {
     ((LAGS_S * rows.len() as f64 / span_s.max(1e-9)) as usize).clamp(5, 60)
 }
 
-/// The portmanteau of white innovations: 0 on average, in standard deviations of its own.
+/// The portmanteau statistic: mean 0 and standard deviation 1 for white innovations.
 fn whiteness(e: &[f64], lags: usize) -> f64 {
     let n = e.len() as f64;
     let power: f64 = e.iter().map(|e| e * e).sum();
@@ -150,18 +150,18 @@ fn whiteness(e: &[f64], lags: usize) -> f64 {
 }
 
 fn spectral_line(periodogram: &[(f64, f64)]) -> f64 {
-    // Two steps an independent frequency.
+    // Two frequencies per independent one.
     let independent = (periodogram.len() as f64 / 2.0).max(1.0);
     periodogram.iter().map(|(_, power)| *power).fold(0.0, f64::max) - independent.ln()
 }
 
-/// −ln of the chance that any of `count` normal numbers is so far out.
+/// −ln of the probability that any of `count` standard normal numbers is so large.
 fn neg_log_chance(z: f64, count: usize) -> f64 {
     let chance = libm::erfc(z.abs() / std::f64::consts::SQRT_2);
     -(count as f64 * chance).max(1e-300).ln()
 }
 
-/// −ln of the chance of so uneven a mean over places.
+/// −ln of the probability of so uneven a mean over places.
 fn largest(rows: &[Row], spots: &[Spot], value: impl Fn(&Row) -> f64) -> f64 {
     let n = rows.len() as f64;
     let m = rows.iter().map(&value).sum::<f64>() / n;
@@ -175,14 +175,14 @@ fn largest(rows: &[Row], spots: &[Spot], value: impl Fn(&Row) -> f64) -> f64 {
     neg_log_chance(most, spots.len())
 }
 
-/// How far the noise of the air had to grow: in deviations, and as a ratio of the believed.
+/// Growth of the air's noise: in standard deviations, and as a ratio to the believed noise.
 fn air_growth(problem: &Problem<'_>, fit: &Fit) -> (f64, f64) {
     let at = fit.parameters.iter().position(|parameter| *parameter == Parameter::AirNoise);
     let deviation = at.and_then(|at| fit.deviations().get(at).copied()).filter(|deviation| deviation.is_finite());
     let Some(deviation) = deviation else { return (0.0, 1.0) };
     let d = Parameter::AirNoise.distance(&fit.model, problem.belief);
     let (_, slope, curvature) = Parameter::AirNoise.prior(&fit.model, problem.belief);
-    // What the record alone says: the prior's part of the information is taken away, and with it its slope.
+    // From the record alone: the information and the gradient of the prior are subtracted.
     let information = (1.0 / deviation.powi(2) - curvature).max(1e-6);
     let alone = d - slope / information;
     (alone * information.sqrt(), alone.exp())

@@ -1,4 +1,4 @@
-//! What a fitted model leaves over: whether it is significant, and where it lies.
+//! The residual of a fitted model: whether it is significant, and where it lies.
 
 pub(crate) mod location;
 pub(crate) mod misfit;

@@ -1,12 +1,13 @@
-//! What a model leaves over, for pictures: its innovations over frequency, and over the time since the duty that they may come from.
+//! Data for residual plots: the spectrum of the innovations, and their correlation with earlier duties.
 //!
 //! ```text
-//! power(band)  = mean of I(f) over a third of an octave            I(f) of `spectrum`: 1 for white innovations
-//! r(lag)       = Σ e_k·(u(k − lag) − ū) / √(Σ e²·Σ (u − ū)²)       0 for a right model; within ±1.96/√n at 19 lags of 20
+//! power(band)  = mean of I(f) over a third of an octave            I(f): see `spectrum`, 1 for white innovations
+//! r(lag)       = Σ e_k·(u(k − lag) − ū) / √(Σ e²·Σ (u − ū)²)       0 for a right model; 95 % within ±1.96/√n
 //! ```
 //!
-//! The duty before a reading is known before it: under a right model the innovation depends on none of it, in closed loop too. What is
-//! late shows as a hill at its delay. Source: Ljung, *System Identification*, chapter "Model Validation".
+//! The duty before a reading is known before it. Under a right model the innovation is independent of it, in closed
+//! loop too. A dead time or lag that the model lacks shows as a peak at that lag.
+//! Source: Ljung, *System Identification*, chapter "Model Validation".
 
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
@@ -14,26 +15,26 @@ use crate::residual::location::{Row, rows};
 use crate::residual::spectrum::periodogram;
 use plant::Model;
 
-/// Bands to an octave.
+/// Bands per octave.
 const BANDS_AN_OCTAVE: f64 = 3.0;
 /// The longest lag, seconds.
 const LONGEST_S: f64 = 1.5;
-/// Deviations on either side that hold 95 % of a normal distribution.
+/// Standard deviations on either side that contain 95 % of a normal distribution.
 const OF_95_PERCENT: f64 = 1.96;
 
-/// What the innovations of a model show.
+/// Spectrum and cross-correlation of the innovations of a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ResidualPlots {
-    /// Middle of each band, Hz, and the power in it beside that of white noise.
+    /// Middle of each band, Hz, and its power relative to white noise.
     pub spectrum: Vec<(f64, f64)>,
-    /// Lag, seconds, and the correlation of an innovation with the duty so long before.
+    /// Lag, seconds, and the correlation of the innovation with the duty at that lag.
     pub after_duty: Vec<(f64, f64)>,
-    /// How large a correlation chance alone makes at 19 of 20 lags.
+    /// Limit that the correlation of a right model exceeds at 1 of 20 lags.
     pub by_chance: f64,
 }
 
 impl ResidualPlots {
-    /// What `model` leaves over of the rows that count.
+    /// The plots of `model` for the rows that count.
     #[must_use]
     pub fn of(model: &Model, recording: &Recording, folds: &Folds) -> Self {
         let rows = rows(model, recording, folds);

@@ -1,10 +1,13 @@
-//! Whether what is left over is more than chance, and where on the signal path it acts.
+//! Whether the residual is significant, and at which stage of the signal path it acts.
 //!
 //! ```text
-//! together  Σ −ln p of omitted (terms, moments), line, mean and air: chance says much to one of them, and what is missing a little to many
+//! together  Σ −ln p of omitted terms, events, line, mean and air
 //! ```
 //!
-//! Source: Fisher's combination of chances, *Statistical Methods for Research Workers*, 4th edition (1932), section 21.1.
+//! Chance makes one of these statistics large. A wrong model makes many of them a little larger.
+//!
+//! Source: Fisher's method of combining p-values, *Statistical Methods for Research Workers*, 4th edition (1932),
+//! section 21.1.
 
 use crate::residual::misfit::Misfit;
 use crate::thresholds::{
@@ -15,25 +18,25 @@ use crate::thresholds::{
 use plant::Stage;
 
 impl Misfit {
-    /// Whether something is left over.
+    /// Whether the residual is significant.
     #[must_use]
     pub fn is_significant(&self) -> bool {
         self.one_is_significant() || self.only_all_are_significant()
     }
 
-    /// Whether the terms that are asked for describe what is left over: they are no chance, or a good part of what only together is none.
+    /// Whether the omitted terms are reported: they are significant, or a good part of a sum that is significant.
     #[must_use]
     pub fn omitted_is_reported(&self) -> bool {
         self.omitted_is_significant() || self.has_part_in_it(self.omitted)
     }
 
-    /// The same of the moments at which something happened.
+    /// The same for the events.
     #[must_use]
     pub fn events_are_reported(&self) -> bool {
         self.events_are_significant() || self.has_part_in_it(self.events)
     }
 
-    /// Nats of what is left over that its shape puts down to a stage.
+    /// Nats of the residual that belong to a stage, by its reported terms and events.
     #[must_use]
     pub fn nats_at(&self, stage: Stage) -> f64 {
         let terms = self.omitted_terms.iter().filter(|_| self.omitted_is_reported());
@@ -52,7 +55,7 @@ impl Misfit {
     }
 
     fn only_all_are_significant(&self) -> bool {
-        // What is named takes its part of most of them, so that they say no more together than alone.
+        // A named effect explains a part of most statistics, so that their sum tells no more than each alone.
         !self.coarse && !self.beside_named_effect && !self.one_is_significant() && self.together() > TOGETHER
     }
 
@@ -66,13 +69,14 @@ impl Misfit {
         self.of_its_own(self.events) > if self.coarse { OMITTED_COARSE } else { EVENTS }
     }
 
-    /// Nats that the terms ask for, had every reading counted in full.
+    /// Nats of the omitted terms if every reading had full weight.
     pub(crate) fn omitted_in_full(&self) -> f64 {
         self.omitted / self.weight
     }
 
-    /// Itself, if its terms say more than this name does of what it left: they pay for being chosen among hundreds, and the form of what is
-    /// truly missing would have beaten them.
+    /// This misfit with the rejected effect `name`, if its omitted terms explain more than the `gain` of that effect.
+    /// The terms are corrected for the choice among hundreds, and the true form of what is missing would have beaten
+    /// them.
     pub(crate) fn outdone(self, name: &'static str, gain: f64) -> Option<Self> {
         let outdone = self.of_its_own(self.omitted) / self.weight > gain;
         (outdone && !self.coarse).then_some(Self { outdone_effect: Some(name), ..self })
@@ -82,27 +86,27 @@ impl Misfit {
         self.only_all_are_significant() && self.of_its_own(nats) > REPORTED
     }
 
-    /// Nats of chance of all together: what is missing says a little to many of the statistics, and chance to one.
+    /// Σ −ln p of all statistics.
     pub(crate) fn together(&self) -> f64 {
         let asked = [self.omitted, self.events].map(|nats| self.of_its_own(nats));
         let seen = [self.spectral_line, self.mean_by_place, self.restless()];
         asked.iter().chain(&seen).map(|nats| nats.max(0.0)).sum()
     }
 
-    /// Nats beyond what the form of what was found may leave.
+    /// Nats beyond the allowance for the form of the effects found.
     fn of_its_own(&self, nats: f64) -> f64 {
         nats - self.form_allowance
     }
 
-    /// −ln of the chance that the noise of the air seems to have grown so much.
+    /// −ln of the probability of such a growth of the air's noise.
     pub(crate) fn restless(&self) -> f64 {
         let nats = -(0.5 * libm::erfc(self.air_growth / std::f64::consts::SQRT_2)).max(f64::MIN_POSITIVE).ln();
         if self.air_ratio > AIR_RATIO { nats } else { nats.min(AIR_AS_GUESSED) }
     }
 
-    /// Whether a turbulence that was found may be one: it explains all, and takes nothing of the white noise that was believed. A
-    /// coloured force follows whatever is missing, but it does so at the cost of the white noise, or leaves a trace of what it follows,
-    /// or has nothing to follow in between.
+    /// Whether a turbulence that was found is plausible: it leaves no residual, and the white noise stays as believed.
+    /// A coloured force follows anything that is missing. But then it replaces white noise, or leaves omitted terms,
+    /// or acts only in bursts.
     #[must_use]
     pub fn allows_random_force(&self) -> bool {
         let untouched = WHITE_NOISE_KEPT.contains(&self.air_ratio) || self.air_growth.abs() < WHITE_NOISE_KEPT_SIGMAS;
@@ -124,7 +128,7 @@ mod tests {
         let many = Misfit { events: 1.0, spectral_line: 2.0, mean_by_place: 2.0, ..one.clone() };
         assert!(!one.is_significant() && !one.omitted_is_reported());
         assert!(many.is_significant() && many.omitted_is_reported() && !many.events_are_reported());
-        // Within a cell of a coarse sensor nothing is normal, and what effects explained may leave a share for their form.
+        // Within a step of a coarse sensor nothing is normal. An allowance for the form of effects reduces the nats.
         assert!(!Misfit { coarse: true, ..many.clone() }.is_significant());
         assert!(!Misfit { form_allowance: 6.0, ..many }.is_significant());
     }
@@ -137,7 +141,7 @@ mod tests {
         assert!(
             instead.is_significant() && instead.omitted_is_reported() && instead.outdone_effect == Some("hover_drift")
         );
-        // What was found before leaves as much by its form.
+        // The allowance for the form of earlier effects is subtracted.
         assert!(Misfit { form_allowance: 1.0, ..left.clone() }.outdone("hover_drift", 9.0).is_none());
         assert!(Misfit { coarse: true, ..left }.outdone("hover_drift", 9.0).is_none());
     }

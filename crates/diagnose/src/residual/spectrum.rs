@@ -1,43 +1,43 @@
-//! Where in frequency a model is wrong: the periodogram of its innovations, which is flat when it is right.
+//! Where in frequency a model is wrong: the periodogram of its innovations, which is flat for a right model.
 //!
 //! ```text
 //! I(f) = |Σ e_k·exp(−2πi·f·t_k)|² / Σ e_k²         mean 1 at every frequency for white e_k, exponential
-//! P(band) = mean over its frequencies of Σ I of pieces of the record         2m·P ~ χ²(2m), m = width·T, for white e_k
+//! P(band) = mean over its frequencies of Σ I of segments of the record       2m·P ~ χ²(2m), m = width·T, for white e_k
 //! ```
 //!
-//! Times as they are: a clock that jitters is no hindrance. Sources: Scargle, Astrophysical Journal 263 (1982); the pieces: Bartlett,
-//! Biometrika 37 (1950).
+//! The times are the real ones, so sampling need not be uniform. Sources: Scargle, Astrophysical Journal 263 (1982);
+//! averaging over segments: Bartlett, Biometrika 37 (1950).
 
 use crate::residual::location::Row;
 use crate::stats::chi_square::survival;
 use serde::Serialize;
 
-/// The slowest frequency that is looked at, Hz, and the fastest of a uniform periodogram.
+/// The lowest frequency, Hz, and the highest of a uniform periodogram.
 const SLOWEST_HZ: f64 = 0.03;
 const FASTEST_HZ: f64 = 5.0;
-/// Frequencies of a uniform periodogram at most.
+/// Largest number of frequencies of a uniform periodogram.
 const MOST_FREQUENCIES: f64 = 1500.0;
-/// A band is looked at in pieces of the record that hold so many of its periods.
+/// Length of a segment in periods of the lowest frequency of the band.
 const PERIODS: f64 = 16.0;
-/// Octaves are cut into so many bands.
+/// Bands per octave.
 const BANDS_AN_OCTAVE: f64 = 2.0;
-/// A band belongs to the place of the gap while its power is above this share of the highest band's.
+/// A band next to the highest one belongs to the result if its excess power is above this share of the highest.
 const BESIDE: f64 = 0.25;
 
-/// A band of frequencies, and its share of the power that a right model would not have.
+/// A band of frequencies, and its share of the power above that of white noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Band {
-    /// Where it begins, Hz.
+    /// Lower end, Hz.
     pub from: f64,
-    /// Where it ends, Hz.
+    /// Upper end, Hz.
     pub to: f64,
     /// Its share of the power above that of white noise.
     pub share: f64,
-    /// Chance of so much power in any band if the model were right.
+    /// Probability of so much power in any band if the model is right.
     pub p_value: f64,
 }
 
-/// The innovations about their mean, and the sum of their squares.
+/// The innovations, their mean, and the sum of squares about it.
 struct Power<'a> {
     rows: &'a [Row],
     mean: f64,
@@ -46,7 +46,7 @@ struct Power<'a> {
 }
 
 impl<'a> Power<'a> {
-    /// `None` of no rows.
+    /// `None` without rows.
     fn of(rows: &'a [Row]) -> Option<Self> {
         let (first, last) = (rows.first()?, rows.last()?);
         let mean = rows.iter().map(|row| row.standardised).sum::<f64>() / rows.len() as f64;
@@ -54,7 +54,7 @@ impl<'a> Power<'a> {
         Some(Self { rows, mean, total, span_s: (last.time_s - first.time_s).max(1.0) })
     }
 
-    /// What a piece of the rows has of the power at a frequency.
+    /// Power of a segment of the rows at a frequency.
     fn at(&self, hz: f64, piece: &[Row]) -> f64 {
         let turn = std::f64::consts::TAU * hz;
         let start_s = piece.first().map_or(0.0, |row| row.time_s);
@@ -65,7 +65,7 @@ impl<'a> Power<'a> {
         (s * s + c * c) / self.total
     }
 
-    /// Mean power of a band of frequencies, over pieces that each hold [`PERIODS`] of its longest period.
+    /// Mean power of a band of frequencies, over segments of [`PERIODS`] of its longest period.
     fn of_band(&self, from_hz: f64, to_hz: f64) -> f64 {
         let piece_s = (PERIODS / from_hz).min(self.span_s);
         let piece = |row: &Row| (row.time_s / piece_s).floor();
@@ -76,19 +76,19 @@ impl<'a> Power<'a> {
     }
 }
 
-/// From one number to below another.
+/// From `from` to below `to` in steps of `by`.
 fn steps(from: f64, to: f64, by: f64) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(from), move |at| Some(at + by)).take_while(move |at| *at < to)
 }
 
-/// Frequencies and powers up to [`FASTEST_HZ`], two to an independent frequency.
+/// Frequencies and powers up to [`FASTEST_HZ`], two per independent frequency.
 pub(crate) fn periodogram(rows: &[Row]) -> Vec<(f64, f64)> {
     let Some(power) = Power::of(rows) else { return Vec::new() };
     let step_hz = (0.5 / power.span_s).max((FASTEST_HZ - SLOWEST_HZ) / MOST_FREQUENCIES);
     steps(SLOWEST_HZ, FASTEST_HZ, step_hz).map(|hz| (hz, power.at(hz, rows))).collect()
 }
 
-/// A band as it is looked at: its ends, its power above that of noise, and the chance of that power.
+/// A band: its ends, its power above that of noise, and the probability of that power.
 struct Part {
     from_hz: f64,
     to_hz: f64,
@@ -96,7 +96,7 @@ struct Part {
     chance: f64,
 }
 
-/// The band of frequencies, up to half the rate of the rows, that holds most of the power that is more than noise; `None` if there is none.
+/// The band with most of the power above that of noise, up to half the sampling rate; `None` if no band has more.
 pub(crate) fn band(rows: &[Row]) -> Option<Band> {
     let power = Power::of(rows)?;
     let fastest_hz = 0.5 * rows.len() as f64 / power.span_s;
@@ -110,7 +110,7 @@ pub(crate) fn band(rows: &[Row]) -> Option<Band> {
     let to = (top..parts.len()).take_while(beside).last()?;
     let own = &parts[from..=to];
     let share = own.iter().map(|part| part.excess).sum::<f64>() / total.max(1e-12);
-    // As many looks as bands.
+    // Bonferroni: one test per band.
     let least = own.iter().map(|part| part.chance).fold(1.0, f64::min);
     let p_value = (parts.len() as f64 * least).min(1.0);
     Some(Band { from: parts[from].from_hz, to: parts[to].to_hz, share, p_value }).filter(|_| parts[top].excess > 0.0)
@@ -130,7 +130,7 @@ mod tests {
     use crate::residual::location::Row;
     use plant::Normal;
 
-    /// White noise with a line of so many deviations.
+    /// White noise with a sine of amplitude `line`.
     fn rows(hz: f64, seed: u64, line: f64) -> Vec<Row> {
         let mut noise = Normal::new(seed, 0);
         let row = |k: u32| {
@@ -162,7 +162,7 @@ mod tests {
     fn noise_has_a_band_of_a_small_p_value_no_more_often_than_it_says() {
         let short = |seed: u64| rows(0.7, seed, 0.0)[..1000].to_vec();
         let small = (0..300).filter(|seed| band(&short(*seed)).is_some_and(|band| band.p_value < 0.05)).count();
-        // 5 % of 300 is 15; 25 or more has a chance of 1 %.
+        // 5 % of 300 is 15. The probability of 25 or more is 1 %.
         assert!(small < 25, "{small}");
     }
 }

@@ -1,4 +1,4 @@
-//! What became of the effects that were believed: retuned, where their numbers are others, or not there at all.
+//! Believed effects that the fit changed: retuned if their values differ, removed if the rig does not have them.
 
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
@@ -9,15 +9,15 @@ use crate::thresholds::{EQUIVALENT, RETUNED};
 
 use plant::{Entry, Model};
 
-/// The effects of the belief whose numbers `fit` had to move by more than [`RETUNED`]: what is to be done, what it gains, and
-/// the fit without the effect if it is not there.
+/// The believed effects whose values `fit` moved by more than [`RETUNED`]: the change, its gain, and the fit without
+/// the effect if it is removed.
 pub(crate) fn changed(search: &Search<'_>, fit: &Fit) -> Vec<(Change, Candidate, Option<Fit>)> {
     let present = search.problem.belief.effects.present();
     let moved = present.iter().filter(|entry| is_moved(search, fit, entry));
     moved.map(|entry| change(search, fit, entry)).collect()
 }
 
-/// Whether a number of a believed effect has moved by more than the factor, or to the other side.
+/// Whether a value of a believed effect moved by more than the factor, or past its neutral value.
 fn is_moved(search: &Search<'_>, fit: &Fit, entry: &Entry) -> bool {
     let values = |model: &Model| model.effects.values(entry.name).unwrap_or_default();
     let (believed, found) = (values(search.problem.belief), values(&fit.model));

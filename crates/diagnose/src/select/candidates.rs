@@ -1,15 +1,16 @@
-//! Which effect: every effect of the catalogue is fitted together with the base parameters and scored on stretches of
-//! the record that it was not fitted to.
+//! The candidates: every effect of the catalogue is fitted together with the base parameters and scored by
+//! cross-validation.
 //!
 //! ```text
-//! held-out gain  = Σ over folds of  ln p(fold | effect, fitted to the others) − ln p(fold | without, fitted likewise)  + Δ ln prior
+//! held-out gain  = Σ over folds of ( ln p(fold | effect) − ln p(fold | without) ) + Δ ln prior
+//!                  each model fitted to the other folds
 //! penalised gain = min( held-out gain, ln p(record | effect) − ln p(record | without) + Δ ln prior − parameters )
-//!                  − (what leaving the base parameters where they were believed gains beyond 2.5 nats)
+//!                  − (log-prior gained by moving the base parameters back to the belief, beyond 2.5 nats)
 //! ```
 //!
-//! The held-out gain ranks effects. A name takes penalised gain: what gains more on rows that it was not fitted to than on those that
-//! it was, less Akaike's nat for each parameter, does so by chance. Every effect is screened first ([`mod@crate::select::screening`]);
-//! the most promising are fitted in full.
+//! The held-out gain ranks effects; a name needs penalised gain. A held-out gain above the gain in the fit, less
+//! Akaike's nat per parameter, is due to chance. Every effect is screened first ([`mod@crate::select::screening`]); the
+//! most promising ones are fitted in full.
 
 use crate::fit::estimate::{Fit, LogLikByFold};
 use crate::select::plausibility::{cost_of_form, is_plausible};
@@ -22,21 +23,21 @@ use crate::thresholds::{
 use plant::Entry;
 use rayon::prelude::*;
 
-/// An effect, and how much better the record is explained with it.
+/// An effect, and the gain with it.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The effect.
     pub entry: Entry,
     /// Its model fitted to the whole record.
     pub fit: Fit,
-    /// Gain of log-likelihood on the folds that it was not fitted to, and of log-prior, nats.
+    /// Held-out log-likelihood gain plus the gain of log-prior, nats.
     pub held_out_gain: f64,
-    /// The same, but no more than it gains where it was fitted, less its parameters, and no more than a little for leaving the base
-    /// parameters where they were believed, nats.
+    /// The held-out gain, limited by the gain in the fit less its parameters, and less what base parameters nearer to
+    /// the belief gain beyond a small allowance, nats.
     pub penalised_gain: f64,
 }
 
-/// Tries every effect that `so_far` lacks beside it: the candidates, the best first, and how each effect scored.
+/// Tests every effect that `so_far` lacks: the candidates, the best first, and the scores of all effects.
 pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, Vec<Scored>) {
     let before = search.problem.held_out(so_far);
     let entries = search.entries();
@@ -57,14 +58,15 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     (all, scored)
 }
 
-/// The simpler of two effects that explain the record alike comes first, if it explains enough: one with more parameters can imitate it.
+/// Puts the simpler of two equivalent effects first if it explains enough: an effect with more parameters can imitate
+/// it.
 fn prefer_the_simple(all: &mut [Candidate]) {
     let Some(best) = all.first().map(|best| best.held_out_gain) else { return };
     let alike = all.partition_point(|candidate| candidate.held_out_gain > (best - EQUIVALENT).max(FIRST_EFFECT));
     all[..alike].sort_by_key(|candidate| candidate.entry.params.len());
 }
 
-/// How each effect scored: the candidates in their order, then those that were screened only.
+/// The scores of all effects: the candidates in their order, then those that were only screened.
 fn scored(all: &[Candidate], screened: &[Screened]) -> Vec<Scored> {
     let fitted = all.iter().map(|Candidate { entry, held_out_gain, penalised_gain, .. }| Scored {
         name: entry.name,
@@ -122,7 +124,7 @@ mod tests {
         for seed in 0..4 {
             let found = candidates(&belief, &record(&rig, seed, 60));
             let lag = found.iter().find(|c| c.entry.name == "fan_lag").unwrap();
-            // Nothing explains it better but by chance; its near twin, a lag of the sensor, explains it almost as well.
+            // Only chance makes another effect better. Its near twin, a sensor lag, is almost as good.
             assert!(
                 lag.held_out_gain > 20.0 && lag.held_out_gain > found[0].held_out_gain - 4.0,
                 "{} and {}",
@@ -188,7 +190,7 @@ mod tests {
                 beyond += usize::from(found.held_out_gain > most);
             }
         }
-        // The limit is felt.
+        // The limit applies at least once.
         assert!(beyond > 0);
     }
 

@@ -1,13 +1,13 @@
-//! Which steps of duty a record asks for: the teeth of a comb, by their scores.
+//! Initial values for a duty quantisation: a scan over step sizes by their scores.
 //!
 //! ```text
-//! e = a(step·round(duty/step)) − a(duty), as late as the model's fan   the force that a coarse duty adds to what is commanded
-//! z²(step)                                                          its score beside the fitted numbers: see `omitted::Beside`
-//! next step = step + step²/(16·ū)                                   a sixteenth of a step further at a usual duty ū
+//! e = a(step·round(duty/step)) − a(duty), through the fan lag       force that the quantisation adds
+//! z²(step)                                                          its score: see `score_test::Beside`
+//! next step = step + step²/(16·ū)              moves an edge at the usual duty ū by a sixteenth of a step
 //! ```
 //!
-//! Every edge of a coarse duty lies at a multiple of its step, so that the likelihood has a valley for each step, a thousandth of it wide. A filter for
-//! each would take minutes; a score is one pass of what is linear.
+//! Every edge of a quantised duty lies at a multiple of the step. So the likelihood has a narrow maximum for each step,
+//! a thousandth of it wide. A filter run for each would take minutes; a score is one linear pass.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::record::commanded::commanded;
@@ -15,22 +15,22 @@ use crate::residual::score_test::{Beside, Walk};
 use plant::{Entry, Model};
 use rayon::prelude::*;
 
-/// Steps of duty that are looked for, percent.
+/// Range of step sizes, percent.
 const FINEST_PERCENT: f64 = 0.3;
 const COARSEST_PERCENT: f64 = 2.5;
-/// Neighbours are apart by one part of a step in so many, at a usual duty.
+/// Neighbouring steps move an edge at the usual duty by one part of a step in so many.
 const PARTS: f64 = 16.0;
-/// Steps that are looked at more closely, and at which shares of the way to their neighbours.
+/// Number of best steps that are refined, and at which shares of the spacing.
 const BEST: usize = 12;
 const CLOSER: [f64; 5] = [-0.4, -0.2, 0.0, 0.2, 0.4];
 
-/// The steps that score highest beside `fit`, percent of duty, and among how many they were chosen.
+/// The steps with the highest scores given `fit`, percent of duty, and the number of steps that were tested.
 pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f64>, usize) {
     let samples = problem.recording.samples();
     let walk = Walk::of(problem, fit.clone(), &|row| problem.folds.counts(row));
     let (beside, rows) = (Beside::of(&walk), walk.rows_on_the_way(problem.recording));
     let lag_s = fit.model.linear().fan_lag_s;
-    // The rows on the way to a reading are those that act then.
+    // The rows before each reading include the delay of the duty already.
     let model = Model { effects: fit.model.effects.without_duty_delay(), ..fit.model.clone() };
     let fine = commanded(&model, problem.recording);
     let score = |step_percent: f64| {
@@ -55,7 +55,7 @@ pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f6
     (closer.collect(), comb.len())
 }
 
-/// Root mean square, and never next to nothing, percent.
+/// Root mean square, at least 1 percent.
 fn usual_duty(duties: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = duties.clone().count().max(1) as f64;
     (duties.map(|duty| duty * duty).sum::<f64>() / count).sqrt().max(1.0)

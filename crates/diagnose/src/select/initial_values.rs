@@ -1,7 +1,7 @@
-//! Where a search for an effect starts: its usual sizes, or what the record suggests.
+//! Initial values of the parameters of an effect: usual sizes, or values that the record suggests.
 //!
-//! A limit that the record never reaches, a stop that the ball never meets or a grid that is a little off have no slope to maximise:
-//! their searches start where the record says that there is something to find.
+//! The likelihood is flat for a limit that the record never reaches, a stop that the ball never touches, or a
+//! quantisation step that is slightly wrong. Their initial values come from the record.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::record::commanded::commanded;
@@ -13,25 +13,25 @@ use crate::stats::line::line;
 use crate::stats::quantile::quantile;
 use plant::{Entry, Model, Start};
 
-/// Shares of the range of commanded acceleration at which a saturation is looked for.
+/// Initial limits of a saturation, as shares of the range of the commanded acceleration.
 const LIMITS: [f64; 3] = [0.9, 0.6, 0.35];
 
-/// Shares of the readings beyond a place, and how far inside of it a stop is looked for, in deviations of the noise: noise carries readings
-/// beyond a stop.
+/// Initial stops: share of readings beyond the stop, and its distance inwards in standard deviations of the noise,
+/// because noise carries readings beyond a stop.
 const STOPS: [(f64, f64); 6] = [(0.003, 0.0), (0.003, 1.0), (0.003, 2.0), (0.02, 0.0), (0.05, 0.0), (0.15, 0.0)];
 
-/// Where to start from, and among how many places those were chosen.
+/// Initial values, and the number of values they were chosen from.
 pub(crate) struct Starts {
     pub(crate) values: Vec<Vec<f64>>,
-    /// How many of them are not there for the belief alone: they come first.
+    /// The number of values that do not come from the belief. They come first.
     pub(crate) usual: usize,
     pub(crate) among: usize,
-    /// Whether each is the top of a hill of its own, so that the choice among them is part of what is scored.
+    /// Whether each is a separate local maximum, so that the choice among them is part of the score.
     pub(crate) are_tops: bool,
 }
 
 impl Starts {
-    /// These shares of the way from where `entry` does nothing to each of the starts; `None` where the record suggested them.
+    /// Values at these shares of the distance from the neutral value; `None` if the record suggested the values.
     pub(crate) fn nearer(&self, entry: &Entry, model: &Model, shares: &[f64]) -> Option<Self> {
         if entry.start.is_of_the_record() {
             return None;
@@ -46,7 +46,7 @@ impl Starts {
     }
 }
 
-/// Values of `entry` to start from, for a record of a rig that so far is `fit`.
+/// Initial values of `entry`, given the fit so far.
 pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
     let problem = &search.problem;
     if entry.start == Start::DutySteps {
@@ -76,8 +76,8 @@ fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>>
     }
 }
 
-/// Values that the believed gain asks for, where the fit has gone far from it: limits on what it commands, or a lift that falls with height and
-/// would balance the duty as it was flown, whose gradient is the gain times the slope of duty over height.
+/// Initial values from the belief, if the fit is far from it: limits on the acceleration that it commands, or a lift
+/// that falls with height and balances the flown duty, whose gradient is the gain times the slope of duty over height.
 fn as_believed(entry: &Entry, problem: &Problem<'_>) -> Vec<Vec<f64>> {
     match entry.start {
         Start::CommandedRange => limits(problem.belief, problem.recording),

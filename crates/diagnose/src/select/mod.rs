@@ -1,4 +1,4 @@
-//! Which effect explains the gap: candidates, screening, stepwise search and ranking.
+//! Which effect explains the gap: candidates, screening, stepwise selection and ranking.
 
 pub(crate) mod believed;
 pub(crate) mod candidates;

@@ -1,4 +1,4 @@
-//! Whether what a fit found is what its name says, and what that name costs on a rig that is believed to be as it is.
+//! Whether a fitted effect is plausible, and its penalty next to a believed lag.
 
 use crate::fit::lag_form::lags;
 use crate::select::candidates::Candidate;
@@ -6,12 +6,12 @@ use crate::select::search::Search;
 use crate::thresholds::{COST_BESIDE_A_LAG, NOTHING, SHARE_OF_A_LAG};
 use plant::{Effects, Entry, Neutral, Readings};
 
-/// Whether an effect was found, and not just noise or other base parameters under its name.
+/// Whether the effect is more than noise or other base parameters under its name.
 pub(crate) fn is_plausible(search: &Search<'_>, candidate: &Candidate) -> bool {
     does_something(search, candidate) && can_show(search, candidate) && is_more_than_form(search, candidate)
 }
 
-/// A fit that switched its effect off again has found better numbers for the rest, and no effect.
+/// Whether the effect is switched on in its fit. If not, only the other parameters improved.
 fn does_something(search: &Search<'_>, candidate: &Candidate) -> bool {
     let Candidate { entry, fit, .. } = candidate;
     if entry.start.is_read_off() {
@@ -23,7 +23,7 @@ fn does_something(search: &Search<'_>, candidate: &Candidate) -> bool {
     off.any(|off| off.abs() > NOTHING)
 }
 
-/// Whether every effect of the model that is not believed has values that readings can show as its own.
+/// Whether the values of every effect that is not believed are observable in the readings.
 fn can_show(search: &Search<'_>, candidate: &Candidate) -> bool {
     let (recording, belief) = (search.problem.recording, search.problem.belief);
     let period_s = recording.duration_s() / recording.readings().max(1) as f64;
@@ -33,19 +33,20 @@ fn can_show(search: &Search<'_>, candidate: &Candidate) -> bool {
     added.into_iter().all(|entry| effects.can_show(entry.name, &readings))
 }
 
-/// Where the speed of the fan is recorded, its lag is seen as it is, and has no form to be mistaken.
+/// With a recorded fan speed the form of the fan lag is known, so that nothing can stand for it.
 fn is_more_than_form(search: &Search<'_>, candidate: &Candidate) -> bool {
     search.problem.recording.has_fan_speed() || !is_form_of_a_lag(&candidate.entry, &candidate.fit.model.effects)
 }
 
-/// A rig's lag is never quite of first order: where one is believed, another effect that makes things late may only mend its form.
+/// Penalty of another lag or dead time next to a believed lag: no real lag is exactly first-order, so it may only
+/// correct the form.
 pub(crate) fn cost_of_form(search: &Search<'_>, entry: &Entry) -> f64 {
     let believed = &search.problem.belief.effects;
     let lag = lags().any(|lag| believed.values(lag.name).is_some());
     if lag && entry.acts.late.is_some() { COST_BESIDE_A_LAG } else { 0.0 }
 }
 
-/// Whether an effect is late by so little beside a lag that it may be the rest of that lag, which is never quite of first order.
+/// Whether an effect delays so little next to a lag that it may be the deviation of that lag from first order.
 fn is_form_of_a_lag(entry: &Entry, effects: &Effects) -> bool {
     let own_s = effects.late_s(entry.name);
     let beside_s: f64 = lags().filter(|lag| lag.name != entry.name).map(|lag| effects.late_s(lag.name)).sum();
@@ -61,7 +62,7 @@ mod tests {
         Effects::entry(name).unwrap()
     }
 
-    /// Effects with these first numbers, the second of two the same.
+    /// Effects with these values, the same for each of their parameters.
     fn with(lates: &[(&str, f64)]) -> Effects {
         let mut effects = Effects::default();
         for (name, seconds) in lates {

@@ -1,24 +1,24 @@
-//! From gains to probabilities: how each effect of a search scored, and the probability that it acts.
+//! From gains to probabilities: the scores of all effects, and the probability of each.
 
 use crate::select::candidates::Candidate;
 use crate::thresholds::SCALE_OF_PROBABILITY;
 
-/// An effect that was tried, and its gain, nats.
+/// A tested effect and its gains, nats.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scored {
     /// The effect.
     pub name: &'static str,
-    /// Its held-out gain; of one that was not fitted in full, that of the screening, 0 at most.
+    /// Its held-out gain. Without a full fit: the gain of the screening, at most 0.
     pub held_out_gain: f64,
-    /// What of that names it, see [`crate::Candidate`].
+    /// Its penalised gain, see [`crate::Candidate`].
     pub penalised_gain: f64,
-    /// Whether it was fitted in full, on each part of the record without the rest.
+    /// Whether it was fitted in full, with cross-validation.
     pub in_full: bool,
 }
 
-/// The probability that one of a set of candidates, which `best` leads, acts, if one of all acts or none.
+/// The probability that a candidate of the set around `best` acts, if at most one candidate acts.
 pub(crate) fn probability(all: &[Candidate], best: &Candidate, in_set: impl Fn(&Candidate) -> bool) -> f64 {
-    // Relative to the largest, so that no gain by chance makes the exponentials overflow.
+    // Relative to the largest gain, so that the exponentials do not overflow.
     let most = all.iter().map(|candidate| candidate.held_out_gain).fold(best.held_out_gain, f64::max);
     let weight = |candidate: &Candidate| ((candidate.held_out_gain - most) / SCALE_OF_PROBABILITY).exp();
     let set: f64 = all.iter().filter(|candidate| in_set(candidate)).map(weight).sum();
@@ -26,8 +26,8 @@ pub(crate) fn probability(all: &[Candidate], best: &Candidate, in_set: impl Fn(&
     set / (all.iter().map(weight).sum::<f64>() + none)
 }
 
-/// The probability that each of those that were tried together acts, if one of them does or none: each from its held-out gain, none
-/// from the penalised gain of any, of those that were fitted in full. `None` of the others.
+/// The probability of each effect that was fitted in full, if at most one acts: from its held-out gain, and for no
+/// effect from the largest penalised gain. `None` for the others.
 #[must_use]
 pub(crate) fn chances(scored: &[Scored]) -> Vec<Option<f64>> {
     let in_full = || scored.iter().filter(|one| one.in_full);
@@ -49,9 +49,9 @@ mod tests {
         let all = [tried("a", 40.0, true), tried("b", 40.0, true), tried("c", -3.0, false)];
         assert_eq!(chances(&all)[2], None);
         assert!(chances(&all)[..2].iter().all(|chance| (chance.unwrap() - 0.5).abs() < 1e-6));
-        // One that gains nothing is as likely as none at all.
+        // An effect without gain is as probable as no effect.
         assert_eq!(chances(&[tried("a", 0.0, true)]), [Some(0.5)]);
-        // Nor is a held_out_gain that is no penalised_gain a sign of anything.
+        // A held-out gain without penalised gain is no evidence.
         assert_eq!(chances(&[Scored { penalised_gain: 0.0, ..tried("a", 40.0, true) }]), [Some(0.5)]);
     }
 }

@@ -1,11 +1,11 @@
-//! The order of what was found: first that without which the forecasts err most.
+//! The order of the named effects: first the one whose absence raises the forecast errors most.
 //!
 //! ```text
-//! a before b:  E²(1 s) without a > 2·E²(1 s) without b        E as in `gap`; else as they were found, and a random force last
+//! a before b:  E²(1 s) without a > 2·E²(1 s) without b        E: see `gap`; else as found, a random force last
 //! ```
 //!
-//! A search finds first what one step ahead shows best, which on a rig of low noise is the quick and the small. What matters to whoever
-//! mends a simulator is what leads its forecasts astray.
+//! Stepwise selection finds first what shows best one step ahead: on a rig with low noise these are fast and small
+//! effects. But a simulator is corrected first where its forecasts err most.
 
 use crate::fit::estimate::Fit;
 use crate::gap::forecast_error::Gap;
@@ -15,8 +15,8 @@ use crate::thresholds::LARGER;
 use plant::{Entry, Model};
 use rayon::prelude::*;
 
-/// Puts the effects that were added to `fit` in order; what became of those that were believed comes after them. `on_the_way`: other fits of
-/// the same search, one of which may be the best without an effect.
+/// Orders the effects that were added to `fit`; the changes of believed effects come after them. `on_the_way`:
+/// intermediate fits of the same search, one of which may be the best without an effect.
 pub(crate) fn rank(search: &Search<'_>, effects: &mut [NamedEffect], fit: &Fit, on_the_way: &[Fit]) {
     let stays = |named: &NamedEffect| named.change != Change::Added || is_random_force(&named.candidate.entry);
     let moves = effects.iter().position(stays).unwrap_or(effects.len());
@@ -36,7 +36,7 @@ pub(crate) fn rank(search: &Search<'_>, effects: &mut [NamedEffect], fit: &Fit, 
     added.clone_from_slice(&in_order);
 }
 
-/// The most likely model without an effect, and with no other than `fit` has.
+/// The most likely model without an effect and with no effects that `fit` lacks.
 fn best_without(search: &Search<'_>, effect: &Entry, fit: &Fit, on_the_way: &[Fit]) -> Model {
     let removed = search.removed(fit, effect);
     let has = |fit: &Fit, name: &str| fit.model.effects.values(name).is_some();
@@ -50,7 +50,7 @@ fn best_without(search: &Search<'_>, effect: &Entry, fit: &Fit, on_the_way: &[Fi
     best.model.clone()
 }
 
-/// Mean square of the forecasts 1 s ahead, mm²; 0, so that all are alike, where the record is too short to say.
+/// Mean square of the forecast errors 1 s ahead, mm²; 0 if the record is too short, so that all are equal.
 fn square_at_1_s(search: &Search<'_>, model: &Model) -> f64 {
     let gap = Gap::measure_where(model, search.problem.recording, &|row| search.problem.folds.counts(row));
     gap.error_mm[2].map_or(0.0, |error_mm| error_mm.powi(2))
@@ -68,7 +68,7 @@ mod tests {
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
 
-    /// The order in which these come on a record of so many seconds of a rig that has a strong gradient and traces of the others.
+    /// The order of these effects on a record of a rig with a strong gradient and weak others.
     fn order(found: [&'static str; 3], seconds: u32) -> [&'static str; 3] {
         let belief = Model { effects: Effects::default(), ..model() };
         let mut rig = belief.clone();

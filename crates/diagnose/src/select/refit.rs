@@ -1,4 +1,4 @@
-//! The belief fitted again: its base parameters, and those of the effects that it has.
+//! Refit of the belief: its base parameters and those of its effects.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::{BASE, Parameter, parameters_of_effect};
@@ -8,14 +8,14 @@ use crate::thresholds::{EQUIVALENT, OTHER_NOISE};
 use plant::{Entry, Model};
 use rayon::prelude::*;
 
-/// Orders of noise about the believed that a refit may start from.
+/// Factors on the believed noise from which a refit may start.
 const AIR_ORDERS: [f64; 8] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e5, 1e7, 1e9];
 const SENSOR_ORDERS: [f64; 3] = [0.2, 1.0, 5.0];
-/// Sizes of a believed effect, beside the one that was fitted, from which it is fitted again, and how many steps at least.
+/// Factors on the fitted size of a believed effect from which it is fitted again, and the smallest number of steps.
 const OTHER_SIZES: [f64; 4] = [0.35, 0.6, 1.7, 2.8];
 const STEPS_FROM_OTHER_SIZES: usize = 4;
 
-/// The belief with its base parameters fitted, and those of the effects that it has: what is believed is never exact.
+/// The belief with its base parameters and the parameters of its effects fitted, because no belief is exact.
 pub(crate) fn refitted(search: &Search<'_>) -> Fit {
     let belief = search.problem.belief;
     let own = belief.effects.present();
@@ -26,7 +26,7 @@ pub(crate) fn refitted(search: &Search<'_>) -> Fit {
     with_other_sizes(search, fit)
 }
 
-/// `fit`, or a better one that starts with a believed effect of another size: to a size far away there may be no slope to maximise.
+/// `fit`, or a better one from another size of a believed effect, because the likelihood may be flat between the two.
 pub(crate) fn with_other_sizes(search: &Search<'_>, fit: Fit) -> Fit {
     let present = search.problem.belief.effects.present();
     let starts = present.iter().flat_map(|entry| OTHER_SIZES.map(|factor| (entry, factor)));
@@ -48,7 +48,7 @@ pub(crate) fn with_other_sizes(search: &Search<'_>, fit: Fit) -> Fit {
     }
 }
 
-/// The belief with the step of a coarse sensor and the hold of a slow one as the readings show them.
+/// The belief with the step of a coarse sensor and the period of a slow one as the readings show them.
 fn as_readings_show(problem: &Problem<'_>) -> Model {
     let mut belief = problem.belief.clone();
     for entry in belief.effects.present().iter().filter(|entry| entry.start.is_read_off()) {
@@ -58,8 +58,8 @@ fn as_readings_show(problem: &Problem<'_>) -> Model {
     belief
 }
 
-/// The belief, or the belief with noise of another order, if that is much nearer to the record: where every reading looks wild, there is no slope
-/// to maximise.
+/// The belief, or the belief with another noise level if that is far more likely: where every reading is an outlier the
+/// likelihood is flat.
 pub(crate) fn with_noise_that_fits(problem: &Problem<'_>, parameters: &[Parameter]) -> Model {
     let belief = as_readings_show(problem);
     let factors = AIR_ORDERS.iter().flat_map(|air| SENSOR_ORDERS.iter().map(move |sensor| (*air, *sensor)));

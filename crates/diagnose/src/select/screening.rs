@@ -1,4 +1,5 @@
-//! A first look at an effect: its starts are rated as they are, and a few steps of few numbers are made from the best, more while the slope is steep.
+//! Screening of an effect: its initial values are rated as they are, then a few scoring steps are made from the best
+//! ones. More steps follow while the gradient is steep.
 
 use crate::fit::estimate::{Fit, LogLikByFold};
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
@@ -8,44 +9,45 @@ use plant::{Changes, Entry, Model, Start as StartRule};
 use rayon::prelude::*;
 use std::{iter, ptr};
 
-/// Scoring steps at least, from how many starts, and how far behind the best of them a start may be, nats.
+/// Smallest number of scoring steps, number of initial values, and how far behind the best these may be, nats.
 const STEPS: usize = 2;
 const STARTS: usize = 2;
 const AS_GOOD: f64 = 10.0;
-/// What each number of an effect beyond the first may gain by chance, nats.
+/// Gain by chance of each parameter of an effect beyond the first, nats.
 const COST_OF_A_NUMBER: f64 = 1.5;
-/// A look that ends so much below nothing, nats, is stuck. It is made again from these shares of its starts.
+/// A screening whose gain stays so far below 0, nats, is stuck. It is repeated with these shares of its initial values.
 const STUCK: f64 = 10.0;
 const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
-/// What moves at a first look beside the effect's own numbers.
+/// Parameters that the screening fits besides those of the effect.
 const FIRST: [Parameter; 4] = [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::AirNoise];
 
-/// A start of the search for an effect, and what each fold is worth there.
+/// Initial values of the fit of an effect, and their log-likelihood by fold.
 struct Start {
-    /// Which of the places to start from it is.
+    /// Index of the initial base parameters, see [`places_to_start`].
     place: usize,
-    /// Whether the belief asks for these values.
+    /// Whether these values follow from the belief.
     as_believed: bool,
     model: Model,
     parameters: Vec<Parameter>,
     by_fold: LogLikByFold,
 }
 
-/// A first look at an effect.
+/// The result of the screening of an effect.
 pub(crate) struct Screened {
     pub(crate) entry: Entry,
     pub(crate) model: Model,
     pub(crate) parameters: Vec<Parameter>,
-    /// Likelihood and prior gained so far, nats.
+    /// Gain of log-likelihood and log-prior so far, nats.
     pub(crate) gain: f64,
-    /// What the choice among starts and numbers is worth by chance, nats.
+    /// Gain by chance from the choice among initial values and parameters, nats.
     pub(crate) cost: f64,
-    /// What each fold is worth at each start, the best first, where each is a top of its own.
+    /// Log-likelihood by fold at each of the initial values, the best first, if each is a separate local maximum.
     rivals: Vec<LogLikByFold>,
 }
 
 impl Screened {
-    /// Of the starts, the one that the other folds would have chosen, where it is not the one that all choose: what it is worth on this fold.
+    /// The log-likelihood of `fold` at the initial values that the other folds prefer; `None` if all folds prefer the
+    /// same.
     pub(crate) fn chosen_without(&self, fold: usize) -> Option<f64> {
         let rest = |worth: &LogLikByFold| worth.iter().sum::<f64>() - worth[fold];
         let other = self.rivals.iter().enumerate().max_by(|a, b| rest(a.1).total_cmp(&rest(b.1)))?;
@@ -53,7 +55,8 @@ impl Screened {
     }
 }
 
-/// `fit` with an effect added at these values: the model and what may move. An effect that contains a simpler one takes its place.
+/// `fit` with an effect added at these values: the model and its parameters. An effect that contains a simpler one
+/// replaces it.
 fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Parameter>)> {
     let mut model = fit.model.clone();
     if model.effects.values(entry.name).is_some() {
@@ -66,8 +69,8 @@ fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Paramet
     Some((model, kept.copied().chain(parameters_of_effect(entry.name, values)).collect()))
 }
 
-/// A first look at an effect. Where readings have little noise, a start far larger than the effect is thousands of nats below nothing, and no
-/// step leads back: then it is looked for again from smaller ones.
+/// Screens an effect. With little noise, initial values far above the true ones lie thousands of nats below a gain of
+/// 0, and no step leads to the maximum. Then smaller initial values are tried.
 pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, entry: &Entry) -> Option<Screened> {
     let usual = starts(entry, so_far, search);
     let look = screen_from(search, so_far, entry, &usual)?;
@@ -79,15 +82,17 @@ pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, entry: &Entry) -> Option
     small.filter(|small| small.gain > look.gain).or(Some(look))
 }
 
-/// A few steps of the numbers that matter most from the best of these starts; the best of them.
+/// A few scoring steps of the most important parameters from the best of these initial values; the best result.
 fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Option<Screened> {
     let rated = rated(search, so_far, entry, all);
     let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
-    // A recorded speed of the fan shows the timing to a hair: its valleys are narrow, and nothing says at first sight which is near.
+    // A recorded fan speed determines the timing sharply: the maxima are narrow, and the rating cannot tell which is
+    // near.
     let narrow = search.problem.recording.has_fan_speed();
     let as_good = |start: &&Start| narrow || worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
     let mut from: Vec<&Start> = rated.iter().take(STARTS).filter(as_good).collect();
-    // The best from another place, and what the belief asks for there, are no better at first sight, but may maximise higher.
+    // The best of other base parameters, and the values that follow from the belief there, rate lower but may end
+    // higher.
     let elsewhere = |start: &&Start| rated.first().is_some_and(|best| best.place != start.place);
     let as_believed = |start: &&Start| start.place > 0 && start.as_believed;
     for other in [rated.iter().find(elsewhere), rated.iter().find(as_believed)].into_iter().flatten() {
@@ -105,7 +110,7 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -
     });
     let (place, best) = screened.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
     let before = search.problem.total_of(so_far);
-    // From another place the same values lead to the same top: that is no choice.
+    // With other base parameters the same values lead to the same maximum, so that is no additional choice.
     let of_place = rated.iter().filter(|start| start.place == *place && all.are_tops);
     let rivals: Vec<LogLikByFold> = of_place.map(|start| start.by_fold).collect();
     let cost = COST_OF_A_NUMBER * best.parameters.len().saturating_sub(so_far.parameters.len() + 1) as f64
@@ -113,7 +118,7 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -
     Some(Screened { gain: best.gain - before, rivals, cost, ..best })
 }
 
-/// These starts of the effect, the one that explains most as it is first.
+/// The initial values of the effect, rated by log-likelihood, the best first.
 fn rated(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Vec<Start> {
     let rated = all.values.par_iter().enumerate().flat_map_iter(|(at, values)| {
         let as_believed = at >= all.usual;
@@ -131,8 +136,9 @@ fn rated(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Vec<
     rated
 }
 
-/// The model as it is, and with all that is believed where that is far: what the numbers had to become to follow the record without the
-/// effect is no place to start from. For an effect that distorts the noise, both with the noise that is believed.
+/// Initial base parameters: those of the model, and those of the belief if the fit is far from it. A fit that followed
+/// the record without the effect may be a bad start. For an effect that distorts the noise both have the believed
+/// noise.
 fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &Entry) -> Vec<Model> {
     let belief = search.problem.belief;
     if effect.acts.changes != Changes::Path {
@@ -152,7 +158,7 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
     places.collect()
 }
 
-/// The model, to which a lift that changes with height was added, with the hover duty that still balances it at the mean height of the record.
+/// The model, after a lift that depends on height was added, with the hover duty that balances it at the mean height.
 fn balanced_where_it_flew(search: &Search<'_>, model: Model) -> Model {
     let heights = search.problem.recording.samples().iter().filter_map(|sample| sample.position_mm);
     let (sum_mm, count) = heights.fold((0.0, 0.0), |(sum, count), height| (sum + height, count + 1.0));

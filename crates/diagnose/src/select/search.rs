@@ -1,4 +1,4 @@
-//! The problem that a search for effects works on: a record, a belief about it, and what the search may name.
+//! The problem that the selection of effects works on: a record, a belief, and the effects that may be named.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect, prior};
@@ -8,7 +8,7 @@ use crate::record::recording::Recording;
 use crate::thresholds::FAR_FROM_BELIEF;
 use plant::{Effects, Entry, Model};
 
-/// A record, a belief about it, its folds, and the effects that the search may not name.
+/// A record, a belief, the folds, and the effects that may not be named.
 pub(crate) struct Search<'a> {
     pub(crate) problem: Problem<'a>,
     without: Vec<String>,
@@ -21,36 +21,36 @@ impl<'a> Search<'a> {
         Self { problem, without: options.without.clone(), progress: options.progress.clone() }
     }
 
-    /// A search that knows of the problem alone.
+    /// A search without options.
     pub(crate) fn of(problem: Problem<'a>) -> Self {
         Self { problem, without: Vec::new(), progress: Progress::default() }
     }
 
-    /// The same search without the effects of which `is_left_out` holds.
+    /// The same search without the effects for which `is_left_out` holds.
     pub(crate) fn without(&self, is_left_out: impl Fn(&Entry) -> bool) -> Self {
         let more = Effects::CATALOGUE.iter().filter(|entry| is_left_out(entry)).map(|entry| entry.name.to_owned());
         let without = self.without.iter().cloned().chain(more).collect();
         Self { problem: self.problem, without, progress: self.progress.clone() }
     }
 
-    /// The effects that the search may name.
+    /// The effects that may be named.
     pub(crate) fn entries(&self) -> Vec<&'static Entry> {
         let may = |entry: &&Entry| !self.without.iter().any(|name| name == entry.name);
         Effects::CATALOGUE.iter().filter(may).collect()
     }
 
-    /// Held-out log-likelihood of a fit, and its log-prior, nats.
+    /// Held-out log-likelihood plus log-prior of a fit, nats.
     pub(crate) fn held_out_total(&self, fit: &Fit) -> f64 {
         self.problem.held_out(fit).iter().sum::<f64>() + fit.log_prior
     }
 
-    /// `fit` without an effect that it has, fitted again.
+    /// The fit without one of its effects, fitted again.
     pub(crate) fn removed(&self, fit: &Fit, entry: &Entry) -> Fit {
         let mut model = fit.model.clone();
         model.effects.remove(entry.name);
         let others = fit.parameters.iter().filter(|parameter| !parameter.is_of(entry.name));
         let mut parameters: Vec<Parameter> = others.copied().collect();
-        // The simpler effect whose place it had taken comes back.
+        // The simpler effect that it contains and had replaced is restored.
         if let Some((part, values)) =
             entry.contains.and_then(|part| Some((part, self.problem.belief.effects.values(part)?)))
         {
@@ -60,12 +60,12 @@ impl<'a> Search<'a> {
         self.problem.fit(&model, &parameters)
     }
 
-    /// Reports how many fits are to be made.
+    /// Reports the number of fits to come.
     pub(crate) fn plan(&self, fits: usize) {
         self.progress.tell(ProgressStep::Planned(fits));
     }
 
-    /// The result of a fit that was planned.
+    /// Runs a planned fit and reports it.
     pub(crate) fn planned<T>(&self, fit: impl FnOnce() -> T) -> T {
         let made = fit();
         self.progress.tell(ProgressStep::Made);
@@ -77,7 +77,7 @@ impl<'a> Search<'a> {
         prior(&BASE[..3], &fit.model, self.problem.belief)
     }
 
-    /// Whether a fit has moved what is believed further than an owner is usually wrong.
+    /// Whether a fit moved the believed parameters further than owners are usually wrong.
     pub(crate) fn is_far(&self, fit: &Fit) -> bool {
         let noise = [Parameter::SensorNoise, Parameter::AirNoise];
         let moved: Vec<Parameter> = fit.parameters.iter().filter(|one| !noise.contains(one)).copied().collect();

@@ -1,5 +1,5 @@
-//! Stepwise selection: the best effect first, then the best beside it, as long as each gains enough; what a later one makes needless
-//! is dropped.
+//! Stepwise selection of effects: forward selection while the gain is large enough, with backward elimination of
+//! effects that a later one makes unnecessary.
 
 use crate::fit::estimate::Fit;
 use crate::residual::misfit::Misfit;
@@ -16,64 +16,64 @@ use crate::thresholds::{
 };
 use plant::{Changes, Entry, Model, Start};
 
-/// What is to be done to the belief about an effect.
+/// The change of an effect between the belief and the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
     /// It was not believed.
     Added,
-    /// It was believed, but its values are off by more than a factor of 1.5.
+    /// It was believed, but its values are wrong by more than a factor of 1.5.
     Retuned,
-    /// It was believed, and is not there.
+    /// It was believed, but the rig does not have it.
     Removed,
 }
 
 /// An effect that was found.
 #[derive(Clone, Debug)]
 pub struct NamedEffect {
-    /// What is to be done about it.
+    /// The change.
     pub change: Change,
-    /// The effect and its fit at the time it was found.
+    /// The effect and its fit when it was found.
     pub candidate: Candidate,
-    /// The probability that this effect, or one of those it cannot be told from, acts.
+    /// The probability that this effect, or one that is indistinguishable from it, acts.
     pub probability: f64,
-    /// The effects it cannot be told from.
+    /// The effects that are indistinguishable from it.
     pub indistinguishable_from: Vec<&'static str>,
-    /// The models with each of those in its place, in the same order.
+    /// The models with each of those instead of it, in the same order.
     pub rivals: Vec<Model>,
 }
 
-/// The effects that explain a record: those to add, the most important first, then what became of the believed.
+/// The effects that explain a record: those to add, the most important first, then the changes of believed effects.
 pub(crate) struct Selection {
     pub(crate) effects: Vec<NamedEffect>,
     pub(crate) rounds: Vec<Vec<Scored>>,
     pub(crate) fit: Fit,
     pub(crate) misfit: Misfit,
-    /// The fits that led to it.
+    /// The intermediate fits.
     on_the_way: Vec<Fit>,
 }
 
 impl Selection {
-    /// Whether the residual is significant, or so much was named that the answer is not to be trusted.
+    /// Whether the residual is significant, or too many effects were named to trust the answer.
     pub(crate) fn is_incomplete(&self) -> bool {
         let added = self.effects.iter().filter(|named| named.change == Change::Added).count();
         self.misfit.is_significant() || added > MOST_EFFECTS
     }
 
-    /// No effect at all.
+    /// A selection without effects.
     pub(crate) fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
         let misfit = Misfit::of(&search.problem, refitted, None);
         Self { effects: Vec::new(), rounds: Vec::new(), fit: refitted.clone(), misfit, on_the_way: Vec::new() }
     }
 }
 
-/// Finds effects until none explains more. Where a random force was found that cannot be one, the search is made without it: what it
-/// followed is missing, and better left unexplained.
+/// Adds effects until none explains more. If a random force was found that is not plausible, the search is repeated
+/// without it: it followed something else that is missing, which is better left unexplained.
 pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     let mut found = stepwise_search(search, refitted);
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
     let after = added.skip_while(|named| !is_random_force(&named.candidate.entry)).count();
-    // Nothing may come after it: what is found beside it, it would have followed as well.
+    // No effect may follow a random force, which would have followed that effect as well.
     if after > 1 || (after == 1 && !found.misfit.allows_random_force()) {
         found = stepwise_search(&search.without(is_random_force), refitted);
     }
@@ -81,7 +81,7 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     found
 }
 
-/// Whether an effect can follow any force that is missing.
+/// Whether an effect can follow any missing force.
 pub(crate) fn is_random_force(entry: &Entry) -> bool {
     entry.acts.follows_any_force()
 }
@@ -90,7 +90,7 @@ fn stepwise_search(search: &Search<'_>, refitted: &Fit) -> Selection {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds, mut on_the_way): (Vec<NamedEffect>, _, _) = (Vec::new(), Vec::new(), Vec::new());
     let (mut misfit, mut outdone) = (None, None);
-    // What so small a misfit gains on a long record takes more than chance would: no form is exact.
+    // On a long record even a small misfit gains more than chance does, because no model is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
     while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_SEARCHES {
         let (named, scored) = best_addition(search, &fit, long * threshold_beside(&effects));
@@ -119,7 +119,7 @@ fn stepwise_search(search: &Search<'_>, refitted: &Fit) -> Selection {
     Selection { effects, rounds, fit, misfit, on_the_way }
 }
 
-/// Adds what became of the believed effects.
+/// Adds the changes of the believed effects.
 fn add_changes(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fit) {
     for (change, candidate, without) in changed(search, fit) {
         if candidate.held_out_gain > CHANGED {
@@ -133,14 +133,14 @@ fn add_changes(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fi
     }
 }
 
-/// Nats that these effects explain by the path of the ball, `None` of no effect; those that change the density of a reading explain
-/// thousands, and have no form that leaves some.
+/// Nats that these effects explain; `None` without effects. Effects on the density of a reading do not count: they gain
+/// thousands of nats, but their form is exact.
 fn explained(effects: &[NamedEffect]) -> Option<f64> {
     let of_form = effects.iter().filter(|named| named.candidate.entry.acts.changes != Changes::Density);
     (!effects.is_empty()).then(|| of_form.map(|named| named.candidate.held_out_gain).sum())
 }
 
-/// What another effect must gain beside those that were found.
+/// Penalised gain that a further effect needs.
 fn threshold_beside(effects: &[NamedEffect]) -> f64 {
     let form = SHARE_OF_EXPLAINED * explained(effects).unwrap_or(0.0);
     let is_coarse = |named: &NamedEffect| named.candidate.entry.start == Start::ReadingStep;
@@ -152,7 +152,7 @@ fn threshold_beside(effects: &[NamedEffect]) -> f64 {
     }
 }
 
-/// Drops what stood in for an effect that was found after it.
+/// Backward elimination of effects that an effect found later replaces.
 fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fit) {
     if effects.len() < 2 {
         return;
@@ -170,7 +170,7 @@ fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: 
     }
 }
 
-/// With the second effect known, the first is searched for again: it may have stood in for both.
+/// Searches for the first effect again with the second one known: the first may have stood for both.
 fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit) {
     let [first, _] = effects else { return };
     let without_first = search.removed(fit, &first.candidate.entry);
@@ -182,7 +182,7 @@ fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit) 
     }
 }
 
-/// The effect that explains most of what `so_far` leaves, if any explains enough; and how each effect scored.
+/// The effect that explains most beyond `so_far`, if it explains enough, and the scores of all effects.
 fn best_addition(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<NamedEffect>, Vec<Scored>) {
     let (mut all, mut scored) = candidates(search, so_far);
     select_first(&mut all, needed);
@@ -193,7 +193,7 @@ fn best_addition(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Name
     let rivals = || all.iter().skip(1).filter(|candidate| is_indistinguishable(candidate, best));
     let near: Vec<&'static str> = rivals().map(|rival| rival.entry.name).collect();
     let models = rivals().map(|rival| rival.fit.model.clone()).collect();
-    // A name that contains the best one says the same: it takes nothing from the probability of the set.
+    // An effect that contains the best one supports the same answer, so it belongs to the set.
     let in_set = |candidate: &Candidate| near.contains(&candidate.entry.name) || is_or_contains(candidate, best);
     let named = NamedEffect {
         change: Change::Added,
@@ -205,15 +205,15 @@ fn best_addition(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Name
     (Some(named), scored)
 }
 
-/// Puts the one that is to be named before those that gain more by chance; leaves none where none has the penalised gain `needed`.
+/// Moves the effect to be named to the front. Empties the list if none has the penalised gain `needed`.
 fn select_first(all: &mut Vec<Candidate>, needed: f64) {
     let is_random = |candidate: &Candidate| is_random_force(&candidate.entry);
     let Some(mut best) = all.iter().position(|candidate| candidate.penalised_gain >= needed) else {
-        // The growth of the air's noise counts against a random force already, so that it takes less.
+        // The growth of the air's noise counts against a random force already, so it needs less.
         return all.retain(|candidate| is_random(candidate) && candidate.penalised_gain > RANDOM_FORCE);
     };
     if is_random(&all[best]) {
-        // A random force follows any missing force: it comes first only where nothing else explains a good part of it.
+        // A random force follows any missing force. It comes first only if no other effect explains a good part of it.
         let part = RANDOM_FORCE_YIELDS * all[best].held_out_gain;
         let enough =
             |other: &Candidate| !is_random(other) && other.penalised_gain >= needed && other.held_out_gain > part;
@@ -226,7 +226,7 @@ fn select_first(all: &mut Vec<Candidate>, needed: f64) {
     all[..=best].rotate_right(1);
 }
 
-/// Whether `other` explains the record about as well as `best`, and does not do so by containing it.
+/// Whether `other` explains the record about as well as `best` and does not contain it.
 fn is_indistinguishable(other: &Candidate, best: &Candidate) -> bool {
     let are_twins = best.entry.twins.contains(&other.entry.name);
     let within = if are_twins { INDISTINGUISHABLE_TWINS } else { INDISTINGUISHABLE };
@@ -248,7 +248,7 @@ mod tests {
     use crate::thresholds::FIRST_EFFECT;
     use plant::Effects;
 
-    /// The names that are left, the one to be named first, of made-up candidates: name, gain, evidence.
+    /// The remaining names, the one to be named first, for candidates of given name, held-out gain and penalised gain.
     fn order(candidates: &[(&str, f64, f64)]) -> Vec<&'static str> {
         let (belief, recording) = (model(), record(&model(), 1, 12));
         let folds = Folds::new(&belief, &recording);

@@ -1,28 +1,28 @@
-//! The third pole by the critical gain: the fan's lag that makes a model's loop lose stability at the gain at which the rig's did.
+//! The third pole from the critical gain: the fan lag at which the model's loop has the measured critical gain.
 //!
 //! ```text
-//! K_u(τ) = the measured K_u        PI of T_i around the model with lag τ; K_u falls as τ rises
+//! K_u(τ) = the measured K_u        PI controller with T_i, model with lag τ; K_u falls as τ rises
 //! ```
 //!
-//! Continuous, or sampled as the firmware does it, with whatever delays the model has. Without those the continuous lag has a closed form,
-//! [`control::design::critical::third_pole`].
-//! Source: the conclusion of the thesis, which proposes the method and does not carry it out.
+//! In continuous time, or sampled as in the firmware, with the dead times of the model. Without dead times the
+//! continuous lag has a closed form, [`control::design::critical::third_pole`].
+//! Source: the conclusion of the thesis, which proposes the method but does not use it.
 
 use control::design::critical::{Limit, critical_gain};
 use control::design::law::Gains;
 use control::design::{DesignError, Linear};
 
-/// Lags that are tried, seconds.
+/// Range of the search for the lag, seconds.
 const SHORTEST_S: f64 = 1e-4;
 const LONGEST_S: f64 = 10.0;
-/// Halvings of the logarithm between them: far below a digit.
+/// Bisections of the logarithm between them: far below a digit.
 const HALVINGS: usize = 60;
 
-/// The fan's lag, seconds, with which `plant` under a PI of `ti_s` has the critical gain `measured`, control value per mm; its own lag does not
-/// count. `period_s`: of the sampled loop; `None`: in continuous time.
+/// The fan lag, seconds, at which `plant` with a PI controller of `ti_s` has the critical gain `measured`, control
+/// value per mm. The plant's own fan lag is ignored. `period_s`: sampling period; `None` for continuous time.
 ///
 /// # Errors
-/// [`DesignError::NoThirdPole`]: no lag does. [`DesignError::DelayTooLong`] for a sampled loop.
+/// [`DesignError::NoThirdPole`]: no lag fits. [`DesignError::DelayTooLong`] for a sampled loop.
 pub fn fan_lag_s(plant: &Linear, ti_s: f64, measured: f64, period_s: Option<f64>) -> Result<f64, DesignError> {
     let none = DesignError::NoThirdPole { critical_gain: measured };
     let (mut short, mut long) = (SHORTEST_S, LONGEST_S);
@@ -57,7 +57,7 @@ mod tests {
     use control::design::critical::{critical_gain, third_pole};
     use control::design::law::Gains;
 
-    /// The thesis: G_a, G_b and G_c without the fan's pole; its rig's critical gain at T_i = 15 s.
+    /// The thesis: G_a, G_b and G_c without the fan's pole, and its rig's critical gain at T_i = 15 s.
     const MODELS: [(f64, f64); 3] = [(254.598, 1.889), (423.4, 1.595), (3222.8 / 3.896, 3.896)];
 
     #[test]
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn a_gain_that_sampling_alone_does_not_bear_has_no_lag() {
-        // The sampled G_a without a fan's pole is critical at 0.800.
+        // The sampled G_a without a fan's pole has a critical gain of 0.800.
         let plant = Linear::two_poles(254.598, 1.889);
         assert!(fan_lag_s(&plant, 15.0, 0.81, Some(0.018)).is_err());
         assert!(fan_lag_s(&plant, 15.0, 0.79, Some(0.018)).is_ok());

@@ -1,4 +1,4 @@
-//! The transient method: a plant from the overshoot of its loop.
+//! The transient method: a plant from the overshoot of its closed loop.
 
 pub(crate) mod fan_pole;
 pub(crate) mod peak;

@@ -3,13 +3,13 @@
 //! ```text
 //! overshoot R = e^(−πδ/√(1 − δ²))      peak time T_p = π/(ω_n·√(1 − δ²))      K_g = ω_n²/K_p      a = 2δω_n
 //! δ = −ln R/√(π² + ln² R)
-//! with a dead time L in the loop, s² + a·s + κ·e^(−Ls), e^(−Ls) ≈ 1 − Ls + L²s²/2:      κ = K_p·K_g = ω_n²/(1 − ω_n²L²/2)
-//!                                                                a = 2δω_n·(1 + κL²/2) + κL
+//! dead time L in the loop, s² + a·s + κ·e^(−Ls), e^(−Ls) ≈ 1 − Ls + L²s²/2:     κ = K_p·K_g = ω_n²/(1 − ω_n²L²/2)
+//!                                                                               a = 2δω_n·(1 + κL²/2) + κL
 //! ```
 //!
-//! Unit feedback and no other pole are assumed: the fan's pole goes into δ and ω_n unseen.
-//! Source: the thesis, section 3.1.2. Erratum: it prints √(δ² − 1) in the peak time, which has no real value for the loops that
-//! overshoot.
+//! Assumes unit feedback and no other pole: the fan's pole changes δ and ω_n unnoticed.
+//! Source: the thesis, section 3.1.2. Erratum: it prints √(δ² − 1) in the peak time, which has no real value for loops
+//! with overshoot.
 
 /// A second-order closed loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Transient {
     pub omega: f64,
 }
 
-/// The plant behind it.
+/// The plant of that loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPoles {
     /// K_g, mm/s² per unit of the control value.
@@ -30,7 +30,8 @@ pub struct TwoPoles {
 }
 
 impl Transient {
-    /// From the overshoot as a share of the step (0 to 1, both excluded) and the peak time in s. `None`: outside of that.
+    /// From the overshoot as a share of the step (between 0 and 1, exclusive) and the peak time in s; `None` for other
+    /// values.
     #[must_use]
     pub fn of_step(overshoot: f64, peak_s: f64) -> Option<Self> {
         if !(overshoot > 0.0 && overshoot < 1.0 && peak_s > 0.0 && peak_s.is_finite()) {
@@ -41,7 +42,7 @@ impl Transient {
         Some(Self { damping, omega: std::f64::consts::PI / (peak_s * (1.0 - damping * damping).sqrt()) })
     }
 
-    /// Overshoot as a share of the step, and peak time in s. `None`: it does not overshoot.
+    /// Overshoot as a share of the step, and peak time in s; `None` without overshoot.
     #[must_use]
     pub fn step(&self) -> Option<(f64, f64)> {
         let root = (1.0 - self.damping * self.damping).sqrt();
@@ -49,7 +50,7 @@ impl Transient {
         (root > 0.0 && self.omega > 0.0).then(|| (libm::exp(-pi * self.damping / root), pi / (self.omega * root)))
     }
 
-    /// The step response at `t_s` after the step, as a share of it, for δ up to 1.
+    /// The step response at `t_s` after the step, as a share of the step, for δ up to 1.
     #[must_use]
     pub fn response(&self, t_s: f64) -> f64 {
         if self.damping >= 1.0 {
@@ -60,7 +61,7 @@ impl Transient {
         1.0 - libm::exp(-sigma * t_s) * (libm::cos(turn) + sigma / omega * libm::sin(turn))
     }
 
-    /// The plant behind the loop of a proportional controller of `kp_per_mm` that acts `dead_time_s` late.
+    /// The plant in a loop with a proportional controller of `kp_per_mm` and a dead time.
     #[must_use]
     pub fn plant_behind(&self, kp_per_mm: f64, dead_time_s: f64) -> TwoPoles {
         let half = 0.5 * dead_time_s * dead_time_s;
@@ -69,7 +70,7 @@ impl Transient {
         TwoPoles { gain: kappa / kp_per_mm, drag_per_s }
     }
 
-    /// The plant that a proportional controller of `kp_per_mm` closes to this loop.
+    /// The plant in a loop with a proportional controller of `kp_per_mm` and no dead time.
     #[must_use]
     pub fn plant(&self, kp_per_mm: f64) -> TwoPoles {
         TwoPoles { gain: self.omega * self.omega / kp_per_mm, drag_per_s: 2.0 * self.damping * self.omega }
@@ -94,7 +95,7 @@ mod tests {
     fn the_table_of_the_thesis_follows_from_its_damping_and_frequency() {
         for [kp, damping, omega, gain, drag] in TABLE {
             let found = Transient { damping, omega }.plant(kp);
-            // δ and ω_n are printed rounded to three decimals.
+            // δ and ω_n are printed with three decimals.
             assert!((found.gain / gain - 1.0).abs() < 0.0025, "K_p {kp}: {found:?}");
             assert!((found.drag_per_s / drag - 1.0).abs() < 0.0015, "K_p {kp}: {found:?}");
         }
@@ -113,7 +114,7 @@ mod tests {
         let (mut y, mut v) = (0.0_f64, 0.0);
         let (mut peak, mut peak_s) = (0.0, 0.0);
         for k in 0..40_000 {
-            // Half a step, so that the error shrinks with the square of dt.
+            // Midpoint rule, so that the error is of second order in dt.
             let half = v + 0.5 * dt * (gain * kp * (1.0 - y) - drag_per_s * v);
             y += dt * half;
             v = half + 0.5 * dt * (gain * kp * (1.0 - y) - drag_per_s * half);

@@ -1,47 +1,48 @@
-//! Pulses: the jumps of the setpoint in a sweep of proportional gains, cut out one by one.
+//! Pulses: the setpoint steps in a sweep of proportional gains.
 //!
 //! ```text
-//! K_p: slope of the control value over the error, row by row     share = (y − from − offset)/jump     error = setpoint − y
+//! K_p: slope of the control value over the error     share = (y − from − offset)/jump     error = setpoint − y
 //! ```
 //!
-//! The gain is read off the rows, so that whoever set it need not have noted it; a pulse whose control value is no straight line over the error
-//! was not flown by a proportional controller, or met a limit.
-//! Source: the thesis, section 3.1.2: five pulses of ±100 mm and five of ±200 mm for each gain, normalised, short ones discarded.
+//! K_p comes from the rows of the log. If the control value is not a straight line over the error, the controller was
+//! not proportional, or it reached a limit.
+//! Source: the thesis, section 3.1.2: five pulses of ±100 mm and five of ±200 mm for each gain, normalised, short ones
+//! discarded.
 
 use crate::record::recording::{Recording, Sample};
 
-/// A change of the setpoint that counts as a jump, mm.
+/// Smallest change of the setpoint that counts as a step, mm.
 const JUMP_MM: f64 = 10.0;
-/// Fewest readings of a pulse.
+/// Smallest number of readings of a pulse.
 const FEWEST: usize = 20;
-/// A pulse shorter than this share of the usual one is short.
+/// A pulse is short if it is shorter than this share of the median.
 const SHORT: f64 = 0.75;
-/// The last part of a pulse, in which the ball has settled.
+/// Where the settled part of a pulse begins, as a share of its length.
 const SETTLED: f64 = 0.75;
-/// The share of the control value's scatter that the error must explain.
+/// The share of the variance of the control value that the error must explain.
 const STRAIGHT: f64 = 0.98;
 
-/// A jump of the setpoint and how the ball followed.
+/// A setpoint step and the response of the ball.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pulse {
     /// K_p, percent per mm.
     pub kp_per_mm: f64,
-    /// Setpoint before, mm.
+    /// Setpoint before the step, mm.
     pub from_mm: f64,
-    /// Size of the jump, mm; downward below 0.
+    /// Size of the step, mm; negative downwards.
     pub jump_mm: f64,
-    /// Time since the jump in s, and position in mm.
+    /// Time since the step in s, and position in mm.
     pub points: Vec<(f64, f64)>,
-    /// Mean of position minus setpoint once it had settled, mm.
+    /// Mean of position minus setpoint in the settled part, mm.
     pub settled_mm: f64,
 }
 
-/// How many jumps were not used, and why.
+/// Number of unused steps, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Rejected {
-    /// Cut off before the ball could settle, or from a place where it had not: the take-off.
+    /// Too short for the ball to settle, or from a position that had not settled: the take-off.
     pub short: usize,
-    /// The control value does not follow the error in proportion.
+    /// The control value is not proportional to the error.
     pub not_proportional: usize,
 }
 
@@ -57,7 +58,7 @@ impl Stretch<'_> {
     }
 }
 
-/// The pulses of a recording, in the order of time, and what was rejected.
+/// The pulses of a recording in order of time, and the number of rejected steps.
 #[must_use]
 pub fn pulses(recording: &Recording) -> (Vec<Pulse>, Rejected) {
     let of_flight = |flight: &std::ops::Range<usize>| pairs(&recording.samples()[flight.clone()]);
@@ -79,7 +80,7 @@ pub fn pulses(recording: &Recording) -> (Vec<Pulse>, Rejected) {
     (kept, rejected)
 }
 
-/// Stretches of constant setpoint that follow each other with a jump between them.
+/// Successive stretches of constant setpoint with a step between them.
 fn pairs(rows: &[Sample]) -> Vec<(Stretch<'_>, Stretch<'_>)> {
     let same = |a: &Sample, b: &Sample| match (a.setpoint_mm, b.setpoint_mm) {
         (Some(a), Some(b)) => (a - b).abs() < JUMP_MM,
@@ -94,7 +95,7 @@ fn pairs(rows: &[Sample]) -> Vec<(Stretch<'_>, Stretch<'_>)> {
     both.collect()
 }
 
-/// `None`: not proportional.
+/// `None` if the control is not proportional.
 fn pulse(from_mm: f64, after: &Stretch<'_>) -> Option<Pulse> {
     let start_s = after.rows.first()?.time_s;
     let read = || after.rows.iter().filter_map(|row| Some((row, row.position_mm?)));
@@ -113,7 +114,7 @@ fn pulse(from_mm: f64, after: &Stretch<'_>) -> Option<Pulse> {
     })
 }
 
-/// The slope of the second over the first. `None`: they are not on a rising line.
+/// The slope of the second over the first; `None` if they do not lie on a rising line.
 fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
@@ -128,7 +129,8 @@ mod tests {
     use super::{Rejected, pulses};
     use crate::{Recording, Sample};
 
-    /// Rows of a ball that follows `setpoint` at once, flown with `kp` and a duty that never exceeds `most`.
+    /// Rows of a ball that follows `setpoint` with a short lag, controlled with gain `kp`, where the control value is
+    /// limited to `most`.
     fn flown(setpoint: impl Fn(f64) -> f64, kp: f64, most: f64, seconds: u32) -> Recording {
         let mut position: f64 = 0.0;
         let row = |k: u32| {
@@ -160,7 +162,7 @@ mod tests {
     fn short_pulses_and_those_at_a_limit_are_rejected() {
         let cut = |time_s: f64| if time_s > 22.0 { 300.0 } else { square(time_s) };
         let (found, rejected) = pulses(&flown(cut, 0.009, 9.0, 30));
-        // The pulse at 20 s lasts 2 s, and the one after it begins where the ball had not settled.
+        // The pulse at 20 s lasts 2 s, and the next one begins before the ball has settled.
         assert_eq!((found.len(), rejected), (3, Rejected { short: 2, not_proportional: 0 }));
         let (found, rejected) = pulses(&flown(square, 0.009, 0.3, 25));
         assert_eq!((found.len(), rejected), (0, Rejected { short: 0, not_proportional: 4 }));

@@ -1,14 +1,16 @@
-//! The transient method on a sweep of gains: from pulses to (K_g, a) of every gain, and to their mean.
+//! The transient method on a sweep of gains: (K_g, a) from the pulses at each gain, and their mean.
 //!
 //! ```text
-//! mean pulse of a gain → overshoot R and peak time T_p → δ, ω_n → K_g, a          R, T_p: maximum of a cubic about the peak
-//! not visibly beyond the setpoint: δ = 1, ω_n = 1.678/t_half                      1 − (1 + x)·e⁻ˣ = 1/2 at x = 1.678
+//! mean pulse of a gain → overshoot R and peak time T_p → δ, ω_n → K_g, a          R, T_p: of a cubic about the peak
+//! no significant overshoot: δ = 1, ω_n = 1.678/t_half                      1 − (1 + x)·e⁻ˣ = 1/2 at x = 1.678
 //! ```
 //!
-//! The pulses of a gain are averaged before R and T_p are read, each as much worth as the square of its jump: the maximum of one noisy pulse is
-//! too high, and so would be a mean of such maxima. That a centred mean over 16 points smoothes, as the thesis' does, the cubic does here.
-//! The intervals come from leaving out each pulse in turn (jackknife), that of the mean from the scatter of the gains as well.
-//! Sources: the thesis, section 3.1.2; Efron and Stein, "The jackknife estimate of variance", Annals of Statistics 9 (1981).
+//! The pulses of a gain are averaged before R and T_p are determined, with the square of the step size as weight: the
+//! maximum of one noisy pulse is biased upwards, and so is a mean of such maxima. The cubic replaces the smoothing of
+//! the thesis, a centred mean over 16 points. The intervals come from the jackknife over pulses; that of the mean
+//! includes the scatter between gains.
+//! Sources: the thesis, section 3.1.2; Efron and Stein, "The jackknife estimate of variance", Annals of Statistics 9
+//! (1981).
 
 use crate::fit::profile::OF_90_PERCENT;
 use crate::identify::grey_box::Estimate;
@@ -18,29 +20,29 @@ use crate::identify::transient::steps::{Pulse, Rejected, pulses};
 use crate::record::recording::Recording;
 use serde::Serialize;
 
-/// Gains that differ by less than this share are one.
+/// Gains that differ by less than this share are equal.
 const SAME: f64 = 0.03;
-/// Fewest pulses of a gain.
+/// Smallest number of pulses per gain.
 const FEWEST: usize = 4;
-/// An overshoot is seen if it is so many standard deviations.
+/// An overshoot is significant above so many standard deviations.
 const SEEN: f64 = 2.0;
 /// ω_n·t_half of a critically damped loop.
 const HALF_WAY: f64 = 1.678_346_99;
-/// Student's 95 % quantiles for 1, 2, … degrees of freedom; beyond the table 1.645 + 1.6/ν.
+/// 95 % quantiles of Student's t for 1, 2, … degrees of freedom; beyond the table 1.645 + 1.6/ν.
 const STUDENT: [f64; 10] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833, 1.812];
 
-/// What the pulses of one gain say.
+/// The result of the pulses at one gain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OfGain {
     /// K_p, percent per mm.
     pub kp_per_mm: f64,
-    /// Pulses that were averaged.
+    /// Number of averaged pulses.
     pub pulses: usize,
-    /// R, share of the jump; 0 where none is seen.
+    /// R, share of the step; 0 without significant overshoot.
     pub overshoot: f64,
-    /// T_p, seconds; `None` where no overshoot is seen.
+    /// T_p, seconds; `None` without significant overshoot.
     pub peak_s: Option<f64>,
-    /// δ; 1 where no overshoot is seen.
+    /// δ; 1 without significant overshoot.
     pub damping: f64,
     /// ω_n, rad/s.
     pub omega: f64,
@@ -48,54 +50,55 @@ pub struct OfGain {
     pub gain: Estimate,
     /// a with its 90 % interval.
     pub drag: Estimate,
-    /// Time since the jump in s, and share of the jump.
+    /// Time since the step in s, and position as a share of the step.
     #[serde(skip)]
     pub mean_pulse: Vec<(f64, f64)>,
 }
 
-/// What a sweep says.
+/// The result of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sweep {
-    /// Gain by gain, lowest first.
+    /// Results by gain, lowest first.
     pub gains: Vec<OfGain>,
-    /// K_g: mean over the gains whose overshoot is seen.
+    /// K_g: mean over the gains with significant overshoot.
     pub gain: Estimate,
     /// a: the same.
     pub drag: Estimate,
-    /// Jumps that were not used.
+    /// Steps that were not used.
     pub rejected: Rejected,
 }
 
-/// Why a sweep says nothing.
+/// Why a sweep gives no result.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoSweep {
-    /// No pulses.
+    /// No usable pulses.
     #[error(
         "no gain has {FEWEST} pulses of a proportional controller ({short} jumps were too short, {not_proportional} not in proportion to the error); fly experiments/gain-pulses.toml once for each gain"
     )]
     NoPulses {
-        /// Rejected as short.
+        /// Rejected because they are too short.
         short: usize,
-        /// Rejected as not proportional.
+        /// Rejected because the control is not proportional.
         not_proportional: usize,
     },
-    /// Nothing overshoots.
+    /// No significant overshoot.
     #[error(
         "no overshoot is seen at any of {gains} gains up to {highest_per_mm} per mm; add higher gains to the sweep"
     )]
     NoOvershoot {
-        /// How many gains there are.
+        /// Number of gains.
         gains: usize,
-        /// The highest.
+        /// The highest gain.
         highest_per_mm: f64,
     },
 }
 
 impl Sweep {
-    /// Reads a sweep off `recording`. `dead_time_s`: what the loop holds and computes takes so long, usually half a period.
+    /// Evaluates the sweep in `recording`. `dead_time_s`: dead time of sample-and-hold and computation, usually half a
+    /// period.
     ///
     /// # Errors
-    /// [`NoSweep`]: too few pulses, or none that overshoots.
+    /// [`NoSweep`]: too few pulses, or none with significant overshoot.
     pub fn of(recording: &Recording, dead_time_s: f64) -> Result<Self, NoSweep> {
         let (mut all, rejected) = pulses(recording);
         all.sort_by(|a, b| a.kp_per_mm.total_cmp(&b.kp_per_mm));
@@ -115,7 +118,7 @@ impl Sweep {
     }
 }
 
-/// One estimate from the pulses of a gain: R, T_p, and the plant behind them.
+/// R, T_p and the resulting plant from one mean pulse.
 struct Reading {
     overshoot: f64,
     peak_s: Option<f64>,
@@ -153,7 +156,7 @@ fn of_gain(group: &[Pulse], dead_time_s: f64) -> Option<OfGain> {
     })
 }
 
-/// What a mean pulse says. `None`: it is no step response.
+/// Evaluates a mean pulse; `None` if it is not a step response.
 fn reading(points: &[(f64, f64)], kp_per_mm: f64, dead_time_s: f64, is_seen: bool) -> Option<Reading> {
     let (overshoot, peak_s, transient) = if is_seen {
         let (peak_s, height) = highest(points)?;
@@ -166,14 +169,14 @@ fn reading(points: &[(f64, f64)], kp_per_mm: f64, dead_time_s: f64, is_seen: boo
     (plant.gain > 0.0 && plant.drag_per_s > 0.0).then_some(Reading { overshoot, peak_s, transient, plant })
 }
 
-/// The mean of pulses as time and share of the jump, each as much worth as the square of its jump. Where the ball settles is the same for
-/// all, whatever the controller believes of hover.
+/// The mean of pulses as time and share of the step, weighted by the square of the step size. The offset of the settled
+/// position is common to all pulses, so that an error of the hover duty does not matter.
 fn mean_pulse<'a>(pulses: impl Iterator<Item = &'a Pulse> + Clone) -> Vec<(f64, f64)> {
     let settled = |sign: f64| {
         let all: Vec<f64> = pulses.clone().filter(|p| sign * p.jump_mm > 0.0).map(|p| p.settled_mm).collect();
         (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
     };
-    // Up and down count alike: what is not quite settled then cancels.
+    // Upward and downward pulses have equal weight, so that incomplete settling cancels.
     let sides = [settled(1.0), settled(-1.0)];
     let offset_mm = sides.iter().flatten().sum::<f64>() / sides.iter().flatten().count().max(1) as f64;
     let shortest = pulses.clone().map(|pulse| pulse.points.len()).min().unwrap_or_default();
@@ -188,7 +191,7 @@ fn mean_pulse<'a>(pulses: impl Iterator<Item = &'a Pulse> + Clone) -> Vec<(f64, 
     (0..shortest).map(point).collect()
 }
 
-/// Standard deviation of what was found from all, by what was found without each.
+/// Jackknife standard deviation from the estimates without each pulse.
 fn jackknife(without: &[f64]) -> f64 {
     let n = without.len() as f64;
     let mean = without.iter().sum::<f64>() / n;
@@ -203,14 +206,14 @@ fn student(degrees: usize) -> f64 {
         .unwrap_or(OF_90_PERCENT + 1.6 / degrees.max(1) as f64)
 }
 
-/// The mean of the logarithms, each weighed by its own interval; the mean's interval grows where they scatter by more than that.
+/// The mean of the logarithms, weighted by their intervals. Its interval grows if they scatter by more than that.
 fn mean(all: &[Estimate]) -> Option<Estimate> {
     let first = all.first()?;
     let log = |of: &Estimate| Some((of.value.ln(), (of.high? / of.low?).ln().max(1e-9).powi(-2)));
     let logs: Vec<(f64, f64)> = all.iter().filter_map(log).collect();
     let weight: f64 = logs.iter().map(|(_, w)| w).sum();
     let mean = logs.iter().map(|(x, w)| w * x).sum::<f64>() / weight;
-    // The weights are of intervals: twice the quantile of a deviation wide.
+    // The weights come from intervals, whose width is twice the quantile times the standard deviation.
     let width = 2.0 * OF_90_PERCENT;
     let scatter = logs.iter().map(|(x, w)| width * width * w * (x - mean).powi(2)).sum::<f64>();
     let wider = (scatter / (logs.len() - 1).max(1) as f64).max(1.0);

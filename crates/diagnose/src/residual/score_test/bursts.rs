@@ -1,21 +1,22 @@
-//! Whether pushes come all the time, as those of a turbulence do, or in bursts.
+//! Whether the residual force acts all the time, as that of a turbulence does, or in bursts.
 //!
 //! ```text
-//! b = n·Σz⁴/(Σz²)²                      kurtosis of the scores of a push at each moment: 3 where they are normal
-//! n = 1/mean ρ⁴(k − l) over k, l          as many independent ones leave the same doubt, for cov(He₄(z_k), He₄(z_l)) = 24·ρ⁴
-//! Z(b, n)                               the normal number that is as rare as b of n normal ones
+//! b = n·Σz⁴/(Σz²)²                      kurtosis of the scores of a force pulse at each moment: 3 for normal scores
+//! n = 1/mean ρ⁴(k − l) over k, l        effective number of independent scores, for cov(He₄(z_k), He₄(z_l)) = 24·ρ⁴
+//! Z(b, n)                               the standard normal quantile of the kurtosis b of n normal scores
 //! ```
 //!
-//! A coloured force follows gusts as well as it follows a turbulence; between gusts it has nothing to follow.
-//! Sources: Harvey and Koopman, "Diagnostic checking of unobserved-components time series models", Journal of Business & Economic
-//! Statistics 10 (1992); Anscombe and Glynn, "Distribution of the kurtosis statistic b2 for normal samples", Biometrika 70 (1983).
+//! A coloured force follows gusts as well as a turbulence. Between gusts it has nothing to follow.
+//! Sources: Harvey and Koopman, "Diagnostic checking of unobserved-components time series models", Journal of
+//! Business & Economic Statistics 10 (1992); Anscombe and Glynn, "Distribution of the kurtosis statistic b2 for normal
+//! samples", Biometrika 70 (1983).
 
-/// Independent scores that a kurtosis needs: the transform is for 20 and more.
+/// Smallest number of independent scores: the transform is valid from 20 on.
 const FEWEST: f64 = 20.0;
-/// Scores so many places apart may still go together: as long as the trace of a push, at the most starts in a second.
+/// Longest lag with correlated scores: the effect of a force pulse in readings, at the highest density of moments.
 const LAGS: usize = 400;
 
-/// How much larger the kurtosis of these scores is than that of normal ones, deviations. 0 where they are too few.
+/// Kurtosis of these scores as a standard normal number: large for bursts, 0 for too few scores.
 pub(super) fn bursts(scores: &[f64]) -> f64 {
     let count = scores.len() as f64;
     let power = |exponent: i32| scores.iter().map(|z| z.powi(exponent)).sum::<f64>() / count;
@@ -31,7 +32,7 @@ fn together(scores: &[f64], power: f64) -> f64 {
     1.0 + 2.0 * (1..scores.len().min(LAGS)).map(|lag| correlation(lag).powi(4)).sum::<f64>()
 }
 
-/// The kurtosis `b` of `n` normal numbers as a normal number: Anscombe and Glynn, equations 7 to 9 of their paper's transform.
+/// The kurtosis `b` of `n` normal numbers as a standard normal number: Anscombe and Glynn, equations 7 to 9.
 fn as_normal(b: f64, n: f64) -> f64 {
     let mean = 3.0 * (n - 1.0) / (n + 1.0);
     let variance = 24.0 * n * (n - 2.0) * (n - 3.0) / ((n + 1.0).powi(2) * (n + 3.0) * (n + 5.0));
@@ -50,11 +51,13 @@ mod tests {
 
     #[test]
     fn the_kurtosis_of_a_published_sample_is_as_rare_as_it_is_published() {
-        // Cholesterol of 62 people: D'Agostino, Belanger and D'Agostino, The American Statistician 44 (1990), b = 4.58, Z = 2.21.
+        // Cholesterol of 62 people: D'Agostino, Belanger and D'Agostino, The American Statistician 44 (1990),
+        // b = 4.58, Z = 2.21.
         assert!((as_normal(4.58, 62.0) - 2.21).abs() < 0.01, "{}", as_normal(4.58, 62.0));
     }
 
-    /// Numbers that go together over about `reach` places, each of a size that changes every `stay` places from one of `sizes` to the next.
+    /// Normal numbers with a correlation length of `reach`, times a scale that changes every `stay` numbers, cyclic in
+    /// `sizes`.
     fn numbers(seed: u64, reach: f64, stay: usize, sizes: &[f64]) -> Vec<f64> {
         let (mut normal, mut now) = (Normal::new(seed, 3), 0.0);
         let keep = (-1.0 / reach).exp();

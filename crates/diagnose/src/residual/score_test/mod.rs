@@ -1,21 +1,22 @@
-//! What a model omits: whether the innovations ask for a force, a shift of the readings or a spread that it does not have.
+//! Score test of omitted terms: whether a missing force, shift of the readings or noise level explains the innovations.
 //!
 //! ```text
-//! force θ·φ        δ ← Φ·δ + g·φ,  s = ∂ŷ/∂θ = H·δ,  δ ← (I − K·H)·δ        what it would do to each expected reading
+//! force θ·φ        δ ← Φ·δ + g·φ,  s = ∂ŷ/∂θ = H·δ,  δ ← (I − K·H)·δ        s: effect on each expected reading
 //! shift θ·φ        s = H·δ + φ, and the filter takes it for motion
-//! z                Σ e·r/√Σ r²      r: s/√S without what the fitted numbers of the model can do themselves, and the form of each lag
-//! form             something late on a lag's side of the ball, normal with a deviation of a twentieth of that lag
-//! spread           the same of ∛e², which is nearly normal, against φ
-//! noise            Λ = max over c of L(c) + ½·Σ z²(c) − max L        L: ln p of the readings with c of the air's noise
-//! moments          a slip of the readings or a push at a moment of its own: see `moments`
-//! bursts           pushes that come and go: see `bursts`
+//! z                Σ e·r/√Σ r²      r: s/√S, orthogonal to the effects of the fitted parameters and of the lag forms
+//! form             dead time at the stage of a lag, normal with a standard deviation of a twentieth of that lag
+//! spread           the same for ∛e², which is nearly normal, against φ
+//! noise            Λ = max over c of L(c) + ½·Σ z²(c) − max L        L: ln p with c times the air's noise
+//! moments          a step of the readings or a force pulse at a single moment: see `moments`
+//! bursts           forces that come and go: see `bursts`
 //! ```
 //!
-//! The score (Lagrange multiplier) test: z is normal with variance 1 under a right model, whatever the loop does, because φ is known
-//! before the reading. A filter spreads what a force does over the readings that follow; this test looks for it there. What a model omits
-//! has made the noise of its air too large to see it: the likelihood ratio Λ chooses that noise anew.
-//! Source: Engle, "Wald, likelihood ratio, and Lagrange multiplier tests in econometrics", Handbook of Econometrics 2 (1984); Wilson and
-//! Hilferty, "The distribution of chi-square", Proc. Natl. Acad. Sci. 17 (1931).
+//! This is the score (Lagrange multiplier) test. Under a right model z is normal with variance 1, in closed loop too,
+//! because φ is known before the reading. A force moves many later readings through the filter; s includes that. An
+//! omitted term makes the fitted noise of the air too large, which hides the term. So the likelihood ratio Λ chooses
+//! that noise anew.
+//! Sources: Engle, "Wald, likelihood ratio, and Lagrange multiplier tests in econometrics", Handbook of Econometrics 2
+//! (1984); Wilson and Hilferty, "The distribution of chi-square", Proc. Natl. Acad. Sci. 17 (1931).
 
 mod bursts;
 mod moments;
@@ -36,47 +37,47 @@ use scores::{Asked, Scores};
 use serde::Serialize;
 use terms::Term;
 
-/// Shares of the air's noise, or of its turbulence, at which terms are asked for beside all of it.
+/// Factors on the air's noise, or on its turbulence, at which the terms are tested as well.
 const QUIETER: [f64; 2] = [0.5, 0.2];
 
-/// What the innovations ask for.
+/// An omitted term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Omitted {
     /// The term in words.
     pub words: String,
-    /// Its score beside those before it, deviations.
+    /// Its score given the terms before it, standard deviations.
     pub z: f64,
-    /// Where on the signal path it would act, if it says.
+    /// The stage of the signal path where it would act, if it is known.
     #[serde(skip)]
     pub stage: Option<Stage>,
 }
 
-/// What is asked for together, most first.
+/// The terms with the largest joint score, largest first.
 pub(crate) struct Question {
-    /// −ln of the chance of that among all that was looked at.
+    /// −ln of the probability of so large a score, corrected for the choice among all terms.
     pub(crate) nats: f64,
-    /// What is asked for.
+    /// The terms.
     pub(crate) terms: Vec<Omitted>,
 }
 
-/// What a model omits.
+/// The result of the score test.
 pub(crate) struct Found {
-    /// Among the terms.
+    /// Omitted terms.
     pub(crate) terms: Question,
-    /// Among the moments.
+    /// Events at single moments.
     pub(crate) moments: Question,
-    /// How much the pushes come in bursts, deviations.
+    /// How much the residual force comes in bursts, standard deviations.
     pub(crate) bursts: f64,
 }
 
-/// What the innovations ask for. A `weight` below 1 counts each reading for less.
+/// Tests the innovations for omitted terms and events. `weight`: weight of each reading, at most 1.
 pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) -> bool + Sync), weight: f64) -> Found {
     let (forces, shifts, spreads) = (terms::forces(), terms::shifts(), terms::spreads());
     let walk = |share: f64| Walk::of(problem, quieter(fit, share), judged);
     let as_fitted = walk(1.0);
     let mut levels = vec![Level::of(&as_fitted, &forces, &shifts)];
     let (spread, variance) = as_fitted.spreads(&spreads);
-    // What a coarse sensor's cells do to a filter that takes its doubt for normal is a spread of its own.
+    // The steps of a coarse sensor make the innovations' variance uneven, because the filter assumes normal states.
     let coarse = fit.model.effects.reading_step_mm().is_some();
     let spread = if coarse { Vec::new() } else { spread.asked(variance, weight, 0.0) };
     let pushed = Moments::of(&fit.model, &as_fitted.steps);
@@ -102,7 +103,7 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
     Found { terms, moments, bursts }
 }
 
-/// `fit` with a share of the air's noise: of the coloured one, where there is one.
+/// `fit` with the air's noise times `share`: its coloured part if there is one.
 fn quieter(fit: &Fit, share: f64) -> Fit {
     let mut fit = fit.clone();
     if !fit.model.effects.scale_coloured_force(share) {
@@ -111,7 +112,7 @@ fn quieter(fit: &Fit, share: f64) -> Fit {
     fit
 }
 
-/// As many of them as innovation most together, each with its words and stage.
+/// The first terms, as many as maximise the nats together, each with its words and stage.
 fn together(asked: &[Asked], said: impl Fn(usize) -> (String, Option<Stage>)) -> Question {
     let most = (0..asked.len()).max_by(|a, b| asked[*a].nats.total_cmp(&asked[*b].nats));
     let Some(most) = most else { return Question { nats: 0.0, terms: Vec::new() } };
@@ -122,7 +123,8 @@ fn together(asked: &[Asked], said: impl Fn(usize) -> (String, Option<Stage>)) ->
     Question { nats: asked[most].nats, terms: asked[..=most].iter().map(omitted).collect() }
 }
 
-/// A way along the record with a share of the air's noise: its scores, and ln p of the readings with what the fitted numbers can do.
+/// A filter run with a factor on the air's noise: its scores, and ln p of the readings with the effect of the fitted
+/// parameters.
 struct Level {
     motions: Scores,
     log_likelihood: f64,
@@ -165,17 +167,17 @@ mod tests {
             let by_push = nudged.go(&own, leg, (leg.time_s - before_s, push, 0.0), taken);
             before_s = leg.time_s;
             let by_hover = moved.expected_mm - taken.expected_mm;
-            // The ball takes off from the bottom, where a push does nothing; later that is forgotten.
+            // The ball takes off from the bottom, where a force has no effect; the filter forgets that later.
             if leg.time_s > 10.0 {
                 product += by_push * by_hover;
                 square += by_hover * by_hover;
             }
         }
-        // Readings far out are taken the less the further they are, which the sensitivity leaves out.
+        // The sensitivity neglects that outliers have less weight.
         assert!((product / square - 1.0).abs() < 0.03, "{}", product / square);
     }
 
-    /// A flight with a force of height and time, mm/s², that no effect of the catalogue has, given as duty that nobody logged.
+    /// A flight with a force of height and time, mm/s², that is not in the catalogue, as a duty that is not logged.
     fn with_force(force: impl Fn(f64, f64) -> f64, seed: u64) -> Recording {
         let rig = model();
         let mut simulator = Simulator::new(rig.clone(), seed);
@@ -191,11 +193,11 @@ mod tests {
         Recording::new(rows.collect()).unwrap()
     }
 
-    /// A flight of a rig whose gain swings: 10 periods of the flight.
+    /// A flight of a rig whose gain oscillates with 10 periods per flight.
     fn with_swing_of_gain() -> Recording {
         let mut rows = with_force(|_, _| 0.0, 5).samples().to_vec();
         let hover = model().hover_duty_percent;
-        // The logged duty is what acted, over the gain.
+        // The logged duty is the true duty over the gain.
         for row in &mut rows {
             let swing = 1.0 + 0.5 * (std::f64::consts::TAU * row.time_s / 8.0).sin();
             row.duty_percent = hover + (row.duty_percent - hover) / swing;
@@ -203,7 +205,7 @@ mod tests {
         Recording::new(rows).unwrap()
     }
 
-    /// A flight whose readings slip at 50 s.
+    /// A flight with a step of the readings at 50 s.
     fn with_slip() -> Recording {
         let mut rows = with_force(|_, _| 0.0, 4).samples().to_vec();
         rows.iter_mut()
@@ -219,7 +221,7 @@ mod tests {
         omitted(&problem, &fit, &|row| folds.counts(row), 1.0)
     }
 
-    /// Nats and words: terms, moments.
+    /// Nats and words of the terms and of the events.
     fn asked(recording: &Recording) -> [(f64, Vec<String>); 2] {
         let Found { terms, moments, .. } = found(recording);
         let words = |question: &Question| question.terms.iter().map(|term| term.words.clone()).collect();
@@ -273,7 +275,7 @@ mod tests {
 
     #[test]
     fn what_has_made_the_air_seem_restless_is_asked_for_all_the_same() {
-        // With the noise of the air that was fitted without it, it is asked for by 32 nats.
+        // With the air's noise as fitted the score is 32 nats.
         let [(nats, words), _] = asked(&with_force(|mm, _| 90.0 * (mm / 14.0).sin(), 1));
         assert!(nats > 45.0, "{nats} nats for {words:?}");
     }
@@ -288,7 +290,7 @@ mod tests {
         assert!(nats > 8.0 && when(&words, "slipped at 50."), "{nats} nats for {words:?}");
     }
 
-    /// Nats that are asked for of a rig whose lag is two in series, believed to be one.
+    /// Nats of the terms for a rig with two lags in series and a model with one.
     fn of_two_lags(small_s: f64, seed: u64) -> f64 {
         let mut rig = model();
         rig.effects.set("fan_lag", &[0.2 - small_s]);

@@ -1,12 +1,12 @@
-//! Moments at which something happened that no function of what was known foresees: the readings slipped, or the ball was pushed.
+//! Events at single moments that no known signal predicts: a step of the readings, or a force pulse on the ball.
 //!
 //! ```text
-//! z(k, shape)    Σ e·r/√Σ r²        r: what a slip, or a push of some length, from reading k on does to those that follow, over √S
-//! nats(m)        −ln P(χ²_m > Σ z²) − ln C(n, m)            the m moments that say most, none within another's reach
+//! z(k, shape)    Σ e·r/√Σ r²        r: effect on later readings of a step or a pulse at reading k, over √S
+//! nats(m)        −ln P(χ²_m > Σ z²) − ln C(n, m)            the m moments of largest z, no two within the reach
 //! ```
 //!
-//! Source: Willsky and Jones, "A generalized likelihood ratio approach to the detection and estimation of jumps in linear systems",
-//! IEEE Transactions on Automatic Control 21 (1976).
+//! Source: Willsky and Jones, "A generalized likelihood ratio approach to the detection and estimation of jumps in
+//! linear systems", IEEE Transactions on Automatic Control 21 (1976).
 
 use super::bursts::bursts;
 use super::sensitivities::Step;
@@ -16,32 +16,32 @@ use crate::stats::chi_square::ln_chance;
 use plant::{Model, Stage};
 use rayon::prelude::*;
 
-/// How long after a moment its trace is looked for, seconds.
+/// Reach: how long after a moment its effect is evaluated, seconds.
 const REACH_S: f64 = 1.2;
-/// Lengths of pushes, seconds.
+/// Lengths of pulses, seconds.
 const PUSHES_S: [f64; 3] = [0.1, 0.35, 1.0];
-/// A slip that comes so much later is another, seconds, and so is a push by this share of its length.
+/// Resolution in time: of steps, seconds, and of pulses, as a share of their length.
 const OTHER_S: f64 = 0.02;
 const OTHER_SHARE: f64 = 0.2;
-/// Moments at most that count together, and at which something is looked for.
+/// Most moments in one result, and most moments that are tested.
 const MOST: usize = 12;
 const MOST_STARTS: usize = 20_000;
 
-/// What may have events_found.
+/// All shapes.
 const SHAPES: [Shape; 1 + PUSHES_S.len()] =
     [Shape::Slip, Shape::Push(PUSHES_S[0]), Shape::Push(PUSHES_S[1]), Shape::Push(PUSHES_S[2])];
 
-/// What happened.
+/// The shape of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
-    /// Readings are off from then on.
+    /// A step: all later readings are shifted.
     Slip,
-    /// A push for so many seconds.
+    /// A force pulse of so many seconds.
     Push(f64),
 }
 
 impl Shape {
-    /// Push and shift, both of 1, so long after the moment.
+    /// Force and shift of a unit event, so long after the moment.
     fn after(self, since_s: f64) -> (f64, f64) {
         match self {
             Self::Slip => (0.0, 1.0),
@@ -49,7 +49,7 @@ impl Shape {
         }
     }
 
-    /// How much later the same shape is another, seconds.
+    /// Shortest time between two distinguishable events of this shape, seconds.
     fn other_s(self) -> f64 {
         match self {
             Self::Slip => OTHER_S,
@@ -72,16 +72,16 @@ impl Shape {
     }
 }
 
-/// What is looked for at every moment, and what was found.
+/// Scores of all shapes at all tested moments.
 pub(super) struct Moments {
-    /// Where it would begin: the first step that it moves.
+    /// The first step that the event affects.
     starts: Vec<usize>,
-    /// The scores of each shape there, deviations.
+    /// The score of each shape there, standard deviations.
     scores: Vec<[f64; SHAPES.len()]>,
 }
 
 impl Moments {
-    /// Looks for every shape at every moment that is judged.
+    /// Scores every shape at every moment that is judged.
     pub(super) fn of(model: &Model, steps: &[Step]) -> Self {
         let every = steps.len() / MOST_STARTS + 1;
         let starts: Vec<usize> = (0..steps.len()).step_by(every).filter(|k| steps[*k].judged).collect();
@@ -89,7 +89,7 @@ impl Moments {
         Self { starts, scores }
     }
 
-    /// What happened at the moments that together are least by chance. A `weight` below 1 counts each reading for less.
+    /// The events with the smallest joint probability. `weight`: weight of each reading, at most 1.
     pub(super) fn events_found(&self, steps: &[Step], weight: f64) -> Question {
         let rated = self.rated(weight);
         let looks = looks(steps);
@@ -116,14 +116,14 @@ impl Moments {
         Question { nats: most.0, terms }
     }
 
-    /// How much the pushes come in bursts, deviations: the most of any length.
+    /// How much force comes in bursts, standard deviations: the largest value over the lengths of pulses.
     pub(super) fn bursts(&self, weight: f64) -> f64 {
         let of = |at: usize| bursts(&self.scores.iter().map(|scores| scores[at]).collect::<Vec<_>>());
         let pushes = (0..SHAPES.len()).filter(|at| matches!(SHAPES[*at], Shape::Push(_)));
         weight.sqrt() * pushes.map(of).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// By each moment the shape that says most there; the most first.
+    /// The shape with the largest score at each moment, largest first.
     fn rated(&self, weight: f64) -> Vec<(usize, Shape, f64)> {
         let best = |(k, scores): (&usize, &[f64; SHAPES.len()])| {
             let rated = SHAPES.iter().zip(scores).map(|(shape, z)| (*k, *shape, weight.sqrt() * z));
@@ -135,13 +135,13 @@ impl Moments {
     }
 }
 
-/// How many looks there are that are not the same as another.
+/// Effective number of independent tests.
 fn looks(steps: &[Step]) -> f64 {
     let judged_s: f64 = steps.iter().filter(|step| step.judged).filter_map(|step| step.dt).sum();
     SHAPES.iter().map(|shape| judged_s / shape.other_s()).sum()
 }
 
-/// The score of a shape that begins with the first of these steps, deviations.
+/// The score of a shape that begins at the first of these steps, standard deviations.
 fn score(model: &Model, steps: &[Step], shape: Shape) -> f64 {
     let mut nudged = Sensitivity::zero();
     let (mut since_s, mut product, mut square) = (0.0, 0.0, 0.0);

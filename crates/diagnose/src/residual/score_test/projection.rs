@@ -1,16 +1,16 @@
-//! Scores of many forces, one by one, beside what the fitted numbers of a model can do.
+//! Scores of single forces, orthogonal to the effects of a model's fitted parameters.
 //!
 //! ```text
-//! q_i           orthonormal columns of what the fitted numbers do to the expected readings: Gram and Schmidt
+//! q_i           orthonormal columns of the sensitivities of the expected readings to the parameters: Gram–Schmidt
 //! e' = e − Σ q_i·(q_i·e)
-//! z² = (f·e')²/(f·f − Σ (q_i·f)²)             f: what the force does to them
+//! z² = (f·e')²/(f·f − Σ (q_i·f)²)             f: sensitivity of the expected readings to the force
 //! ```
 
 use super::scores::OF_ITS_OWN;
 use super::sensitivities::{Step, Walk};
 use crate::filter::ekf::Sensitivity;
 
-/// What the innovations of a walk hold that the fitted numbers do not explain.
+/// The innovations of a filter run without the part that the fitted parameters explain.
 pub(crate) struct Beside<'a> {
     walk: &'a Walk,
     own: Vec<Vec<f64>>,
@@ -39,7 +39,8 @@ impl<'a> Beside<'a> {
         Self { walk, own, innovations }
     }
 
-    /// z² of a force: `push` is what it is on the way to each reading, mm/s², by the number of the reading and the seconds since the one before.
+    /// z² of a force. `push` gives its value before each reading, mm/s², from the number of the reading and the seconds
+    /// since the previous one.
     pub(crate) fn score(&self, mut push: impl FnMut(usize, f64) -> f64) -> f64 {
         let mut nudged = Sensitivity::zero();
         let column = self.walk.steps.iter().enumerate().map(|(k, step)| {
@@ -53,7 +54,7 @@ impl<'a> Beside<'a> {
         let column: Vec<f64> = column.collect();
         let whole = dot(&column, &column);
         let square = whole - self.own.iter().map(|own| dot(own, &column).powi(2)).sum::<f64>();
-        // Not a number compares as false: what cannot be judged is not asked for.
+        // NaN compares as false: a score that is undefined counts as 0.
         if square > OF_ITS_OWN * whole { dot(&column, &self.innovations).powi(2) / square } else { 0.0 }
     }
 }
@@ -66,7 +67,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Takes out of `column` what goes with `unit`.
+/// Subtracts from `column` its projection on `unit`.
 fn take_out(column: &mut [f64], unit: &[f64]) {
     let share = dot(column, unit);
     column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);

@@ -1,10 +1,10 @@
-//! Scores of terms, summed row by row, and the terms that explain most together.
+//! Scores of terms, summed row by row, and forward selection of the terms that explain most together.
 //!
 //! ```text
-//! G = Σ f·fᵀ, b = Σ f·e               f: first what the model can do itself, then the forms of its parts, then the terms
-//! G_jj + 1                             for a form: what it differs by is normal with variance 1 in its own scale
-//! z_j = b_j/√G_jj                      once the model's own and the forms have been swept out of G and b
-//! nats(m) = −ln P(χ²_m > Σ z²) − ln C(n, m)          the best m of n terms, one swept out after another
+//! G = Σ f·fᵀ, b = Σ f·e               f: sensitivities to the parameters, then the lag forms, then the terms
+//! G_jj + 1                             for a form: its size is normal with variance 1 in its own scale
+//! z_j = b_j/√G_jj                      after the parameters and the forms have been swept out of G and b
+//! nats(m) = −ln P(χ²_m > Σ z²) − ln C(n, m)          forward selection of m of n terms, each swept out in turn
 //! ```
 //!
 //! Source: Goodnight, "A tutorial on the SWEEP operator", The American Statistician 33 (1979).
@@ -12,41 +12,41 @@
 use crate::stats::chi_square::ln_chance;
 use nalgebra::{DMatrix, DVector};
 
-/// What a term must keep of its square once others are swept out, to count as one of its own.
+/// Share of its square that a column must keep when others are swept out. Below that it is collinear with them.
 pub(super) const OF_ITS_OWN: f64 = 1e-3;
-/// Terms at most.
+/// Largest number of selected terms.
 const MOST: usize = 6;
 
-/// Sums of scores.
+/// Sums of products of the columns and of the innovations.
 pub(super) struct Scores {
     gram: DMatrix<f64>,
     by: DVector<f64>,
     own: usize,
     forms: usize,
-    /// The squares of all before anything was swept out.
+    /// The diagonal of G before anything was swept out.
     before: DVector<f64>,
 }
 
-/// A term that is asked for.
+/// A selected term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Asked {
-    /// Its number among the terms.
+    /// Its index among the terms.
     pub(super) term: usize,
-    /// Its score beside those before it, deviations.
+    /// Its score given the terms before it, standard deviations.
     pub(super) z: f64,
-    /// −ln of the chance of so much, by it and those before it.
+    /// −ln of the joint probability of its score and those before it.
     pub(super) nats: f64,
 }
 
 impl Scores {
-    /// No rows yet, of `own` that the model can do itself, of `forms` that are known to within 1, and of `terms`.
+    /// Empty sums for `own` parameters, `forms` of standard deviation 1, and `terms`.
     pub(super) fn new(own: usize, forms: usize, terms: usize) -> Self {
         let width = own + forms + terms;
         let zeros = DVector::zeros(width);
         Self { gram: DMatrix::zeros(width, width), by: zeros.clone(), own, forms, before: zeros }
     }
 
-    /// The number of the first term.
+    /// The index of the first term.
     fn first(&self) -> usize {
         self.own + self.forms
     }
@@ -57,7 +57,7 @@ impl Scores {
         self.by.axpy(innovation, row, 1.0);
     }
 
-    /// Sweeps out what the model can do itself: the nats that this explains.
+    /// Sweeps out the parameters and the forms. Returns the nats that they explain.
     pub(super) fn settle(&mut self) -> f64 {
         self.gram.fill_upper_triangle_with_lower_triangle();
         (self.own..self.first()).for_each(|j| self.gram[(j, j)] += 1.0);
@@ -72,13 +72,13 @@ impl Scores {
         explained
     }
 
-    /// Whether a number is none that those swept out can do.
+    /// Whether a column is independent of those swept out.
     fn is_its_own(&self, j: usize) -> bool {
         self.gram[(j, j)] > OF_ITS_OWN * self.before[j]
     }
 
-    /// The terms that are asked for most, of settled scores. `variance` of the innovations; `weight`: what each row counts; `behind`: the nats
-    /// that the first of the terms must make up for.
+    /// Forward selection of terms, after [`Scores::settle`]. `variance` of the innovations; `weight`: weight of each
+    /// row; `behind`: nats that the terms must gain first.
     pub(super) fn asked(mut self, variance: f64, weight: f64, behind: f64) -> Vec<Asked> {
         let mut left: Vec<usize> = (self.first()..self.by.len()).filter(|j| self.is_its_own(*j)).collect();
         let terms = left.len() as f64;
@@ -100,7 +100,7 @@ impl Scores {
         asked
     }
 
-    /// Takes out of all others what goes with number `j`.
+    /// Sweeps column `j` out of all others.
     fn sweep(&mut self, j: usize) {
         let (column, b) = (self.gram.column(j).into_owned(), self.by[j]);
         let pivot = column[j];
@@ -115,7 +115,8 @@ mod tests {
     use nalgebra::DVector;
     use plant::Normal;
 
-    /// Rows of independent normal terms; the innovation has `shares` of the first terms and unit noise. The model can do number 0 itself.
+    /// Rows of independent normal terms. The innovation has `shares` of the first terms and unit noise. Column 0 is a
+    /// parameter.
     fn asked(shares: &[f64], seed: u64) -> Vec<super::Asked> {
         let (terms, mut normal) = (40, Normal::new(seed, 3));
         let mut scores = Scores::new(1, 0, terms - 1);
@@ -149,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_form_takes_from_a_term_what_is_within_its_scale_and_leaves_what_is_far_beyond() {
-        // Number 0 is the form, in a scale of a fifth of the noise; the first term goes with it but for a little.
+        // Column 0 is the form, with a fifth of the noise as its scale. The first term is nearly collinear with it.
         let most = |share: f64, seed: u64| {
             let (mut scores, mut normal) = (Scores::new(0, 1, 30), Normal::new(seed, 4));
             for _ in 0..2000 {

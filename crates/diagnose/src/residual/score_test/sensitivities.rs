@@ -1,4 +1,4 @@
-//! A filter's way along a record, and the scores that it gives: of forces and shifts, and of spreads.
+//! A filter run along a record and its sensitivities: the scores of forces, of shifts, and of spreads.
 
 use super::scores::Scores;
 use super::terms::{Known, Term};
@@ -13,37 +13,37 @@ use nalgebra::DVector;
 use plant::Model;
 use std::ops::Range;
 
-/// Length of the differences in the scales of the fitted numbers.
+/// Step of the numerical derivatives, in the scales of the fitted parameters.
 pub(super) const DIFFERENCE: f64 = 0.01;
-/// A reading that says less than this of what was expected is left out.
+/// A reading with less weight than this is left out.
 const SAYS_NOTHING: f64 = 1e-3;
-/// Readings further apart than this are no part of one walk, seconds.
+/// Longest time step of the regressors between two readings, seconds.
 const GAP_S: f64 = 1.0;
 
-/// A filter's way along a record: what was known before each reading, and what came.
+/// A filter run along a record: the regressors before each reading, and its innovation.
 pub(crate) struct Walk {
     pub(super) fit: Fit,
     pub(super) steps: Vec<Step>,
-    /// By each fitted number: how far the expected readings move, in deviations.
+    /// For each fitted parameter: sensitivity of each expected reading, standard deviations.
     pub(super) own: Vec<Vec<f64>>,
-    /// The same by the form of each of its lags, in the scale within which that is known.
+    /// The same for the form of each lag, in the scale of its prior.
     forms: Vec<Vec<f64>>,
 }
 
-/// A reading, the way to it, and what was known before it.
+/// A reading, the filter segment before it, and the regressors.
 pub(super) struct Step {
     /// Time of the reading, seconds.
     pub(super) time_s: f64,
     pub(super) leg: Segment,
     pub(super) innovation: Innovation,
-    /// Since the reading before, seconds; `None`: there is none.
+    /// Time since the previous reading, seconds; `None` if there is none.
     pub(super) dt: Option<f64>,
     known: Known,
     pub(super) judged: bool,
 }
 
 impl Step {
-    /// The root of what a reading counts: as far as it says something.
+    /// The square root of the weight of the reading.
     pub(super) fn says(&self) -> f64 {
         self.innovation.weight.max(SAYS_NOTHING).sqrt()
     }
@@ -54,7 +54,7 @@ impl Step {
 }
 
 impl Walk {
-    /// Leads the filter of `fit` along the record. Only rows that are `judged` are scored.
+    /// Runs the filter of `fit` along the record. Only rows that are `judged` are scored.
     pub(crate) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
         let way = segments(&fit.model, problem.recording);
         let own = fit
@@ -71,7 +71,7 @@ impl Walk {
         Self { fit, steps: steps.collect(), own, forms }
     }
 
-    /// Scores of forces and shifts, in this order, beside what the fitted numbers do.
+    /// Scores of forces and shifts, in this order, together with the columns of the fitted parameters.
     pub(super) fn motions(&self, forces: &[Term], shifts: &[Term]) -> Scores {
         let terms = forces.len() + shifts.len();
         let mut scores = Scores::new(self.own.len(), self.forms.len(), terms);
@@ -101,7 +101,7 @@ impl Walk {
         scores
     }
 
-    /// The rows whose duties were in force on the way to each reading.
+    /// The rows whose duties were in force between the previous reading and each reading.
     pub(crate) fn rows_on_the_way(&self, recording: &Recording) -> Vec<Range<usize>> {
         let samples = recording.samples();
         let delay_s = self.fit.model.effects.duty_delay_s();
@@ -117,11 +117,11 @@ impl Walk {
         rows
     }
 
-    /// Scores of spreads beside a noise that is larger everywhere, and the variance of what they are scores of.
+    /// Scores of spreads given a constant noise level, and the variance of the variable they are scores of.
     pub(super) fn spreads(&self, terms: &[Term]) -> (Scores, f64) {
         let mut scores = Scores::new(1, 0, terms.len());
         let judged = || self.steps.iter().filter(|step| step.judged && step.says_something());
-        // A square is far from normal, and its third root is near: a few large ones are no spread.
+        // The cube root of a square is nearly normal, so that a few large squares are not taken for a spread.
         let size = |step: &Step| step.innovation.standardised.abs().powf(2.0 / 3.0);
         let count = judged().count().max(1) as f64;
         let mean = judged().map(size).sum::<f64>() / count;
@@ -138,7 +138,7 @@ impl Walk {
     }
 }
 
-/// For each lag of `model`, the model with a place for what stands for its form, and that number.
+/// For each lag of `model`: the model with the dead time that represents its form, and the parameter of that dead time.
 fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Parameter)> + '_ {
     lags().filter_map(|lag| {
         let late = dead_time_beside(lag)?;
@@ -152,7 +152,7 @@ fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Parameter)> + '_
     })
 }
 
-/// How far each expected reading moves with a fitted number, in deviations by the number's scale.
+/// Sensitivity of each expected reading to a parameter, standard deviations per scale of the parameter.
 fn moved(problem: &Problem<'_>, model: &Model, parameter: Parameter, way: &[(Innovation, Segment)]) -> Vec<f64> {
     let there = expected_mm(&parameter.stepped(model, DIFFERENCE), problem.recording);
     let shift = |(innovation, _): &(Innovation, Segment)| {
@@ -162,7 +162,7 @@ fn moved(problem: &Problem<'_>, model: &Model, parameter: Parameter, way: &[(Inn
     way.iter().map(shift).collect()
 }
 
-/// Mean, and deviation never 0.
+/// Mean and standard deviation; the latter is never 0.
 fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let count = values.clone().count().max(1) as f64;
     let mean = values.clone().sum::<f64>() / count;
@@ -170,7 +170,7 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     (mean, variance.sqrt().max(f64::MIN_POSITIVE))
 }
 
-/// What was known before each reading, and the time since the one before.
+/// Time since the previous reading and the regressors before each reading.
 fn known(problem: &Problem<'_>, fit: &Fit, way: &[(Innovation, Segment)]) -> Vec<(Option<f64>, Known)> {
     let samples = problem.recording.samples();
     let u = |at: usize| samples[way[at].0.row].duty_percent - fit.model.hover_duty_percent;

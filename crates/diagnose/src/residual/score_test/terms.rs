@@ -1,29 +1,31 @@
-//! The dictionary: forces, shifts of readings and spreads that a model may omit, each a function of what was known before a reading.
+//! The dictionary of terms: forces, shifts of readings and spreads that a model may omit, as functions of known
+//! signals.
 //!
-//! u: duty about hover, x: height, v: speed, each over its own deviation; ~τ: as it was over the last τ seconds (first order); ⁺: the part above 0; t: -1 at
-//! the start of the flight, 1 at its end; u≈f: as a resonance of f Hz swings with it, z ← z·exp((−ζ + i)·2πf·dt) + u·2πf·dt.
+//! u: duty minus hover duty, x: height, v: velocity, each over its standard deviation; t: −1 at the start of the
+//! flight, 1 at its end; ~τ: filtered by a first-order low-pass of τ seconds; ⁺: the positive part; u≈f: u filtered by
+//! a resonance of f Hz, z ← z·exp((−ζ + i)·2πf·dt) + u·2πf·dt.
 
 use plant::Stage;
 use std::f64::consts::PI;
 
-/// Memories, seconds.
+/// Time constants of the low-pass filters, seconds.
 const MEMORIES_S: [f64; 5] = [0.1, 0.3, 1.0, 3.0, 10.0];
-/// Resonances, Hz, and their damping ratio, with which each covers the way to the next.
+/// Resonances, Hz, and their damping ratio, with which each covers the band up to the next.
 const RESONANCES_HZ: [f64; 7] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
 const DAMPING: f64 = 0.2;
-/// Waves along the path that the ball covers, and over the time of the flight.
+/// Number of waves over the height, and over the time of the flight.
 const WAVES_OF_HEIGHT: u32 = 5;
 const WAVES_OF_TIME: u32 = 4;
-/// The same of a gain that swings: the duty tells it from other slow forces.
+/// The same for the gain over time. The duty separates it from other slow forces, so more waves are possible.
 const WAVES_OF_GAIN: u32 = 16;
-/// The same of a friction that some heights have more of.
+/// The same for the friction over the height.
 const WAVES_OF_FRICTION: u32 = 3;
-/// The longest wave of height: its angle for a deviation.
+/// Angle of the longest wave of height per standard deviation.
 const ANGLE: f64 = 1.2;
-/// How steep the step of a sign is, for a deviation.
+/// Slope of the smoothed sign per standard deviation.
 const STEEP: f64 = 4.0;
 
-/// What was known before a reading.
+/// Signals that are known before a reading.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Known {
     pub(super) u: f64,
@@ -44,7 +46,7 @@ struct Memory {
 }
 
 impl Known {
-    /// What is known after `dt` seconds with this duty, height and speed.
+    /// Updates the signals after `dt` seconds with this duty, height, velocity and time.
     pub(super) fn go_on(&mut self, dt: f64, [u, x, v, t]: [f64; 4]) {
         (self.u, self.x, self.v, self.t) = (u, x, v, t);
         for (memory, memory_s) in self.memory.iter_mut().zip(MEMORIES_S) {
@@ -56,7 +58,7 @@ impl Known {
         }
         for ((re, im), hz) in self.swings.iter_mut().zip(RESONANCES_HZ) {
             let angle = 2.0 * PI * hz * dt;
-            // Readings that are so far apart show another frequency in its place.
+            // Above the Nyquist frequency of the readings a resonance is aliased.
             if angle > PI {
                 continue;
             }
@@ -66,11 +68,11 @@ impl Known {
     }
 }
 
-/// A function of what was known, in words.
+/// A function of known signals, with its name.
 pub(super) struct Term {
     pub(super) words: String,
     pub(super) of: Box<dyn Fn(&Known) -> f64 + Sync>,
-    /// Where on the signal path it would act; `None`: anywhere.
+    /// The stage of the signal path where it would act; `None` if unknown.
     pub(super) stage: Option<Stage>,
 }
 
@@ -78,7 +80,7 @@ fn term(words: impl Into<String>, of: impl Fn(&Known) -> f64 + Sync + 'static) -
     Term { words: words.into(), of: Box::new(of), stage: None }
 }
 
-/// The same terms, acting at a stage.
+/// Assigns a stage to terms.
 fn at(stage: Stage, terms: impl IntoIterator<Item = Term>) -> Vec<Term> {
     terms.into_iter().map(|term| Term { stage: Some(stage), ..term }).collect()
 }
@@ -87,7 +89,7 @@ fn step(value: f64) -> f64 {
     (STEEP * value).tanh()
 }
 
-/// Forces: where the duty takes part it is the actuator's, where the speed does it is one on the ball, else of the air around it.
+/// Forces. Those with duty act at the actuator, those with velocity at the ball, all others in the air.
 pub(super) fn forces() -> Vec<Term> {
     let memories = 0..MEMORIES_S.len();
     [
@@ -157,7 +159,7 @@ fn waves_of_friction() -> Vec<Term> {
     waves(WAVES_OF_FRICTION, "the sign of v times ", |k| step(k.v), over_height)
 }
 
-/// A wave: over what, its angle there for 1, and what follows "wave" in its words.
+/// A wave: its variable, the angle per unit of it, and the words that follow "wave".
 struct Wave {
     over: fn(&Known) -> f64,
     angle: f64,
@@ -175,7 +177,7 @@ fn over_height(n: u32) -> Wave {
     Wave { over: |k| k.x, angle, words: format!("of height, {:.1} deviations long", 2.0 * PI / angle) }
 }
 
-/// So many even and odd waves, each times a factor that has words of its own.
+/// `count` even and odd waves, each multiplied by a factor with its own words.
 fn waves(count: u32, words: &str, factor: fn(&Known) -> f64, wave: fn(u32) -> Wave) -> Vec<Term> {
     let both = |n: u32| {
         let Wave { over, angle, words: after } = wave(n);
@@ -192,7 +194,7 @@ fn of_resonance(at: usize) -> Vec<Term> {
     vec![term(words("in step"), move |k| k.swings[at].0), term(words("a quarter late"), move |k| k.swings[at].1)]
 }
 
-/// A term of what one of the memories holds, `~` in words.
+/// A term of one of the low-pass filters; `~` in its words stands for the time constant.
 fn remembered(at: usize, words: &str, of: fn(&Known, &Memory) -> f64) -> Term {
     term(words.replace('~', &format!("~{} s", MEMORIES_S[at])), move |k: &Known| of(k, &k.memory[at]))
 }
@@ -235,7 +237,7 @@ pub(super) fn shifts() -> Vec<Term> {
     at(Stage::Sensor, shifts.into_iter().chain(waves_of_height()))
 }
 
-/// Spreads: where noise is larger or smaller than elsewhere.
+/// Spreads: dependence of the noise level on known signals.
 pub(super) fn spreads() -> Vec<Term> {
     let spreads = vec![
         term("u", |k| k.u),
@@ -263,7 +265,8 @@ mod tests {
 
     const DT_S: f64 = 0.02;
 
-    /// What is known along 80 s of a duty that is white noise through a lag of 0.2 s, over heights and speeds of their own.
+    /// Signals along 80 s of a duty that is white noise through a lag of 0.2 s, with independent heights and
+    /// velocities.
     fn way() -> Vec<Known> {
         let (mut normal, mut known, mut u, mut x, mut v) = (Normal::new(1, 9), Known::default(), 0.0, 0.0, 0.0);
         let step = |_| {
@@ -276,7 +279,7 @@ mod tests {
         (0..4000).map(step).collect()
     }
 
-    /// How much of a force along the way those forces explain together that a word is in: a share of its square.
+    /// Share of the square of a force that the forces with `word` in their names explain together.
     fn share(force: &[f64], way: &[Known], word: &str) -> f64 {
         let terms: Vec<_> = forces().into_iter().filter(|term| term.words.contains(word)).collect();
         let columns = DMatrix::from_fn(way.len(), terms.len(), |row, at| (terms[at].of)(&way[row]));
@@ -288,7 +291,7 @@ mod tests {
     #[test]
     fn a_resonance_between_two_of_the_dictionary_is_followed_by_them() {
         let way = way();
-        // z″ + 2ζω·z′ + ω²·z = ω²·u, by small steps.
+        // z″ + 2ζω·z′ + ω²·z = ω²·u, with small time steps.
         let (w, mut z, mut speed) = (2.0 * std::f64::consts::PI * 1.2, 0.0, 0.0);
         let mut swings = Vec::new();
         for known in &way {

@@ -6,7 +6,7 @@ use crate::tests_support::{model, record, shaken};
 use plant::effects::{Hysteresis, Saturation};
 use plant::{Effects, Model};
 
-/// The base gain that `belief` is refitted to, and the candidates, the best first.
+/// The base gain after the refit of `belief`, and the candidates, the best first.
 fn found(belief: &Model, recording: &crate::Recording) -> (f64, Vec<Candidate>) {
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, &crate::Options::default());

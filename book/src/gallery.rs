@@ -1,7 +1,9 @@
-//! The gallery: each effect of the catalogue on a rig that is the believed one otherwise, flown, and diagnosed against the belief.
+//! The gallery: each effect of the catalogue on a rig that is the believed one otherwise, flown, and diagnosed against
+//! the belief.
 //!
-//! One experiment, one controller and one seed for all, so that two exhibits differ by their effects alone. An effect that the
-//! config believes in is shown as what a belief without it lacks. A new effect of the catalogue is a new exhibit.
+//! One experiment, one controller and one seed for all, so that two exhibits differ by their effects alone. An effect
+//! that the config believes in is shown as what a belief without it lacks. A new effect of the catalogue is a new
+//! exhibit.
 
 use airball::book::{Advice, ConfigError, Desk, Experiment, Flown, advise, sample};
 use control::compensation::Compensation;

@@ -47,8 +47,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Makes the pages. Fails where the config is not sound or cannot fly, a flight ended early, or a file cannot be written
-/// or is no page of a gallery.
+/// Makes the pages. Fails where the config is not sound or cannot fly, a flight ended early, or a file cannot be
+/// written or is no page of a gallery.
 fn make(args: &Gallery) -> Result<()> {
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let model = config.need("gallery", "plant", |tables| tables.plant.as_ref())?;

@@ -13,7 +13,8 @@ pub struct Emulated {
 }
 
 impl Emulated {
-    /// Serves a bus in the bench's directory, and makes its config fly it, with patience for a machine that has other work.
+    /// Serves a bus in the bench's directory, and makes its config fly it, with patience for a machine that has other
+    /// work.
     #[must_use]
     pub fn on(bench: &Bench) -> Self {
         let config = bench.read("config.toml").replace("/dev/i2c-1", "unix:rig.sock");

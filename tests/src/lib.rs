@@ -23,8 +23,9 @@ static BLIND: LazyLock<PathBuf> = LazyLock::new(|| built("blind"));
 
 /// A binary of the project.
 fn built(name: &str) -> PathBuf {
-    // As `cargo test --workspace` has built it. A test is named too, here a small one, because only then are the features
-    // the same: those that the crates' tests ask of the dependencies would be left out, and most of it built again.
+    // As `cargo test --workspace` has built it. A test is named too, here a small one, because only then are the
+    // features the same: those that the crates' tests ask of the dependencies would be left out, and most of it built
+    // again.
     let build = escargot::CargoBuild::new().args(["--workspace", "--test", "catalogue"]).bin(name);
     build.manifest_path(root().join("Cargo.toml")).run().expect("the binary builds").path().to_owned()
 }
@@ -217,7 +218,8 @@ impl Broker {
         assert!(status.expect("mosquitto_pub runs").success(), "mosquitto_pub {topic}");
     }
 
-    /// Subscribes as `mosquitto_sub` does and ends after `count` messages or 20 s; collect its output with `wait_with_output`.
+    /// Subscribes as `mosquitto_sub` does and ends after `count` messages or 20 s; collect its output with
+    /// `wait_with_output`.
     #[must_use]
     pub fn subscribe(&self, topic: &str, count: u32) -> Child {
         let (port, count) = (self.port.to_string(), count.to_string());

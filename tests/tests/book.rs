@@ -1,7 +1,7 @@
 //! The book: what it shows is what the program says, and its links lead somewhere.
 //!
-//! With `AIRBALL_BOOK=write` in the environment, shown output, the references of commands and keys and the gallery are written anew instead of being
-//! compared; `scripts/book --update` does that.
+//! With `AIRBALL_BOOK=write` in the environment, shown output, the references of commands and keys and the gallery are
+//! written anew instead of being compared; `scripts/book --update` does that.
 
 #[path = "book/bounds.rs"]
 mod bounds;

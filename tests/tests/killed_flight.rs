@@ -1,5 +1,5 @@
-//! What becomes of the fan when a flight is killed, hangs, or loses its guard. The rig is emulated in a process of its own,
-//! so that it outlives the flight; the binary and its way to the bus are those that fly a rig.
+//! What becomes of the fan when a flight is killed, hangs, or loses its guard. The rig is emulated in a process of its
+//! own, so that it outlives the flight; the binary and its way to the bus are those that fly a rig.
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -80,7 +80,8 @@ fn fan_off_stops_a_fan_that_nobody_guards_any_more() {
     let mut flight = start(&bench, "f.mcap");
     rig.until_it_flies();
     let guard = guard_of(&flight);
-    // Both stand still before either dies: a loop would land without its guard, and a guard that was stopped alone is woken when its loop dies.
+    // Both stand still before either dies: a loop would land without its guard, and a guard that was stopped alone is
+    // woken when its loop dies.
     send(flight.id(), Signal::SIGSTOP);
     send(guard, Signal::SIGKILL);
     flight.kill().unwrap();

@@ -1,8 +1,8 @@
 //! The folders of a crate are layers: no two of them import each other, neither directly nor around a circle.
 //!
-//! What counts is what the sources say: the `use` lines, and paths in code from `crate::` or `super::`. Tests may import
-//! what they like: files named `tests.rs`, `…_tests.rs` or `tests_support.rs`, folders named `tests`, and the item that
-//! follows a `#[cfg(test)]`.
+//! What counts is what the sources say: the `use` lines, and paths in code from `crate::` or `super::`. Tests may
+//! import what they like: files named `tests.rs`, `…_tests.rs` or `tests_support.rs`, folders named `tests`, and the
+//! item that follows a `#[cfg(test)]`.
 
 #[path = "layers/imports.rs"]
 mod imports;

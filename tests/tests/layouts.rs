@@ -1,4 +1,5 @@
-//! The layouts for Foxglove and PlotJuggler show what is in a log: every channel and field that they name is there, with a fitting type.
+//! The layouts for Foxglove and PlotJuggler show what is in a log: every channel and field that they name is there,
+//! with a fitting type.
 
 use serde_json::Value;
 use std::process::Command;

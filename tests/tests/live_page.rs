@@ -1,4 +1,5 @@
-//! A rig flown from outside: the live page in a real browser, served by the broker that the project ships a config for, and the monitor.
+//! A rig flown from outside: the live page in a real browser, served by the broker that the project ships a config for,
+//! and the monitor.
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;

@@ -72,7 +72,8 @@ fn a_name_and_a_field_are_seen_and_a_comment_and_a_test_are_not() {
     assert_eq!(named(text, &effects).len(), 2);
 }
 
-/// An effect that was made for this test: above a height the air pulls the ball down. It says nothing of itself that it need not.
+/// An effect that was made for this test: above a height the air pulls the ball down. It says nothing of itself that it
+/// need not.
 const LEAKY_PIPE: &str = r#"//! Leaky pipe: above one height the air pulls the ball down.
 //!
 //! ```text

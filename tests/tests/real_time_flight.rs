@@ -1,4 +1,5 @@
-//! Flights in real time: signals, a real broker, no broker, no bus. Slow, a few seconds each: time is what they are about.
+//! Flights in real time: signals, a real broker, no broker, no bus. Slow, a few seconds each: time is what they are
+//! about.
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;

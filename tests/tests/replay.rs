@@ -88,7 +88,8 @@ fn the_table_on_a_real_record_is_what_an_independent_program_computes() {
             assert!((ours / theirs - 1.0).abs() < 1e-5, "{key} at horizon {h}: {ours} here, {theirs} there");
         }
     }
-    // What a reader should believe: near in time it beats "the ball stays put", and a second ahead gravity and friction show.
+    // What a reader should believe: near in time it beats "the ball stays put", and a second ahead gravity and friction
+    // show.
     assert!(at(&gap, "error_mm", 0) < at(&gap, "stay_put_mm", 0));
     assert!(at(&gap, "error_mm", 2) > 5.0 * at(&gap, "floor_mm", 2));
 

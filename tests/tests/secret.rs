@@ -1,4 +1,5 @@
-//! A flight knows its broker's password and tells nobody: neither a log, which is passed on, nor the screen, which a service keeps.
+//! A flight knows its broker's password and tells nobody: neither a log, which is passed on, nor the screen, which a
+//! service keeps.
 
 use std::fs;
 use system_tests::{Bench, Broker, Ran};

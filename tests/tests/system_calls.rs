@@ -1,5 +1,5 @@
-//! What the loop asks of the kernel while the ball flies, as strace sees it: its log is written, a broker listens and commands come in, and
-//! none of that may cost the loop a system call, which could wait.
+//! What the loop asks of the kernel while the ball flies, as strace sees it: its log is written, a broker listens and
+//! commands come in, and none of that may cost the loop a system call, which could wait.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,7 +1,7 @@
 //! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
 //!
-//! Its layers, each of which knows only those before it: `config`, `rig`, `flight`, `log` and `mqtt`, `analysis`, `report`, `commands`.
-//! Public is what the binary runs, and what the fuzz targets and the book are made with.
+//! Its layers, each of which knows only those before it: `config`, `rig`, `flight`, `log` and `mqtt`, `analysis`,
+//! `report`, `commands`. Public is what the binary runs, and what the fuzz targets and the book are made with.
 
 // The modules are private: in them, `pub` is for the other modules, and their documentation is for who works on them.
 #![allow(unreachable_pub, rustdoc::private_intra_doc_links)]

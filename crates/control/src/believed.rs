@@ -8,8 +8,8 @@
 //! ```
 //!
 //! w is what the fan gives, in units of the control value; d is what hover lacks, in the same units. Without a fan lag
-//! w = u. D and X are divided differences of the exponential, so that equal poles, as in the thesis' G_c, are no special case.
-//! Source: the thesis, section 3.1; Higham, *Functions of Matrices*, section 10.7 (the φ functions).
+//! w = u. D and X are divided differences of the exponential, so that equal poles, as in the thesis' G_c, are no
+//! special case. Source: the thesis, section 3.1; Higham, *Functions of Matrices*, section 10.7 (the φ functions).
 
 use crate::check::{OutOfRange, within};
 use libm::{exp, expm1, fabs};
@@ -22,7 +22,8 @@ pub type State = SVector<f64, 4>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Believed {
-    /// K: acceleration per unit of the control value, mm/s² per percent (per mm/s² where predistortion linearises the fan).
+    /// K: acceleration per unit of the control value, mm/s² per percent (per mm/s² where predistortion linearises the
+    /// fan).
     pub gain_mm_per_s2_per_control: f64,
     /// a: linear drag of the ball, 1/s.
     pub drag_per_s: f64,

@@ -3,7 +3,7 @@
 //! ```text
 //! control → predistortion → + excitation → dead zone → hover → dither → duty
 //!
-//! about = curve(control)                     with predistortion the control value is an acceleration, without it percent
+//! about = curve(control)                   with predistortion the control value is an acceleration, without it percent
 //! duty  = hover + upper + about              about > 0
 //! duty  = hover + lower + about              about < 0
 //! duty  = hover                              about = 0
@@ -91,7 +91,8 @@ impl Compensation {
 }
 
 impl Compensator {
-    /// The duty for a control value, with `excitation_percent` added behind the predistortion. Random where there is dither.
+    /// The duty for a control value, with `excitation_percent` added behind the predistortion. Random where there is
+    /// dither.
     pub fn duty(&mut self, control: f64, excitation_percent: f64) -> Duty {
         let about = self.about_hover(control) + excitation_percent;
         let edge = if about > 0.0 {

@@ -6,8 +6,9 @@
 //! u_r = w_r + τ·ẇ_r                           what it must be told, with ẇ_r = (r⃛ + a·r̈)/K
 //! ```
 //!
-//! The feedback then has only to mend what the belief got wrong. A PID helps best with the derivative on the error: on the
-//! measurement it brakes the wanted motion too. Source: Åström & Murray, *Feedback Systems*, "State Feedback", feedforward design.
+//! The feedback then has only to mend what the belief got wrong. A PID helps best with the derivative on the error: on
+//! the measurement it brakes the wanted motion too. Source: Åström & Murray, *Feedback Systems*, "State Feedback",
+//! feedforward design.
 
 use crate::believed::Believed;
 use crate::check::{OutOfRange, within};

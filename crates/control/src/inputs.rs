@@ -73,7 +73,8 @@ pub(crate) mod tests {
     use crate::Limits;
     use crate::observer::Estimate;
 
-    /// A ball at `position_mm` with `velocity_mm_per_s`, asked for `setpoint_mm`, 20 ms after the last step, without limits.
+    /// A ball at `position_mm` with `velocity_mm_per_s`, asked for `setpoint_mm`, 20 ms after the last step, without
+    /// limits.
     pub(crate) fn inputs(setpoint_mm: f64, position_mm: f64, velocity_mm_per_s: f64) -> Inputs {
         let seen = Estimate { position_mm, velocity_mm_per_s, ..Estimate::default() };
         let limits = Limits { lower: -1e9, upper: 1e9 };

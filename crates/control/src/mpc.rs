@@ -1,12 +1,13 @@
-//! Model-predictive control: the best plan over a horizon within the limits of the fan, of which the first move is made.
+//! Model-predictive control: the best plan over a horizon within the limits of the fan, of which the first move is
+//! made.
 //!
 //! ```text
 //! minimise Σ x̃ₖᵀQx̃ₖ + R·δₖ²  over k < N,  + x̃_NᵀPx̃_N        x̃ₖ₊₁ = Φx̃ₖ + Γδₖ      lower ≤ δₖ − d̂ + u_r ≤ upper
 //! x̃ = (x̂ − r, v̂ − ṙ, ŵ + d̂ − w_r)      δ = u + d̂ − u_r        Q = diag(1/x₀², 1/v₀², 0), R = 1/u₀²
 //! ```
 //!
-//! x₀, v₀ and u₀ are deviations that weigh the same; P is the cost of the unlimited optimum from the horizon on, so that plans
-//! which meet no limit are LQR. What hover lacks shifts the target and the limits: no error is left at rest.
+//! x₀, v₀ and u₀ are deviations that weigh the same; P is the cost of the unlimited optimum from the horizon on, so
+//! that plans which meet no limit are LQR. What hover lacks shifts the target and the limits: no error is left at rest.
 //! The states are eliminated (N unknowns), and a plan that a limit spoils is mended in [`STEPS`] steps of `box_qp.rs`.
 //! Source: Maciejowski, *Predictive Control with Constraints*, chapters 2 and 3.
 

@@ -1,17 +1,17 @@
 //! The observer: a Kalman filter of the believed plant along the control value, over irregular samples.
 //!
 //! ```text
-//! predict over t      Φ, Γ of `believed.rs`       Q: v gains q·(1 − e^(−2at))/(2a), x·v q·A₁²/2, x·x q·A₁²·t/3, d q_d·t
-//! update              test ratio ν²/(gate²·S): under 0.5 as expected, to 1.0 worth a look, above 1.0 an outlier, not taken
+//! predict over t      Φ, Γ of `believed.rs`     Q: v gains q·(1 − e^(−2at))/(2a), x·v q·A₁²/2, x·x q·A₁²·t/3, d q_d·t
+//! update              test ratio ν²/(gate²·S): to 0.5 as expected, to 1.0 suspicious, above 1.0 an outlier, not used
 //! steady state        x̂ ← x̂ + L·ν with the L to which K converges at the nominal period
 //! second sensor       another update by the position
 //! tachometer          an update by w, the fan's state, which then wanders: q_w·(1 − e^(−2t/τ))·τ/2
 //! ```
 //!
-//! The steady-state filter costs a tenth and is right while readings come on time; the time-varying one knows how old its
-//! estimate is. Without a reading both only predict. Outliers in a row are no outliers: then the filter starts from the reading.
-//! x·x neglects a quarter of a·t, and the share of the wandering hover in x and v over one step is left out.
-//! Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
+//! The steady-state filter costs a tenth and is right while readings come on time; the time-varying one knows how old
+//! its estimate is. Without a reading both only predict. Outliers in a row are no outliers: then the filter starts from
+//! the reading. x·x neglects a quarter of a·t, and the share of the wandering hover in x and v over one step is left
+//! out. Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
 
 mod steady;
 
@@ -171,8 +171,8 @@ impl Observer {
         Kalman { state, covariance: SMatrix::from_diagonal(&variances) }
     }
 
-    /// L: what the steady-state filter makes of a millimetre of surprise, as position, velocity, fan and disturbance, when
-    /// readings of the first sensor come every `period_s` and nothing else does.
+    /// L: what the steady-state filter makes of a millimetre of surprise, as position, velocity, fan and disturbance,
+    /// when readings of the first sensor come every `period_s` and nothing else does.
     ///
     /// # Errors
     /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady gain can be computed.
@@ -229,7 +229,8 @@ impl Estimator {
         self.take(position_mm, self.set.reading_variance(), self.steady.first)
     }
 
-    /// The same of the second sensor, after the first one's where both came. Without `second_sensor_mm` as if it were the first.
+    /// The same of the second sensor, after the first one's where both came. Without `second_sensor_mm` as if it were
+    /// the first.
     pub fn update_second(&mut self, position_mm: f64) -> Option<Surprise> {
         match (self.set.second_variance(), self.steady.second) {
             (Some(variance), Some(weight)) => self.take(position_mm, variance, weight),

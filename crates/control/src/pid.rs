@@ -178,7 +178,8 @@ impl Pid {
     }
 
     /// Moves `state` from the gains `old` to these gains so that the control value does not jump: the integral takes up
-    /// the difference, and gives it back over T_i. Change gains when the ball is near its setpoint, where there is little.
+    /// the difference, and gives it back over T_i. Change gains when the ball is near its setpoint, where there is
+    /// little.
     pub fn take_over(&self, old: &Self, state: &mut PidState) {
         // The filter's output is T_d·d/dt, so that a new T_d scales what it holds.
         let derivative = if old.td_s > 0.0 { state.derivative_mm * self.td_s / old.td_s } else { 0.0 };

@@ -4,7 +4,7 @@
 //! reading → derivative filter ┐
 //!         → observer          ┴→ feed-forward → controller → + handover → control value
 //!
-//! at a change    the new integral is set so that the control value stays; a law without one is shifted by what is left,
+//! at a change    the new integral is set to keep the control value; a law without one is shifted by the difference,
 //!                and the shift fades by e^(−t/1 s)
 //! ```
 //!
@@ -73,7 +73,8 @@ impl Regulator {
     /// A regulator before take-off, for readings every `period_s`.
     ///
     /// # Errors
-    /// [`Unready`]: no controller is there to fly first, one of them needs an observer that is not, or numbers lie too far apart.
+    /// [`Unready`]: no controller is there to fly first, one of them needs an observer that is not, or numbers lie too
+    /// far apart.
     pub fn new(set: Controllers, observer: Option<&Observer>, period_s: f64) -> Result<Self, Unready> {
         let kind = set.first().ok_or(Unready::NoController)?;
         if let (None, Some(needed_by)) = (observer, set.needs_observer()) {
@@ -211,8 +212,8 @@ impl Regulator {
         }
     }
 
-    /// The shift of the control value. At a change, the new controller is set up so that it gives `kept`, and shifted by what
-    /// that leaves.
+    /// The shift of the control value. At a change, the new controller is set up so that it gives `kept`, and shifted
+    /// by what that leaves.
     fn hand_over(&mut self, inputs: &Inputs, kept: f64) -> f64 {
         let shift = match self.handover {
             Handover::Ahead => {

@@ -1,8 +1,8 @@
 //! State feedback, with and without an integral, and LQG.
 //!
 //! ```text
-//! u = K_r·r − k₁·y − k₂·(v − ṙ)                       K_r = k₁ unless given: the plant integrates, hover is zero control
-//! added      u = K_r·r + I − k₁·y − k₂·(v − ṙ)        I ← I + K_r/T_i·e·T: removes the undershoot and the error at rest
+//! u = K_r·r − k₁·y − k₂·(v − ṙ)                       K_r = k₁ unless given: the plant integrates, hover is control 0
+//! added      u = K_r·r + I − k₁·y − k₂·(v − ṙ)        I ← I + K_r/T_i·e·T: removes undershoot and error at rest
 //! in place   u =         I − k₁·y − k₂·(v − ṙ)        the same integral in place of K_r·r
 //! LQG        u = k₁·(r − x̂) + k₂·(ṙ − v̂) + k₃·(w_r − ŵ − d̂) − d̂     all from the observer, which also finds hover
 //! ```

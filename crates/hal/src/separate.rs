@@ -5,9 +5,9 @@
 //! first:            0x29 → out of the way                                     → 0x29
 //! ```
 //!
-//! XSHUT low is the second sensor's reset: it loses its address with all else. Register 0x8A holds the address until then, or until
-//! the power fails. The first sensor ends where it was, so that a rig without a second one finds it there.
-//! Source: ST, AN4846 "Using multiple VL53L0X in a single design".
+//! XSHUT low is the second sensor's reset: it loses its address with all else. Register 0x8A holds the address until
+//! then, or until the power fails. The first sensor ends where it was, so that a rig without a second one finds it
+//! there. Source: ST, AN4846 "Using multiple VL53L0X in a single design".
 
 use crate::clock::Clock;
 use crate::range_sensor::{ADDRESS, RESET_ALLOWED_S, reset};
@@ -45,7 +45,8 @@ pub enum SeparateError<E> {
     },
 }
 
-/// Leaves the first sensor at 0x29 and the second, fresh from its reset, at `address`, wherever a killed program left them.
+/// Leaves the first sensor at 0x29 and the second, fresh from its reset, at `address`, wherever a killed program left
+/// them.
 ///
 /// # Errors
 /// [`SeparateError`]: a sensor or the line does not answer.

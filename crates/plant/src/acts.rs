@@ -1,12 +1,13 @@
-//! What an effect may do to the signal path: one function a place, in the order of the path, as constants of the effect's type.
+//! What an effect may do to the signal path: one function a place, in the order of the path, as constants of the
+//! effect's type.
 //!
 //! ```text
 //! duty → delays_duty → on_duty → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
-//!      → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds → holds → reading
+//!   → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds → holds → reading
 //! ```
 //!
-//! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion follow from it.
-//! Places with one owner at most are slots: two effects that fill the same one exclude each other.
+//! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion
+//! follow from it. Places with one owner at most are slots: two effects that fill the same one exclude each other.
 
 use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction};
 use control::design::Linear;
@@ -50,7 +51,8 @@ pub struct Acts<E: 'static> {
     pub gain_by_time: Option<fn(&E, f64) -> f64>,
     /// The acceleration that the fan gives of a commanded one, both in mm/s² about hover.
     pub limits: Option<fn(&E, f64) -> f64>,
-    /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command (first).
+    /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command
+    /// (first).
     pub follows: Option<fn(&E, f64, f64, f64) -> f64>,
     /// The acceleration that it adds to the ball, mm/s².
     pub force: Option<fn(&E, &Ball) -> f64>,
@@ -60,7 +62,8 @@ pub struct Acts<E: 'static> {
     pub friction: Option<fn(&E) -> WallFriction>,
     /// Slot. The ends of the ball's way.
     pub ends: Option<fn(&E) -> EndStop>,
-    /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle and end (second).
+    /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle
+    /// and end (second).
     pub senses: Option<fn(&E, f64, [f64; 3], f64) -> f64>,
     /// How old a reading is, seconds.
     pub delays_reading: Option<fn(&E) -> f64>,
@@ -76,7 +79,8 @@ pub struct Acts<E: 'static> {
     pub is_linear: bool,
     /// How late it makes things, seconds: of lags and delays.
     pub late_s: Option<fn(&E) -> f64>,
-    /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a design.
+    /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a
+    /// design.
     pub linearise: Option<fn(&E, &mut Linear)>,
     /// Whether such values can show in readings as the effect's own; `None`: any can.
     pub can_show: Option<fn(&E, &Readings) -> bool>,

@@ -1,5 +1,5 @@
-//! What an effect is: one small module with its equation, its parameters and what it does to the signal path, and an [`Entry`] that
-//! the config file, the simulator, the diagnosis and the report all read.
+//! What an effect is: one small module with its equation, its parameters and what it does to the signal path, and an
+//! [`Entry`] that the config file, the simulator, the diagnosis and the report all read.
 
 use crate::acts::{Acts, Summary};
 use crate::model::Model;
@@ -88,8 +88,8 @@ pub enum Start {
     Values(&'static [&'static [f64]]),
     /// At these values of its one parameter by the length of the record in seconds: for a drift.
     OverRecord(&'static [f64]),
-    /// At the entry's sizes, and where the believed gain would balance the slope of duty over height; hover moves so that the ball
-    /// stays balanced at its mean height.
+    /// At the entry's sizes, and where the believed gain would balance the slope of duty over height; hover moves so
+    /// that the ball stays balanced at its mean height.
     DutyOverHeight,
     /// At shares of the range of commanded acceleration: limits that the record never reaches have no slope to climb.
     CommandedRange,
@@ -122,7 +122,8 @@ impl Start {
 pub enum Form {
     /// As near as most.
     Usual,
-    /// A shape that no rig has exactly: a curve cut after its first terms, one play for a spread of them, a lag of first order.
+    /// A shape that no rig has exactly: a curve cut after its first terms, one play for a spread of them, a lag of
+    /// first order.
     Approximate,
     /// Impacts, after which a filter takes for normal what is not.
     Impacts,
@@ -164,11 +165,11 @@ pub struct Entry {
     pub contains: Option<&'static str>,
     /// Two of its parameters of which the difference is known far better than each.
     pub difference: Option<Difference>,
-    /// Its place among the effects that stand for all others where an experiment is chosen: between them they ask for small force, large
-    /// force, speed and height.
+    /// Its place among the effects that stand for all others where an experiment is chosen: between them they ask for
+    /// small force, large force, speed and height.
     pub represents_its_stage: Option<u8>,
-    /// The values that its page of the gallery shows, where the last of its sizes is too small for that flight or out of the ball's
-    /// reach.
+    /// The values that its page of the gallery shows, where the last of its sizes is too small for that flight or out
+    /// of the ball's reach.
     pub shown_at: Option<&'static [f64]>,
     /// How a log shows it.
     pub in_a_log: &'static str,

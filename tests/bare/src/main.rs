@@ -1,7 +1,8 @@
 //! A flight of every controller on a machine with no operating system and no heap.
 //!
-//! Built for a bare-metal target it is linked without `std` and without a memory allocator, which the compiler refuses as soon as
-//! anything among its dependencies uses `alloc`. On any other target it flies the same and says where the ball is.
+//! Built for a bare-metal target it is linked without `std` and without a memory allocator, which the compiler refuses
+//! as soon as anything among its dependencies uses `alloc`. On any other target it flies the same and says where the
+//! ball is.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(feature = "allocating")]

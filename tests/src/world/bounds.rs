@@ -1,11 +1,11 @@
 //! What a record could tell at best: nats of the departure, and the Cramér–Rao width of every parameter.
 //!
-//! The rig is led along the filtered heights and speeds of its flight, with a parameter a little larger and a little smaller.
-//! The difference of the accelerations and of what the sensor sees runs through the error dynamics of a Kalman filter; the
-//! innovations, each over its standard deviation, are the derivative of the whitened record by that parameter.
-//! Turbulence, noise and outliers show in the spread of a record and not in its mean, coarse steps have no derivative, and
-//! play after the ball passes noise that no filter knows: those have no bound here. Lag and delay of the sensor act as if before
-//! the ball; what the colour of the noise would add is left out.
+//! The rig is led along the filtered heights and speeds of its flight, with a parameter a little larger and a little
+//! smaller. The difference of the accelerations and of what the sensor sees runs through the error dynamics of a Kalman
+//! filter; the innovations, each over its standard deviation, are the derivative of the whitened record by that
+//! parameter. Turbulence, noise and outliers show in the spread of a record and not in its mean, coarse steps have no
+//! derivative, and play after the ball passes noise that no filter knows: those have no bound here. Lag and delay of
+//! the sensor act as if before the ball; what the colour of the noise would add is left out.
 
 use crate::case::Case;
 use crate::chance::Source;
@@ -32,8 +32,8 @@ const WITHOUT: [&str; 7] = [
 pub(crate) struct Bounds {
     /// Case.
     pub(crate) case: String,
-    /// Half the squared whitened shift that the departures cause, beyond what moved numbers of the belief would: the nats that a
-    /// perfect diagnosis gains over a refitted belief. Absent for what shows in the spread only.
+    /// Half the squared whitened shift that the departures cause, beyond what moved numbers of the belief would: the
+    /// nats that a perfect diagnosis gains over a refitted belief. Absent for what shows in the spread only.
     pub(crate) nats: Option<f64>,
     /// The same of each departure alone, over a belief that knows of the others.
     pub(crate) each: BTreeMap<String, f64>,
@@ -78,8 +78,8 @@ fn columns(flown: &Flown, parts: &Parts, source: &Source) -> Vec<(String, Vec<f6
     knobs(parts).into_iter().map(column).collect()
 }
 
-/// The nats of the departures that are `asked` for. A belief is linear in gain, drag and hover, so that its own columns say how near they
-/// bring it to the truth, however far that is.
+/// The nats of the departures that are `asked` for. A belief is linear in gain, drag and hover, so that its own columns
+/// say how near they bring it to the truth, however far that is.
 fn nats(case: &Case, asked: &dyn Fn(&str) -> bool, flown: &Flown, source: &Source) -> Option<f64> {
     if case.departures.is_empty() || case.departures.iter().any(|gone| WITHOUT.contains(&gone.name)) {
         return None;

@@ -1,7 +1,7 @@
 //! Chance that can be called up again: a stream depends on seed, case and purpose, and on nothing else.
 //!
-//! SplitMix64 (Steele, Lea, Flood 2014), started from a SHA-256. The shapes are on purpose not normal: a model that fits
-//! only bell curves should not fit by that alone.
+//! SplitMix64 (Steele, Lea, Flood 2014), started from a SHA-256. The shapes are on purpose not normal: a model that
+//! fits only bell curves should not fit by that alone.
 
 use sha2::{Digest, Sha256};
 

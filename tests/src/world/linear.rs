@@ -1,4 +1,5 @@
-//! The linear belief in closed form: how a filter's uncertainty moves, and (in the tests) how well the belief forecasts.
+//! The linear belief in closed form: how a filter's uncertainty moves, and (in the tests) how well the belief
+//! forecasts.
 //!
 //! ```text
 //! x' = v,  v' = −drag·v + a + white noise of density PSD;  reading = x + noise of SENSOR_MM

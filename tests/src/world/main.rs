@@ -1,6 +1,7 @@
 //! A world of its own: makes withheld cases for a diagnosis, and shares no equation with what it tests.
 //!
-//! A case is a record, the belief of the rig's owner, and a truth that stays sealed: its hash is printed before any record is made.
+//! A case is a record, the belief of the rig's owner, and a truth that stays sealed: its hash is printed before any
+//! record is made.
 
 mod bounds;
 mod case;

@@ -5,8 +5,8 @@
 //! x ← x + h·(v_before + v_after)/2
 //! ```
 //!
-//! Linear drag is exact, everything else is held over the step. The air's noise is an Ornstein–Uhlenbeck acceleration whose
-//! spectrum is flat up to 25 Hz: velocity variance grows by the stated density per second, but no step is a kick.
+//! Linear drag is exact, everything else is held over the step. The air's noise is an Ornstein–Uhlenbeck acceleration
+//! whose spectrum is flat up to 25 Hz: velocity variance grows by the stated density per second, but no step is a kick.
 
 use crate::catalogue::Effect;
 use crate::chance::{Chance, Source};
@@ -42,8 +42,8 @@ pub(crate) struct Parts {
     pub(crate) effects: Vec<Effect>,
     /// Length of the record, s.
     pub(crate) seconds: f64,
-    /// Whether the sensor's lag and delay act before the ball instead of after it. A linear ball without noise is read the
-    /// same either way; with them in front, nothing of the noise passes them.
+    /// Whether the sensor's lag and delay act before the ball instead of after it. A linear ball without noise is read
+    /// the same either way; with them in front, nothing of the noise passes them.
     pub(crate) sensor_first: bool,
 }
 

@@ -9,7 +9,8 @@ type Values = BTreeMap<String, f64>;
 /// Smallest and largest of what is accepted.
 type Range = (f64, f64);
 
-/// The bounds of the keys, asked in two configs with other values each: a bound that is another in each is no number of its own.
+/// The bounds of the keys, asked in two configs with other values each: a bound that is another in each is no number of
+/// its own.
 pub(crate) struct Bounds(BTreeMap<String, [Probe; 2]>);
 
 /// What was learned of a key in a config whose other keys are sound.
@@ -76,7 +77,8 @@ fn probes(bench: &Bench, keys: &[Key], (mut share, step): (f64, f64)) -> Vec<Pro
     probes
 }
 
-/// An end of a range that was `a` in one config and `b` in the other: a number, or the key that has this value in both, if there is one.
+/// An end of a range that was `a` in one config and `b` in the other: a number, or the key that has this value in both,
+/// if there is one.
 fn end((a, b): (f64, f64), one: &Values, other: &Values) -> Option<String> {
     let same = || one.iter().find(|(key, value)| **value == a && other.get(*key) == Some(&b));
     if a == b { Some(a.to_string()) } else { same().map(|(key, _)| format!("`{key}`")) }
@@ -101,7 +103,8 @@ impl Probe {
 }
 
 impl Config {
-    /// One with this word of every choice whose numbers are refused wherever there are bounds: those that need not be whole are none.
+    /// One with this word of every choice whose numbers are refused wherever there are bounds: those that need not be
+    /// whole are none.
     fn unsettled(keys: &[Key], choice: usize) -> Self {
         let mut words = BTreeMap::new();
         for key in keys {
@@ -125,7 +128,8 @@ impl Config {
         Self { keys, words, values }
     }
 
-    /// Gives every number that is refused another share of its range, so that none is out of bounds and no two are equal.
+    /// Gives every number that is refused another share of its range, so that none is out of bounds and no two are
+    /// equal.
     fn settle(&mut self, bench: &Bench, mut share: impl FnMut() -> f64) {
         while let Some((key, (min, max))) = self.refusal(bench, None) {
             let value = self.values.get_mut(&key).unwrap_or_else(|| panic!("{key} is refused, which is no key"));
@@ -133,7 +137,8 @@ impl Config {
         }
     }
 
-    /// The ranges that a number has to be in: the one that all others are refused by, and those that its own ends are refused by.
+    /// The ranges that a number has to be in: the one that all others are refused by, and those that its own ends are
+    /// refused by.
     fn ranges(&self, bench: &Bench, key: &str) -> Vec<Range> {
         let range = |value| self.refusal(bench, Some((key, value))).filter(|(refused, _)| refused == key);
         let first = range(f64::NAN).or_else(|| range(0.0)).map(|(_, range)| range);

@@ -1,8 +1,9 @@
 //! Commands that a page shows with what they say: a fenced block `console`, in which commands begin with `$ `.
 //!
-//! The commands of a page run one after another in one shell, in a folder that looks like the project's. `…` stands for whatever is
-//! different each time: at the end of a line for the rest of it, on a line of its own for any lines. Each command must succeed.
-//! A picture that a command draws and the page shows is compared as well. Where a page speaks of mosquitto, one is there.
+//! The commands of a page run one after another in one shell, in a folder that looks like the project's. `…` stands for
+//! whatever is different each time: at the end of a line for the rest of it, on a line of its own for any lines. Each
+//! command must succeed. A picture that a command draws and the page shows is compared as well. Where a page speaks of
+//! mosquitto, one is there.
 
 use std::fs;
 use std::path::Path;

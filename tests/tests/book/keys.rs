@@ -1,4 +1,5 @@
-//! The reference of the config's keys, made by asking the program: under a key that cannot be there it says what it expects.
+//! The reference of the config's keys, made by asking the program: under a key that cannot be there it says what it
+//! expects.
 
 use super::bounds::Bounds;
 use super::pages::read;
@@ -131,7 +132,8 @@ pub(crate) fn answer(bench: &Bench, config: String) -> String {
     bench.run(&["config", "check", "--config", "asked.toml"]).errors
 }
 
-/// What is accepted of a number of an effect and where it does nothing, as the gallery's page has it from the catalogue.
+/// What is accepted of a number of an effect and where it does nothing, as the gallery's page has it from the
+/// catalogue.
 fn of_effect(effect: &str, key: &str) -> String {
     let page = read(&format!("gallery/{effect}.md"));
     let row = page.lines().find_map(|line| line.strip_prefix(&format!("| `{key}` | ")));

@@ -5,10 +5,10 @@
 //! timing       the duty as logged, written at each deadline instead of `lateness_s` after it
 //! ```
 //!
-//! Both are differences between two duties, and are worth what the readings lose when the mended model is told the wrong one
-//! ([`diagnose::kl_divergence`]): nats, as the effects are. Only a log of this program says what its config and its lateness were. The law is
-//! followed from take-off to the first change of gains, open loop, fault or lost cycle; an excitation is in no log, so that where an
-//! experiment was flown a difference says nothing.
+//! Both are differences between two duties, and are worth what the readings lose when the mended model is told the
+//! wrong one ([`diagnose::kl_divergence`]): nats, as the effects are. Only a log of this program says what its config
+//! and its lateness were. The law is followed from take-off to the first change of gains, open loop, fault or lost
+//! cycle; an excitation is in no log, so that where an experiment was flown a difference says nothing.
 
 use crate::config::{Reference, Tables};
 use crate::flight::command::Command;
@@ -35,7 +35,8 @@ pub struct Upstream {
     pub finding: String,
 }
 
-/// The stages before the plant where the loop of `log` did otherwise than its config says, in the order of the signal path.
+/// The stages before the plant where the loop of `log` did otherwise than its config says, in the order of the signal
+/// path.
 #[must_use]
 pub fn upstream(log: &LoadedLog, model: &Model) -> Vec<Upstream> {
     let Some(tables) = log.config_toml.as_deref().and_then(|text| toml::from_str::<Tables>(text).ok()) else {

@@ -1,6 +1,8 @@
-//! What a loop bears: the linear plant of a model under a controller, in continuous time and sampled as the firmware does it.
+//! What a loop bears: the linear plant of a model under a controller, in continuous time and sampled as the firmware
+//! does it.
 //!
-//! The document of `airball design` (`airball.design/1`). Frequencies in rad/s, poles in 1/s (continuous) or as z (sampled).
+//! The document of `airball design` (`airball.design/1`). Frequencies in rad/s, poles in 1/s (continuous) or as z
+//! (sampled).
 
 use control::design::critical::{critical_gain, critical_integral_time};
 use control::design::law::{Gains, Law, Weights};
@@ -54,7 +56,8 @@ pub struct Assessment {
     pub gain_margins: Vec<GainMargin>,
     /// In the order of frequency.
     pub phase_margins: Vec<PhaseMargin>,
-    /// The K_p at which the loop of a PID loses stability, its other gains kept; `None`: at none, or it has no stability at any.
+    /// The K_p at which the loop of a PID loses stability, its other gains kept; `None`: at none, or it has no
+    /// stability at any.
     pub critical_kp_per_mm: Option<f64>,
     /// The T_i at which it does, seconds.
     pub critical_ti_s: Option<f64>,

@@ -1,7 +1,7 @@
 //! What a measurement finds: the analysis that belongs to each, and what of it the app alone can judge.
 //!
-//! Calibration: `position = sensor_to_bottom − scale·distance`. Positions of a log were made with the `[rig]` that flew it, so that
-//! a correction `position = c·(reading − bottom)` gives
+//! Calibration: `position = sensor_to_bottom − scale·distance`. Positions of a log were made with the `[rig]` that flew
+//! it, so that a correction `position = c·(reading − bottom)` gives
 //!
 //! ```text
 //! scale' = c·scale        sensor_to_bottom' = c·(sensor_to_bottom − bottom)
@@ -22,7 +22,8 @@ use serde::Serialize;
 
 /// Nearer than this the sensor sees no target that it can range, mm: its blind zone with the ball's curvature.
 const BLIND_MM: f64 = 30.0;
-/// Bands of a calibration, ours: what a loop does not notice. Offset of the bottom in mm, scale off 1, noise of a reading in mm.
+/// Bands of a calibration, ours: what a loop does not notice. Offset of the bottom in mm, scale off 1, noise of a
+/// reading in mm.
 const OFFSET_MM: f64 = 5.0;
 const SCALE: f64 = 0.03;
 const NOISE_MM: f64 = 5.0;

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! overshoot   largest excursion beyond the new setpoint, as a share of the jump
-//! peak        time from the jump to the largest excursion beyond the new setpoint that comes within five times the time to
-//!             half of the way, where it goes beyond by 2.5 % of the jump: later peaks are not the first, and smaller ones are noise
+//! peak        time from the jump to the largest excursion beyond the new setpoint within five times the time to half
+//!             of the way, if it is over 2.5 % of the jump: later peaks are not the first, and smaller ones are noise
 //! settling    time from the jump until the position stays within ±5 % of the jump for a second
 //! ```
 //!

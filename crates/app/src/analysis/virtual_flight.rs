@@ -1,7 +1,7 @@
 //! Flights on the desk: a model flown in virtual time by a controller, its cycles kept in memory.
 //!
-//! The controller is that of a config, on the rig that [`simulate`](crate::commands::simulate) flies; or, where a config holds
-//! a plant alone, a gentle one that the model itself suggests, on a rig without chips:
+//! The controller is that of a config, on the rig that [`simulate`](crate::commands::simulate) flies; or, where a
+//! config holds a plant alone, a gentle one that the model itself suggests, on a rig without chips:
 //!
 //! ```text
 //! ÿ = K·u − a·ẏ, u = K_p·(e + T_d·ė)      the loop crosses over at ω = 0.35/τ, at most 3 rad/s
@@ -9,8 +9,9 @@
 //! K_p = ω·√(ω² + a²) / (K·√(1 + ω²/z²))   τ: lags, delays and 1.5 periods together
 //! ```
 //!
-//! It is slower where the sensor's noise would shake the duty by more than a fifth of its room. A loop that slow next to its lags loses 20° of phase to them; the integral only has to find hover.
-//! Source: loop shaping, Åström & Murray, *Feedback Systems*, "Frequency Domain Design".
+//! It is slower where the sensor's noise would shake the duty by more than a fifth of its room. A loop that slow next
+//! to its lags loses 20° of phase to them; the integral only has to find hover. Source: loop shaping, Åström & Murray,
+//! *Feedback Systems*, "Frequency Domain Design".
 
 use crate::config::{Loop, Rig, Safety, Tables};
 use crate::flight::Flight;
@@ -97,8 +98,8 @@ impl Desk {
         &self.compensation
     }
 
-    /// A gentle controller for a rig of which only `model` and the time between readings are known. `None`: its hover is no
-    /// duty, so that it is not flown by one.
+    /// A gentle controller for a rig of which only `model` and the time between readings are known. `None`: its hover
+    /// is no duty, so that it is not flown by one.
     #[must_use]
     pub fn gentle(model: &Model, period_s: f64) -> Option<Self> {
         let hover = model.hover_duty_percent;

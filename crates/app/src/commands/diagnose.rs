@@ -23,7 +23,8 @@ const TICK: Duration = Duration::from_millis(120);
 /// Diagnoses logs and says what was found.
 ///
 /// # Errors
-/// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be written.
+/// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be
+/// written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     may_write(args.plot.as_deref(), args.html.as_deref())?;
     let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.patch)?;

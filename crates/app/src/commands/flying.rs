@@ -23,7 +23,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
 
-/// Cycles of a flight that are read again for its summary and picture, at most: an hour at 50 Hz, for a rig has little memory.
+/// Cycles of a flight that are read again for its summary and picture, at most: an hour at 50 Hz, for a rig has little
+/// memory.
 const RETOLD: usize = 180_000;
 
 /// A flight as its flags and config want it.
@@ -138,8 +139,8 @@ pub(super) fn landing_signal() -> Result<Arc<AtomicBool>> {
     Ok(stop)
 }
 
-/// Says what the flight was like, from its log, and draws it. What is worst decides the error: a fan that is still on, a
-/// fault, the log, then the picture; what is not the error is said as a note.
+/// Says what the flight was like, from its log, and draws it. What is worst decides the error: a fan that is still on,
+/// a fault, the log, then the picture; what is not the error is said as a note.
 pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()> {
     let dropped = flown.log.as_ref().map_or(0, |log| log.dropped);
     let told = tell(args, title, &flown.outcome, &flown.files, dropped);
@@ -177,8 +178,8 @@ fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dr
     Ok(())
 }
 
-/// The end of the flight, from as many of its last files as hold `most` cycles, but from one at least, and how many those
-/// are. Files that are gone, or hold nothing, are passed over.
+/// The end of the flight, from as many of its last files as hold `most` cycles, but from one at least, and how many
+/// those are. Files that are gone, or hold nothing, are passed over.
 fn last_cycles(files: &[PathBuf], most: usize) -> Result<(Vec<Cycle>, usize), LogError> {
     let (mut parts, mut known, mut unread) = (Vec::new(), 0, None);
     for file in files.iter().rev() {

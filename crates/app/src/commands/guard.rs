@@ -1,4 +1,5 @@
-//! `airball guard`: turns the fan off when the loop on the other end of standard input is gone. `airball run` starts it.
+//! `airball guard`: turns the fan off when the loop on the other end of standard input is gone. `airball run` starts
+//! it.
 
 use super::note;
 use crate::cli::GuardArgs;

@@ -194,7 +194,8 @@ fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
     })
 }
 
-/// Takes out of `base` the effects that cannot act beside one of `over`: they say the same of the rig, and the later file wins.
+/// Takes out of `base` the effects that cannot act beside one of `over`: they say the same of the rig, and the later
+/// file wins.
 fn displace(base: &mut toml::Table, over: &toml::Table) {
     let Some(added) = effects(over) else { return };
     let Some(believed) = base.get_mut("plant").and_then(|plant| plant.get_mut("effects")) else { return };

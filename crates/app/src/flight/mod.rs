@@ -36,8 +36,8 @@ use vocabulary::{Cycle, End, Event, Fault, Mode, What};
 const COMMANDS_PER_CYCLE: usize = 4;
 /// Writes of the fan in a row that may fail before the flight ends.
 pub const FAN_FAILURES: u32 = 5;
-/// How long the loop tries to turn the fan off at the end, seconds: as long as the kernel waits for a stuck bus. A guard
-/// goes on after that.
+/// How long the loop tries to turn the fan off at the end, seconds: as long as the kernel waits for a stuck bus. A
+/// guard goes on after that.
 const LANDING_S: f64 = 1.0;
 /// Between two attempts.
 const RETRY_S: f64 = 0.01;
@@ -186,8 +186,8 @@ impl<'a, R: Rig> Flight<'a, R> {
         fan_fault.or(self.pilot.fault())
     }
 
-    /// A loop that cannot keep up no longer controls the ball. `running_s` is how long the cycle has run: one that hangs
-    /// in it must not act on what it saw before, nor take its own hole for a ball that stood still.
+    /// A loop that cannot keep up no longer controls the ball. `running_s` is how long the cycle has run: one that
+    /// hangs in it must not act on what it saw before, nor take its own hole for a ball that stood still.
     fn behind(&mut self, running_s: f64) -> Option<Fault> {
         let behind_s = self.deadlines.behind_s() + running_s;
         let fault = (behind_s >= self.pilot.stall_s()).then_some(Fault::Late { behind_s })?;

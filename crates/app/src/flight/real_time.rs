@@ -1,7 +1,7 @@
 //! Real time, where the system permits it: a first-in-first-out priority for the loop's thread, and memory that stays.
 //!
-//! Neither is asked for where it is not permitted without limit: memory that may be locked only in part would fail later,
-//! in flight. The flight goes on without; a plain word says so, and what would permit it.
+//! Neither is asked for where it is not permitted without limit: memory that may be locked only in part would fail
+//! later, in flight. The flight goes on without; a plain word says so, and what would permit it.
 
 use nix::sys::mman::{MlockAllFlags, mlockall};
 use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
@@ -10,7 +10,8 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-/// Priority of the loop: above everything that is not real time, not above the kernel's own threads for interrupts (50).
+/// Priority of the loop: above everything that is not real time, not above the kernel's own threads for interrupts
+/// (50).
 const LOOP: u8 = 45;
 /// Priority of the guard: above a loop that hangs.
 const GUARD: u8 = 46;

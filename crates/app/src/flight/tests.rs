@@ -198,7 +198,8 @@ fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
     assert_eq!(std::iter::from_fn(|| mailbox.try_command()).count(), 60 - taken);
 }
 
-/// Allocations of the loop's thread in a flight of `duration_s`, over chips, signals, ring, link and all controllers of the config.
+/// Allocations of the loop's thread in a flight of `duration_s`, over chips, signals, ring, link and all controllers of
+/// the config.
 fn allocations(duration_s: f64) -> u64 {
     let tables = super::rich();
     let mqtt = crate::config::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };

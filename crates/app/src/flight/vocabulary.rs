@@ -1,5 +1,5 @@
-//! The words of a flight: its modes and faults, and what it leaves behind: one [`Cycle`] per control period and an [`Event`]
-//! for whatever is not periodic.
+//! The words of a flight: its modes and faults, and what it leaves behind: one [`Cycle`] per control period and an
+//! [`Event`] for whatever is not periodic.
 //!
 //! Both are plain copies without pointers, so that the loop hands them over without allocating; they become
 //! JSON on the side of a log's writer.

@@ -1,9 +1,10 @@
 //! Who watches the loop: a thread that looks whether cycles still run, and tells the guard and the service manager.
 //!
-//! The loop only counts: one atomic addition a cycle, and no system call. This thread looks at the count every 50 ms. It
-//! passes a word on only when the count has moved, so that a loop that hangs falls silent although its process lives:
-//! the guard then turns the fan off, and systemd, whose watchdog is not fed either, ends and restarts the service. Words for
-//! systemd leave from a thread of their own, for a manager that does not listen would hold up whoever speaks to it.
+//! The loop only counts: one atomic addition a cycle, and no system call. This thread looks at the count every 50 ms.
+//! It passes a word on only when the count has moved, so that a loop that hangs falls silent although its process
+//! lives: the guard then turns the fan off, and systemd, whose watchdog is not fed either, ends and restarts the
+//! service. Words for systemd leave from a thread of their own, for a manager that does not listen would hold up
+//! whoever speaks to it.
 
 use crate::rig::{Guard, GuardError};
 use sd_notify::NotifyState;
@@ -17,8 +18,8 @@ use std::time::Duration;
 /// Between two looks: a tenth of the shortest usual `stall_s`.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// How much longer than a period and `stall_s` a guard waits, seconds: two looks. So a loop whose fan the guard has turned off
-/// finds that it is too late when it wakes, and does not fly on.
+/// How much longer than a period and `stall_s` a guard waits, seconds: two looks. So a loop whose fan the guard has
+/// turned off finds that it is too late when it wakes, and does not fly on.
 pub const SLACK_S: f64 = 0.1;
 
 /// The thread. Dropped without [`Watch::finish`], it leaves the guard to turn the fan off.

@@ -1,8 +1,8 @@
 //! A flight as a table, for whatever reads no MCAP.
 //!
 //! The header is the one that [`reader`](super::reader) reads, and `fresh`, without which a repeated position would
-//! pass for a reading. The signals of a second sensor and a tachometer are columns where the flight has them. Numbers are
-//! written so that they read back as the same bits.
+//! pass for a reading. The signals of a second sensor and a tachometer are columns where the flight has them. Numbers
+//! are written so that they read back as the same bits.
 
 use crate::flight::vocabulary::Cycle;
 use std::io::{self, Write};

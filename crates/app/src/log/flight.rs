@@ -26,8 +26,8 @@ pub struct Flight {
     pub events: Vec<EventMessage>,
     /// What is missing, in words and numbers, if anything is.
     pub truncated: Option<String>,
-    /// Nothing of the flight is missing: all that was written before its end is here, config and all. A file without its
-    /// summary can be complete, one that was cut between two chunks is not.
+    /// Nothing of the flight is missing: all that was written before its end is here, config and all. A file without
+    /// its summary can be complete, one that was cut between two chunks is not.
     pub complete: bool,
 }
 
@@ -112,7 +112,8 @@ impl Gathered {
             Some(CYCLE) => serde_json::from_slice(data).map(|cycle| flight.cycles.push(cycle)),
             Some(EVENT) => serde_json::from_slice(data).map(|event| flight.events.push(event)),
             Some(_) => Ok(()),
-            // The chunk that said what this channel is was damaged. No message of ours passes for one of the other kind.
+            // The chunk that said what this channel is was damaged. No message of ours passes for one of the other
+            // kind.
             None => {
                 if let Ok(cycle) = serde_json::from_slice(data) {
                     flight.cycles.push(cycle);

@@ -1,8 +1,8 @@
 //! What a log says about its flight: version, command, seed, start, and the config in force.
 //!
-//! Two metadata records at the start of the file: `airball` (keys `version`, `command`, `seed`, `started`) and
-//! `config` (key `toml`). A flight without a seed has no key `seed`. Metadata have no checksum in MCAP, so each record has
-//! one of its own (key `crc32`), without which a damaged config would be believed.
+//! Two metadata records at the start of the file: `airball` (keys `version`, `command`, `seed`, `started`) and `config`
+//! (key `toml`). A flight without a seed has no key `seed`. Metadata have no checksum in MCAP, so each record has one
+//! of its own (key `crc32`), without which a damaged config would be believed.
 
 use crate::flight::wall_clock::rfc3339;
 use std::{

@@ -126,8 +126,8 @@ impl Recorder for Queue {
     }
 }
 
-/// Writes what comes until the loop's side is gone. Goes on after a failure, so that the ring does not fill up, and says
-/// it at once: a flight may last for weeks.
+/// Writes what comes until the loop's side is gone. Goes on after a failure, so that the ring does not fill up, and
+/// says it at once: a flight may last for weeks.
 fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, LogError> {
     let mut said = false;
     loop {

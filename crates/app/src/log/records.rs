@@ -37,10 +37,11 @@ pub(super) struct Damage {
     pub(super) records: usize,
 }
 
-/// Hands every channel, message and metadata record to `each`, in the order of the file, and says what was not readable.
+/// Hands every channel, message and metadata record to `each`, in the order of the file, and says what was not
+/// readable.
 ///
-/// After an unreadable place it goes on at the next whole chunk, wherever that begins: a length that is damaged must not
-/// take more with it than its own record.
+/// After an unreadable place it goes on at the next whole chunk, wherever that begins: a length that is damaged must
+/// not take more with it than its own record.
 pub(super) fn walk(file: &[u8], each: &mut dyn FnMut(Record<'_>)) -> Option<Damage> {
     let mut damage = None;
     let mut at_byte = MAGIC.len();

@@ -1,9 +1,9 @@
 //! A log in several files, for flights that last for weeks: a new file after so many seconds, and the oldest deleted
 //! when all of them take too much room.
 //!
-//! Every file is a whole log by itself, with config and schemas; time goes on from file to file. Files are named after the
-//! first, with `-2`, `-3`, …; a name that is taken is passed over. Where no file can be begun, the old one goes on, and it is
-//! tried again. Only logs whose names are times, as the program gives them, are ever deleted.
+//! Every file is a whole log by itself, with config and schemas; time goes on from file to file. Files are named after
+//! the first, with `-2`, `-3`, …; a name that is taken is passed over. Where no file can be begun, the old one goes on,
+//! and it is tried again. Only logs whose names are times, as the program gives them, are ever deleted.
 
 use super::LogError;
 use super::files::Files;

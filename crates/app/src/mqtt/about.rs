@@ -1,4 +1,5 @@
-//! What a rig is and what it may be told: the retained message on `about`, from which any page or monitor learns limits, units and names.
+//! What a rig is and what it may be told: the retained message on `about`, from which any page or monitor learns
+//! limits, units and names.
 
 use crate::config::{Safety, Tables};
 use crate::flight::experiment::offers::Offer;

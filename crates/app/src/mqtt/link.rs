@@ -27,11 +27,12 @@ pub struct Link {
 }
 
 impl Link {
-    /// Starts the link and returns at once, broker or not; what the rig is and its last fault are published with every connection. Start it before the loop raises its priority, which new
-    /// threads would inherit.
+    /// Starts the link and returns at once, broker or not; what the rig is and its last fault are published with every
+    /// connection. Start it before the loop raises its priority, which new threads would inherit.
     ///
     /// # Errors
-    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a missing broker.
+    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a
+    /// missing broker.
     pub fn start(
         config: &MqttConfig,
         about: &About,
@@ -77,8 +78,8 @@ impl Link {
         Ok(())
     }
 
-    /// Sends what the loop said last and the fault that ended it, says `offline` and leaves the broker. Waits for that a second at most; what
-    /// hangs longer ends with the process. Returns what passed the link.
+    /// Sends what the loop said last and the fault that ended it, says `offline` and leaves the broker. Waits for that
+    /// a second at most; what hangs longer ends with the process. Returns what passed the link.
     pub fn stop(mut self, fault: Option<&LastFault>) -> Counts {
         self.line.know(fault);
         self.leave();

@@ -1,7 +1,7 @@
 //! The loop's end of the link: three bounded rings of plain copies. Nothing here blocks or allocates.
 //!
-//! A stop gets through a flood: where the ring of commands is full it is a flag beside it, and what waited in the ring is forgotten, so
-//! that no `fly` from before the stop starts the fan again.
+//! A stop gets through a flood: where the ring of commands is full it is a flag beside it, and what waited in the ring
+//! is forgotten, so that no `fly` from before the stop starts the fan again.
 
 use super::count::{Counters, count};
 use crate::flight::command::Command;

@@ -67,9 +67,10 @@ impl Publisher {
         }
     }
 
-    /// What is to be replied; refusals are counted, and who asked for the stream has it. A message that never reached the loop is answered
-    /// before a later one that the loop obeyed: its refusal was here before that one's answer, so that it is looked for after the answers are taken,
-    /// and told before them. The other way round nothing is promised: the loop answers at its next cycle.
+    /// What is to be replied; refusals are counted, and who asked for the stream has it. A message that never reached
+    /// the loop is answered before a later one that the loop obeyed: its refusal was here before that one's answer, so
+    /// that it is looked for after the answers are taken, and told before them. The other way round nothing is
+    /// promised: the loop answers at its next cycle.
     fn replies(&mut self, now: Instant) -> Vec<Reply> {
         let answers: Vec<_> = (0..ROOM).map_while(|_| self.answers.pop().ok()).collect();
         if let Some(newest) = answers.last() {

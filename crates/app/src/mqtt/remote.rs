@@ -1,6 +1,7 @@
 //! The other end of a rig's topics: hears what a rig says, and sends it commands. What `airball monitor` stands on.
 //!
-//! As on the rig, a session has a client of its own, so that no command that was meant for one moment arrives at another.
+//! As on the rig, a session has a client of its own, so that no command that was meant for one moment arrives at
+//! another.
 
 use super::about::About;
 use super::network;
@@ -51,7 +52,8 @@ impl Remote {
     /// Starts dialling and returns at once.
     ///
     /// # Errors
-    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a missing broker.
+    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a
+    /// missing broker.
     pub fn start(config: &MqttConfig, rig: &str) -> Result<Self, MqttError> {
         let topics = Arc::new(Topics::new(rig)?);
         let id = format!("airball-monitor-{}", process::id());

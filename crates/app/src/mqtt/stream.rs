@@ -1,4 +1,5 @@
-//! Every cycle, for whoever asks: in batches, and for a while after each asking, so that a page that was closed is not served for ever.
+//! Every cycle, for whoever asks: in batches, and for a while after each asking, so that a page that was closed is not
+//! served for ever.
 
 use crate::flight::vocabulary::Cycle;
 use std::time::{Duration, Instant};

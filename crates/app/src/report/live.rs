@@ -1,7 +1,7 @@
 //! The live page: one file that a broker can serve or a browser open, which flies a rig over MQTT.
 //!
-//! It holds no limit, unit or name of its own; those come from the rig's `about`. The stop button's script comes first and needs none of the
-//! others, so that it works whatever becomes of them.
+//! It holds no limit, unit or name of its own; those come from the rig's `about`. The stop button's script comes first
+//! and needs none of the others, so that it works whatever becomes of them.
 
 use super::kit::page::{CHART_SCRIPT, CHART_STYLE, STYLE, hash_of};
 use super::kit::palette;

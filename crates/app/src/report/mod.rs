@@ -1,4 +1,5 @@
-//! What a person reads and looks at, by subject: words, documents, pictures and pages. What they are made of is in [`kit`].
+//! What a person reads and looks at, by subject: words, documents, pictures and pages. What they are made of is in
+//! [`kit`].
 
 pub mod design;
 pub mod diagnosis;

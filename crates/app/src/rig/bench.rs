@@ -49,7 +49,8 @@ pub fn bench(bus: &config::Bus, rig: &config::Rig) -> Result<Chips<Wire, Wire, M
 }
 
 /// Turns the fan off and reads back that it is, again and again for `allowed_s` seconds if need be: a bus that is stuck
-/// may come free, a supply return. Where there is a line of output-enable and nobody else holds it, the outputs are off meanwhile.
+/// may come free, a supply return. Where there is a line of output-enable and nobody else holds it, the outputs are off
+/// meanwhile.
 ///
 /// # Errors
 /// [`BenchError`] of the last attempt.

@@ -1,5 +1,5 @@
-//! The rig through its chips: the range sensor at the top of the pipe and the fan's PWM driver; where it has them, a second
-//! range sensor, the fan's tachometer and the driver's output-enable.
+//! The rig through its chips: the range sensor at the top of the pipe and the fan's PWM driver; where it has them, a
+//! second range sensor, the fan's tachometer and the driver's output-enable.
 
 use super::error::StartError;
 use super::lines::{Lines, Pin};

@@ -1,7 +1,7 @@
 //! The guard: a process of its own that turns the fan off when the loop is gone, however it went.
 //!
 //! ```text
-//! loop ── a socket pair: '.' cycles run, 'L' the fan is off, 'F' I could not turn it off ──▶ guard ──▶ its own bus handle
+//! loop ── a socket pair: '.' cycles run, 'L' the fan is off, 'F' the fan is not off ──▶ guard ──▶ its own bus handle
 //! ```
 //!
 //! The kernel closes the loop's end when the loop dies, `kill -9` included; no word of the loop is needed for that. The

@@ -25,7 +25,8 @@ pub struct PlantWorld {
     time: Time,
 }
 
-/// What the second sensor sees: the ball where it is, with noise. The sensor's effects of the model are those of the first.
+/// What the second sensor sees: the ball where it is, with noise. The sensor's effects of the model are those of the
+/// first.
 struct SecondBeam {
     table: config::SecondSensor,
     sigma_mm: f64,

@@ -5,8 +5,8 @@
 //! answer    0 and all bytes read, or the number of an error
 //! ```
 //!
-//! A program that is killed takes a bus of its own with it; this one stays, with the chips in the state that the program
-//! left them in. So what must happen after `kill -9` is tried with the same binary that flies a rig.
+//! A program that is killed takes a bus of its own with it; this one stays, with the chips in the state that the
+//! program left them in. So what must happen after `kill -9` is tried with the same binary that flies a rig.
 
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 use std::io::{self, Read, Write};

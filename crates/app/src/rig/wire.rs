@@ -70,8 +70,9 @@ impl I2c for Wire {
     }
 }
 
-/// A transaction on the kernel's bus. The chips' drivers write, or write and read: these messages lie on the stack, because a cycle may not
-/// allocate, and `linux-embedded-hal`, whose errors these are, makes a list of them on the heap.
+/// A transaction on the kernel's bus. The chips' drivers write, or write and read: these messages lie on the stack,
+/// because a cycle may not allocate, and `linux-embedded-hal`, whose errors these are, makes a list of them on the
+/// heap.
 fn transfer(bus: &mut LinuxI2CBus, address: u8, operations: &mut [Operation<'_>]) -> Result<(), LinuxI2CError> {
     match operations {
         [] => return Ok(()),

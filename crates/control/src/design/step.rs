@@ -6,9 +6,9 @@
 //! settling    when it is outside ±5 % of the end value for the last time
 //! ```
 //!
-//! Sampled loops are moved in companion form from sample to sample. Continuous ones are brought to companion form, with time counted in the
-//! geometric mean of their time constants so that its entries are near 1, and moved exactly from point to point.
-//! Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
+//! Sampled loops are moved in companion form from sample to sample. Continuous ones are brought to companion form, with
+//! time counted in the geometric mean of their time constants so that its entries are near 1, and moved exactly from
+//! point to point. Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
 
 use super::discretise::{Discrete, discretise};
 use super::polynomial::{CAPACITY, Polynomial};
@@ -123,7 +123,8 @@ impl Iterator for Response {
     }
 }
 
-/// The next value of a loop in δ, in companion form: every state grows by the next one, the last by the input and all of them.
+/// The next value of a loop in δ, in companion form: every state grows by the next one, the last by the input and all
+/// of them.
 fn recur(numerator: &Polynomial, denominator: &Polynomial, states: &mut [f64; CAPACITY]) -> f64 {
     let (order, poles, leading) = (denominator.degree(), denominator.ascending(), denominator.leading());
     let remembered: f64 = (0..order).map(|k| poles[k] * states[k]).sum();

@@ -5,7 +5,8 @@
 //! in turn   S = h·P·hᵀ + r      L = P·hᵀ/S      P ← P − L·S·Lᵀ
 //! ```
 //!
-//! Readings in turn are worth what they are worth together. One that comes alone is then weighed a little less than it could be.
+//! Readings in turn are worth what they are worth together. One that comes alone is then weighed a little less than it
+//! could be.
 
 use super::{FAN, Observer, POSITION};
 use crate::believed::{State, Transition};

@@ -12,7 +12,8 @@ impl Regulator {
         }
     }
 
-    /// Takes a reading of the second sensor beside one of the first: only the observer sees it, if it knows what it is worth.
+    /// Takes a reading of the second sensor beside one of the first: only the observer sees it, if it knows what it is
+    /// worth.
     pub fn read_second(&mut self, position_mm: f64) {
         if let Some(estimator) = self.estimator.as_mut().filter(|estimator| estimator.knows_second())
             && is_a_place(position_mm)

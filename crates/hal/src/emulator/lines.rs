@@ -1,4 +1,5 @@
-//! The emulated rig's lines beside the bus: XSHUT of the second sensor, output-enable of the fan driver, the tachometer.
+//! The emulated rig's lines beside the bus: XSHUT of the second sensor, output-enable of the fan driver, the
+//! tachometer.
 
 use super::bus::{EmulatedBus, FAN, SECOND};
 use super::world::World;

@@ -13,7 +13,8 @@ pub trait World: Send {
     /// Asked exactly once per measurement, in the order of time, never about the future.
     fn measure_mm(&mut self, at_s: f64) -> Option<f64>;
 
-    /// The same of the second sensor, its distance to the same target. The sensors together are asked in the order of time.
+    /// The same of the second sensor, its distance to the same target. The sensors together are asked in the order of
+    /// time.
     fn measure_second_mm(&mut self, at_s: f64) -> Option<f64> {
         let _ = at_s;
         None

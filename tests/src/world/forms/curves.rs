@@ -15,7 +15,8 @@ pub(crate) fn dead_zone(e: &Effect) -> Link {
     Box::new(move |u, _| w * (soft_plus((u - upper) / w) - soft_plus((lower - u) / w)))
 }
 
-/// A hyperbola between the slopes √r above and 1/√r below, through 0; it bends within 0.05 %. `up_over_down` is exact far away.
+/// A hyperbola between the slopes √r above and 1/√r below, through 0; it bends within 0.05 %. `up_over_down` is exact
+/// far away.
 pub(crate) fn force_asymmetry(e: &Effect) -> Link {
     let up = e.get("up_over_down").sqrt();
     let (mean, half, w) = (0.5 * (up + 1.0 / up), 0.5 * (up - 1.0 / up), 0.05_f64);

@@ -13,7 +13,8 @@ pub(crate) fn transport_delay(e: &Effect) -> Link {
     })
 }
 
-/// Steps at whole multiples of `step_percent`, each left only when the duty is 0.55 steps away: a comparator's hysteresis.
+/// Steps at whole multiples of `step_percent`, each left only when the duty is 0.55 steps away: a comparator's
+/// hysteresis.
 pub(crate) fn duty_quantisation(e: &Effect) -> Link {
     let mut round = sticky_round(e.get("step_percent"));
     Box::new(move |duty, _| round(duty))
@@ -30,7 +31,8 @@ pub(crate) fn sticky_round(step: f64) -> impl FnMut(f64) -> f64 {
     }
 }
 
-/// Nine plays in parallel, half widths 0.6 to 1.4 of `half_width_percent`, which is their mean: after a long swing the force lags by exactly that.
+/// Nine plays in parallel, half widths 0.6 to 1.4 of `half_width_percent`, which is their mean: after a long swing the
+/// force lags by exactly that.
 pub(crate) fn hysteresis(e: &Effect) -> Link {
     let widths: Vec<f64> = (0..9).map(|i| e.get("half_width_percent") * (0.6 + 0.1 * f64::from(i))).collect();
     let mut plays = [0.0_f64; 9];
@@ -42,14 +44,16 @@ pub(crate) fn hysteresis(e: &Effect) -> Link {
     })
 }
 
-/// Rotor and air column: two lags in series, 0.93 and 0.07 of `time_constant_s`, which is the area of the step's shortfall.
+/// Rotor and air column: two lags in series, 0.93 and 0.07 of `time_constant_s`, which is the area of the step's
+/// shortfall.
 pub(crate) fn fan_lag(e: &Effect) -> Link {
     let tau = e.get("time_constant_s");
     let (mut rotor, mut column) = (lag(0.93 * tau), lag(0.07 * tau));
     Box::new(move |a, _| column(rotor(a)))
 }
 
-/// The rate slides from 1/`down_s` to 1/`up_s` as the command passes the state, over 10 mm/s²; far apart the rates are exact.
+/// The rate slides from 1/`down_s` to 1/`up_s` as the command passes the state, over 10 mm/s²; far apart the rates are
+/// exact.
 pub(crate) fn spin_asymmetry(e: &Effect) -> Link {
     let (up, down, mut state) = (1.0 / e.get("up_s"), 1.0 / e.get("down_s"), 0.0);
     Box::new(move |a, _| {

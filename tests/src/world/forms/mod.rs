@@ -63,8 +63,8 @@ pub(crate) fn lag(time_constant_s: f64) -> impl FnMut(f64) -> f64 {
     }
 }
 
-/// What has been approached, by exponential decay of the rest, at time t of a record of this length: 0 at its start, its
-/// whole length at its end, 1 s/s on average. The time constant is twice the length.
+/// What has been approached, by exponential decay of the rest, at time t of a record of this length: 0 at its start,
+/// its whole length at its end, 1 s/s on average. The time constant is twice the length.
 pub(crate) fn approach(t: f64, seconds: f64) -> f64 {
     seconds * (-t.max(0.0) / (2.0 * seconds)).exp_m1() / (-0.5_f64).exp_m1()
 }

@@ -28,7 +28,8 @@ pub(crate) fn sensor_noise(e: &Effect, mut chance: Chance) -> Link {
     Box::new(move |x, _| x + sigma * chance.hump())
 }
 
-/// Bursts of 1 reading or more, 1.25 on average, all to one side; sizes 0.85 to 1.15 of `size_mm`. `probability` is the share of wild readings.
+/// Bursts of 1 reading or more, 1.25 on average, all to one side; sizes 0.85 to 1.15 of `size_mm`. `probability` is the
+/// share of wild readings.
 pub(crate) fn sensor_outliers(e: &Effect, mut chance: Chance) -> Link {
     let (stay, size, mut side) = (0.2, e.get("size_mm"), 0.0);
     let wild = e.get("probability");

@@ -1,13 +1,14 @@
-//! The critical gain: the smallest multiple of the loop's proportional gain at which the simulated loop loses stability.
+//! The critical gain: the smallest multiple of the loop's proportional gain at which the simulated loop loses
+//! stability.
 //!
 //! ```text
 //! ramp to mid-pipe, step by J = an eighth of the pipe, wait          without noise
 //! lost: in the last third of the wait the ball still swings by J or more, or the flight ended in a fault
 //! ```
 //!
-//! At the critical gain a step of J swings by 2·J for ever; below it the swing decays, above it it grows until the fan's limits
-//! hold it. A loop that hunts across a dead zone, by less than J, has not lost stability.
-//! The gain multiplies proportional, integral and derivative part alike, as `K_p` of the control law does.
+//! At the critical gain a step of J swings by 2·J for ever; below it the swing decays, above it it grows until the
+//! fan's limits hold it. A loop that hunts across a dead zone, by less than J, has not lost stability. The gain
+//! multiplies proportional, integral and derivative part alike, as `K_p` of the control law does.
 
 use crate::analysis::virtual_flight::Desk;
 use crate::flight::experiment::{Experiment, Limits, Segment};
@@ -28,8 +29,8 @@ const WAIT_S: f64 = 18.0;
 /// J as a share of the pipe.
 const STEP: f64 = 0.125;
 
-/// The critical gain of `desk`'s controller on `model`, as a multiple of the gain in force. `None`: the loop keeps its stability
-/// up to 64 times its gain, or has none down to a sixteenth, or the controller that flies has no gain.
+/// The critical gain of `desk`'s controller on `model`, as a multiple of the gain in force. `None`: the loop keeps its
+/// stability up to 64 times its gain, or has none down to a sixteenth, or the controller that flies has no gain.
 pub(super) fn critical_gain(desk: &Desk, model: &Model) -> Option<f64> {
     let one = desk.with_gain(1.0)?;
     let model = without_chance(model);

@@ -1,14 +1,14 @@
-//! The closed loop before and after the mend: how the ball followed the steps of a record, and how it follows them when the
-//! record's own controller flies the believed model and the mended one.
+//! The closed loop before and after the mend: how the ball followed the steps of a record, and how it follows them when
+//! the record's own controller flies the believed model and the mended one.
 //!
 //! ```text
-//! overshoot, peak time, settling to ±5 %      medians over the steps; a step that never settled counts as infinitely slow
+//! overshoot, peak time, settling to ±5 %      medians over the steps; a step that never settled counts as infinite
 //! critical gain                               see `critical_gain`
 //! ```
 //!
-//! The steps are flown in virtual time with the noise of each model, by several seeds where the record is short: noise adds to
-//! the overshoot of a record, and adds as much to that of a simulation. What was added to the control as an excitation is in no
-//! log and is not flown. Definitions of the figures: see [`super::step_response`].
+//! The steps are flown in virtual time with the noise of each model, by several seeds where the record is short: noise
+//! adds to the overshoot of a record, and adds as much to that of a simulation. What was added to the control as an
+//! excitation is in no log and is not flown. Definitions of the figures: see [`super::step_response`].
 
 mod critical_gain;
 mod stretch;
@@ -35,8 +35,8 @@ struct Figures {
     settling_s: Option<f64>,
 }
 
-/// Measures logs of one rig, and the two models where the controller that flew each is known; the critical gain is that of the
-/// last. No `mended` model: nothing was mended.
+/// Measures logs of one rig, and the two models where the controller that flew each is known; the critical gain is that
+/// of the last. No `mended` model: nothing was mended.
 #[must_use]
 pub fn measure(logs: &[LoadedLog], tables: &Tables, belief: &Model, mended: Option<&Model>) -> ClosedLoop {
     let desks: Vec<Option<Desk>> = logs.iter().map(|log| Desk::that_flew(log, tables)).collect();
@@ -93,7 +93,8 @@ impl Figures {
     }
 }
 
-/// The median, where what never came is later than everything. `None`: it came in half of the cases at most, or there are none.
+/// The median, where what never came is later than everything. `None`: it came in half of the cases at most, or there
+/// are none.
 fn median(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::INFINITY)).collect();
     values.sort_by(f64::total_cmp);

@@ -1,7 +1,7 @@
 //! The stretch of a record whose steps are looked at, and the programme that flies its setpoints again.
 //!
-//! It begins with the first setpoint and ends where the controller is switched off, where it or its gains were changed in flight
-//! (the config knows only the first ones), or after five minutes, which is enough for medians.
+//! It begins with the first setpoint and ends where the controller is switched off, where it or its gains were changed
+//! in flight (the config knows only the first ones), or after five minutes, which is enough for medians.
 
 use crate::analysis::step_response::Moment;
 use crate::analysis::virtual_flight::Desk;
@@ -50,7 +50,8 @@ impl Stretch {
         self.end_s - self.start_s
     }
 
-    /// The setpoints as a programme for `desk`, cycle by cycle, and how long the simulated ball is led to where the record begins.
+    /// The setpoints as a programme for `desk`, cycle by cycle, and how long the simulated ball is led to where the
+    /// record begins.
     pub(super) fn programme(&self, desk: &Desk, model: &Model) -> (Experiment, f64) {
         let (bottom_mm, top_mm) = model.ends_mm();
         let lies = self.first_mm < bottom_mm + LYING * (top_mm - bottom_mm);

@@ -1,7 +1,8 @@
 //! The list of experiments: what a rig can be asked without harm, scaled to its pipe, its limits and its fan.
 //!
-//! Every one begins with take-off and settling at mid-pipe, keeps the controller on, and turns the fan off when the ball comes
-//! near the top. A lower limit would end a flight by noise, while the ball slowly rises past it. Excitations are sized so that an open-loop ball would move by 6 % of the pipe during one bit:
+//! Every one begins with take-off and settling at mid-pipe, keeps the controller on, and turns the fan off when the
+//! ball comes near the top. A lower limit would end a flight by noise, while the ball slowly rises past it. Excitations
+//! are sized so that an open-loop ball would move by 6 % of the pipe during one bit:
 //!
 //! ```text
 //! x = K·u·T²/2      u: percent of duty, T: seconds of a bit

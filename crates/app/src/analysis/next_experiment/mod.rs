@@ -1,16 +1,16 @@
 //! The next experiment: which safe flight would settle what this record leaves open.
 //!
 //! ```text
-//! nats(A, B) = ln p(record | A) − ln p(record | B), per minute of free flight      the record flown, in closed loop, on rig A
+//! nats(A, B) = ln p(record | A) − ln p(record | B), per minute of free flight      record: in closed loop on rig A
 //! score      = min over pairs of rivals of min( nats(A, B), nats(B, A) )
 //! ```
 //!
-//! Rivals are models that explain the record alike. Each experiment of a list ([`mod@candidates`]) is flown in virtual time on each of
-//! them by the controller at hand ([`Desk`]); one that would bring the ball to an end of its way, or the duty to its limits, under
-//! any rival is not safe and is dropped. The best few are scored again with each rival's numbers moved to suit the record of the
-//! other, because the next diagnosis will fit them too: what a gain can imitate separates nothing.
-//! Source of the score: Box and Hill, "Discrimination among mechanistic models", Technometrics 9 (1967), which uses the same
-//! expectation, a Kullback–Leibler divergence.
+//! Rivals are models that explain the record alike. Each experiment of a list ([`mod@candidates`]) is flown in virtual
+//! time on each of them by the controller at hand ([`Desk`]); one that would bring the ball to an end of its way, or
+//! the duty to its limits, under any rival is not safe and is dropped. The best few are scored again with each rival's
+//! numbers moved to suit the record of the other, because the next diagnosis will fit them too: what a gain can imitate
+//! separates nothing. Source of the score: Box and Hill, "Discrimination among mechanistic models", Technometrics 9
+//! (1967), which uses the same expectation, a Kullback–Leibler divergence.
 
 pub mod candidates;
 mod open_questions;
@@ -28,10 +28,11 @@ use plant::Model;
 use rayon::prelude::*;
 use score::{Records, fly_all};
 
-/// An experiment that separates by less, nats a minute, separates nothing: it would have to be flown for long to bring the 5 nats
-/// by which the diagnosis names one effect rather than another.
+/// An experiment that separates by less, nats a minute, separates nothing: it would have to be flown for long to bring
+/// the 5 nats by which the diagnosis names one effect rather than another.
 const SEPARATES: f64 = 2.0;
-/// Comparisons of a pair that are made a second time, with the numbers of each rival moved, and experiments among them at least.
+/// Comparisons of a pair that are made a second time, with the numbers of each rival moved, and experiments among them
+/// at least.
 const COMPARISONS: usize = 8;
 const SHORT_LIST: usize = 2;
 
@@ -47,8 +48,8 @@ pub struct Advice {
     pub findings: Vec<String>,
 }
 
-/// What to fly next after `found`, which a diagnosis of `recording` with `belief` has found. `desk`: the controller at hand, if
-/// one is known.
+/// What to fly next after `found`, which a diagnosis of `recording` with `belief` has found. `desk`: the controller at
+/// hand, if one is known.
 #[must_use]
 pub fn advise(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, belief: &Model) -> Advice {
     let mut advice = next_flight(found, recording, desk, belief);

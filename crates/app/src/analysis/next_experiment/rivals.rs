@@ -1,8 +1,8 @@
 //! Who the rivals are, which of them no flight can part, and which further signal would.
 //!
-//! A delay of the duty and a delay of the reading shift the same readings by the same time: exact twins on these two signals. In
-//! general a recorded fan speed cuts the path between the actuator and the rest, and a second position sensor cuts it before
-//! the sensor, so that two effects on different sides of a cut are told apart there.
+//! A delay of the duty and a delay of the reading shift the same readings by the same time: exact twins on these two
+//! signals. In general a recorded fan speed cuts the path between the actuator and the rest, and a second position
+//! sensor cuts it before the sensor, so that two effects on different sides of a cut are told apart there.
 
 use super::Rival;
 use diagnose::{Diagnosis, Recording};
@@ -11,7 +11,8 @@ use plant::{Effects, Late, Stage};
 /// Rivals that are looked at, at most; every pair of them is flown against each other.
 const MOST: usize = 3;
 
-/// The models that explain the record alike, for the first effect that could not be told from others. Empty: there is none.
+/// The models that explain the record alike, for the first effect that could not be told from others. Empty: there is
+/// none.
 pub(super) fn of(found: &Diagnosis) -> Vec<Rival> {
     let Some(named) = found.effects.iter().find(|named| !named.rivals.is_empty()) else { return Vec::new() };
     let winner = (named.candidate.entry.name, found.mended.model.clone());
@@ -33,8 +34,8 @@ pub(super) fn what_was_settled(found: &Diagnosis, recording: &Recording) -> Vec<
     settled.collect()
 }
 
-/// Effects that no flight tells from this one by duty and position: of two dead times, one shifts the same readings by the same time as
-/// the other.
+/// Effects that no flight tells from this one by duty and position: of two dead times, one shifts the same readings by
+/// the same time as the other.
 fn exact_twins(name: &str) -> &'static [&'static str] {
     let entry = Effects::entry(name).filter(|entry| entry.acts.late == Some(Late::DeadTime));
     entry.map_or(&[], |entry| entry.twins)
@@ -46,7 +47,8 @@ pub(super) fn is_second_twin((name, _): &Rival, rivals: &[Rival]) -> bool {
     before.into_iter().any(|(other, _)| exact_twins(name).contains(other))
 }
 
-/// Which further signal tells apart what no flight does, in a sentence. `left`: the names that the next experiment leaves open.
+/// Which further signal tells apart what no flight does, in a sentence. `left`: the names that the next experiment
+/// leaves open.
 pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], recording: &Recording) -> Option<String> {
     // A name is open as long as it has a rival that is not told from it; a twin is open with its twin.
     let twin = |name: &&'static str| exact_twins(name).iter().any(|twin| left.contains(twin));

@@ -51,8 +51,8 @@ fn is_safe(flown: &Flown, model: &Model, desk: &Desk, settled_s: f64) -> bool {
 }
 
 impl Records {
-    /// Those of the `pairs` that the experiment separates, and by how many nats a minute the least separated of them (of all, where none
-    /// is separated). `moved`: after each rival's numbers have been moved to suit the record.
+    /// Those of the `pairs` that the experiment separates, and by how many nats a minute the least separated of them
+    /// (of all, where none is separated). `moved`: after each rival's numbers have been moved to suit the record.
     pub(super) fn rank(&self, rivals: &[Rival], pairs: &[(usize, usize)], moved: bool) -> (Vec<Pair>, f64) {
         let score = |&(a, b): &(usize, usize)| {
             let there = nats_per_minute(&self.0[a], &rivals[a], &rivals[b], moved);

@@ -1,7 +1,8 @@
 //! `airball design critical-gain`: the thesis' table of critical gains, and the third pole that closes its gap.
 //!
-//! The two-pole models are stable for ever where the rig is not: its fan has a pole. Chosen so that a model's critical gain is the
-//! one measured on the rig, that pole predicts the critical integral time, which was measured as well and not used.
+//! The two-pole models are stable for ever where the rig is not: its fan has a pole. Chosen so that a model's critical
+//! gain is the one measured on the rig, that pole predicts the critical integral time, which was measured as well and
+//! not used.
 
 use super::gains::above_zero;
 use super::{NAME, write};

@@ -120,7 +120,8 @@ impl Ground {
     }
 }
 
-/// A feedback of position and velocity is a PID whose derivative acts on the measurement; one of the fan's state needs an observer.
+/// A feedback of position and velocity is a PID whose derivative acts on the measurement; one of the fan's state needs
+/// an observer.
 fn conclude(ground: &Ground, args: &DesignArgs, feedback: Feedback) -> Result<()> {
     let closing = match feedback.gain[..] {
         [position_per_mm, velocity_s_per_mm, fan] => {

@@ -12,7 +12,8 @@ use control::pid::{DerivativeOn, Pid};
 use control::state_feedback::StateFeedback;
 use toml::Value;
 
-/// The patch of a controller. What a design says nothing of, as limits of rates and integrals, stays as the config has it.
+/// The patch of a controller. What a design says nothing of, as limits of rates and integrals, stays as the config has
+/// it.
 ///
 /// # Errors
 /// Numbers that TOML cannot hold.

@@ -25,7 +25,8 @@ const NAME: &str = "measure";
 /// Measures, and says it.
 ///
 /// # Errors
-/// A config that is not sound, a flight that a fault ended, a log that does not say enough, a file that cannot be written.
+/// A config that is not sound, a flight that a fault ended, a log that does not say enough, a file that cannot be
+/// written.
 pub fn measure(args: &MeasureArgs) -> Result<()> {
     check(args)?;
     may_write(args.flight.plot.as_deref(), args.html.as_deref())?;

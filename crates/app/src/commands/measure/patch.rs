@@ -68,8 +68,8 @@ fn put(table: &mut Table, path: &[&str], value: Value) {
     }
 }
 
-/// Hover in the middle of the zone, the zone's edges about it: corrected in `[compensation]`, believed in `[plant]`. A zone whose width may be
-/// none is none.
+/// Hover in the middle of the zone, the zone's edges about it: corrected in `[compensation]`, believed in `[plant]`. A
+/// zone whose width may be none is none.
 fn of_dead_zone(zone: &DeadZone, tables: &Tables, set: &mut Set<'_>) {
     let (lower, upper) = (zone.lower_duty_percent, zone.upper_duty_percent);
     let hover = (lower.value + upper.value) / 2.0;
@@ -90,8 +90,8 @@ fn of_dead_zone(zone: &DeadZone, tables: &Tables, set: &mut Set<'_>) {
     }
 }
 
-/// The measured curve as predistortion. The control value becomes mm/s², so that all gains of the config are turned into that unit; the
-/// curve holds the dead zone, which is no longer corrected beside it.
+/// The measured curve as predistortion. The control value becomes mm/s², so that all gains of the config are turned
+/// into that unit; the curve holds the dead zone, which is no longer corrected beside it.
 fn of_force_curve(zone: &DeadZone, jumps: &Jumps, tables: &Tables, set: &mut Set<'_>) -> Result<()> {
     let mut points: Vec<[f64; 2]> = jumps.jumps.iter().map(|jump| [jump.duty_percent, jump.mm_per_s2.value]).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -152,8 +152,8 @@ fn scale_gains(tables: &Tables, factor: f64, set: &mut Set<'_>) {
     }
 }
 
-/// The lag of the fan that gives the config's model the measured critical gain, sampled as the loop does it: what the thesis' conclusion
-/// proposes. `None`: no lag does, or there is no model.
+/// The lag of the fan that gives the config's model the measured critical gain, sampled as the loop does it: what the
+/// thesis' conclusion proposes. `None`: no lag does, or there is no model.
 fn lag_of(found: &Critical, tables: &Tables) -> Option<f64> {
     let (model, period_s) = (tables.plant.as_ref()?, tables.r#loop?.period_s);
     let lag_s = fan_lag_s(&model.linear(), found.ti_s, found.kp_per_mm.value, Some(period_s)).ok();

@@ -1,5 +1,5 @@
-//! The measurements on the simulated rig, chips and all, in virtual time: what the config says lies where the intervals say. How often it
-//! does is counted in `diagnose`, without chips and so in a fraction of the time.
+//! The measurements on the simulated rig, chips and all, in virtual time: what the config says lies where the intervals
+//! say. How often it does is counted in `diagnose`, without chips and so in a fraction of the time.
 
 use super::own;
 use super::patch::patch;

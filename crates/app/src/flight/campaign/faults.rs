@@ -18,7 +18,8 @@ pub(super) const FAN: u8 = 0x40;
 /// Of the rig that has one.
 pub(super) const SECOND: u8 = 0x30;
 
-/// Registers of which a cycle makes use: ready, range status with distance, and interrupt of the sensor; the fan's channel and its off-bit.
+/// Registers of which a cycle makes use: ready, range status with distance, and interrupt of the sensor; the fan's
+/// channel and its off-bit.
 const REGISTERS: [(u8, u8); 5] = [(SENSOR, 0x13), (SENSOR, 0x14), (SENSOR, 0x0B), (FAN, 0x06), (FAN, 0x09)];
 
 /// What happens to the rig.
@@ -84,9 +85,9 @@ impl Case {
         }
     }
 
-    /// Seconds from the fault to the end of the flight, where the loop loses its sight or its hands for good: what docs/rig.md
-    /// states, from the config, and a cycle more, because the cycle that it happens in may be past what it spoils. `None`: the
-    /// flight may go on.
+    /// Seconds from the fault to the end of the flight, where the loop loses its sight or its hands for good: what
+    /// docs/rig.md states, from the config, and a cycle more, because the cycle that it happens in may be past what it
+    /// spoils. `None`: the flight may go on.
     pub(super) fn bound_s(&self, tables: &Tables) -> Option<f64> {
         let (safety, rig) = (tables.safety?, tables.rig.as_ref()?);
         let within = |watched_s: f64| Some(watched_s + CYCLES * PERIOD_S);
@@ -118,8 +119,8 @@ impl Case {
     }
 }
 
-/// The same of wires that stay broken: whichever shows first of no sight for `coast_s`, writes that fail, and a cycle that hangs
-/// for `stall_s`.
+/// The same of wires that stay broken: whichever shows first of no sight for `coast_s`, writes that fail, and a cycle
+/// that hangs for `stall_s`.
 fn wires_bound_s(chips: &[u8], register: Option<u8>, fault: Fault, safety: &Safety) -> Option<f64> {
     // The driver returns the first error it meets, so that a cycle hangs once for each chip.
     let hangs_s = if let Fault::Timeout { seconds } = fault { seconds * chips.len() as f64 } else { 0.0 };

@@ -1,6 +1,6 @@
-//! The fault campaign: every fault of a list, from a random moment of a flight on, thousands of times. Whatever happens,
-//! the fan never gets more than the safe duty; what takes sight or hands away for good turns it off within the bound
-//! that docs/rig.md states; a fan that is still on is known to be; and the log can be read.
+//! The fault campaign: every fault of a list, from a random moment of a flight on, thousands of times. Whatever
+//! happens, the fan never gets more than the safe duty; what takes sight or hands away for good turns it off within the
+//! bound that docs/rig.md states; a fan that is still on is known to be; and the log can be read.
 
 mod faults;
 mod scene;
@@ -128,7 +128,8 @@ fn check(tables: &Tables, case: Case, seed: u64) {
     assert!(outcome.fault.is_none() || flight.events.iter().any(|event| event.kind == "fault"), "{what}");
 }
 
-/// For how long the controller asked for `percent` or more, with one sign, of a ball that was seen at exactly one place, seconds.
+/// For how long the controller asked for `percent` or more, with one sign, of a ball that was seen at exactly one
+/// place, seconds.
 fn longest_push_s(cycles: &[Cycle], percent: f64) -> f64 {
     let push = |cycle: &Cycle| {
         let control = cycle.control_percent.filter(|control| control.abs() >= percent)?;

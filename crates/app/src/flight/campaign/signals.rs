@@ -1,5 +1,5 @@
-//! The campaign of the optional signals: what a tachometer and a second sensor see that a rig without them does not, and what
-//! a flight survives with them.
+//! The campaign of the optional signals: what a tachometer and a second sensor see that a rig without them does not,
+//! and what a flight survives with them.
 
 use super::faults::{Case, DOUBTFUL, FAN, Lasting, Mishap, SECOND, SENSOR};
 use super::{check, fly, logged};

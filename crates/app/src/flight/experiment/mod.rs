@@ -12,13 +12,13 @@
 //! setpoint_mm.square = { low = 200.0, high = 400.0, period_s = 20.0 }
 //! excitation_percent.prbs = { low = -0.3, high = 0.3, bit_s = 0.2, order = 7 }
 //!
-//! [[segment]]                                # other gains of the PID; a ball that swings out goes on to the last segment
+//! [[segment]]                                # other gains of the PID; beyond back_off_beyond_mm: the last segment
 //! duration_s = 9.0
 //! setpoint_mm.constant = { value = 340.0 }
 //! gains = { kp_per_mm = 0.03, td_s = 0.0 }
 //! back_off_beyond_mm = 150.0
 //!
-//! [[segment]]                                # open loop: the fan follows the duty, here about hover, until the ball is up
+//! [[segment]]                                # open loop: the fan follows the duty, here about hover
 //! duration_s = 5.0
 //! duty_about_hover_percent.constant = { value = 0.8 }
 //! until_above_mm = 400.0

@@ -1,7 +1,7 @@
 //! Experiments on offer: what may be started in flight, by name.
 //!
-//! The program brings safe ones along; `[mqtt] experiments` adds files of the rig's own. All are read and checked before
-//! the flight, so that in flight a name is all that is needed.
+//! The program brings safe ones along; `[mqtt] experiments` adds files of the rig's own. All are read and checked
+//! before the flight, so that in flight a name is all that is needed.
 
 use super::Experiment;
 use crate::config::{ConfigError, Safety};
@@ -25,8 +25,8 @@ pub struct Offer {
     pub experiment: Experiment,
 }
 
-/// All that a rig with these limits offers: the program's own as far as they are safe there, then `files`; a file takes the place of one
-/// of the same name.
+/// All that a rig with these limits offers: the program's own as far as they are safe there, then `files`; a file takes
+/// the place of one of the same name.
 ///
 /// # Errors
 /// [`ConfigError`] names the file and what is wrong in it.

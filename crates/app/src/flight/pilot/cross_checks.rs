@@ -1,4 +1,5 @@
-//! What the optional signals say to the pilot: which sensor to believe, what the observer hears besides, and when to stop.
+//! What the optional signals say to the pilot: which sensor to believe, what the observer hears besides, and when to
+//! stop.
 //!
 //! ```text
 //! one sensor silent for 2.5 periods             fly on by the other, and say so

@@ -194,8 +194,8 @@ impl Pilot {
         decision
     }
 
-    /// Takes the reading into the estimate, be it the first sensor's or the one's that stands in for it. Returns the time
-    /// since the one before, if both are there.
+    /// Takes the reading into the estimate, be it the first sensor's or the one's that stands in for it. Returns the
+    /// time since the one before, if both are there.
     fn observe(&mut self, time_s: f64, seen: Seen, stands_in: bool) -> Option<f64> {
         let Seen::Ball(position_mm) = seen else { return None };
         let gap_s = self.last.map(|(last_s, _)| time_s - last_s);

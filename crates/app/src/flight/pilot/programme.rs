@@ -1,5 +1,5 @@
-//! How far the programme is: its own time, from which segments that end early are left out, and the gains that it asks for. While an
-//! experiment that was started in flight is on, the programme goes on in time alone.
+//! How far the programme is: its own time, from which segments that end early are left out, and the gains that it asks
+//! for. While an experiment that was started in flight is on, the programme goes on in time alone.
 
 use super::{Pilot, Seen};
 use crate::flight::command::GainChange;
@@ -109,8 +109,8 @@ impl Pilot {
         }
     }
 
-    /// Leaves out what the ball has ended, and takes the gains that the programme asks for. A setpoint that was commanded is in force
-    /// instead of the programme, which goes on in time alone.
+    /// Leaves out what the ball has ended, and takes the gains that the programme asks for. A setpoint that was
+    /// commanded is in force instead of the programme, which goes on in time alone.
     pub(super) fn follow_programme(&mut self, time_s: f64, seen: Seen) {
         self.follow_experiment(time_s);
         let Some(at_s) = self.programme.at_s(time_s) else { return };

@@ -5,8 +5,8 @@
 //!          for [safety] stuck.after_s
 //! ```
 //!
-//! A free ball cannot do that: on the plant of `config.toml` one per cent about hover moves it at 200 mm/s. It leaves out
-//! a ball that is stuck where the controller is content with it.
+//! A free ball cannot do that: on the plant of `config.toml` one per cent about hover moves it at 200 mm/s. It leaves
+//! out a ball that is stuck where the controller is content with it.
 
 use crate::config::Stuck;
 

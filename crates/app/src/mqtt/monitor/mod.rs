@@ -1,5 +1,5 @@
-//! `airball monitor`: a rig in a terminal. What is known of it and what a key asks for are here, without a terminal and without a broker;
-//! [`view`] draws it.
+//! `airball monitor`: a rig in a terminal. What is known of it and what a key asks for are here, without a terminal and
+//! without a broker; [`view`] draws it.
 
 pub mod keys;
 pub mod view;

@@ -1,4 +1,5 @@
-//! The monitor's screen: who, the last minute, numbers, faults, keys. Colours are the terminal's own, and never the only sign.
+//! The monitor's screen: who, the last minute, numbers, faults, keys. Colours are the terminal's own, and never the
+//! only sign.
 
 use super::Monitor;
 use super::keys::HELP;

@@ -23,7 +23,8 @@ impl<'a> Logs<'a> {
         (count > 1).then(|| format!("{count} logs together, {:.1} s", self.duration_s))
     }
 
-    /// The stages before the plant where the loop of a log did otherwise than its config says, and what that is worth, nats.
+    /// The stages before the plant where the loop of a log did otherwise than its config says, and what that is worth,
+    /// nats.
     #[must_use]
     pub fn deviations(&self) -> Vec<(&'static str, f64)> {
         self.upstream.iter().map(|(_, stage)| (stage.name, stage.nats)).collect()

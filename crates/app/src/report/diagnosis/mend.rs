@@ -1,17 +1,19 @@
-//! How to mend an effect on the rig, in words: those of the catalogue, or, where the rig's compensation is known, its new numbers.
+//! How to mend an effect on the rig, in words: those of the catalogue, or, where the rig's compensation is known, its
+//! new numbers.
 //!
 //! ```text
 //! compensation's hover + edge = mended hover + edge of the dead zone      percent of duty
 //! ```
 //!
-//! The duty of a log is the one that the fan got, compensation included: what is found in it is the whole dead zone, and not what a
-//! correction left of it.
+//! The duty of a log is the one that the fan got, compensation included: what is found in it is the whole dead zone,
+//! and not what a correction left of it.
 
 use control::compensation::{Compensation, DeadZoneCorrection};
 use plant::effects::DeadZone;
 use plant::{Effect, Entry, Model};
 
-/// An edge of the correction that is nearer than this to what it should be is right, percent of duty: three steps of a 12-bit chip.
+/// An edge of the correction that is nearer than this to what it should be is right, percent of duty: three steps of a
+/// 12-bit chip.
 const RIGHT_PERCENT: f64 = 0.07;
 
 /// What to do about the effect of `entry`, which `mended` has. `compensation`: what was on when the record was flown.

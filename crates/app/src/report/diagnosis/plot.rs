@@ -1,14 +1,17 @@
-//! The picture of a diagnosis: free runs before and after the mend, and the missing force over time, duty, height and speed.
+//! The picture of a diagnosis: free runs before and after the mend, and the missing force over time, duty, height and
+//! speed.
 //!
-//! Over duty, height and speed the force is shown as its mean and scatter in places with equally many readings each. The places
-//! where the belief is significantly wrong are shaded; that significance comes from the innovations, never from this force.
+//! Over duty, height and speed the force is shown as its mean and scatter in places with equally many readings each.
+//! The places where the belief is significantly wrong are shaded; that significance comes from the innovations, never
+//! from this force.
 
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, titled, write};
 use diagnose::{MissingForce, Place, Series};
 use std::path::Path;
 
-/// A sheet of diagrams: its size, pixels, where its rows end, and how many moments of the force over time it shows at most.
+/// A sheet of diagrams: its size, pixels, where its rows end, and how many moments of the force over time it shows at
+/// most.
 struct Sheet {
     size: (u32, u32),
     rows: [u32; 2],
@@ -128,7 +131,8 @@ mod tests {
 
     #[test]
     fn the_mean_of_a_place_is_that_of_its_readings_in_the_order_of_the_abscissa() {
-        // 240 readings in 24 places of 10: force 2·x, so that each mean is twice the middle and the scatter that of ten steps.
+        // 240 readings in 24 places of 10: force 2·x, so that each mean is twice the middle and the scatter that of ten
+        // steps.
         let points = (0..240).rev().map(|k| (f64::from(k), 2.0 * f64::from(k))).collect();
         let found = means(points);
         assert_eq!(found.len(), 24);

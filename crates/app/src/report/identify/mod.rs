@@ -15,7 +15,8 @@ use std::fmt::Write;
 const SCHEMA: &str = "airball.identify/1";
 const LAG: &str = "fan_lag.time_constant_s";
 
-/// The estimates as a patch over the config that `start` is the model of. A lag that the config has and the estimates do not is set to 0, which is none.
+/// The estimates as a patch over the config that `start` is the model of. A lag that the config has and the estimates
+/// do not is set to 0, which is none.
 #[must_use]
 pub fn patch(origin: &str, estimates: &[Estimate], start: &Model) -> String {
     let mut patch = format!("# {origin}; 90 % intervals.\n[plant]\n");

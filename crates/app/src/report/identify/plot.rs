@@ -1,5 +1,5 @@
-//! The pictures of an identification: simulations beside the record, residual correlations with their band, the plants in frequency; or a sweep
-//! of gains, pulse by pulse.
+//! The pictures of an identification: simulations beside the record, residual correlations with their band, the plants
+//! in frequency; or a sweep of gains, pulse by pulse.
 
 use crate::report::kit::palette::{MENDED, NOMINAL, RECORDED, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, write};
@@ -41,8 +41,8 @@ pub fn grey_box(
     picture(path, &Diagram { title, ..simulations(recording, found) }, &[whiteness, input, plants(found)])
 }
 
-/// Draws a sweep: the mean pulse of the lowest, the middle and the highest gain beside the loop of second order that was read off it, and K_g and
-/// a over the gain.
+/// Draws a sweep: the mean pulse of the lowest, the middle and the highest gain beside the loop of second order that
+/// was read off it, and K_g and a over the gain.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
@@ -72,7 +72,8 @@ pub fn simulations(recording: &Recording, found: &[GreyBox]) -> Diagram {
     Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
 }
 
-/// Correlations of the residuals with those before them and with the duty, at 1, 2, … readings within the band of white noise.
+/// Correlations of the residuals with those before them and with the duty, at 1, 2, … readings within the band of white
+/// noise.
 pub fn correlations(residuals: &ResidualTests) -> [Diagram; 2] {
     let of = |title: &str, values: &[f64]| {
         let (band, end) = (residuals.band, values.len() as f64 + 0.5);

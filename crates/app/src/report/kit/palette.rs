@@ -1,8 +1,9 @@
 //! The colours of every picture and page: the same ink for the same signal, in a light and in a dark theme.
 //!
-//! Recorded is the text's own black, the belief vermilion and the mended model blue: the pair that those who confuse red and green
-//! tell apart best. Source of the hues: Okabe and Ito, "Color universal design", 2008, darkened for the light theme and lightened for
-//! the dark one. Contrast by WCAG 2.2: at least 4.5 to 1, so that a label may have the colour of its line.
+//! Recorded is the text's own black, the belief vermilion and the mended model blue: the pair that those who confuse
+//! red and green tell apart best. Source of the hues: Okabe and Ito, "Color universal design", 2008, darkened for the
+//! light theme and lightened for the dark one. Contrast by WCAG 2.2: at least 4.5 to 1, so that a label may have the
+//! colour of its line.
 
 use plotters::style::RGBColor;
 use std::fmt::Write;

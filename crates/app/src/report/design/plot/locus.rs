@@ -12,7 +12,8 @@ use std::f64::consts::TAU;
 /// Gains of the root locus: from a hundredth of the loop's to a hundred times.
 const LOCUS_DECADES: f64 = 2.0;
 const LOCUS_POINTS: u32 = 600;
-/// Points of a branch nearer than this share of the plane's width are one; further away, the branch has left the plane between them.
+/// Points of a branch nearer than this share of the plane's width are one; further away, the branch has left the plane
+/// between them.
 const ON_TOP: f64 = 0.002;
 const JUMP: f64 = 0.1;
 /// The plane of s shows so many crossover frequencies to the left: the poles that a step shows.
@@ -20,7 +21,8 @@ const REACH: f64 = 5.0;
 /// The plane of z: a unit circle that is round in its panel.
 const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
 
-/// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open loop's poles, rings at its zeros, dots at the closed loop's poles.
+/// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open
+/// loop's poles, rings at its zeros, dots at the closed loop's poles.
 pub(super) fn locus(form: &Form) -> Diagram {
     let open = form.open();
     let (window, boundary, title, axes) = match form.plant.plane {

@@ -1,4 +1,5 @@
-//! The page of a diagnosis, in the order of the questions: what is wrong, where, which effect, how far it is mended, what to do.
+//! The page of a diagnosis, in the order of the questions: what is wrong, where, which effect, how far it is mended,
+//! what to do.
 
 mod effects;
 mod gap;

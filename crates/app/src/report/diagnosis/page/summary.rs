@@ -1,4 +1,5 @@
-//! What is seen first, below the answer: the signal path with the guilty stage marked, the gap before and after, and one picture.
+//! What is seen first, below the answer: the signal path with the guilty stage marked, the gap before and after, and
+//! one picture.
 
 use super::Report;
 use crate::report::diagnosis::plot::runs;

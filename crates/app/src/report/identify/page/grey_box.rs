@@ -1,4 +1,5 @@
-//! The page of a grey-box identification: the plant, how well it foretells what it was not fitted to, and whether what is left is noise.
+//! The page of a grey-box identification: the plant, how well it foretells what it was not fitted to, and whether what
+//! is left is noise.
 
 use super::{INTERVALS, PATCH, to_believe, value};
 use crate::report::identify::grey_box::{Residuals, words};
@@ -23,7 +24,8 @@ pub struct Report<'a> {
     pub config: &'a str,
     /// What was believed.
     pub belief: &'a Model,
-    /// How far the belief errs on what was held out; `None`: the record was detrended, and the belief is of another frame.
+    /// How far the belief errs on what was held out; `None`: the record was detrended, and the belief is of another
+    /// frame.
     pub believed: Option<&'a Gap>,
     /// The rows that were used.
     pub recording: &'a Recording,

@@ -1,4 +1,5 @@
-//! The page of a third pole: the fan's lag by the critical gain of the rig, and the loop that it foretells at half of that gain.
+//! The page of a third pole: the fan's lag by the critical gain of the rig, and the loop that it foretells at half of
+//! that gain.
 
 use super::{PATCH, to_believe};
 use crate::analysis::loop_margins::Loop;

@@ -1,4 +1,5 @@
-//! A diagram in a page: drawn for a wide and for a narrow screen, in the theme's colours, with its words for those who do not see it.
+//! A diagram in a page: drawn for a wide and for a narrow screen, in the theme's colours, with its words for those who
+//! do not see it.
 
 use crate::report::kit::plot::{Diagram, shapes};
 use maud::{Markup, PreEscaped, html};

@@ -1,7 +1,7 @@
 //! A report as one page: no file beside it, no network, readable without its script.
 //!
-//! The library of templates escapes whatever is put into a page, and a policy in the page's head allows no script but its own, by its
-//! hash: names of files and configs from strangers stay words.
+//! The library of templates escapes whatever is put into a page, and a policy in the page's head allows no script but
+//! its own, by its hash: names of files and configs from strangers stay words.
 
 pub mod figure;
 pub mod parts;
@@ -49,7 +49,8 @@ pub enum PageError {
     Draw(#[from] super::plot::PlotError),
 }
 
-/// Refuses a name for a page that something else has: a config, a log, somebody's own page. An older page of this program may be replaced.
+/// Refuses a name for a page that something else has: a config, a log, somebody's own page. An older page of this
+/// program may be replaced.
 ///
 /// # Errors
 /// [`PageError::Taken`] names the file.

@@ -38,7 +38,8 @@ pub fn words<const N: usize>(caption: &str, heads: &[&str; N], rows: &[[String; 
     }
 }
 
-/// Bars beside each other: what they are, and for each its name, the ink that it is drawn with, and its length if it has one.
+/// Bars beside each other: what they are, and for each its name, the ink that it is drawn with, and its length if it
+/// has one.
 pub fn bars(caption: &str, unit: &str, bars: &[(&str, &str, Option<f64>)], mark: Option<f64>) -> Markup {
     let longest = bars.iter().filter_map(|bar| bar.2).chain(mark).fold(1e-9, f64::max);
     let percent = |value: f64| format!("{:.1}", 100.0 * value / longest);

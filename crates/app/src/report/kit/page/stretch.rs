@@ -5,7 +5,8 @@ use diagnose::{Forecast, FreeRun, Recording};
 /// Free runs in it at most.
 const RUNS: usize = 3;
 
-/// The time of the free runs, one after another in one flight, in which they err most, seconds. `None`: there is no free run.
+/// The time of the free runs, one after another in one flight, in which they err most, seconds. `None`: there is no
+/// free run.
 pub fn worst(recording: &Recording, all: &[FreeRun]) -> Option<(f64, f64)> {
     let samples = recording.samples();
     let square = |run: &FreeRun| -> f64 {

@@ -1,6 +1,7 @@
 //! One diagram: lines over an abscissa, its shaded places and its key, on axes that say their units.
 //!
-//! The library counts whole pixels, which makes steps of a slow line: everything is drawn [`FINE`] times larger and shown smaller.
+//! The library counts whole pixels, which makes steps of a slow line: everything is drawn [`FINE`] times larger and
+//! shown smaller.
 
 use super::PlotError;
 use super::legend::{draw_key, key, name_ends, width};
@@ -94,7 +95,8 @@ pub fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Result<(), PlotEr
     Ok(svg.replacen(&fine, &format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1), 1))
 }
 
-/// The shapes of a diagram of `size` pixels without its title on no ground, and the box that they are in: for a page, which brings the colours.
+/// The shapes of a diagram of `size` pixels without its title on no ground, and the box that they are in: for a page,
+/// which brings the colours.
 pub fn shapes(size: (u32, u32), of: &Diagram) -> Result<(String, String), PlotError> {
     let svg = drawing(size, |area| titled(area, "", of))?;
     let inner = svg.split_once('>').map_or("", |(_, rest)| rest).trim_end().trim_end_matches("</svg>");

@@ -1,4 +1,4 @@
-//! What the figures of the closed loop promise.
+//! Tests of the closed-loop metrics.
 
 use super::critical_gain::critical_gain;
 use super::median;

@@ -1,4 +1,4 @@
-//! Which effect it is: those that were named, with their numbers, and every one that was tried.
+//! The effects: those that were selected, with their parameters, and every candidate.
 
 use super::Report;
 use crate::report::diagnosis::mend;
@@ -79,7 +79,7 @@ pub(super) fn ends(interval: &Interval) -> Markup {
     }
 }
 
-/// Why two effects cannot be told apart.
+/// Why two effects are not distinguishable.
 fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     let gain = |of: &str| {
         let rounds = report.found.rounds.iter();

@@ -1,4 +1,4 @@
-//! MQTT: commands in, replies and state out, while the ball is in the air.
+//! MQTT: commands in, replies and state out, during a flight.
 //!
 //! | topic | direction | payload |
 //! |---|---|---|
@@ -17,7 +17,7 @@
 //! | `ball/parameters/reference` | in | the original rig's name of `set/setpoint_mm` |
 //! | `ball/measures/position` | out, 10 Hz | the original rig's position, a number in mm |
 //!
-//! Two threads stand between the loop and the broker, so that neither can hold up the loop:
+//! Two threads are between the loop and the broker, so that neither can block the loop:
 //!
 //! ```text
 //!            commands (ring)            ┌─────────┐   subscriptions
@@ -31,10 +31,10 @@
 //!
 //! Commands, replies, `status` and `fault` go with QoS 1 (at least once), states with QoS 0.
 //!
-//! The loop's side never blocks and never allocates: a full ring drops and counts. A command that finds its ring full
-//! is answered as busy, but for a stop, which gets through. A broker that is not there is tried again, at most every
-//! five seconds, for as long as the link lives; the flight goes on. A command that the broker *retained* is refused: it
-//! was meant for another moment, and `fly` must not start the fan of a rig that has just been switched on.
+//! The loop's side never blocks and never allocates: a full ring drops and counts. A command for which the ring is full
+//! is answered as busy, except a stop, which is never lost. The connection to a missing broker is tried again, at most
+//! every five seconds, for as long as the link exists; the flight goes on. A *retained* command is refused: it was
+//! meant for another time, and `fly` must not start the fan of a rig that has just been switched on.
 
 pub mod about;
 mod count;

@@ -119,7 +119,7 @@ impl Curve {
         self.at(percent + self.hover, 1, 0)
     }
 
-    /// The smallest and the largest acceleration that the curve knows, mm/s².
+    /// The smallest and the largest acceleration of the curve, mm/s².
     #[must_use]
     pub fn reach(&self) -> (f64, f64) {
         let force = |knot: Option<&[f64; 2]>| knot.map_or(0.0, |knot| knot[0]);

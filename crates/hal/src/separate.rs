@@ -22,7 +22,7 @@ const SELECT_PAGE_0: [u8; 2] = [0xFF, 0x00];
 const RESET_S: f64 = 0.002;
 const BOOT_S: f64 = 0.005;
 
-/// Why two sensors cannot be told apart.
+/// Why two sensors cannot be given different addresses.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SeparateError<E> {
     /// The line did not move.
@@ -40,7 +40,7 @@ pub enum SeparateError<E> {
         from: u8,
         /// Where it should have gone.
         to: u8,
-        /// What the bus said.
+        /// The error of the bus.
         error: E,
     },
 }
@@ -62,7 +62,7 @@ pub fn separate<I: I2c>(
     if i2c.write(ADDRESS, &SELECT_PAGE_0).is_err() {
         let _ = relocate(&mut i2c, "first", ASIDE, ADDRESS);
     }
-    // Or in the middle of a reset, in which it would not hear of another address.
+    // Or in the middle of a reset, in which it would not receive another address.
     let reset = reset(&mut i2c, clock, clock.now_s() + RESET_ALLOWED_S);
     reset.map_err(|error| SeparateError::Bus { which: "first", from: ADDRESS, to: ASIDE, error })?;
     relocate(&mut i2c, "first", ADDRESS, ASIDE)?;

@@ -177,7 +177,7 @@ fn compile(directory: &Path) -> Fallible<PathBuf> {
     }
 }
 
-/// What `flight.c` says when it flies `model`.
+/// The output of `flight.c` when it flies `model`.
 fn c_says(program: &Path, word: &str, flights: u32, model: &Model) -> Fallible<String> {
     let noise = model.noise;
     let numbers = [
@@ -218,7 +218,7 @@ fn say(what: &str, apart: f64) -> Fallible<()> {
     if apart <= AGREEMENT { Ok(()) } else { Err(format!("{what}: more than {AGREEMENT:e}").into()) }
 }
 
-/// Times both in turn and says the medians and their ratio, unless another comparison was asked for.
+/// Times both in turn and prints the medians and their ratio, unless another comparison was requested.
 fn report(what: &str, first: impl Fn() -> Fallible<f64>, second: impl Fn() -> Fallible<f64>) -> Fallible<()> {
     let asked_for = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
     if asked_for.is_some_and(|part| !what.contains(&part)) {

@@ -1,4 +1,4 @@
-//! What an effect may do to the signal path: one function a place, in the order of the path, as constants of the
+//! What an effect may do to the signal path: one function per place, in the order of the path, as constants of the
 //! effect's type.
 //!
 //! ```text
@@ -12,7 +12,7 @@
 use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction};
 use control::design::Linear;
 
-/// What a record and its model let expect of the readings: what an effect may be asked whether it can show in them.
+/// What a record and its model let expect of the readings: the input of the check whether an effect can show in them.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings {
     /// Standard deviation of one reading as it is believed, mm.
@@ -41,7 +41,7 @@ pub struct Acts<E: 'static> {
     pub on_duty: Option<fn(&E, f64) -> f64>,
     /// How far hover has moved at a time in seconds, percent.
     pub shifts_hover: Option<fn(&E, f64) -> f64>,
-    /// Slot. Where a play stands that stood there, once the duty has gone to where it is; all in percent about hover.
+    /// Slot. The new state of a play, from its old state (first) and the duty (second), all in percent about hover.
     pub plays: Option<fn(&E, f64, f64) -> f64>,
     /// The effective duty of one, both in percent about hover.
     pub on_command: Option<fn(&E, f64) -> f64>,
@@ -51,8 +51,8 @@ pub struct Acts<E: 'static> {
     pub gain_by_time: Option<fn(&E, f64) -> f64>,
     /// The acceleration that the fan gives of a commanded one, both in mm/s² about hover.
     pub limits: Option<fn(&E, f64) -> f64>,
-    /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command
-    /// (first).
+    /// Slot. The fan's acceleration, mm/s²: after the time in seconds (third) from its old value (second) under a
+    /// constant command (first).
     pub follows: Option<fn(&E, f64, f64, f64) -> f64>,
     /// The acceleration that it adds to the ball, mm/s².
     pub force: Option<fn(&E, &Ball) -> f64>,
@@ -62,8 +62,8 @@ pub struct Acts<E: 'static> {
     pub friction: Option<fn(&E) -> WallFriction>,
     /// Slot. The ends of the ball's way.
     pub ends: Option<fn(&E) -> EndStop>,
-    /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle
-    /// and end (second).
+    /// Slot. The sensed position, mm: after the time in seconds (third) from its old value (first) on a path through
+    /// start, middle and end (second).
     pub senses: Option<fn(&E, f64, [f64; 3], f64) -> f64>,
     /// How old a reading is, seconds.
     pub delays_reading: Option<fn(&E) -> f64>,
@@ -77,7 +77,7 @@ pub struct Acts<E: 'static> {
     pub holds: Option<fn(&E) -> StaleSamples>,
     /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
     pub is_linear: bool,
-    /// How late it makes things, seconds: of lags and delays.
+    /// Its lag or delay, seconds.
     pub late_s: Option<fn(&E) -> f64>,
     /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a
     /// design.
@@ -139,7 +139,7 @@ impl<E> Acts<E> {
         }
     }
 
-    /// One bit a slot that it fills.
+    /// One bit for each slot that it fills.
     const fn slots(&self) -> u16 {
         (self.plays.is_some() as u16)
             | (self.follows.is_some() as u16) << 1
@@ -158,10 +158,10 @@ impl<E> Acts<E> {
     }
 }
 
-/// What of the readings an effect changes.
+/// What an effect changes of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Changes {
-    /// Their expectation: the ball goes another way.
+    /// Their expectation: the ball takes another path.
     Path,
     /// Their variance.
     Scatter,
@@ -169,12 +169,12 @@ pub enum Changes {
     Density,
 }
 
-/// How an effect makes things late.
+/// The kind of delay of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Late {
-    /// Unchanged.
+    /// A dead time: the signal is unchanged.
     DeadTime,
-    /// As a lag, which smooths what it delays.
+    /// A lag, which smooths the signal that it delays.
     Lag,
 }
 
@@ -183,7 +183,7 @@ pub enum Late {
 pub struct Summary {
     /// What of the readings it changes.
     pub changes: Changes,
-    /// How it makes things late, if it does.
+    /// The kind of delay, if any.
     pub late: Option<Late>,
     /// Whether it moves the speed of the rotor.
     pub reaches_rotor: bool,

@@ -1,4 +1,4 @@
-//! The effects that are on, put together place by place along the signal path. Nothing here knows a single effect.
+//! The effects that are on, combined place by place along the signal path. Nothing here depends on a single effect.
 
 use crate::acts::{Acts, Ball, Readings};
 use crate::effect::{Effect, Stage};

@@ -248,7 +248,7 @@ mod tests {
         }
     }
 
-    /// Whitened innovations of a filter that knows the rig, in a flight of a neutral rig.
+    /// Whitened innovations of a filter with the rig's model, in a flight of a neutral rig.
     fn innovations(flown: &Flown, rows: &[Row], parts: &Parts, led: &Led) -> Vec<f64> {
         let drag = parts.base.drag_per_s;
         let (mut spread, mut x, mut v, mut out) = (Spread::WIDE, rows[0].position_mm, 0.0, Vec::new());

@@ -90,7 +90,7 @@ pub(super) struct Own {
 pub(super) struct Flown {
     pub(super) outcome: Outcome,
     pub(super) log: Result<LogSummary, LogError>,
-    /// Its log, the oldest first; more than one where `[log] part_s` says so.
+    /// Its log, the oldest file first; more than one with `[log] part_s`.
     pub(super) files: Vec<PathBuf>,
 }
 

@@ -1,4 +1,4 @@
-//! The tables of the config file, in the order of the signal path. A command asks for the tables it needs.
+//! The tables of the config file, in the order of the signal path. A command checks for the tables it needs.
 
 use super::Rig;
 use super::mqtt::MqttConfig;

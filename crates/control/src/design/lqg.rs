@@ -73,7 +73,7 @@ impl Observed {
         };
         let moved = own - pushed * k;
         let feedback = characteristic(&(moved - gain * k)).plus(&characteristic(&moved).scaled(-1.0));
-        // What looks for hover integrates: this root is 0 exactly, and rounding must not make a slow pole of it.
+        // The estimate of hover is an integrator: this root is 0 exactly, and rounding must not make a slow pole of it.
         let denominator = characteristic(&moved).with_root_at_0(disturbance_psd_per_s.is_some());
         let over = |numerator: Polynomial| Transfer { numerator, denominator, plane };
         let setpoint = characteristic(&own).scaled(position_per_mm);

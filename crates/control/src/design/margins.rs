@@ -1,4 +1,4 @@
-//! Margins: how much gain, phase and delay a loop bears before it loses stability.
+//! Margins: the changes of gain, phase and delay at which a loop loses stability.
 //!
 //! ```text
 //! gain    at every ω with Im L = 0, Re L < 0:    1/|L|             above 1: how much more, below 1: how much less

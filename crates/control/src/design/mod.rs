@@ -1,4 +1,4 @@
-//! Design: from a linear plant to the gains of a controller, and from a loop to what it can bear.
+//! Design: from a linear plant to the gains of a controller, and from a loop to its margins.
 //!
 //! [`plant`] → [`law`] (PID, or [`lqg`]) → loop: [`margins`], [`critical`], [`step`] [`plant`] → gains: [`placement`]
 //! (PID), [`ackermann`] and [`riccati`] (state feedback, observer), [`relay`] (PID from an oscillation)

@@ -1,4 +1,4 @@
-//! The linear plant: what a design knows of a rig.
+//! The linear plant of a design.
 //!
 //! ```text
 //!                  K·e^(−s·τ)                       ball: s² + a·s + g      g: lift that falls with height, 1/s²
@@ -21,7 +21,7 @@ use nalgebra::{Complex, SMatrix, SVector};
 /// A delay is at most so many periods of the sampled loop.
 pub const MOST_PERIODS: usize = 32;
 
-/// What a design knows of a rig.
+/// The linear plant of a design.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Linear {
     /// K: acceleration per unit of the control value, mm/s² per percent of duty.

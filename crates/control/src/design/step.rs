@@ -27,7 +27,7 @@ const SLOWEST_TIMES: f64 = 7.0;
 const LONGEST_S: f64 = 600.0;
 const SHORTEST_S: f64 = 1e-3;
 
-/// What a step looks like.
+/// The metrics of a step response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// Where it ends, for a step of 1.
@@ -158,7 +158,7 @@ pub fn figures(closed: &Transfer) -> Option<Figures> {
             settling_s = time_s;
         }
     }
-    // What creeps up to its end from below is no overshoot, whatever rounding says.
+    // An approach from below is no overshoot, in spite of rounding errors.
     let beyond = highest - 1.0 > 1e-3;
     Some(Figures {
         end,

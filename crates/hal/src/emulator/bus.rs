@@ -170,7 +170,7 @@ impl<W: World> Shared<W> {
     }
 }
 
-/// Two chips at one address: both hear what is written, and a bit that either pulls low reads low.
+/// Two chips at one address: both receive a write, and a bit that either drives low reads low.
 fn both(
     one: &mut Socket,
     other: &mut Socket,

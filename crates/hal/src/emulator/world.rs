@@ -29,7 +29,7 @@ pub trait World: Send {
     fn pwm(&mut self, fraction: f64);
 }
 
-/// What the bus asks of a chip: one call per byte on the wire.
+/// The requests of the bus to a chip: one call per byte on the wire.
 pub(super) trait Chip: Send {
     /// Where it answers; `None` while it is held in reset.
     fn address(&self) -> Option<u8>;

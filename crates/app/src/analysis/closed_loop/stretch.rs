@@ -1,7 +1,7 @@
 //! The part of a record whose steps are analysed, and the programme that flies its setpoints again.
 //!
 //! It begins with the first setpoint and ends where the controller is switched off, where it or its gains were changed
-//! in flight (the config knows only the first ones), or after five minutes, which is enough for medians.
+//! in flight (the config has only the first ones), or after five minutes, which is enough for medians.
 
 use crate::analysis::step_response::Moment;
 use crate::analysis::virtual_flight::Desk;

@@ -1,14 +1,16 @@
-//! The gallery: each effect of the catalogue on a rig that is the believed one otherwise, flown, and diagnosed against the belief.
+//! The gallery: each effect of the catalogue is flown on the believed rig with this effect added, and diagnosed with
+//! the belief.
 //!
-//! One experiment, one controller and one seed for all, so that two exhibits differ by their effects alone. An effect that the
-//! config believes in is shown as what a belief without it lacks. A new effect of the catalogue is a new exhibit.
+//! Experiment, controller and seed are the same for all, so that two exhibits differ by their effects alone. An effect
+//! of the config's belief is shown as the missing effect of a belief without it. A new effect of the catalogue is a new
+//! exhibit.
 
 use airball::book::{Advice, ConfigError, Desk, Experiment, Flown, advise, sample};
 use control::compensation::Compensation;
 use diagnose::{Diagnosis, Options, Recording, RecordingError, Series};
 use plant::{Entry, Model};
 
-/// The experiment that every exhibit flies: its file in the project, and what the file says.
+/// The experiment of every exhibit: its file in the project, and the file's text.
 const EXPERIMENT: (&str, &str) = ("experiments/gallery.toml", include_str!("../../experiments/gallery.toml"));
 
 /// Why an exhibit cannot be shown.
@@ -29,12 +31,12 @@ pub(crate) enum GalleryError {
     Ended {
         /// The effect.
         effect: &'static str,
-        /// How long it flew.
+        /// Length of the flight.
         seconds: f64,
         /// The fault.
         why: String,
     },
-    /// What was flown is no record.
+    /// The flight does not make a recording.
     #[error("the flight with {effect} is no record: {source}; check [loop] period_s")]
     NoRecord {
         /// The effect.
@@ -47,25 +49,25 @@ pub(crate) enum GalleryError {
 /// An effect, flown and diagnosed.
 #[derive(Clone, Debug)]
 pub(crate) struct Exhibit {
-    /// Its line in the catalogue.
+    /// Its entry in the catalogue.
     pub(crate) entry: Entry,
-    /// Its numbers here.
+    /// Its parameters here.
     pub(crate) values: Vec<f64>,
-    /// The flight of the rig that has it, and of the one that does not.
+    /// The flight with the effect.
     pub(crate) with: Flown,
     /// The flight without it.
     pub(crate) without: Flown,
-    /// What a diagnosis of the first says to an owner who believes in the second.
+    /// The diagnosis of the first flight with the belief of the second.
     pub(crate) found: Diagnosis,
-    /// What to fly or to record next.
+    /// The advice on the next flight or signal.
     pub(crate) advice: Advice,
-    /// What to draw of it.
+    /// The data of its picture.
     pub(crate) picture: Series,
-    /// What is between controller and fan.
+    /// The compensation between controller and fan.
     pub(crate) compensation: Compensation,
 }
 
-/// Who flies the exhibits.
+/// The inputs of all exhibits.
 #[derive(Clone, Debug)]
 pub(crate) struct Gallery {
     desk: Desk,
@@ -75,7 +77,7 @@ pub(crate) struct Gallery {
 }
 
 impl Gallery {
-    /// A gallery of rigs that `model` believes in otherwise, flown by `desk`.
+    /// A gallery of rigs that are `model` with one effect added, flown by `desk`.
     ///
     /// # Errors
     /// [`GalleryError`]: no controller, or one that may not fly this experiment.
@@ -117,13 +119,13 @@ impl Gallery {
     }
 }
 
-/// The numbers of an exhibit: those that the model believes, or else a size that shows.
+/// The parameters of an exhibit: those of the model, or else a size whose effect is visible.
 pub(crate) fn values(entry: &Entry, model: &Model) -> Vec<f64> {
     let usual = entry.shown_at.or_else(|| entry.sizes.last().copied()).unwrap_or_default();
     model.effects.values(entry.name).unwrap_or_else(|| usual.to_vec())
 }
 
-/// The belief without an effect, and the rig with it: it takes the place of what contradicts it.
+/// The belief without an effect, and the rig with it, in which it replaces the effects that exclude it.
 pub(crate) fn apart(entry: &Entry, model: &Model, values: &[f64]) -> (Model, Model) {
     let mut belief = model.clone();
     belief.effects.remove(entry.name);

@@ -40,15 +40,15 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if reader_is_gone(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            // Nobody at the terminal is no failure.
+            // A closed standard error is not a failure.
             let _ = writeln!(stderr().lock(), "gallery: {}", with_causes(&error));
             if error.is::<ConfigError>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }
     }
 }
 
-/// Makes the pages. Fails where the config is not sound or cannot fly, a flight ended early, or a file cannot be written
-/// or is no page of a gallery.
+/// Makes the pages. Fails where the config is not sound or cannot fly, a flight ended early, or a file cannot be
+/// written or is not a page of a gallery.
 fn make(args: &Gallery) -> Result<()> {
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let model = config.need("gallery", "plant", |tables| tables.plant.as_ref())?;
@@ -75,7 +75,7 @@ fn show(gallery: &gallery::Gallery, entry: &Entry, out: &Path) -> Result<Exhibit
     Ok(exhibit)
 }
 
-/// Writes a page, unless something that is none has its name.
+/// Writes a page, unless another kind of file has its name.
 fn write_page(path: PathBuf, text: &str) -> Result<()> {
     match std::fs::read_to_string(&path) {
         Ok(old) if !old.starts_with(page::MARK) => {

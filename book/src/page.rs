@@ -6,9 +6,9 @@ use diagnose::Verdict;
 use plant::{Effects, Entry, Neighbour, Neutral, Param};
 use std::fmt::Write;
 
-/// The first line of every page, by which an older one may be replaced.
+/// The first line of every page: only a page with it may be replaced.
 pub(crate) const MARK: &str = "<!-- Made by `airball gallery` from the catalogue of effects; change it there. -->";
-/// Effects that came near on this record, shown at most.
+/// Largest number of other candidates that are shown.
 const COMPETITORS: usize = 4;
 
 /// The list of all exhibits.
@@ -32,7 +32,7 @@ pub(crate) fn list(exhibits: &[Exhibit]) -> String {
     page
 }
 
-/// The answer in a few words: names with their chance, or the verdict.
+/// The answer in a few words: names with their probability, or the verdict.
 fn answer(exhibit: &Exhibit) -> String {
     let found = &exhibit.found;
     let names = found.effects.iter().map(|named| {
@@ -94,7 +94,7 @@ fn diagnosis(exhibit: &Exhibit) -> String {
     format!("```text\n{}\n```", words(&exhibit.found, Some(&exhibit.compensation)))
 }
 
-/// What the effect is easily taken for, and how it is told from it.
+/// Effects that are similar to this one, and how they are distinguished.
 fn told_from(entry: &Entry) -> String {
     let mut text = String::from("What it is easily taken for, and how to tell:\n");
     for Neighbour { name, told_by } in entry.told_from {
@@ -103,7 +103,7 @@ fn told_from(entry: &Entry) -> String {
     text
 }
 
-/// What else was tried on this record, and what would tell apart what it does not.
+/// The other candidates on this record, and what would separate those that it does not.
 fn competitors(exhibit: &Exhibit) -> String {
     let found = &exhibit.found;
     let first = found.rounds.first().map(Vec::as_slice).unwrap_or_default();
@@ -126,7 +126,7 @@ fn competitors(exhibit: &Exhibit) -> String {
     text
 }
 
-/// The name, as a link but on its own page.
+/// The name, as a link except on its own page.
 fn link(name: &str, own: &str) -> String {
     if name == own { format!("**{}**", spoken(name)) } else { format!("[{}]({name}.md)", spoken(name)) }
 }
@@ -142,7 +142,7 @@ fn mend(exhibit: &Exhibit) -> String {
     text
 }
 
-/// With the capital of a sentence's beginning.
+/// The text with a capital, as at the start of a sentence.
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

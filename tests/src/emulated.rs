@@ -1,4 +1,4 @@
-//! The emulated rig of a test: `airball emulate` on a socket, and what it says of its fan.
+//! The emulated rig of a test: `airball emulate` on a socket, and its output about the fan.
 
 use crate::{Bench, eventually};
 use std::io::{BufRead, BufReader};
@@ -13,7 +13,7 @@ pub struct Emulated {
 }
 
 impl Emulated {
-    /// Serves a bus in the bench's directory, and makes its config fly it, with patience for a machine that has other work.
+    /// Serves a bus in the bench's directory, and makes its config fly it, with longer timeouts for a busy machine.
     #[must_use]
     pub fn on(bench: &Bench) -> Self {
         let config = bench.read("config.toml").replace("/dev/i2c-1", "unix:rig.sock");
@@ -34,7 +34,7 @@ impl Emulated {
         Self { process, fan }
     }
 
-    /// Waits until the fan is as wished, in percent.
+    /// Waits until the fan's duty, in percent, satisfies `is`.
     pub fn until(&self, what: &str, is: impl Fn(f64) -> bool) {
         eventually(what, || is(*self.fan.lock().unwrap()).then_some(()));
     }

@@ -18,13 +18,14 @@ static AIRBALL: LazyLock<PathBuf> = LazyLock::new(|| built("airball"));
 /// The binary that makes the book's gallery, which is not shipped.
 static GALLERY: LazyLock<PathBuf> = LazyLock::new(|| built("gallery"));
 
-/// The judge of blind diagnoses, built once as well.
+/// The program that scores blind diagnoses, built once as well.
 static BLIND: LazyLock<PathBuf> = LazyLock::new(|| built("blind"));
 
 /// A binary of the project.
 fn built(name: &str) -> PathBuf {
-    // As `cargo test --workspace` has built it. A test is named too, here a small one, because only then are the features
-    // the same: those that the crates' tests ask of the dependencies would be left out, and most of it built again.
+    // In the same way as `cargo test --workspace`. A small test is named too, because only then are the features the
+    // same: without it, those that the crates' tests need of the dependencies would be missing, and most of it would be
+    // built again.
     let build = escargot::CargoBuild::new().args(["--workspace", "--test", "catalogue"]).bin(name);
     build.manifest_path(root().join("Cargo.toml")).run().expect("the binary builds").path().to_owned()
 }
@@ -88,7 +89,7 @@ impl Bench {
         Ran::from(self.airball(arguments).output().expect("the binary runs"))
     }
 
-    /// `blind` with these arguments, to be run in the directory; it finds the built `airball` beside itself.
+    /// `blind` with these arguments, to be run in the directory; it finds the built `airball` next to itself.
     #[must_use]
     pub fn blind(&self, arguments: &[&str]) -> Command {
         LazyLock::force(&AIRBALL);
@@ -112,7 +113,7 @@ impl Bench {
     }
 }
 
-/// What a command said.
+/// The result of a command.
 #[derive(Debug)]
 pub struct Ran {
     /// Exit status. `None`: a signal ended it.
@@ -179,18 +180,18 @@ impl Broker {
         listens(self.port);
     }
 
-    /// One with the config that `config` makes of a free port, written to `path`.
+    /// A broker with the config that `config` makes of a free port, written to `path`.
     #[must_use]
     pub fn with_config(path: &Path, config: impl Fn(u16) -> String) -> Self {
         let port = free_port();
-        // Started by root it would become another user, who cannot read a test's directory.
+        // Started by root it would change to another user, who cannot read a test's directory.
         std::fs::write(path, format!("user root\n{}", config(port))).expect("the broker's config is written");
         let broker = Self { process: mosquitto(&["-c", &path.display().to_string()]), port };
         listens(port);
         broker
     }
 
-    /// The same of two free ports: for MQTT, and for WebSockets, which is returned.
+    /// The same with two free ports: for MQTT, and for WebSockets, which is returned.
     #[must_use]
     pub fn configured(path: &Path, config: impl Fn(u16, u16) -> String) -> (Self, u16) {
         let sockets = free_port();
@@ -199,7 +200,7 @@ impl Broker {
         (broker, sockets)
     }
 
-    /// One that lets in `user` alone; its files are in the folder of `bench`.
+    /// A broker that accepts `user` alone; its files are in the folder of `bench`.
     #[must_use]
     pub fn with_user(bench: &Bench, user: &str, password: &str) -> Self {
         let passwords = bench.path("passwords");
@@ -217,7 +218,8 @@ impl Broker {
         assert!(status.expect("mosquitto_pub runs").success(), "mosquitto_pub {topic}");
     }
 
-    /// Subscribes as `mosquitto_sub` does and ends after `count` messages or 20 s; collect its output with `wait_with_output`.
+    /// Subscribes as `mosquitto_sub` does and ends after `count` messages or 20 s; collect its output with
+    /// `wait_with_output`.
     #[must_use]
     pub fn subscribe(&self, topic: &str, count: u32) -> Child {
         let (port, count) = (self.port.to_string(), count.to_string());
@@ -226,7 +228,7 @@ impl Broker {
             .stdout(Stdio::piped())
             .spawn()
             .expect("mosquitto_sub runs");
-        // The broker has no word for "subscribed" that another client could see.
+        // The broker does not report a subscription to other clients.
         sleep(Duration::from_millis(300));
         child
     }
@@ -244,7 +246,7 @@ pub fn collect(child: Child) -> String {
     Ran::from(child.wait_with_output().expect("the child ends")).output
 }
 
-/// Waits for something that other programs bring about, 20 s at most.
+/// Waits for a result of other programs, 20 s at most.
 pub fn eventually<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let deadline = Instant::now() + Duration::from_secs(20);
     loop {

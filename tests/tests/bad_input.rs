@@ -1,8 +1,8 @@
-//! Bad input: each gets an error that names the file, the line or the key, and what to do; nothing written is lost.
+//! Bad input: each case gets an error with the file, the line or the key, and the next step; no written file is lost.
 
 use system_tests::{Bench, Ran};
 
-/// Runs a command that must fail with `code` and say all of `words`.
+/// Runs a command that must fail with `code` and print all of `words`.
 fn refused(bench: &Bench, arguments: &[&str], code: i32, words: &[&str]) {
     let Ran { code: got, errors, output } = bench.run(arguments);
     assert_eq!(got, Some(code), "{arguments:?}: {errors}");
@@ -116,7 +116,7 @@ fn a_truncated_log_is_replayed_up_to_its_last_whole_message_and_says_so() {
     assert_eq!(ran.code, Some(0), "{}", ran.errors);
     assert!(ran.errors.contains("cut.mcap: the log is not whole"), "{}", ran.errors);
     assert!(ran.output.contains("forecast ahead"), "{}", ran.output);
-    // What was read is a beginning of what was flown.
+    // The recovered rows are a prefix of the flown ones.
     let csv = |log| bench.output(&["log", "export", log]);
     let (cut, all) = (csv("cut.mcap"), csv("f.mcap"));
     assert!(all.starts_with(&cut) && cut.lines().count() > 500, "{} lines", cut.lines().count());

@@ -1,4 +1,5 @@
-//! Blind scoring: rigs of another world, diagnosed by `airball` and scored by `blind`, and the committed verdicts.
+//! Blind scoring: simulated rigs of an independent program, diagnosed by `airball` and scored by `blind`, and the
+//! committed verdicts.
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -7,7 +8,7 @@ use std::process::Command;
 use std::{env, fs};
 use system_tests::{Bench, root};
 
-/// Withheld cases below `cases`, their truth and bounds below `sealed`; what the world printed.
+/// Withheld cases in `cases`, their truth and bounds in `sealed`; the output of the world.
 fn world(bench: &Bench, arguments: &[&str]) -> String {
     fs::create_dir(bench.path("sealed")).unwrap();
     let mut world = Command::new(env!("CARGO_BIN_EXE_world"));
@@ -46,7 +47,7 @@ fn withheld_cases_are_diagnosed_and_scored() {
     let (alarms, quiet) = share(&document, "false_alarm");
     assert!(quiet >= 2 && 2 * alarms <= quiet, "{alarms} false alarms in {quiet}: {document}");
 
-    // What a record shows of an effect decides which cases count: those that are lost of them are among the losses.
+    // The information in a record decides which cases count: missed ones among them are listed as losses.
     let losses = document["score"]["losses"].as_array().unwrap();
     for (kind, row) in [("single", "top_1_shown"), ("pair", "pair_both_shown")] {
         let (right, shown) = share(&document, row);
@@ -57,7 +58,7 @@ fn withheld_cases_are_diagnosed_and_scored() {
         assert!(kind == "pair" || shown > 0, "no single of the sample is shown: {document}");
     }
 
-    // The answer about a case is that of the command for one log, to the letter.
+    // The answer for a case is the same text as that of the command for one log.
     let alone = bench.output(&["diagnose", "--json", "cases/case-003.csv", "--config", "cases/case-003.toml"]);
     assert_eq!(bench.read("verdicts/case-003.json"), alone);
 
@@ -67,7 +68,7 @@ fn withheld_cases_are_diagnosed_and_scored() {
     assert!(page.starts_with("8 cases: ") && page.contains("| single: the first entry names it "), "{page}");
 }
 
-/// A record on which nothing moves, which is quickly answered.
+/// A record without motion, which is answered quickly.
 fn still() -> String {
     let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
     format!("time_s,duty_percent,position_mm\n{rows}")
@@ -137,7 +138,7 @@ fn verdicts(round: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Numbers that follow from the commit; outside a checkout, from nothing.
+/// Numbers that depend on the commit; outside a checkout they are constant.
 fn chosen(count: usize, of: usize) -> Vec<usize> {
     let head = Command::new("git").args(["rev-parse", "HEAD"]).current_dir(root()).output();
     let head = head.ok().filter(|output| output.status.success()).map_or_else(Vec::new, |output| output.stdout);

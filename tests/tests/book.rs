@@ -1,7 +1,7 @@
-//! The book: what it shows is what the program says, and its links lead somewhere.
+//! The book: its shown output is that of the program, and its links have targets.
 //!
-//! With `AIRBALL_BOOK=write` in the environment, shown output, the references of commands and keys and the gallery are written anew instead of being
-//! compared; `scripts/book --update` does that.
+//! With `AIRBALL_BOOK=write` in the environment, shown output, the references of commands and keys and the gallery are
+//! written instead of compared; `scripts/book --update` does that.
 
 #[path = "book/bounds.rs"]
 mod bounds;
@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 use system_tests::{Bench, root};
 
-/// The keys of a config and the bounds of their numbers, asked once for all tests.
+/// The keys of a config and the bounds of their numbers, requested once for all tests.
 static KEYS: LazyLock<(Vec<Key>, Bounds)> = LazyLock::new(|| {
     let bench = Bench::default();
     let keys = keys::keys(&bench);
@@ -30,12 +30,12 @@ static KEYS: LazyLock<(Vec<Key>, Bounds)> = LazyLock::new(|| {
     (keys, bounds)
 });
 
-/// Whether the pages are to be written anew.
+/// Whether the pages are to be written.
 fn writes() -> bool {
     std::env::var("AIRBALL_BOOK").is_ok_and(|word| word == "write")
 }
 
-/// Compares a page with what it should say, or writes it.
+/// Compares a page with its expected text, or writes it.
 fn is_or_write(page: &Path, should: &str) {
     if writes() {
         fs::write(page, should).unwrap();
@@ -121,7 +121,7 @@ fn a_number_just_within_its_bounds_is_accepted_and_one_just_beyond_is_refused_by
     assert!(seen > 200, "{seen} ends");
 }
 
-/// The help of a command, and of those below it.
+/// The help of a command, and of its subcommands.
 fn help_of(bench: &Bench, command: &[&str], page: &mut String) {
     let help = bench.output(&[command, &["--help"]].concat());
     let name = ["airball"].iter().chain(command).copied().collect::<Vec<_>>().join(" ");
@@ -129,7 +129,7 @@ fn help_of(bench: &Bench, command: &[&str], page: &mut String) {
     let text: Vec<&str> = help.lines().map(str::trim_end).collect();
     page.push_str(&format!("\n{marks} {name}\n\n```text\n{}\n```\n", text.join("\n").trim_end()));
     let below = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    // Names stand two spaces in; the words of a description that is broken stand further in.
+    // Names are indented by two spaces; the continuation of a description is indented further.
     let named = below.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
     for word in named.filter(|word| *word != "help") {
         help_of(bench, &[command, &[word]].concat(), page);
@@ -174,7 +174,7 @@ fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_oth
             schema = written["schema"].as_str().unwrap().to_owned();
         }
         let whole = keys.clone();
-        // What is null or empty in one document is there in another.
+        // A value that is null or empty in one document is present in another.
         keys.retain(|key| {
             !whole.iter().any(|other| other.strip_prefix(key).is_some_and(|rest| rest.starts_with(['.', '['])))
         });

@@ -40,7 +40,7 @@ fn a_flight_whose_log_cannot_be_written_goes_on_and_says_so() {
 fn a_disk_that_fills_up_in_flight_is_said_at_once_and_costs_neither_the_flight_nor_what_was_written() {
     let bench = Bench::default();
     let airball = bench.airball(&["run", "--sim", "--duration", "8", "--log", "f.mcap"]);
-    // A shell that lets no file grow beyond 24 blocks of 512 bytes, without the signal that comes with it.
+    // A shell that limits files to 24 blocks of 512 bytes, and ignores the signal of the limit.
     let mut limited = Command::new("sh");
     limited.args(["-c", "trap '' XFSZ; ulimit -f 24; exec \"$@\"", "sh"]).arg(airball.get_program());
     limited.args(airball.get_args()).current_dir(airball.get_current_dir().unwrap());

@@ -1,4 +1,4 @@
-//! Designs: from a config to gains that fly.
+//! Designs: from a config to gains that can be flown.
 
 use serde_json::Value;
 use system_tests::{Bench, root};
@@ -21,17 +21,17 @@ fn the_original_rigs_own_gap_is_reproduced_and_closed_by_the_fans_pole() {
         let chosen = row(&format!("{name}, third pole chosen"));
         assert!((chosen["critical_kp_per_mm"].as_f64().unwrap() - 0.038).abs() < 1e-9, "{chosen}");
     }
-    // Measured, and not used: 0.69 s. The model that had the fan's pole from the start foretells it.
+    // Measured, and not used: 0.69 s. The model that had the fan's pole from the start predicts it.
     let foretold = row("G_c, third pole chosen")["critical_ti_s"].as_f64().unwrap();
     assert!((foretold / 0.69 - 1.0).abs() < 0.1, "{foretold} s");
     assert!(bench.read("fan.toml").contains("[plant.effects.fan_lag]"));
     assert!(bench.output(&["config", "check", "--patch", "fan.toml"]).contains("fan_lag"));
 }
 
-/// The plant of an identification that found another one than the config believes.
+/// The plant of an identification, which differs from the config's belief.
 const IDENTIFIED: &str = "[plant]\ngain_mm_per_s2_per_percent = 423.4\ndrag_per_s = 1.595\n[plant.effects.fan_lag]\ntime_constant_s = 0.111\n";
 
-/// Designs with `arguments`, flies the patch behind `patches` on the square wave of the config, and compares.
+/// Designs with `arguments`, flies the resulting patch after `patches` on the square wave of the config, and compares.
 fn assert_flies_as_designed(bench: &Bench, arguments: &[&str], patches: &[&str], controller: &str) {
     let before: Vec<&str> = patches.iter().flat_map(|patch| ["--patch", patch]).collect();
     let found = design(bench, &[arguments, &before, &["--patch-out", "designed.toml"]].concat());
@@ -44,11 +44,12 @@ fn assert_flies_as_designed(bench: &Bench, arguments: &[&str], patches: &[&str],
     let flown: Value = serde_json::from_str(&said).unwrap();
     let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{arguments:?}: {value}, {said}"));
     assert!(number(&flown["steps"]) >= 8.0 && flown["unsettled"] == 0, "{arguments:?}: {said}");
-    // The sensor's noise of 2.5 mm, what the air does to the ball, and the last of the way within the band of 10 mm.
+    // The sensor's noise of 2.5 mm, the disturbance by the air, and the last part of the approach within the band of 10
+    // mm.
     assert!(number(&flown["rms_settled_mm"]) < 8.0, "{arguments:?}: {said}");
     let step = &found["sampled"]["step"];
     let (designed, seen) = (number(&step["overshoot_percent"]), number(&flown["overshoot_percent"]));
-    // Noise adds a little to the overshoot of a flight.
+    // Noise increases the overshoot of a flight a little.
     assert!((designed - seen).abs() < 5.0, "{arguments:?}: designed {designed} %, flown {seen} %");
     let (designed, seen) = (number(&step["settling_s"]), number(&flown["settling_s"]));
     assert!((designed - seen).abs() < 1.0, "{arguments:?}: designed {designed} s, flown {seen} s");
@@ -77,7 +78,7 @@ fn a_design_for_an_identified_plant_flies_that_plant() {
     {
         assert_flies_as_designed(&bench, arguments, &["identified.toml"], controller);
     }
-    // The patch of an LQG brings the observer of the identified plant along, and so does that of the observer alone.
+    // The patch of an LQG includes the observer of the identified plant, and so does that of the observer alone.
     let found = design(&bench, &["observer", "--patch", "identified.toml", "--patch-out", "observer.toml"]);
     assert_eq!(found["observer"]["believed"]["gain_mm_per_s2_per_control"], 423.4);
     let in_force = bench.output(&["config", "print", "--patch", "observer.toml"]);
@@ -108,7 +109,7 @@ fn the_integral_of_the_configs_state_feedback_is_kept_and_said() {
     assert!(bench.output(&poles).contains("the config's integral is kept: added, T_i = 30 s"));
     bench.write("in-place.toml", "[controller.state_feedback]\nintegral.in_place = { ti_s = 2.0 }\n");
     let ran = bench.run(&[&poles[..], &["--patch", "in-place.toml"]].concat());
-    // Two kinds of integral in one table are a config error, whichever file they came from.
+    // Two kinds of integral in one table are a config error, even from different files.
     assert_eq!(ran.code, Some(2), "{}", ran.errors);
 }
 

@@ -1,4 +1,4 @@
-//! The diagnosis from the command line: a verdict, a document, and a patch that mends the simulator.
+//! The diagnosis from the command line: a verdict, a document, and a patch that corrects the simulator.
 
 use serde_json::Value;
 use system_tests::Bench;
@@ -31,7 +31,7 @@ fn a_dead_zone_is_named_and_its_patch_closes_the_gap_in_replay() {
     assert_eq!((&effect["name"], &effect["change"]), (&Value::from("dead_zone"), &Value::from("added")));
     let zone = &effect["parameters"];
     let of = |key: &str, end: &str| zone[key][end].as_f64().unwrap();
-    // Moving both edges is moving hover: only the width is certain.
+    // A shift of both edges is a shift of hover: only the width is identifiable.
     let width = of("upper_percent", "value") - of("lower_percent", "value");
     assert!((0.45..0.75).contains(&width), "{zone}");
     let (low, high) = (of("upper_percent", "low"), of("upper_percent", "high"));
@@ -90,7 +90,7 @@ fn codes_of_a_sensor_without_a_target_count_as_empty_cells_everywhere() {
     let _ = bench.output(&["simulate", "--patch", "stuck.toml", "--duration", "40", "--log", "f.mcap"]);
     let exported = bench.output(&["log", "export", "f.mcap"]);
     let column = exported.lines().next().unwrap().split(',').position(|name| name == "position_mm").unwrap();
-    // Every sixth reading is lost: more than could lie outside of a pipe of the right length.
+    // Every sixth reading is lost: more than could be outside a pipe of the right length.
     let lost_as = |cell: &str| {
         let rows = exported.lines().enumerate().map(|(row, line)| {
             let mut cells: Vec<&str> = line.split(',').collect();
@@ -138,7 +138,8 @@ fn the_closed_loop_is_told_before_and_after_the_mend() {
     assert!(overshoot("nominal") < overshoot("recorded") - 2.0, "{looped}");
     let critical = |who: &str| looped["critical_gain_ratio"][who].as_f64().unwrap();
     assert!(critical("mended") < 0.5 * critical("nominal"), "{looped}");
-    // A delay of the duty and one of the reading are twins: no flight parts them, and no file pretends to.
+    // A delay of the duty and one of the reading are not distinguishable in any flight, and the output names no
+    // experiment for it.
     let findings = found["check"]["findings"].as_array().unwrap();
     assert!(findings.iter().any(|finding| finding.as_str().unwrap().contains("fan_rpm")), "{findings:?}");
     assert!(found["next_experiment"].is_null() && !bench.path("next.toml").exists());
@@ -194,7 +195,7 @@ fn a_recorded_fan_speed_names_one_of_two_twins_and_says_so() {
     let bench = Bench::default();
     bench.write("late.toml", "[plant.effects.transport_delay]\ndelay_s = 0.12\n");
     let _ = bench.output(&["simulate", "--patch", "late.toml", "--duration", "70", "--log", "f.mcap"]);
-    // The rotor of the config, six rows behind the duty, and a tachometer that shows whole tens.
+    // The rotor of the config, six rows behind the duty, and a tachometer with a resolution of ten.
     let (mut rotor, mut duties) = (21.4, Vec::new());
     let with_speed = |(number, line): (usize, &str)| {
         if number == 0 {
@@ -213,7 +214,7 @@ fn a_recorded_fan_speed_names_one_of_two_twins_and_says_so() {
         (&effect["name"], &effect["indistinguishable_from"]),
         (&Value::from("transport_delay"), &serde_json::json!([]))
     );
-    // Alone, and in its own valley: beside it lies one of 0.03 s with another lag and another gain.
+    // Alone, and in its own local optimum: another one is at 0.03 s with another lag and another gain.
     let delay_s = effect["parameters"]["delay_s"]["value"].as_f64().unwrap();
     assert!((delay_s - 0.12).abs() < 0.005, "{effect}");
     assert_eq!((&found["verdict"], found["effects"].as_array().unwrap().len()), (&Value::from("effect"), 1), "{found}");

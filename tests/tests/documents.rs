@@ -1,4 +1,4 @@
-//! What the documents say is so.
+//! Tests that the project's documents are correct.
 
 use std::fs;
 use system_tests::{Bench, root};

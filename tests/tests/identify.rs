@@ -1,4 +1,4 @@
-//! `airball identify`: from logs to a plant, and from the plant on to designs and flights.
+//! `airball identify`: from logs to a plant, and from the plant to designs and flights.
 
 use serde_json::Value;
 use system_tests::{Bench, root};
@@ -17,7 +17,7 @@ fn identify(bench: &Bench, arguments: &[&str]) -> Value {
     serde_json::from_str(&bench.output(&flags)).unwrap()
 }
 
-/// Whether the 90 % interval of a number holds `truth`; both ends must be there.
+/// Whether the 90 % interval of a parameter contains `truth`; it must have both ends.
 fn holds(estimates: &Value, name: &str, truth: f64) -> bool {
     let own = estimates
         .as_array()
@@ -28,7 +28,7 @@ fn holds(estimates: &Value, name: &str, truth: f64) -> bool {
     (own["low"].as_f64().unwrap()..=own["high"].as_f64().unwrap()).contains(&truth)
 }
 
-/// The numbers of the config, by name.
+/// The parameters of the config, by name.
 const TRUTH: [(&str, f64); 4] = [
     ("gain_mm_per_s2_per_percent", 827.2),
     ("drag_per_s", 3.896),
@@ -36,7 +36,7 @@ const TRUTH: [(&str, f64); 4] = [
     ("fan_lag.time_constant_s", 0.257),
 ];
 
-/// What a flight of the experiment for it gives, beginning with the belief of another rig.
+/// The identification from a flight of its experiment, with the belief of another rig as initial values.
 fn identified(bench: &Bench, seed: &str) -> Value {
     let _ =
         bench.output(&["simulate", "--experiment", "experiments/identify.toml", "--log", "id.mcap", "--seed", seed]);
@@ -56,7 +56,7 @@ fn flights_give_back_the_plant_of_the_config_within_its_intervals() {
     let found: Vec<Value> = (1..=8).map(|seed: u32| identified(&bench(), &seed.to_string())).collect();
     for (name, truth) in TRUTH {
         let held = found.iter().filter(|found| holds(&found["models"][1]["estimates"], name, truth)).count();
-        // Of eight intervals that hold nine times in ten, fewer than five do so once in two hundred.
+        // Of eight intervals with a coverage of 90 %, fewer than five contain the truth with a probability of 0.5 %.
         assert!(held >= 5, "{name}: {held} of 8");
     }
 }
@@ -68,7 +68,7 @@ fn a_plant_that_was_identified_is_designed_for_and_flown() {
     let [two, three] = [0, 1].map(|at| &found["models"][at]);
     assert!(two["residuals"]["input"]["p_value"].as_f64().unwrap() < 1e-3, "{two}");
     assert!(bench.read("id.svg").starts_with("<svg"));
-    // What was identified is a model like any other.
+    // The identified plant can be used like any other model.
     let design: Value = serde_json::from_str(&bench.output(&[
         "design",
         "lqr",
@@ -121,7 +121,7 @@ fn a_sweep_of_gains_gives_back_the_plant_of_a_rig_without_lag_and_the_critical_g
         assert!((value / truth - 1.0).abs() < 0.08, "{name}: {}", found[name]);
     }
     assert!(bench.read("sweep.svg").starts_with("<svg"));
-    // And from there to the third pole, which the closed form gives for the exact plant.
+    // The same plant with the third pole, for which the closed form gives the exact value.
     let third = ["third-pole", "--critical-gain", "0.038", "--patch-out", "fan.toml"];
     let exact = identify(&bench, &[&third[..], &["--patch", "ball.toml"]].concat());
     assert!((exact["fan_pole_per_s"].as_f64().unwrap() - 3.526).abs() < 5e-4, "{exact}");
@@ -159,7 +159,8 @@ fn a_record_of_another_rig_is_identified_and_its_residuals_say_what_a_linear_pla
         ["grey-box", "data/quarter_drone/swept_sine.csv", "--config", "data/quarter_drone/linear.toml", "--poles", "2"];
     let found = identify(&bench, &flags);
     let of = &found["models"][0];
-    // The makers' own model has 15.8 degrees/s² per percent about the mean angle; a linear plant that lacks gravity and friction finds the like.
+    // The makers' own model has 15.8 degrees/s² per percent about the mean angle; a linear plant without gravity and
+    // friction finds a similar value.
     let gain = of["estimates"][0]["value"].as_f64().unwrap();
     assert!((4.0..40.0).contains(&gain), "{gain}");
     assert!(of["residuals"]["input"]["p_value"].as_f64().unwrap() < 1e-3, "{of}");

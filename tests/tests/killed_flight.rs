@@ -1,5 +1,5 @@
-//! What becomes of the fan when a flight is killed, hangs, or loses its guard. The rig is emulated in a process of its own,
-//! so that it outlives the flight; the binary and its way to the bus are those that fly a rig.
+//! The fan after a flight is killed, hangs, or loses its guard. The rig is emulated in a separate process, so that it
+//! outlives the flight; the binary and its bus access are those of a real flight.
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -80,12 +80,13 @@ fn fan_off_stops_a_fan_that_nobody_guards_any_more() {
     let mut flight = start(&bench, "f.mcap");
     rig.until_it_flies();
     let guard = guard_of(&flight);
-    // Both stand still before either dies: a loop would land without its guard, and a guard that was stopped alone is woken when its loop dies.
+    // Both are stopped before either is killed: a loop would land without its guard, and a guard that was stopped alone
+    // wakes when its loop dies.
     send(flight.id(), Signal::SIGSTOP);
     send(guard, Signal::SIGKILL);
     flight.kill().unwrap();
     let _ = flight.wait();
-    // Nobody turned it off: this is what the PCA9685 does when its program dies, whichever duty was the last.
+    // Nothing turned it off: the PCA9685 keeps its last duty when its program dies.
     rig.until("the fan keeps its duty", |percent| percent >= 10.0);
     assert!(bench.output(&["fan-off"]).contains("is off"));
     rig.until_it_is_off();
@@ -103,7 +104,7 @@ fn output_enable_stops_the_fan_when_flight_and_guard_are_both_killed() {
     send(guard, Signal::SIGKILL);
     flight.kill().unwrap();
     let _ = flight.wait();
-    // The kernel has closed their handles, and the line is back at its pull-up.
+    // The kernel has closed their handles, and the line has returned to its pull-up.
     rig.until_it_is_off();
     assert!(bench.output(&["fan-off"]).contains("is off"));
 }
@@ -160,7 +161,7 @@ fn the_fault_that_ended_a_flight_is_published_and_stays() {
     rig.until_it_flies();
     let guard = guard_of(&flight);
     assert!(!broker.next("airball/rig1/state").is_empty());
-    // A rig that vanishes is a bus that fails at both chips; its guard would try for a minute.
+    // Without the emulated rig, the bus fails at both chips; its guard would try for a minute.
     drop(rig);
     eventually("the flight ends", || bench.path("flights/last-fault.json").exists().then_some(()));
     assert_eq!(broker.next("airball/rig1/fault").trim(), bench.read("flights/last-fault.json").trim());

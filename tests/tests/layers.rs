@@ -1,8 +1,8 @@
-//! The folders of a crate are layers: no two of them import each other, neither directly nor around a circle.
+//! The folders of a crate are layers: there is no import cycle between them, direct or indirect.
 //!
-//! What counts is what the sources say: the `use` lines, and paths in code from `crate::` or `super::`. Tests may import
-//! what they like: files named `tests.rs`, `…_tests.rs` or `tests_support.rs`, folders named `tests`, and the item that
-//! follows a `#[cfg(test)]`.
+//! The sources decide: the `use` lines, and paths in code from `crate::` or `super::`. Tests may import everything:
+//! files named `tests.rs`, `…_tests.rs` or `tests_support.rs`, folders named `tests`, and the item that follows a
+//! `#[cfg(test)]`.
 
 #[path = "layers/imports.rs"]
 mod imports;
@@ -12,12 +12,12 @@ use std::fs;
 use std::path::Path;
 use system_tests::root;
 
-/// Fails with the circles of a crate's top-level modules, each with a file for every arrow.
+/// Fails with the cycles of a crate's top-level modules, each with a file for every import.
 fn has_no_circle(src: &Path) {
     has_no_circle_within(src, &[]);
 }
 
-/// The same for what one of its modules holds, which is given by its path.
+/// The same for the submodules of one of its modules, which is given by its path.
 fn has_no_circle_within(src: &Path, module: &[&str]) {
     let circles = Imports::within(src, module).circles();
     assert!(circles.is_empty(), "{} {}: {}", src.display(), module.join("::"), circles.join("; "));
@@ -62,7 +62,7 @@ fn the_folders_of_the_application_are_seen_with_their_imports() {
     }
 }
 
-/// A made-up crate with these files.
+/// A synthetic crate with these files.
 fn made_up(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {

@@ -1,10 +1,11 @@
-//! The layouts for Foxglove and PlotJuggler show what is in a log: every channel and field that they name is there, with a fitting type.
+//! The layouts for Foxglove and PlotJuggler match a log: it has every channel and field that they name, with a suitable
+//! type.
 
 use serde_json::Value;
 use std::process::Command;
 use system_tests::{Bench, Ran, root};
 
-/// The types of the fields of every channel of a simulated flight, as the Python reader of MCAP sees them.
+/// The types of the fields of every channel of a simulated flight, by the Python reader of MCAP.
 fn channels() -> Value {
     let bench = Bench::default();
     let _ = bench.output(&["simulate", "--duration", "4", "--log", "f.mcap"]);

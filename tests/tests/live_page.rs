@@ -1,4 +1,5 @@
-//! A rig flown from outside: the live page in a real browser, served by the broker that the project ships a config for, and the monitor.
+//! A flight controlled from outside: by the live page in a real browser, served by a broker with the project's config
+//! for it, and by the monitor.
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -98,7 +99,7 @@ fn keys_of_the_monitor_move_the_setpoint_and_stop_the_fan() {
         let state: Value = serde_json::from_str(&broker.next("airball/rig1/state")).unwrap();
         state["setpoint_mm"].as_f64()
     };
-    // A key counts once the monitor knows the rig.
+    // A key has an effect only after the monitor has received the rig's messages.
     eventually("a nudge upwards arrives", || {
         press(b"\x1b[A");
         setpoint().filter(|mm| *mm > 300.0)

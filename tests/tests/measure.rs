@@ -1,9 +1,9 @@
-//! `airball measure` from outside: one flight, three ways to it, and what it leaves.
+//! `airball measure` as a command: one flight, three ways to analyse it, and its output files.
 
 use serde_json::Value;
 use system_tests::Bench;
 
-/// A ball at rest, for so short a time that real time is bearable.
+/// A ball at rest, for a time that is short enough for real time.
 const SHORT: &str = "title = \"rest\"\n[[segment]]\nduration_s = 5.0\nduty_percent.constant = { value = 0.0 }\n";
 
 fn found(bench: &Bench, arguments: &[&str]) -> Value {

@@ -1,4 +1,4 @@
-//! The catalogue alone knows its effects: no other source names one, and a new one is a module and a line.
+//! Only the catalogue names its effects: no other source does, and a new effect is a module and a line.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ fn effects() -> Vec<String> {
     names.filter(|name| name != "tests").collect()
 }
 
-/// Places of `text`, tests left out, where an effect is named by a string or reached into by its field.
+/// Parts of `text`, tests left out, where an effect is named by a string or accessed by its field.
 fn named(text: &str, effects: &[String]) -> Vec<String> {
     let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
@@ -72,7 +72,7 @@ fn a_name_and_a_field_are_seen_and_a_comment_and_a_test_are_not() {
     assert_eq!(named(text, &effects).len(), 2);
 }
 
-/// An effect that was made for this test: above a height the air pulls the ball down. It says nothing of itself that it need not.
+/// An effect for this test: above a height the air pulls the ball down. It defines only what is required.
 const LEAKY_PIPE: &str = r#"//! Leaky pipe: above one height the air pulls the ball down.
 //!
 //! ```text
@@ -183,7 +183,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// A workspace with copies of the crates that an effect goes through, and the effect in them.
+/// A workspace with copies of the crates that an effect needs, and the effect in them.
 fn workspace(folder: &Path) {
     for name in ["control", "plant", "diagnose"] {
         copy(&root().join("crates").join(name), &folder.join("crates").join(name));
@@ -227,7 +227,7 @@ fn an_effect_made_for_the_test_in_one_module_and_one_line_is_simulated_filtered_
     workspace(folder.path());
     let said = cargo(folder.path(), &["run", "--quiet", "--offline", "--package", "proof"]);
     assert!(said.contains("that the simulator lacks"), "{said}");
-    // The filter's derivatives of every effect of that catalogue are those of its motion.
+    // The filter's derivatives of every effect of that catalogue agree with its motion.
     let said = cargo(
         folder.path(),
         &["test", "--offline", "--package", "diagnose", "--lib", "the_transition_of_every_effect"],

@@ -1,4 +1,4 @@
-//! The log, read by a program that shares no code with this one: the Python package `mcap`.
+//! The log, read by an independent program: the Python package `mcap`.
 
 use serde_json::Value;
 use std::process::Command;
@@ -24,7 +24,7 @@ fn python_reads_the_config_the_cycles_and_the_events() {
     assert_eq!(log["channels"]["cycle"]["message_encoding"], "json");
     assert_eq!(log["channels"]["cycle"]["messages"], 500);
 
-    // What Python sees is what the CSV says.
+    // Python's values are those of the CSV.
     let csv = bench.output(&["log", "export", "f.mcap"]);
     let last: Vec<f64> = csv.lines().last().unwrap().split(',').take(5).map(|cell| cell.parse().unwrap()).collect();
     let cycle = &log["last_cycle"];

@@ -1,12 +1,12 @@
-//! What `airball diagnose` says of records that other people made of their own rigs, and what it should say.
+//! Diagnoses of records that others made of their own rigs, with the expected result.
 //!
-//! Nobody switched an effect on in these rigs: what is expected follows from the physics of each, from what its makers measured
-//! and published, and from free-run fits made without this project's code.
+//! These rigs have no known effects: the expected result follows from the physics of each, from measurements that its
+//! makers published, and from free-run fits made without this project's code.
 
 use serde_json::Value;
 use system_tests::{Bench, root};
 
-/// The names of what `diagnose` adds to close the gap between a record and a belief under `data/`, the most important first.
+/// The effects that `diagnose` selects between a record and a belief in `data/`, the most important first.
 fn effects(record: &str, belief: &str) -> Vec<String> {
     let data = root().join("data");
     let path = |file: &str| data.join(file).to_str().unwrap().to_owned();
@@ -23,22 +23,23 @@ fn begins_with(found: &[String], wanted: &[&[&str]]) {
     assert_eq!(right, wanted.len(), "{found:?}, expected {wanted:?}");
 }
 
-// The propeller arm obeys θ″ = c₁·sin θ + c₂·u² + c₃·θ′ by its makers' own model, and a slow ramp of its input shows dry friction: it
-// does not move up to u = 17 %, and sticks and slips at 45 to 60 degrees.
+// The propeller arm obeys θ″ = c₁·sin θ + c₂·u² + c₃·θ′ by its makers' own model, and a slow ramp of its input shows
+// dry friction: it does not move up to u = 17 %, and sticks and slips at 45 to 60 degrees.
 //
-// From a linear belief gravity that changes with the angle is missing most, and in the catalogue that is a lift that falls with
-// height. Fitted by free runs, the error 1 s ahead on this record is 17.9 degrees as believed, 9.1 with the height term, 17.8 with friction
-// alone, 7.8 with both: the height term comes first, and friction, worth nothing without it, second. What is left of the makers' model is the
-// square of the input: a curve of the thrust may come third.
+// From a linear belief, gravity that changes with the angle is the largest missing effect; in the catalogue it is a
+// lift that falls with height. Fitted by free runs, the error 1 s ahead on this record is 17.9 degrees as believed, 9.1
+// with the height term, 17.8 with friction alone, 7.8 with both: the height term comes first, and friction, which gains
+// nothing without it, second. The rest of the makers' model is the square of the input: a thrust curve may come third.
 #[test]
 fn gravity_then_dry_friction_are_missing_from_a_linear_belief_about_the_propeller_arm() {
     let found = effects("quarter_drone/swept_sine.csv", "quarter_drone/linear.toml");
     begins_with(&found, &[&["height_dependent_flow"], &["wall_friction"]]);
 }
 
-// From a belief that has gravity and the square of the input, free runs over 20 to 80 s (fitted to two other records of the arm, tested on this one)
-// err by 3.5 degrees; with a motor lag 3.5, with dry friction 2.8, with both 2.9 here and 2.0 instead of 2.3 where they were fitted. So: dry
-// friction first; then, if anything, a lag of some 0.05 s, which may go by the names of its twins.
+// From a belief that has gravity and the square of the input, free runs over 20 to 80 s (fitted to two other records of
+// the arm, tested on this one) err by 3.5 degrees; with a motor lag 3.5, with dry friction 2.8, with both 2.9 here and
+// 2.0 instead of 2.3 on the fitted records. So: dry friction first; then, if anything, a lag of about 0.05 s, under any
+// of the names that are not distinguishable from it.
 #[test]
 fn dry_friction_then_a_small_lag_are_missing_from_a_belief_that_has_gravity() {
     let found = effects("quarter_drone/swept_sine.csv", "quarter_drone/gravity.toml");
@@ -47,19 +48,20 @@ fn dry_friction_then_a_small_lag_are_missing_from_a_belief_that_has_gravity() {
     assert!(found.get(1).is_none_or(|second| lags.contains(&second.as_str())), "{found:?}");
 }
 
-/// What may stand for a static curve that is steep at first and flat at the ends.
+/// Effects that can represent a static curve that is steep at first and flat at the ends.
 const FLATTENING: &[&str] = &["quadratic_drag", "saturation", "thrust_curve"];
 
-// The hoop's speed settles at 2.0, 3.8, 4.9, 6.7 and 9.8 V for inputs of 0.1, 0.2, 0.3, 0.5 and 1: steep at first, flat at the ends, and nearly the
-// same backwards. The catalogue has no such curve, but three that flatten:
-// - a drag that grows with the speed gives just this static curve, on both sides, and is the nearest: fitted by free runs, the speed errs by
-//   0.99 V with the linear belief, 0.63 with saturation, 0.20 with quadratic drag on the fixed steps. (It also says that the motor answers faster at
-//   speed, 0.4 s against 1.9 s, where it takes 0.9 to 1.7 s at any: so something may rightly be left over.)
+// The hoop's speed settles at 2.0, 3.8, 4.9, 6.7 and 9.8 V for inputs of 0.1, 0.2, 0.3, 0.5 and 1: steep at first, flat
+// at the ends, and nearly the same backwards. The catalogue has no such curve, but three that flatten:
+// - a drag that grows with the speed gives this static curve, on both sides, and is the nearest: fitted by free runs,
+//   the speed errs by 0.99 V with the linear belief, 0.63 with saturation, 0.20 with quadratic drag on the fixed steps.
+//   (It also predicts that the motor answers faster at speed, 0.4 s instead of 1.9 s, while it takes 0.9 to 1.7 s at
+//   any speed: a remaining misfit is therefore right.)
 // - a saturation flattens on both sides, at a corner;
-// - a thrust curve flattens on one side only, and does so best where the input stays on that side: 0.39 V on the first 215 s of
+// - a thrust curve flattens on one side only, and fits best where the input has one sign: 0.39 V on the first 215 s of
 //   the random steps, 0.54 with quadratic drag.
-// What it is not: a dead zone, in which small inputs do too little (here they do too much), or a delay (every step is answered within two rows,
-// 0.2 s, of a motor that takes more than a second).
+// It is not a dead zone, in which small inputs have too little effect (here too much), or a delay (every step is
+// answered within two rows, 0.2 s, by a motor that takes more than a second).
 fn a_flattening_curve_and_no_delay(record: &str) {
     let found = effects(record, "hoop_motor/linear.toml");
     begins_with(&found, &[FLATTENING]);

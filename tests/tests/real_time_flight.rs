@@ -1,4 +1,4 @@
-//! Flights in real time: signals, a real broker, no broker, no bus. Slow, a few seconds each: time is what they are about.
+//! Flights in real time: signals, a real broker, no broker, no bus. Slow, a few seconds each, because they test timing.
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -17,7 +17,7 @@ fn end(flight: Child, signal: Signal) -> Ran {
     Ran::from(flight.wait_with_output().unwrap())
 }
 
-/// A config that talks to `broker`.
+/// A config with this broker.
 fn with_broker(bench: &Bench, broker: &Broker) {
     let config = bench.read("config.toml");
     bench.write("config.toml", config.replace("port = 1883", &format!("port = {}", broker.port)));
@@ -112,7 +112,7 @@ fn a_flight_goes_on_under_a_flood_with_rubbish_and_megabytes_in_it_and_every_mes
     const COMMANDS: u64 = 10_000;
     const MEGABYTES: u64 = 3;
     let bench = Bench::default();
-    // What the broker throws away is not ours to count.
+    // Messages that the broker drops are not in our counts.
     let unlimited = |port: u16| format!("listener {port} 127.0.0.1\nallow_anonymous true\nmax_queued_messages 0\n");
     let broker = Broker::with_config(&bench.path("mosquitto.conf"), unlimited);
     with_broker(&bench, &broker);
@@ -127,7 +127,7 @@ fn a_flight_goes_on_under_a_flood_with_rubbish_and_megabytes_in_it_and_every_mes
     let mut flood = publish("airball/rig1/set/setpoint_mm", &["-l"]);
     let mut pipe = flood.stdin.take().unwrap();
     for k in 0..COMMANDS {
-        // Every eighth is no number.
+        // Every eighth is not a number.
         let line = if k % 8 == 0 { "\u{1}\u{7f}nonsense".to_owned() } else { format!("{}", 250 + k % 100) };
         writeln!(pipe, "{line}").unwrap();
     }

@@ -1,4 +1,4 @@
-//! The gap between a log and a model: on flights of our own, and on a record of somebody else's rig.
+//! The gap between a log and a model: on flights of our own, and on a record of another rig.
 
 use serde_json::Value;
 use std::process::Command;
@@ -17,7 +17,7 @@ const DEAD_ZONE: &str = "[plant.effects.dead_zone]\nlower_percent = -0.3\nupper_
 
 #[test]
 fn a_flight_by_its_own_model_shows_no_gap_at_any_horizon() {
-    // Ten flights: one flight's 1 s errors are only some sixty independent numbers.
+    // Ten flights: one flight's 1 s errors are only about sixty independent values.
     let (mut error, mut floor) = ([0.0; 3], [0.0; 3]);
     for seed in 0..10 {
         let bench = Bench::default();
@@ -77,7 +77,8 @@ fn the_table_on_a_real_record_is_what_an_independent_program_computes() {
     let (record, belief) = (record.to_str().unwrap(), belief.to_str().unwrap());
     let gap = replay(&bench, &[record, "--config", belief]);
 
-    // Exact discretisation and a scalar-by-scalar Kalman filter in Python, against RK4 and matrices in Rust.
+    // An independent computation: exact discretisation and a scalar-by-scalar Kalman filter in Python, against RK4 and
+    // matrices in Rust.
     let output = Command::new("python3").arg(root().join("tests/replay_linear.py")).arg(record).output().unwrap();
     let ran = Ran::from(output);
     assert_eq!(ran.code, Some(0), "{}", ran.errors);
@@ -88,7 +89,8 @@ fn the_table_on_a_real_record_is_what_an_independent_program_computes() {
             assert!((ours / theirs - 1.0).abs() < 1e-5, "{key} at horizon {h}: {ours} here, {theirs} there");
         }
     }
-    // What a reader should believe: near in time it beats "the ball stays put", and a second ahead gravity and friction show.
+    // Expected result: at short horizons it is better than "the ball stays put", and at one second gravity and friction
+    // are visible.
     assert!(at(&gap, "error_mm", 0) < at(&gap, "stay_put_mm", 0));
     assert!(at(&gap, "error_mm", 2) > 5.0 * at(&gap, "floor_mm", 2));
 

@@ -1,12 +1,12 @@
-//! The pages that the program writes, opened in a real browser.
+//! The pages of the program, opened in a real browser.
 
 use std::process::Command;
 use system_tests::{Bench, Ran, root};
 
-/// What a stranger could name files.
+/// A file name with markup.
 const STRANGER: &str = "<img src=x onerror=alert(1)>";
 
-/// A bench with the project's experiments and patches, and its config under the stranger's name.
+/// A bench with the project's experiments and patches, and its config under that name.
 fn bench() -> Bench {
     let bench = Bench::default();
     for directory in ["docs", "experiments"] {
@@ -32,7 +32,7 @@ fn diagnosis(bench: &Bench) {
         bench.read("report.html").contains("Most of the misfit")
             && bench.read("report.html").contains(", which chance alone may make")
     );
-    // What the page offers to copy is the patch.
+    // The text to copy on the page is the patch.
     assert!(bench.read("report.html").contains(bench.read("mended.toml").trim()));
 }
 
@@ -51,7 +51,7 @@ fn identification(bench: &Bench) {
     assert!(bench.read("third-pole.html").contains("gives the model the critical gain of the rig"));
 }
 
-/// Each measurement with words of its answer.
+/// Each measurement, with words of its answer.
 fn measurements(bench: &Bench) {
     let of = |what: &str, patch: &str, answer: &str| {
         let _ = run(bench, &format!("measure {what} --virtual --log STRANGER-{what}.mcap --html {what}.html {patch}"));

@@ -1,15 +1,16 @@
-//! A flight knows its broker's password and tells nobody: neither a log, which is passed on, nor the screen, which a service keeps.
+//! The broker's password of a flight is kept secret: it is not in a log, which may be passed on, nor in the output,
+//! which a service stores.
 
 use std::fs;
 use system_tests::{Bench, Broker, Ran};
 
-/// Its base64 has no padding and begins at a whole group of bytes, whatever stands behind.
+/// Its base64 has no padding and begins at a whole group of bytes, whatever follows.
 const PASSWORD: &str = "Zw1eback-und-Kaese-42";
 const BASE64: &str = "WncxZWJhY2stdW5kLUthZXNlLTQy";
-/// With the user before it, as HTTP has it.
+/// With the user before it, as in HTTP.
 const WITH_USER: &str = "cmlnOlp3MWViYWNrLXVuZC1LYWVzZS00Mg";
 
-/// A flight of two seconds with this password: what it said, its log's bytes, and what `log info` says of it.
+/// A flight of two seconds with this password: its output, its log's bytes, and the output of `log info`.
 fn flown(bench: &Bench, password: &str) -> (Ran, Vec<u8>, String) {
     bench.write("password", format!("{password}\n"));
     let ran = bench.run(&["run", "--sim", "--duration", "2", "--log", "f.mcap"]);
@@ -35,7 +36,8 @@ fn neither_log_nor_screen_holds_the_brokers_password_whether_it_is_right_or_wron
     let (right, right_log, right_info) = flown(&bench, PASSWORD);
     assert_eq!(right.code, Some(0), "{}", right.errors);
     assert!(!right.errors.contains("password_file"), "it is let in: {}", right.errors);
-    // The config is in the log, so that a password in it would be as well; twice as long is another one, and refused.
+    // The config is in the log, so that a password in it would be as well; a password repeated twice is a wrong one,
+    // and refused.
     assert!(holds(&right_log, "password_file"));
     let (wrong, wrong_log, wrong_info) = flown(&bench, &format!("{PASSWORD}{PASSWORD}"));
     assert!(wrong.errors.contains("password_file"), "it is refused: {}", wrong.errors);

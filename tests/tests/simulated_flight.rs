@@ -1,9 +1,9 @@
-//! Flights in virtual time: bit-exact, followed, logged, drawn.
+//! Flights in virtual time: bit-exact, controlled, logged, drawn.
 
 use serde_json::Value;
 use system_tests::{Bench, root};
 
-/// An experiment that takes the ball out of its own band.
+/// An experiment that moves the ball out of its own band.
 const WILD: &str = "title = \"wild\"\n[limits]\nposition_max_mm = 350.0\n[[segment]]\nduration_s = 20.0\n\
     setpoint_mm.ramp = { from = 200.0, to = 500.0, over_s = 10.0 }\n";
 
@@ -29,14 +29,14 @@ fn the_ball_follows_the_square_wave_of_the_config() {
     let bench = Bench::default();
     let flight = summary(&bench, &["--duration", "64", "--log", "f.mcap"]);
     assert_eq!(flight["steps"], 8);
-    // The air may push the ball out of a step's ±10 mm for longer than a step lasts, but rarely.
+    // The air may rarely push the ball out of a step's ±10 mm for longer than a step lasts.
     assert!(flight["unsettled"].as_u64().unwrap() <= 2, "{flight}");
     assert!(flight["overshoot_percent"].as_f64().unwrap() < 15.0, "{flight}");
     assert!(flight["settling_s"].as_f64().unwrap() < 3.0, "{flight}");
-    // Once settled, little more than the sensor's own 2.5 mm and the air's push.
+    // After settling, little more than the sensor's noise of 2.5 mm and the disturbance by the air.
     assert!(flight["rms_settled_mm"].as_f64().unwrap() < 12.0, "{flight}");
     assert_eq!(flight["late"], 0);
-    // The loop stays just behind the sensor: every cycle finds a new reading.
+    // The loop runs just after the sensor: every cycle has a new reading.
     assert_eq!(flight["fresh_percent"], 100.0);
 }
 
@@ -51,7 +51,7 @@ fn every_controller_of_the_config_flies_the_square_wave() {
         assert!(flight["overshoot_percent"].as_f64().unwrap() < 20.0, "{kind}: {flight}");
         assert!(flight["settling_s"].as_f64().unwrap() < 4.0, "{kind}: {flight}");
         assert!(flight["rms_settled_mm"].as_f64().unwrap() < 12.0, "{kind}: {flight}");
-        // The observer believes the very plant that flies: a gate of 5 sigma refuses next to nothing.
+        // The observer's model is the simulated plant: a gate of 5 sigma rejects almost nothing.
         assert!(flight["innovations"]["expected_percent"].as_f64().unwrap() > 98.0, "{kind}: {flight}");
     }
 }
@@ -81,7 +81,7 @@ fn the_picture_shows_setpoint_position_and_duty() {
     assert!(svg.matches("<polyline").count() >= 3);
 }
 
-/// The length of an experiment, seconds, and whether the ball may end one of its segments before its time.
+/// The length of an experiment, seconds, and whether the ball may end one of its segments early.
 fn length(experiment: &str) -> (f64, bool) {
     let experiment: toml::Table = experiment.parse().unwrap();
     let segments = experiment["segment"].as_array().unwrap();

@@ -1,12 +1,12 @@
-//! What the loop asks of the kernel while the ball flies, as strace sees it: its log is written, a broker listens and commands come in, and
-//! none of that may cost the loop a system call, which could wait.
+//! The system calls of the loop in flight, recorded by strace: writing the log, a listening broker and commands must
+//! not cause a system call of the loop, which could block.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::process::{Command, Stdio};
 use system_tests::{Bench, Broker, Emulated, Ran};
 
-/// The loop sleeps until a time, and not for a time.
+/// The loop sleeps until an absolute time, not for a duration.
 const DEADLINE: &str = "clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME";
 
 /// The same command under strace, which writes a file `trace.ID` for each thread.
@@ -17,7 +17,7 @@ fn traced(command: &Command, bench: &Bench) -> Command {
     traced
 }
 
-/// The system calls of the thread that flies: the one that the program began with.
+/// The system calls of the thread of the loop, which is the program's first.
 fn calls_of_the_loop(bench: &Bench) -> String {
     let files = fs::read_dir(bench.path(".")).unwrap().map(|entry| entry.unwrap());
     let traces = files.filter(|file| file.file_name().to_string_lossy().starts_with("trace."));
@@ -26,7 +26,7 @@ fn calls_of_the_loop(bench: &Bench) -> String {
     texts.into_iter().find(begun).expect("a trace of the flight")
 }
 
-/// A system call about an open file, such as `write(9, …) = 4`: the number of that file.
+/// The file number of a system call on an open file, such as `write(9, …) = 4`.
 fn file_read_or_written(call: &str) -> Option<&str> {
     let (name, arguments) = call.split_once('(')?;
     ["read", "write", "recvfrom", "sendto"].contains(&name).then(|| first(arguments))

@@ -1,4 +1,4 @@
-//! The world of the withheld cases: it stands alone, it can be made again, and its seal holds.
+//! The simulator of the withheld cases: it is independent, its cases are reproducible, and its hash is right.
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -35,7 +35,7 @@ impl Set {
         serde_json::from_slice(&fs::read(self.directory.path().join("truth.json")).unwrap()).unwrap()
     }
 
-    /// Files handed out, by name.
+    /// The files of the cases, by name.
     fn files(&self) -> Vec<(String, String)> {
         let entries = fs::read_dir(self.directory.path().join("cases")).unwrap().map(|entry| entry.unwrap());
         let mut files: Vec<_> = entries
@@ -53,7 +53,7 @@ impl Set {
     }
 }
 
-/// Names in the effects of a truth, each case a set.
+/// Names in the effects of a truth, one set per case.
 fn names(truth: &Value) -> Vec<BTreeSet<String>> {
     let of = |case: &Value| {
         let effects = case["effects"].as_array().unwrap().iter();
@@ -184,7 +184,7 @@ fn the_program_reads_records_and_beliefs_and_finds_no_gap_where_there_is_none() 
         error += gap["error_mm"][2].as_f64().unwrap().powi(2);
         floor += gap["floor_mm"][2].as_f64().unwrap().powi(2);
     }
-    // A belief a little off widens the gap a little.
+    // A belief with small errors increases the gap a little.
     let ratio = f64::sqrt(error / floor);
     assert!((0.9..1.6).contains(&ratio), "{ratio}");
 }

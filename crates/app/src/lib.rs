@@ -1,9 +1,9 @@
 //! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
 //!
-//! Its layers, each of which knows only those before it: `config`, `rig`, `flight`, `log` and `mqtt`, `analysis`, `report`, `commands`.
-//! Public is what the binary runs, and what the fuzz targets and the book are made with.
+//! Its layers, each of which uses only those before it: `config`, `rig`, `flight`, `log` and `mqtt`, `analysis`,
+//! `report`, `commands`. Public is what the binary, the fuzz targets and the book use.
 
-// The modules are private: in them, `pub` is for the other modules, and their documentation is for who works on them.
+// The modules are private: in them, `pub` is for the other modules, and their documentation is for developers.
 #![allow(unreachable_pub, rustdoc::private_intra_doc_links)]
 
 mod analysis;
@@ -18,16 +18,16 @@ mod rig;
 
 pub use config::ConfigError;
 
-/// What reads other people's bytes, for the fuzz targets, and what these need to go on with them.
+/// Parsers of foreign bytes, for the fuzz targets, and what these need to process the results.
 pub mod fuzzing {
-    /// Topics of a broker, and what a message on one of them asks for.
+    /// Topics of a broker, and the content of a message on one of them.
     pub use crate::config::topics::{ORIGINAL_SETPOINT, Topics};
-    /// Tables of a config, and the text that they are read from.
+    /// Tables of a config, and the parser of their text.
     pub use crate::config::{Tables, parse_text};
-    /// What a programme may be, and the pilot that flies it.
+    /// A programme, and the pilot that flies it.
     pub use crate::flight::experiment::Experiment;
     pub use crate::flight::pilot::{Orders, Pilot, Seen, Signals};
-    /// Records of anybody, and the logs of flights: read, recovered, written again, exported and summed up.
+    /// Foreign records, and the logs of flights: read, recovered, written again, exported and summarised.
     pub use crate::log::export::csv as export_csv;
     pub use crate::log::flight::parse as parse_flight;
     pub use crate::log::reader::parse as parse_record;
@@ -39,17 +39,17 @@ pub mod fuzzing {
     pub use crate::rig::serve;
 }
 
-/// What the gallery of the book is made with.
+/// For the gallery of the book.
 pub mod book {
-    /// What a diagnosis advises to fly next.
+    /// The next flight after a diagnosis.
     pub use crate::analysis::next_experiment::{Advice, advise};
     /// A controller that flies a model in memory.
     pub use crate::analysis::virtual_flight::{Desk, Flown};
-    /// The config of the rig that is shown.
+    /// The config of the shown rig.
     pub use crate::config::{Config, ConfigError, Tables};
-    /// What is flown.
+    /// An experiment.
     pub use crate::flight::experiment::Experiment;
-    /// A cycle as a diagnosis reads it.
+    /// A cycle as a row of a recording.
     pub use crate::log::reader::sample;
     /// A diagnosis in words and as a picture.
     pub use crate::report::diagnosis::{next::words as advice_words, plot::small_diagnosis, words::words};

@@ -37,7 +37,7 @@ fn main() -> ExitCode {
         Err(error) if reader_is_gone(&error) => ExitCode::SUCCESS,
         Err(error) => {
             note(with_causes(&error));
-            // 2 is wrong usage, which clap answers too; a config is part of the usage.
+            // 2 is wrong usage, as in clap; a config is part of the usage.
             if error.is::<ConfigError>() || error.is::<Usage>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }
     }

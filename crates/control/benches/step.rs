@@ -1,11 +1,12 @@
-//! What one control step costs: observer, controller and compensation, beside the crates `pid` and `idsp` doing the comparable part.
+//! What one control step costs: observer, controller and compensation, beside the crates `pid` and `idsp` doing the
+//! comparable part.
 //!
-//! Both crates compute a PID of the error with limits and nothing else; `idsp` computes it as a biquad, whose coefficients know the
-//! sampling period, so that it has no exponential to compute. They are compared with `pid`, the PID alone, over fixed periods.
-//! All are fed the same readings, which are made beforehand.
+//! Both crates compute a PID of the error with limits and nothing else; `idsp` computes it as a biquad, whose
+//! coefficients know the sampling period, so that it has no exponential to compute. They are compared with `pid`, the
+//! PID alone, over fixed periods. All are fed the same readings, which are made beforehand.
 //!
 //!     cargo bench --package control                          times, in turn, as medians with the quartiles
-//!     cargo bench --package control -- NAME STEPS            so many steps of one of them: what `scripts/bench-control` counts
+//!     cargo bench --package control -- NAME STEPS            STEPS steps of one of them, for `scripts/bench-control`
 
 use control::believed::Believed;
 use control::compensation::{Compensation, DeadZoneCorrection};

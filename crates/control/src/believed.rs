@@ -1,4 +1,4 @@
-//! What observer, feed-forward and model-predictive control believe of the plant: linear, and exact over any step.
+//! The believed plant of observer, feed-forward and model-predictive control: linear, and exact over any step.
 //!
 //! ```text
 //! ẋ = v      v̇ = K·(w + d) − a·v      ẇ = (u − w)/τ      ḋ = 0          u: control value about hover
@@ -7,9 +7,9 @@
 //! φ₂(z) = (φ₁(z) − 1)/z   A₂ = t²·φ₂(−at)    X = (A₁ − D)/b
 //! ```
 //!
-//! w is what the fan gives, in units of the control value; d is what hover lacks, in the same units. Without a fan lag
-//! w = u. D and X are divided differences of the exponential, so that equal poles, as in the thesis' G_c, are no special case.
-//! Source: the thesis, section 3.1; Higham, *Functions of Matrices*, section 10.7 (the φ functions).
+//! w is the fan's contribution, in units of the control value; d is the error of hover, in the same units. Without a
+//! fan lag w = u. D and X are divided differences of the exponential, so that equal poles, as in the thesis' G_c, are
+//! no special case. Source: the thesis, section 3.1; Higham, *Functions of Matrices*, section 10.7 (the φ functions).
 
 use crate::check::{OutOfRange, within};
 use libm::{exp, expm1, fabs};
@@ -22,7 +22,8 @@ pub type State = SVector<f64, 4>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Believed {
-    /// K: acceleration per unit of the control value, mm/s² per percent (per mm/s² where predistortion linearises the fan).
+    /// K: acceleration per unit of the control value, mm/s² per percent (per mm/s² where predistortion linearises the
+    /// fan).
     pub gain_mm_per_s2_per_control: f64,
     /// a: linear drag of the ball, 1/s.
     pub drag_per_s: f64,
@@ -31,7 +32,7 @@ pub struct Believed {
     pub fan_lag_s: Option<f64>,
 }
 
-/// The way of the state over one step under a constant control value u: Φ·state + Γ·u.
+/// The transition of the state over one step under a constant control value u: Φ·state + Γ·u.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
     /// Φ.
@@ -57,7 +58,7 @@ impl Believed {
         (mm_per_s2 + self.drag_per_s * mm_per_s) / self.gain_mm_per_s2_per_control
     }
 
-    /// The way of the state over `dt_s` seconds.
+    /// The transition of the state over `dt_s` seconds.
     #[must_use]
     pub fn over(&self, dt_s: f64) -> Transition {
         let (gain, drag, t) = (self.gain_mm_per_s2_per_control, self.drag_per_s, dt_s);
@@ -91,7 +92,7 @@ impl Believed {
 }
 
 impl Transition {
-    /// Where `state` goes under the control value `control`.
+    /// The state after the step under the control value `control`.
     #[must_use]
     pub fn apply(&self, state: &State, control: f64) -> State {
         self.matrix * state + self.input * control

@@ -5,7 +5,7 @@
 //! u     = K_v·(v_ref − v) + I         I ← I + K_v/T_i·(v_ref − v)·T, held while u is held the same way
 //! ```
 //!
-//! The integral finds hover; v_max bounds the speed of long ways, which one loop cannot.
+//! The integral finds hover; v_max bounds the speed of long moves, which one loop cannot.
 //! Source: Åström & Hägglund, *Advanced PID Control*, "Cascade control".
 
 use crate::Limits;
@@ -16,9 +16,9 @@ use crate::inputs::{Inputs, Source};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Cascade {
-    /// K_x: velocity asked for per millimetre of error, 1/s.
+    /// K_x: commanded velocity per millimetre of error, 1/s.
     pub position_per_s: f64,
-    /// v_max: the fastest velocity asked for, mm/s.
+    /// v_max: the largest commanded velocity, mm/s.
     pub fastest_mm_per_s: f64,
     /// K_v: control value per mm/s.
     pub velocity_s_per_mm: f64,

@@ -1,9 +1,9 @@
-//! Compensation: from the control value to the duty that the fan is asked for, in the order of the signal path.
+//! Compensation: from the control value to the commanded duty, in the order of the signal path.
 //!
 //! ```text
 //! control → predistortion → + excitation → dead zone → hover → dither → duty
 //!
-//! about = curve(control)                     with predistortion the control value is an acceleration, without it percent
+//! about = curve(control)                   with predistortion the control value is an acceleration, without it percent
 //! duty  = hover + upper + about              about > 0
 //! duty  = hover + lower + about              about < 0
 //! duty  = hover                              about = 0
@@ -55,7 +55,7 @@ pub struct Compensator {
 }
 
 impl Compensation {
-    /// The stage that only knows where hover is.
+    /// The stage with hover alone.
     #[must_use]
     pub const fn bare(hover_duty_percent: f64) -> Self {
         Self { hover_duty_percent, predistortion: None, dead_zone: None, dither: None }
@@ -91,7 +91,7 @@ impl Compensation {
 }
 
 impl Compensator {
-    /// The duty for a control value, with `excitation_percent` added behind the predistortion. Random where there is dither.
+    /// The duty for a control value, with `excitation_percent` added after the predistortion. Random with dither.
     pub fn duty(&mut self, control: f64, excitation_percent: f64) -> Duty {
         let about = self.about_hover(control) + excitation_percent;
         let edge = if about > 0.0 {
@@ -129,7 +129,7 @@ impl Compensator {
         }
     }
 
-    /// The control value that would have given `duty`: what an observer is told of a duty that no controller asked for.
+    /// The control value that would have given `duty`: the observer's input for a duty without a controller.
     #[must_use]
     pub fn control(&self, duty: Duty) -> f64 {
         let about = duty.percent() - self.hover_percent;

@@ -50,14 +50,14 @@ impl Kind {
         Self::ALL.into_iter().find(|kind| kind.name() == word)
     }
 
-    /// Whether it looks at nothing but the observer's estimate, which is there without a new reading too.
+    /// Whether it uses only the observer's estimate, which exists without a new reading too.
     #[must_use]
     pub const fn trusts_the_observer(self) -> bool {
         matches!(self, Self::Lqg | Self::Mpc)
     }
 }
 
-/// No feedback: the fan is told the same at all times, besides the feed-forward.
+/// No feedback: a constant control value, besides the feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct OpenLoop {
@@ -65,7 +65,7 @@ pub struct OpenLoop {
     pub control: f64,
 }
 
-/// `[controller]`: what can fly, and what helps it.
+/// `[controller]`: the controllers, and what supports them.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 pub struct Controllers {
@@ -118,7 +118,7 @@ impl Controllers {
         }
     }
 
-    /// The one that flies first. `None`: there is none, or not the one that is asked for.
+    /// The one that flies first. `None`: there is none, or not the named one.
     #[must_use]
     pub fn first(&self) -> Option<Kind> {
         self.active.or_else(|| Kind::ALL.into_iter().find(|kind| self.has(*kind))).filter(|kind| self.has(*kind))

@@ -1,13 +1,14 @@
-//! Feed-forward of setpoint changes: the setpoint becomes a smooth way, and the way the control that flies it.
+//! Feed-forward of setpoint changes: from the setpoint to a smooth trajectory, and to the control value for it.
 //!
 //! ```text
 //! r = setpoint/(1 + s·T)³                     three lags, exact over any step of a constant setpoint
 //! w_r = (r̈ + a·ṙ)/K                           what the fan must give
-//! u_r = w_r + τ·ẇ_r                           what it must be told, with ẇ_r = (r⃛ + a·r̈)/K
+//! u_r = w_r + τ·ẇ_r                           the command for it, with ẇ_r = (r⃛ + a·r̈)/K
 //! ```
 //!
-//! The feedback then has only to mend what the belief got wrong. A PID helps best with the derivative on the error: on the
-//! measurement it brakes the wanted motion too. Source: Åström & Murray, *Feedback Systems*, "State Feedback", feedforward design.
+//! The feedback then has only to correct the errors of the belief. A PID works best with the derivative on the error:
+//! on the measurement it brakes the wanted motion too. Source: Åström & Murray, *Feedback Systems*, "State Feedback",
+//! feedforward design.
 
 use crate::believed::Believed;
 use crate::check::{OutOfRange, within};
@@ -22,7 +23,7 @@ pub struct FeedForward {
     pub time_constant_s: f64,
 }
 
-/// Where the way is. `None` before the first step.
+/// The state of the trajectory. `None` before the first step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Way {
     lags_mm: Option<[f64; 3]>,
@@ -37,11 +38,11 @@ impl FeedForward {
         within("time_constant_s", self.time_constant_s, 0.01, 100.0)
     }
 
-    /// The reference `dt_s` after the last one, on the way to `setpoint_mm`. The way begins at `here_mm`.
+    /// The reference `dt_s` after the last one, on the trajectory to `setpoint_mm`, which begins at `here_mm`.
     pub fn step(&self, way: &mut Way, believed: &Believed, setpoint_mm: f64, here_mm: f64, dt_s: f64) -> Reference {
         let t = self.time_constant_s;
         let mut lags = way.lags_mm.unwrap_or([here_mm; 3]);
-        // Φ of three equal lags: 1, z, z²/2 with z = t/T, times e^−z, for what each still lacks.
+        // Φ of three equal lags: 1, z, z²/2 with z = t/T, times e^−z, for the remaining differences.
         let z = dt_s / t;
         let faded = exp(-z);
         let [first, second, third] = lags.map(|lag| lag - setpoint_mm);

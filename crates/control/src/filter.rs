@@ -11,7 +11,7 @@
 
 use libm::exp;
 
-/// What the filter remembers between samples.
+/// The filter's state between samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DerivativeFilter {
     output: f64,

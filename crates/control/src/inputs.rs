@@ -1,9 +1,9 @@
-//! What a control law sees: where the ball should be, where it is, how much time has passed, what the fan can follow.
+//! The inputs of a control law: reference, position, time since the last step, limits of the fan.
 
 use crate::Limits;
 use crate::observer::Estimate;
 
-/// Where the velocity comes from.
+/// The source of the velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Source {
@@ -14,31 +14,31 @@ pub enum Source {
     Observer,
 }
 
-/// Where the ball should be, how fast it should move there, and what that takes.
+/// The reference: position, velocity, and the control for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reference {
     /// Position, mm.
     pub position_mm: f64,
     /// Velocity, mm/s.
     pub velocity_mm_per_s: f64,
-    /// What the fan must give for it, control value.
+    /// The fan's contribution for it, control value.
     pub fan: f64,
-    /// What the fan must be told for that, control value.
+    /// The command for that, control value.
     pub control: f64,
 }
 
 impl Reference {
-    /// A place to stand still at.
+    /// A constant position.
     #[must_use]
     pub fn at(position_mm: f64) -> Self {
         Self { position_mm, ..Self::default() }
     }
 }
 
-/// Everything that a control law may look at.
+/// All inputs of a control law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
-    /// Where the ball should be.
+    /// The reference.
     pub reference: Reference,
     /// The reading, and the velocity of the derivative filter.
     pub filtered: Estimate,
@@ -73,7 +73,8 @@ pub(crate) mod tests {
     use crate::Limits;
     use crate::observer::Estimate;
 
-    /// A ball at `position_mm` with `velocity_mm_per_s`, asked for `setpoint_mm`, 20 ms after the last step, without limits.
+    /// A ball at `position_mm` with `velocity_mm_per_s` and the setpoint `setpoint_mm`, 20 ms after the last step,
+    /// without limits.
     pub(crate) fn inputs(setpoint_mm: f64, position_mm: f64, velocity_mm_per_s: f64) -> Inputs {
         let seen = Estimate { position_mm, velocity_mm_per_s, ..Estimate::default() };
         let limits = Limits { lower: -1e9, upper: 1e9 };

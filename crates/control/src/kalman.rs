@@ -20,7 +20,7 @@ pub struct Kalman<const N: usize> {
     pub covariance: SMatrix<f64, N, N>,
 }
 
-/// What one reading said beyond what was expected.
+/// The innovation of one reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
     /// ν: reading minus expectation.
@@ -30,8 +30,8 @@ pub struct Innovation {
 }
 
 impl<const N: usize> Kalman<N> {
-    /// Moves to the time of the next reading: `state` is where the model goes, `transition` its
-    /// derivative Φ with respect to the state, `noise` the covariance Q gathered on the way.
+    /// Moves to the time of the next reading: `state` is the model's prediction, `transition` its derivative Φ with
+    /// respect to the state, `noise` the covariance Q of the step.
     pub fn predict(&mut self, state: SVector<f64, N>, transition: &SMatrix<f64, N, N>, noise: &SMatrix<f64, N, N>) {
         self.state = state;
         self.covariance = transition * self.covariance * transition.transpose() + noise;

@@ -1,6 +1,6 @@
-//! Control law of the ball-in-pipe rig, in the order of the signal path:
-//! [`waveform`] → [`feed_forward`] → [`controller`] → [`compensation`] → duty, and position → [`filter`] / [`observer`] →
-//! estimate. [`regulator`] joins what lies between a reading and a control value.
+//! Control law of the ball-in-pipe rig, in the order of the signal path: [`waveform`] → [`feed_forward`] →
+//! [`controller`] → [`compensation`] → duty, and position → [`filter`] / [`observer`] → estimate. [`regulator`] joins
+//! what lies between a reading and a control value.
 //!
 //! `no_std`, no allocation. Nothing here reads a clock, a bus or a file: samples and times come in,
 //! commands go out. Mathematics comes from `libm` only, so that every target computes the same bits.

@@ -1,14 +1,15 @@
-//! Model-predictive control: the best plan over a horizon within the limits of the fan, of which the first move is made.
+//! Model-predictive control: the optimal plan over a horizon within the limits of the fan, of which the first move is
+//! executed.
 //!
 //! ```text
 //! minimise Σ x̃ₖᵀQx̃ₖ + R·δₖ²  over k < N,  + x̃_NᵀPx̃_N        x̃ₖ₊₁ = Φx̃ₖ + Γδₖ      lower ≤ δₖ − d̂ + u_r ≤ upper
 //! x̃ = (x̂ − r, v̂ − ṙ, ŵ + d̂ − w_r)      δ = u + d̂ − u_r        Q = diag(1/x₀², 1/v₀², 0), R = 1/u₀²
 //! ```
 //!
-//! x₀, v₀ and u₀ are deviations that weigh the same; P is the cost of the unlimited optimum from the horizon on, so that plans
-//! which meet no limit are LQR. What hover lacks shifts the target and the limits: no error is left at rest.
-//! The states are eliminated (N unknowns), and a plan that a limit spoils is mended in [`STEPS`] steps of `box_qp.rs`.
-//! Source: Maciejowski, *Predictive Control with Constraints*, chapters 2 and 3.
+//! x₀, v₀ and u₀ are deviations of equal weight; P is the cost of the unlimited optimum from the horizon on, so that
+//! plans which reach no limit are LQR. The error of hover shifts the target and the limits: no error remains at rest.
+//! The states are eliminated (N unknowns), and a plan that violates a limit is corrected in [`STEPS`] steps of
+//! `box_qp.rs`. Source: Maciejowski, *Predictive Control with Constraints*, chapters 2 and 3.
 
 use crate::believed::{Believed, Transition};
 use crate::box_qp::BoxQp;
@@ -19,14 +20,14 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3, vector};
 
 /// N: moves in a plan.
 pub const HORIZON: usize = 16;
-/// Steps of the optimisation: fixed, so that the time of a control step is.
+/// Steps of the optimisation: a fixed number, so that a control step takes a constant time.
 pub const STEPS: u32 = 60;
 
-/// What the plan weighs.
+/// The weights of the plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Mpc {
-    /// Length of one move of the plan, seconds; the plan looks 16 of them ahead.
+    /// Length of one move of the plan, seconds; the plan has 16 of them.
     pub move_s: f64,
     /// x₀: a deviation of the position that weighs 1, mm.
     pub position_mm: f64,
@@ -42,7 +43,7 @@ pub struct Planner {
     programme: BoxQp<HORIZON>,
     /// From the state to the linear part of the programme.
     linear: SMatrix<f64, HORIZON, 3>,
-    /// From the state to the plan that knows no limits.
+    /// From the state to the plan without limits.
     free: SMatrix<f64, HORIZON, 3>,
 }
 
@@ -92,7 +93,7 @@ impl Planner {
         })
     }
 
-    /// One control step. It remembers nothing: the plan is made anew.
+    /// One control step. It has no state: every plan is new.
     #[must_use]
     pub fn step(&self, inputs: &Inputs) -> f64 {
         let (wanted, seen) = (&inputs.reference, &inputs.observed);

@@ -1,17 +1,18 @@
 //! The observer: a Kalman filter of the believed plant along the control value, over irregular samples.
 //!
 //! ```text
-//! predict over t      Φ, Γ of `believed.rs`       Q: v gains q·(1 − e^(−2at))/(2a), x·v q·A₁²/2, x·x q·A₁²·t/3, d q_d·t
-//! update              test ratio ν²/(gate²·S): under 0.5 as expected, to 1.0 worth a look, above 1.0 an outlier, not taken
+//! predict over t      Φ, Γ of `believed.rs`     Q: v gains q·(1 − e^(−2at))/(2a), x·v q·A₁²/2, x·x q·A₁²·t/3, d q_d·t
+//! update              test ratio ν²/(gate²·S): to 0.5 as expected, to 1.0 suspicious, above 1.0 an outlier, not used
 //! steady state        x̂ ← x̂ + L·ν with the L to which K converges at the nominal period
 //! second sensor       another update by the position
 //! tachometer          an update by w, the fan's state, which then wanders: q_w·(1 − e^(−2t/τ))·τ/2
 //! ```
 //!
-//! The steady-state filter costs a tenth and is right while readings come on time; the time-varying one knows how old its
-//! estimate is. Without a reading both only predict. Outliers in a row are no outliers: then the filter starts from the reading.
-//! x·x neglects a quarter of a·t, and the share of the wandering hover in x and v over one step is left out.
-//! Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
+//! The steady-state filter costs a tenth of the time and is right while readings come on time; the time-varying one
+//! uses the age of its estimate. Without a reading both only predict. Several consecutive outliers are not outliers:
+//! the filter then restarts from the reading. x·x neglects a quarter of a·t, and the share of the wandering hover in x
+//! and v over one step is left out. Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of
+//! PX4's estimator.
 
 mod steady;
 
@@ -23,14 +24,14 @@ use libm::{exp, fabs};
 use nalgebra::{RowSVector, SMatrix, matrix, vector};
 use steady::{Steady, Weight};
 
-/// What is measured: the position, and the fan's state where there is a tachometer.
+/// The measured quantities: the position, and the fan's state where there is a tachometer.
 const POSITION: RowSVector<f64, 4> = matrix![1.0, 0.0, 0.0, 0.0];
 const FAN: RowSVector<f64, 4> = matrix![0.0, 0.0, 1.0, 0.0];
-/// The velocity of a ball that was just seen first: 1 sigma, mm/s.
+/// The initial velocity of a ball after its first reading: 1 sigma, mm/s.
 const FIRST_VELOCITY_MM_PER_S: f64 = 300.0;
-/// So many seconds of wandering may lie behind a hover that was never looked at.
+/// The initial variance of hover is that of this many seconds of wandering.
 const FIRST_WANDERING_S: f64 = 100.0;
-/// Readings that are refused in a row before the estimate is.
+/// Consecutive rejected readings after which the estimate is discarded.
 const REFUSALS: u32 = 10;
 /// A steady-state filter takes steps that differ by less than this share of its period for one period.
 const ON_TIME: f64 = 0.1;
@@ -46,7 +47,7 @@ pub enum Gain {
     TimeVarying,
 }
 
-/// What the observer believes. It never changes in flight; see [`Estimator`] for what does.
+/// The observer's belief. It never changes in flight; see [`Estimator`] for the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Observer {
@@ -62,7 +63,7 @@ pub struct Observer {
     /// Standard deviation of one reading of the second sensor, mm. Absent: it is read only while the first is silent.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub second_sensor_mm: Option<f64>,
-    /// What the fan's speed is worth. Absent: it is not used; nor is it without `fan_lag_s`.
+    /// The noise of the fan's speed. Absent: it is not used; nor is it without `fan_lag_s`.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub tachometer: Option<Tachometer>,
     /// How the gain is found.
@@ -72,7 +73,7 @@ pub struct Observer {
     pub believed: Believed,
 }
 
-/// What the fan's speed says of its state.
+/// The relation of the fan's speed to its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Tachometer {
@@ -82,25 +83,25 @@ pub struct Tachometer {
     pub psd_per_s: f64,
 }
 
-/// What is known of the plant's state.
+/// The estimate of the plant's state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// Position, mm.
     pub position_mm: f64,
     /// Velocity, mm/s, upward.
     pub velocity_mm_per_s: f64,
-    /// What the fan gives, control value.
+    /// The fan's contribution, control value.
     pub fan: f64,
-    /// What hover lacks, control value: it acts as if added to the fan's.
+    /// The error of hover, control value: it acts as if added to the fan's.
     pub disturbance: f64,
 }
 
-/// What a reading said.
+/// The innovation of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surprise {
     /// Reading minus expectation, mm.
     pub innovation_mm: f64,
-    /// Its square over that of the gate: up to 0.5 as expected, up to 1.0 worth a look, above refused.
+    /// Its square over that of the gate: to 0.5 as expected, to 1.0 suspicious, above 1.0 rejected.
     pub test_ratio: f64,
 }
 
@@ -140,7 +141,7 @@ impl Observer {
         self.second_sensor_mm.map(|sigma_mm| sigma_mm * sigma_mm)
     }
 
-    /// The tachometer, where the fan is a state that it can say something of.
+    /// The tachometer, if the fan is a state of the model.
     fn measured_fan(&self) -> Option<Tachometer> {
         self.tachometer.filter(|_| self.believed.fan_lag_s.is_some())
     }
@@ -163,7 +164,7 @@ impl Observer {
             0.0, 0.0, 0.0, hover]
     }
 
-    /// What is known after the first reading.
+    /// The state after the first reading.
     fn first(&self, state: State) -> Kalman<4> {
         let hover = self.disturbance_psd_per_s.unwrap_or(0.0) * FIRST_WANDERING_S;
         let velocity = FIRST_VELOCITY_MM_PER_S * FIRST_VELOCITY_MM_PER_S;
@@ -171,11 +172,11 @@ impl Observer {
         Kalman { state, covariance: SMatrix::from_diagonal(&variances) }
     }
 
-    /// L: what the steady-state filter makes of a millimetre of surprise, as position, velocity, fan and disturbance, when
-    /// readings of the first sensor come every `period_s` and nothing else does.
+    /// L: the steady-state filter's corrections of position, velocity, fan and disturbance per millimetre of
+    /// innovation, when only readings of the first sensor come, every `period_s`.
     ///
     /// # Errors
-    /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady gain can be computed.
+    /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady-state gain can be computed.
     pub fn steady_gain(&self, period_s: f64) -> Result<State, DesignError> {
         let alone = Self { second_sensor_mm: None, tachometer: None, ..*self };
         Ok(Steady::of(&alone, period_s, &self.believed.over(period_s))?.first.gain)
@@ -183,10 +184,10 @@ impl Observer {
 }
 
 impl Estimator {
-    /// An observer for readings every `period_s` that has seen nothing yet.
+    /// An observer for readings every `period_s`, before its first reading.
     ///
     /// # Errors
-    /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady gain can be computed.
+    /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady-state gain can be computed.
     pub fn new(set: Observer, period_s: f64) -> Result<Self, DesignError> {
         let transition = set.believed.over(period_s);
         let steady = Steady::of(&set, period_s, &transition)?;
@@ -224,12 +225,13 @@ impl Estimator {
         }
     }
 
-    /// Takes a reading of the position, unless it is an outlier. The first one says nothing but where the ball is.
+    /// Takes a reading of the position, unless it is an outlier. The first one only sets the position.
     pub fn update(&mut self, position_mm: f64) -> Option<Surprise> {
         self.take(position_mm, self.set.reading_variance(), self.steady.first)
     }
 
-    /// The same of the second sensor, after the first one's where both came. Without `second_sensor_mm` as if it were the first.
+    /// The same of the second sensor, after the first one's where both came. Without `second_sensor_mm` as if it were
+    /// the first.
     pub fn update_second(&mut self, position_mm: f64) -> Option<Surprise> {
         match (self.set.second_variance(), self.steady.second) {
             (Some(variance), Some(weight)) => self.take(position_mm, variance, weight),
@@ -237,13 +239,13 @@ impl Estimator {
         }
     }
 
-    /// Whether readings of the second sensor are worth something beside those of the first.
+    /// Whether readings of the second sensor are used in addition to those of the first.
     #[must_use]
     pub const fn knows_second(&self) -> bool {
         self.set.second_sensor_mm.is_some()
     }
 
-    /// Takes what the fan's speed says of its state: the control value at which it would stay.
+    /// Takes the fan's speed as a measurement of its state: the control value at which it would remain.
     pub fn update_fan(&mut self, control: f64) {
         let (Some(tachometer), Some(weight)) = (self.set.measured_fan(), self.steady.fan) else { return };
         match self.set.gain {
@@ -284,12 +286,12 @@ impl Estimator {
         Some(Surprise { innovation_mm, test_ratio })
     }
 
-    /// Forgets where the ball is, but not what hover lacks: the next reading says it.
+    /// Discards the position, but not the error of hover: the next reading sets the position.
     pub const fn lose_sight(&mut self) {
         self.seen = false;
     }
 
-    /// Starts from a reading: the ball is there and at rest, fan and hover are as they were believed.
+    /// Starts from a reading: the ball is there and at rest, fan and hover have their believed values.
     fn start(&mut self, position_mm: f64) {
         let [_, _, fan, disturbance] = self.filter.state.data.0[0];
         self.filter = self.set.first(vector![position_mm, 0.0, fan, disturbance]);

@@ -27,7 +27,7 @@ pub enum DerivativeOn {
     Error,
 }
 
-/// What keeps the integral from running away while the fan cannot follow.
+/// Anti-windup: limits the integral while the fan cannot follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -35,10 +35,10 @@ pub enum DerivativeOn {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum AntiWindup {
-    /// The integral stands still while the error would push it further.
+    /// The integral is held while the error would push it further.
     #[default]
     Clamping,
-    /// The integral follows what the fan was really given.
+    /// The integral follows the fan's real command.
     BackCalculation {
         /// T_t: how fast it follows, seconds; between T_d and T_i.
         tracking_s: f64,
@@ -60,14 +60,14 @@ pub struct Pid {
     /// Which signal is differentiated.
     #[cfg_attr(feature = "serde", serde(default))]
     pub derivative_on: DerivativeOn,
-    /// b: how much of a setpoint's change the proportional part sees, 0 to 1. The derivative's weight is 0 or 1 by
+    /// b: weight of the setpoint in the proportional part, 0 to 1. The derivative's weight is 0 or 1 by
     /// [`Pid::derivative_on`].
     #[cfg_attr(feature = "serde", serde(default = "whole", skip_serializing_if = "is_whole"))]
     pub setpoint_weight: f64,
-    /// The fastest change of the control value, per second. Absent: as fast as it likes.
+    /// The fastest change of the control value, per second. Absent: no limit.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub rate_limit_per_s: Option<f64>,
-    /// What keeps the integral from running away.
+    /// Anti-windup.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "is_default"))]
     pub anti_windup: AntiWindup,
 }
@@ -88,7 +88,7 @@ fn is_default(anti_windup: &AntiWindup) -> bool {
     *anti_windup == AntiWindup::default()
 }
 
-/// What the controller remembers between samples.
+/// The controller's state between samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PidState {
     /// The integral's part of the control value.
@@ -177,8 +177,9 @@ impl Pid {
         Self { kp_per_mm: factor * self.kp_per_mm, ..*self }
     }
 
-    /// Moves `state` from the gains `old` to these gains so that the control value does not jump: the integral takes up
-    /// the difference, and gives it back over T_i. Change gains when the ball is near its setpoint, where there is little.
+    /// Moves `state` from the gains `old` to these gains so that the control value does not jump: the integral takes
+    /// the difference, and returns it over T_i. Change gains when the ball is near its setpoint, where the difference
+    /// is small.
     pub fn take_over(&self, old: &Self, state: &mut PidState) {
         // The filter's output is T_d·d/dt, so that a new T_d scales what it holds.
         let derivative = if old.td_s > 0.0 { state.derivative_mm * self.td_s / old.td_s } else { 0.0 };
@@ -197,7 +198,7 @@ impl PidState {
         Self { integral: control, ..Self::default() }
     }
 
-    /// The same controller after readings were missing: the integral stands, the derivative starts anew.
+    /// The same controller after readings were missing: the integral is kept, the derivative starts anew.
     #[must_use]
     pub fn after_a_hole(self) -> Self {
         Self { last: self.last, ..Self::starting_at(self.integral) }

@@ -1,17 +1,17 @@
 //! Predistortion: the duty for an acceleration, from a measured curve of the fan.
 //!
 //! ```text
-//! points (duty, force) by rising duty → blocks of points whose mean forces rise → (mean force, mean duty) of each block
+//! points (duty, force) by rising duty → blocks with rising mean forces → (mean force, mean duty) of each block
 //! duty(c) = hover + D(c) − D(0)      D: straight lines between the blocks, held beyond the first and the last
 //! ```
 //!
-//! The control value is then an acceleration, nominal mm/s². A measured curve is noisy and not monotone; the blocks are those of
-//! the least-squares fit of a rising curve, and their centres make it strictly rising, so that D has a finite slope everywhere.
-//! The original fitted a polynomial of degree 6, whose slope was too small at small control values: the ball hardly answered there.
-//! [`Curve::small_signal`] looks at just that.
+//! The control value is then an acceleration, nominal mm/s². A measured curve is noisy and not monotone; the blocks are
+//! those of the least-squares fit of a rising curve, and their centres make it strictly rising, so that D has a finite
+//! slope everywhere. The original fitted a polynomial of degree 6, whose slope was too small at small control values:
+//! the ball hardly answered there. [`Curve::small_signal`] looks at just that.
 //!
-//! Source: the thesis, section 3.2 and figure 3.2.3; the fit: Barlow et al., *Statistical Inference under Order Restrictions*,
-//! pool adjacent violators.
+//! Source: the thesis, section 3.2 and figure 3.2.3; the fit: Barlow et al., *Statistical Inference under Order
+//! Restrictions*, pool adjacent violators.
 
 mod original;
 
@@ -52,7 +52,8 @@ struct Block {
 }
 
 impl Predistortion {
-    /// Checks that duties rise, that forces do on the whole, and that the fitted curve follows the measured one near hover.
+    /// Checks that duties rise, that forces do on the whole, and that the fitted curve follows the measured one near
+    /// hover.
     ///
     /// # Errors
     /// [`OutOfRange`] names the first number that does not.
@@ -118,14 +119,15 @@ impl Curve {
         self.at(percent + self.hover, 1, 0)
     }
 
-    /// The smallest and the largest acceleration that the curve knows, mm/s².
+    /// The smallest and the largest acceleration of the curve, mm/s².
     #[must_use]
     pub fn reach(&self) -> (f64, f64) {
         let force = |knot: Option<&[f64; 2]>| knot.map_or(0.0, |knot| knot[0]);
         (force(self.knots.first()), force(self.knots.last()))
     }
 
-    /// Percent of duty for each mm/s² of a small control value: what turns a plant's gain for a duty into one for the control value.
+    /// Percent of duty for each mm/s² of a small control value: what turns a plant's gain for a duty into one for the
+    /// control value.
     #[must_use]
     pub fn percent_per_mm_per_s2(&self) -> f64 {
         let (weakest, strongest) = self.reach();
@@ -133,8 +135,9 @@ impl Curve {
         (self.duty_about_hover(small) - self.duty_about_hover(-small)) / (2.0 * small)
     }
 
-    /// How much of a small control value the measured fan gives behind this curve, below and above hover: the slope, through
-    /// the origin and by least squares, of the measured force over the control value that asks for its duty. 1 is linear.
+    /// How much of a small control value the measured fan gives behind this curve, below and above hover: the slope,
+    /// through the origin and by least squares, of the measured force over the control value that asks for its duty. 1
+    /// is linear.
     #[must_use]
     pub fn small_signal(&self, points: &[[f64; 2]]) -> (f64, f64) {
         let (weakest, strongest) = self.reach();

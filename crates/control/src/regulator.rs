@@ -1,15 +1,16 @@
-//! The regulator: from readings to control values, by whichever controller flies, without a bump where they change.
+//! The regulator: from readings to control values, by the active controller, with bumpless transfer between
+//! controllers.
 //!
 //! ```text
 //! reading → derivative filter ┐
 //!         → observer          ┴→ feed-forward → controller → + handover → control value
 //!
-//! at a change    the new integral is set so that the control value stays; a law without one is shifted by what is left,
+//! at a change    the new integral is set to keep the control value; a law without one is shifted by the difference,
 //!                and the shift fades by e^(−t/1 s)
 //! ```
 //!
-//! Whatever comes in, what goes out is a number within the limits: readings and setpoints that are no place in any pipe
-//! are not looked at. Source: Åström & Hägglund, *Advanced PID Control*, "Mode switches".
+//! For every input, the output is a number within the limits: readings and setpoints that are impossible in any pipe
+//! are ignored. Source: Åström & Hägglund, *Advanced PID Control*, "Mode switches".
 
 mod error;
 mod readings;
@@ -34,7 +35,7 @@ const VELOCITY_N: f64 = 10.0;
 /// How fast the shift of a handover fades, seconds, and below which it is over, control value.
 const HANDOVER_S: f64 = 1.0;
 const HANDED_OVER: f64 = 1e-9;
-/// No pipe is as long, mm; no fan as strong, control value; no step as long, seconds.
+/// Largest length of a pipe, mm; largest control value; longest step, seconds.
 const FARTHEST_MM: f64 = 1e5;
 const STRONGEST: f64 = 1e6;
 const LONGEST_S: f64 = 10.0;
@@ -51,7 +52,7 @@ pub struct Regulator {
     filtered: Option<Estimate>,
     surprise: Option<Surprise>,
     setpoint_mm: Option<f64>,
-    /// What the controllers remember.
+    /// The states of the controllers.
     pid: PidState,
     integral: f64,
     way: Way,
@@ -60,12 +61,12 @@ pub struct Regulator {
     control: f64,
 }
 
-/// How far a change of controllers is.
+/// The state of a change of controllers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Handover {
     /// The next step is the first of the new one.
     Ahead,
-    /// The control value is shifted by so much.
+    /// The shift of the control value.
     Shifted(f64),
 }
 
@@ -73,7 +74,8 @@ impl Regulator {
     /// A regulator before take-off, for readings every `period_s`.
     ///
     /// # Errors
-    /// [`Unready`]: no controller is there to fly first, one of them needs an observer that is not, or numbers lie too far apart.
+    /// [`Unready`]: there is no controller to fly first, one of them needs an observer that is missing, or numbers are
+    /// too far apart.
     pub fn new(set: Controllers, observer: Option<&Observer>, period_s: f64) -> Result<Self, Unready> {
         let kind = set.first().ok_or(Unready::NoController)?;
         if let (None, Some(needed_by)) = (observer, set.needs_observer()) {
@@ -101,7 +103,7 @@ impl Regulator {
         })
     }
 
-    /// The controller that flies.
+    /// The active controller.
     #[must_use]
     pub const fn kind(&self) -> Kind {
         self.kind
@@ -125,13 +127,13 @@ impl Regulator {
         self.estimator.as_ref().and_then(Estimator::estimate)
     }
 
-    /// What the last reading said to the observer. `None` where there was no reading or is no observer.
+    /// The innovation of the last reading. `None` where there was no reading or is no observer.
     #[must_use]
     pub const fn surprise(&self) -> Option<Surprise> {
         self.surprise
     }
 
-    /// Lets another controller fly from the next step on. `false`: there is none of this kind.
+    /// Changes to another controller from the next step on. `false`: there is none of this kind.
     pub fn switch(&mut self, kind: Kind) -> bool {
         if self.set.has(kind) && self.kind != kind {
             self.kind = kind;
@@ -147,14 +149,14 @@ impl Regulator {
         }
     }
 
-    /// Controllers as before the first reading. The observer keeps what it knows of hover.
+    /// Resets the controllers to before the first reading. The observer keeps its estimate of hover.
     pub fn take_off(&mut self) {
         self.pid = PidState::default();
         (self.integral, self.control) = (0.0, 0.0);
         (self.way, self.handover, self.setpoint_mm) = (Way::default(), Handover::Shifted(0.0), None);
     }
 
-    /// The readings had a hole, or the fan was driven by something else: integrals stand, derivatives start anew.
+    /// For a gap in the readings, or a fan driven by something else: integrals are kept, derivatives start anew.
     pub fn lose_sight(&mut self) {
         self.velocity = DerivativeFilter::default();
         self.pid = self.pid.after_a_hole();
@@ -164,20 +166,20 @@ impl Regulator {
         }
     }
 
-    /// The derivatives start anew, after an open-loop stretch during which the ball was seen.
+    /// The derivatives start anew, after a time in open loop with readings.
     pub fn forget_derivatives(&mut self) {
         self.pid = self.pid.after_a_hole();
         self.way = Way::default();
     }
 
-    /// The ball lies somewhere and says nothing of the model: the observer starts from the next reading.
+    /// For a ball at rest on a support, where the model does not apply: the observer starts from the next reading.
     pub const fn rest(&mut self) {
         if let Some(estimator) = &mut self.estimator {
             estimator.lose_sight();
         }
     }
 
-    /// Lets `dt_s` pass, in which `acting` was what the fan was told.
+    /// Lets `dt_s` pass, in which `acting` was the control value.
     pub fn pass(&mut self, acting: f64, dt_s: f64) {
         self.surprise = None;
         if let Some(estimator) = &mut self.estimator {
@@ -211,8 +213,8 @@ impl Regulator {
         }
     }
 
-    /// The shift of the control value. At a change, the new controller is set up so that it gives `kept`, and shifted by what
-    /// that leaves.
+    /// The shift of the control value. At a change, the new controller is set up so that it gives `kept`, and the shift
+    /// is the remaining difference.
     fn hand_over(&mut self, inputs: &Inputs, kept: f64) -> f64 {
         let shift = match self.handover {
             Handover::Ahead => {
@@ -229,7 +231,7 @@ impl Regulator {
         shift
     }
 
-    /// Sets what the controller that flies remembers so that it would give `control`, as far as it can.
+    /// Sets the state of the active controller so that it would give `control`, as far as possible.
     fn align(&mut self, inputs: &Inputs, control: f64) {
         let factor = self.factor(inputs);
         let (wanted_mm, here_mm) = (inputs.reference.position_mm, inputs.filtered.position_mm);
@@ -241,7 +243,7 @@ impl Regulator {
         }
     }
 
-    /// The control value of the controller that flies.
+    /// The control value of the active controller.
     fn law(&mut self, inputs: &Inputs) -> f64 {
         let factor = self.factor(inputs);
         let (wanted_mm, here_mm) = (inputs.reference.position_mm, inputs.filtered.position_mm);
@@ -258,7 +260,7 @@ impl Regulator {
             Kind::Mpc => self.planner.as_ref().map(|planner| planner.step(inputs)),
             Kind::OpenLoop => self.set.open_loop.map(|law| law.control),
         };
-        // The table of the kind that flies is there: `new` and `switch` saw to that.
+        // The table of the active kind exists: `new` and `switch` check it.
         inputs.limits.hold(control.unwrap_or(0.0))
     }
 
@@ -267,7 +269,7 @@ impl Regulator {
     }
 }
 
-/// Whether a position can be looked at.
+/// Whether a position is possible.
 fn is_a_place(position_mm: f64) -> bool {
     fabs(position_mm) <= FARTHEST_MM
 }

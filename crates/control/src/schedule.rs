@@ -4,9 +4,9 @@
 //! gains(h) = factor(h) · gains        straight lines between the rows, held beyond the first and the last
 //! ```
 //!
-//! The fan's force falls with height through leaks and losses, so that the loop's gain does. The integral is kept as its part
-//! of the control value, so that a factor that changes does not move it. Source: Åström & Wittenmark, *Adaptive Control*,
-//! "Gain scheduling".
+//! The fan's force falls with height through leaks and losses, so that the loop's gain does. The integral is kept as
+//! its part of the control value, so that a factor that changes does not move it. Source: Åström & Wittenmark,
+//! *Adaptive Control*, "Gain scheduling".
 
 use crate::check::{OutOfRange, within};
 

@@ -1,8 +1,8 @@
 //! State feedback, with and without an integral, and LQG.
 //!
 //! ```text
-//! u = K_r·r − k₁·y − k₂·(v − ṙ)                       K_r = k₁ unless given: the plant integrates, hover is zero control
-//! added      u = K_r·r + I − k₁·y − k₂·(v − ṙ)        I ← I + K_r/T_i·e·T: removes the undershoot and the error at rest
+//! u = K_r·r − k₁·y − k₂·(v − ṙ)                       K_r = k₁ unless given: the plant integrates, hover is control 0
+//! added      u = K_r·r + I − k₁·y − k₂·(v − ṙ)        I ← I + K_r/T_i·e·T: removes undershoot and error at rest
 //! in place   u =         I − k₁·y − k₂·(v − ṙ)        the same integral in place of K_r·r
 //! LQG        u = k₁·(r − x̂) + k₂·(ṙ − v̂) + k₃·(w_r − ŵ − d̂) − d̂     all from the observer, which also finds hover
 //! ```
@@ -48,7 +48,7 @@ pub enum Integral {
         /// T_i, seconds.
         ti_s: f64,
     },
-    /// It stands in place of K_r·r.
+    /// It replaces K_r·r.
     InPlace {
         /// T_i, seconds.
         ti_s: f64,
@@ -117,7 +117,7 @@ impl StateFeedback {
     }
 }
 
-/// Feedback of everything that the observer knows. LQG when gains and observer are both optimal.
+/// Feedback of the observer's whole estimate. LQG when gains and observer are both optimal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Lqg {
@@ -141,7 +141,7 @@ impl Lqg {
         within("fan", self.fan, 0.0, LARGEST)
     }
 
-    /// One control step. It remembers nothing: the observer does.
+    /// One control step. It has no state: the observer has.
     #[must_use]
     pub fn step(&self, inputs: &Inputs) -> f64 {
         let (wanted, seen) = (&inputs.reference, &inputs.observed);

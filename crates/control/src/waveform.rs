@@ -75,7 +75,7 @@ pub enum Waveform {
 }
 
 impl Waveform {
-    /// Checks that every value lies within `min` to `max` and every time and frequency makes sense.
+    /// Checks that every value is within `min` to `max` and every time and frequency is valid.
     ///
     /// # Errors
     /// [`OutOfRange`] names the first number that does not.

@@ -4,10 +4,11 @@
 //! record → filter → fit → gap → residual → select → answer
 //! ```
 //!
-//! Three functions are the face of this crate: [`check`] says what a recording cannot answer, [`diagnose`] compares a belief with
-//! recordings, [`log_likelihood`] weighs a model by a recording. The answer is a [`Document`], which serialises, and knows its
-//! sentences and its config patch. Beside them, [`identify`] finds plants of two and three poles, and [`measure`] what an experiment
-//! says of a rig without a model. Does no file and no network access, reads no clock, and runs in a browser.
+//! Three functions are the face of this crate: [`check`] says what a recording cannot answer, [`diagnose`] compares a
+//! belief with recordings, [`log_likelihood`] weighs a model by a recording. The answer is a [`Document`], which
+//! serialises, and knows its sentences and its config patch. Beside them, [`identify`] finds plants of two and three
+//! poles, and [`measure`] what an experiment says of a rig without a model. Does no file and no network access, reads
+//! no clock, and runs in a browser.
 //!
 //! # Glossary
 //!

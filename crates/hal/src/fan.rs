@@ -154,7 +154,7 @@ pub fn fan_off<I: I2c>(mut i2c: I) -> Result<(), I::Error> {
     i2c.write(ADDRESS, &[LED0_OFF_H, FULL])
 }
 
-/// [`fan_off`], and the proof that the chip has taken it: for whoever must be sure, whatever state the chip is in.
+/// [`fan_off`], with a check that the chip has accepted it: for callers that must be certain, in any state of the chip.
 ///
 /// # Errors
 /// The bus failed, or the chip does not hold the bit. The fan keeps its last duty.

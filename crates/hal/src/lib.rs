@@ -1,6 +1,6 @@
 //! Chips of the rig: the VL53L0X range sensor and the PCA9685 fan driver, each over its own handle of any
-//! `embedded-hal` 1.0 bus, and register-level emulators of both so that the same drivers run on a desk. Beside the bus: the fan's
-//! tachometer, and the line that tells two range sensors apart.
+//! `embedded-hal` 1.0 bus, and register-level emulators of both so that the same drivers run on a desk. Beside the bus:
+//! the fan's tachometer, and the line that tells two range sensors apart.
 //!
 //! ```text
 //! app → RangeSensor → vl53l0x      → WithStatus → DeadlineI2c → bus   (wire or emulator)

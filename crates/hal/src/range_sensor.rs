@@ -32,7 +32,7 @@ const POLL_ALLOWED_S: f64 = 0.020;
 const POLL_EVERY_S: f64 = 0.001;
 /// How long the chip is held in reset, and how often we look whether it is back. It boots in 1.2 ms (datasheet).
 const RESET_STEP_S: f64 = 0.002;
-/// After that the chip is taken as it is; the driver then says what is wrong with it.
+/// After that the chip is used as it is; the driver then reports its error.
 pub(crate) const RESET_ALLOWED_S: f64 = 0.050;
 /// From here on a "distance" is a code: 8190 and 8191 mean no target, 65535 is a bus that is stuck high.
 const FIRST_CODE_MM: u16 = 8190;
@@ -49,7 +49,7 @@ pub enum Range {
     },
     /// The sensor gave a distance and does not vouch for it.
     Doubtful {
-        /// What it says of it.
+        /// The sensor's status of it.
         status: RangeStatus,
         /// The distance.
         reported_mm: u16,
@@ -76,7 +76,7 @@ pub enum RangeError<E> {
     Bus {
         /// Where the sensor is.
         address: u8,
-        /// What the bus said.
+        /// The error of the bus.
         error: E,
     },
     /// Something else answers at the address of the sensor.

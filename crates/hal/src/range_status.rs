@@ -5,8 +5,9 @@
 //!            status in bits 6 to 3       distance, mm
 //! ```
 //!
-//! The driver crate reads the distance alone, two bytes from 0x1E. [`WithStatus`] makes that a read of twelve bytes from
-//! 0x14, as ST's `VL53L0X_GetRangingMeasurementData` does: one transaction as before, and both are of one measurement.
+//! The driver crate reads the distance alone, two bytes from 0x1E. [`WithStatus`] makes that a read of twelve bytes
+//! from 0x14, as ST's `VL53L0X_GetRangingMeasurementData` does: one transaction as before, and both are of one
+//! measurement.
 //!
 //! Source: ST's API, `VL53L0X_get_pal_range_status` and `VL53L0X_DEVICEERROR_…` in `vl53l0x_device.h`.
 

@@ -5,9 +5,9 @@
 //! first:            0x29 → out of the way                                     → 0x29
 //! ```
 //!
-//! XSHUT low is the second sensor's reset: it loses its address with all else. Register 0x8A holds the address until then, or until
-//! the power fails. The first sensor ends where it was, so that a rig without a second one finds it there.
-//! Source: ST, AN4846 "Using multiple VL53L0X in a single design".
+//! XSHUT low is the second sensor's reset: it loses its address with all else. Register 0x8A holds the address until
+//! then, or until the power fails. The first sensor ends where it was, so that a rig without a second one finds it
+//! there. Source: ST, AN4846 "Using multiple VL53L0X in a single design".
 
 use crate::clock::Clock;
 use crate::range_sensor::{ADDRESS, RESET_ALLOWED_S, reset};
@@ -22,7 +22,7 @@ const SELECT_PAGE_0: [u8; 2] = [0xFF, 0x00];
 const RESET_S: f64 = 0.002;
 const BOOT_S: f64 = 0.005;
 
-/// Why two sensors cannot be told apart.
+/// Why two sensors cannot be given different addresses.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SeparateError<E> {
     /// The line did not move.
@@ -40,12 +40,13 @@ pub enum SeparateError<E> {
         from: u8,
         /// Where it should have gone.
         to: u8,
-        /// What the bus said.
+        /// The error of the bus.
         error: E,
     },
 }
 
-/// Leaves the first sensor at 0x29 and the second, fresh from its reset, at `address`, wherever a killed program left them.
+/// Leaves the first sensor at 0x29 and the second, fresh from its reset, at `address`, wherever a killed program left
+/// them.
 ///
 /// # Errors
 /// [`SeparateError`]: a sensor or the line does not answer.
@@ -61,7 +62,7 @@ pub fn separate<I: I2c>(
     if i2c.write(ADDRESS, &SELECT_PAGE_0).is_err() {
         let _ = relocate(&mut i2c, "first", ASIDE, ADDRESS);
     }
-    // Or in the middle of a reset, in which it would not hear of another address.
+    // Or in the middle of a reset, in which it would not receive another address.
     let reset = reset(&mut i2c, clock, clock.now_s() + RESET_ALLOWED_S);
     reset.map_err(|error| SeparateError::Bus { which: "first", from: ADDRESS, to: ASIDE, error })?;
     relocate(&mut i2c, "first", ADDRESS, ASIDE)?;

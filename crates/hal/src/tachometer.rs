@@ -15,7 +15,7 @@ const MOST_EDGES: u32 = 64;
 
 /// The edges of a line, with the time of each.
 pub trait Edges {
-    /// When the next edge came that nobody has taken yet, seconds on the rig's clock. Never waits.
+    /// The time of the next edge that has not been read yet, seconds on the rig's clock. Never waits.
     fn next_edge_s(&mut self) -> Option<f64>;
 }
 
@@ -76,7 +76,7 @@ mod tests {
         }
     }
 
-    /// What it says when asked every 20 ms, of edges at these times.
+    /// The speed when read every 20 ms, with edges at these times.
     fn said(edges: &[f64], cycles: u32) -> Vec<f64> {
         let mut all: VecDeque<f64> = edges.iter().copied().collect();
         let mut tachometer = Tachometer::new(VecDeque::new(), 2);

@@ -3,13 +3,14 @@
 //! A flight is 60 s: 3000 control periods of 20 ms with RK4 steps of 1 ms, under PD control of the readings, so that
 //! nobody can work the duty out beforehand. All fly by the same equations:
 //!
-//! - the C code (`flight.c`, compiled here by the system's C compiler with `-O3`) draws the same noise from the same generators and
-//!   checks the same ends of the pipe; its readings must agree with the plant's to 1e-9 before anything is timed. It times itself,
-//!   in a process of its own;
-//! - the crate `ode_solvers` takes the same RK4 steps. It knows neither noise nor ends, so it is compared without noise only.
+//! - the C code (`flight.c`, compiled here by the system's C compiler with `-O3`) draws the same noise from the same
+//!   generators and checks the same ends of the pipe; its readings must agree with the plant's to 1e-9 before anything
+//!   is timed. It times itself, in a process of its own;
+//! - the crate `ode_solvers` takes the same RK4 steps. It knows neither noise nor ends, so it is compared without noise
+//!   only.
 //!
-//! Times are taken in turn within one run, and the ratio is the median over the rounds with its 95 % interval. The catalogue's
-//! effects are timed likewise, beside the plant without any.
+//! Times are taken in turn within one run, and the ratio is the median over the rounds with its 95 % interval. The
+//! catalogue's effects are timed likewise, beside the plant without any.
 //!
 //!     cargo bench --package plant                 all of it
 //!     cargo bench --package plant -- 'plant /'    what has this in its name
@@ -176,7 +177,7 @@ fn compile(directory: &Path) -> Fallible<PathBuf> {
     }
 }
 
-/// What `flight.c` says when it flies `model`.
+/// The output of `flight.c` when it flies `model`.
 fn c_says(program: &Path, word: &str, flights: u32, model: &Model) -> Fallible<String> {
     let noise = model.noise;
     let numbers = [
@@ -217,7 +218,7 @@ fn say(what: &str, apart: f64) -> Fallible<()> {
     if apart <= AGREEMENT { Ok(()) } else { Err(format!("{what}: more than {AGREEMENT:e}").into()) }
 }
 
-/// Times both in turn and says the medians and their ratio, unless another comparison was asked for.
+/// Times both in turn and prints the medians and their ratio, unless another comparison was requested.
 fn report(what: &str, first: impl Fn() -> Fallible<f64>, second: impl Fn() -> Fallible<f64>) -> Fallible<()> {
     let asked_for = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
     if asked_for.is_some_and(|part| !what.contains(&part)) {

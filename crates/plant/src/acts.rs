@@ -1,17 +1,18 @@
-//! What an effect may do to the signal path: one function a place, in the order of the path, as constants of the effect's type.
+//! What an effect may do to the signal path: one function per place, in the order of the path, as constants of the
+//! effect's type.
 //!
 //! ```text
 //! duty → delays_duty → on_duty → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
-//!      → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds → holds → reading
+//!   → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds → holds → reading
 //! ```
 //!
-//! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion follow from it.
-//! Places with one owner at most are slots: two effects that fill the same one exclude each other.
+//! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion
+//! follow from it. Places with one owner at most are slots: two effects that fill the same one exclude each other.
 
 use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction};
 use control::design::Linear;
 
-/// What a record and its model let expect of the readings: what an effect may be asked whether it can show in them.
+/// What a record and its model let expect of the readings: the input of the check whether an effect can show in them.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings {
     /// Standard deviation of one reading as it is believed, mm.
@@ -33,7 +34,8 @@ pub struct Ball {
 
 /// The fan's acceleration from a constant command, from what it was, and from the seconds since; see [`Acts::follows`].
 pub type Follows<E> = fn(&E, f64, f64, f64) -> f64;
-/// The sensed position from what it was, from the path of the ball since, and from the seconds since; see [`Acts::senses`].
+/// The sensed position from what it was, from the path of the ball since, and from the seconds since; see
+/// [`Acts::senses`].
 pub type Senses<E> = fn(&E, f64, [f64; 3], f64) -> f64;
 
 /// What an effect of type `E` does at each place of the signal path; `None`: nothing.
@@ -45,7 +47,7 @@ pub struct Acts<E: 'static> {
     pub on_duty: Option<fn(&E, f64) -> f64>,
     /// How far hover has moved at a time in seconds, percent.
     pub shifts_hover: Option<fn(&E, f64) -> f64>,
-    /// Slot. Where a play stands that stood there, once the duty has gone to where it is; all in percent about hover.
+    /// Slot. The new state of a play, from its old state (first) and the duty (second), all in percent about hover.
     pub plays: Option<fn(&E, f64, f64) -> f64>,
     /// The effective duty of one, both in percent about hover.
     pub on_command: Option<fn(&E, f64) -> f64>,
@@ -55,7 +57,8 @@ pub struct Acts<E: 'static> {
     pub gain_by_time: Option<fn(&E, f64) -> f64>,
     /// The acceleration that the fan gives of a commanded one, both in mm/s² about hover.
     pub limits: Option<fn(&E, f64) -> f64>,
-    /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command (first).
+    /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command
+    /// (first).
     pub follows: Option<Follows<E>>,
     /// The acceleration that it adds to the ball, mm/s².
     pub force: Option<fn(&E, &Ball) -> f64>,
@@ -65,7 +68,8 @@ pub struct Acts<E: 'static> {
     pub friction: Option<fn(&E) -> WallFriction>,
     /// Slot. The ends of the ball's way.
     pub ends: Option<fn(&E) -> EndStop>,
-    /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle and end (second).
+    /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle
+    /// and end (second).
     pub senses: Option<Senses<E>>,
     /// How old a reading is, seconds.
     pub delays_reading: Option<fn(&E) -> f64>,
@@ -79,9 +83,10 @@ pub struct Acts<E: 'static> {
     pub holds: Option<fn(&E) -> StaleSamples>,
     /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
     pub is_linear: bool,
-    /// How late it makes things, seconds: of lags and delays.
+    /// Its lag or delay, seconds.
     pub late_s: Option<fn(&E) -> f64>,
-    /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a design.
+    /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a
+    /// design.
     pub linearise: Option<fn(&E, &mut Linear)>,
     /// Whether such values can show in readings as the effect's own; `None`: any can.
     pub can_show: Option<fn(&E, &Readings) -> bool>,
@@ -140,7 +145,7 @@ impl<E> Acts<E> {
         }
     }
 
-    /// One bit a slot that it fills.
+    /// One bit for each slot that it fills.
     const fn slots(&self) -> u16 {
         (self.plays.is_some() as u16)
             | (self.follows.is_some() as u16) << 1
@@ -159,10 +164,10 @@ impl<E> Acts<E> {
     }
 }
 
-/// What of the readings an effect changes.
+/// What an effect changes of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Changes {
-    /// Their expectation: the ball goes another way.
+    /// Their expectation: the ball takes another path.
     Path,
     /// Their variance.
     Scatter,
@@ -170,12 +175,12 @@ pub enum Changes {
     Density,
 }
 
-/// How an effect makes things late.
+/// The kind of delay of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Late {
-    /// Unchanged.
+    /// A dead time: the signal is unchanged.
     DeadTime,
-    /// As a lag, which smooths what it delays.
+    /// A lag, which smooths the signal that it delays.
     Lag,
 }
 
@@ -184,7 +189,7 @@ pub enum Late {
 pub struct Summary {
     /// What of the readings it changes.
     pub changes: Changes,
-    /// How it makes things late, if it does.
+    /// The kind of delay, if any.
     pub late: Option<Late>,
     /// Whether it moves the speed of the rotor.
     pub reaches_rotor: bool,

@@ -11,14 +11,14 @@
 use crate::model::Model;
 use std::collections::VecDeque;
 
-/// What the actuator remembers. What is set is the [`Model`], which every call takes.
+/// The state of the actuator. Its parameters are in the [`Model`], which every call takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
-    /// When a duty that is on its way begins to act, and the duty.
+    /// Duties within the dead time: when each begins to act, and the duty.
     on_their_way: VecDeque<(f64, f64)>,
     /// The duty in force, percent.
     duty_percent: f64,
-    /// Where the play stands, percent about hover.
+    /// The state of the play, percent about hover.
     play_percent: f64,
 }
 
@@ -65,7 +65,7 @@ impl Actuator {
         model.effects.command_drifts()
     }
 
-    /// Puts a duty in force; the play first goes where the old one has drifted until then.
+    /// Puts a duty in force; first the play follows the drift of the old one until then.
     #[inline]
     fn take(&mut self, model: &Model, time_s: f64, duty_percent: f64) {
         self.drift_to(model, time_s);
@@ -73,7 +73,7 @@ impl Actuator {
         self.follow(model, time_s);
     }
 
-    /// The play moves between duties where the hover drifts; else it stands where the last duty has put it.
+    /// The play moves between duties if the hover drifts; otherwise it keeps its value after the last duty.
     #[inline]
     fn drift_to(&mut self, model: &Model, time_s: f64) {
         if model.effects.hover_shifts() {

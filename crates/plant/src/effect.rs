@@ -1,5 +1,5 @@
-//! What an effect is: one small module with its equation, its parameters and what it does to the signal path, and an [`Entry`] that
-//! the config file, the simulator, the diagnosis and the report all read.
+//! What an effect is: one small module with its equation, its parameters and what it does to the signal path, and an
+//! [`Entry`] that the config file, the simulator, the diagnosis and the report all read.
 
 use crate::acts::{Acts, Summary};
 use crate::model::Model;
@@ -66,11 +66,11 @@ pub enum Neutral {
 pub enum Scale {
     /// The value itself, but no less than a tenth of the first of the entry's sizes.
     Value,
-    /// This many mm, whatever the value: of a height, whose value says nothing of how finely it is known.
+    /// This many mm at every value: for a height, whose value does not determine its resolution.
     Height(f64),
 }
 
-/// What an effect is easily taken for.
+/// An effect that is similar to another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Neighbour {
     /// The other effect's name.
@@ -79,7 +79,7 @@ pub struct Neighbour {
     pub told_by: &'static str,
 }
 
-/// Where a search for an effect starts.
+/// The initial values of the search for an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
     /// At the entry's sizes.
@@ -88,43 +88,44 @@ pub enum Start {
     Values(&'static [&'static [f64]]),
     /// At these values of its one parameter by the length of the record in seconds: for a drift.
     OverRecord(&'static [f64]),
-    /// At the entry's sizes, and where the believed gain would balance the slope of duty over height; hover moves so that the ball
-    /// stays balanced at its mean height.
+    /// At the entry's sizes, and at the value where the believed gain would balance the slope of duty over height;
+    /// hover moves so that the ball remains balanced at its mean height.
     DutyOverHeight,
-    /// At shares of the range of commanded acceleration: limits that the record never reaches have no slope to climb.
+    /// At shares of the range of commanded acceleration: limits that the record never reaches have no gradient.
     CommandedRange,
-    /// At the heights beyond which hardly any reading lies.
+    /// At the heights beyond which there are hardly any readings.
     HeightsSeen,
-    /// At the steps of duty that score highest: the likelihood has a narrow valley for each.
+    /// At the steps of duty with the highest score: the likelihood has a narrow maximum for each.
     DutySteps,
-    /// At the step of the grid on which the readings lie; the readings show it, and no fit moves it.
+    /// At the step of the grid of the readings; it is measured from the readings, and no fit changes it.
     ReadingStep,
-    /// At the time for which readings repeat; the readings show it, and no fit moves it.
+    /// At the time for which readings repeat; it is measured from the readings, and no fit changes it.
     ReadingHold,
 }
 
 impl Start {
-    /// Whether the value is read off the readings, so that no fit moves it.
+    /// Whether the value is measured from the readings, so that no fit changes it.
     #[must_use]
     pub const fn is_read_off(self) -> bool {
         matches!(self, Self::ReadingStep | Self::ReadingHold)
     }
 
-    /// Whether the record suggests the values, so that others would be no nearer to it.
+    /// Whether the initial values come from the record, so that others would not be nearer to the optimum.
     #[must_use]
     pub const fn is_of_the_record(self) -> bool {
         matches!(self, Self::CommandedRange | Self::HeightsSeen | Self::DutySteps) || self.is_read_off()
     }
 }
 
-/// How near the equation of the catalogue comes to what rigs do: by it the intervals of the parameters are widened.
+/// The accuracy of the catalogue's equation for real rigs: it determines how much the intervals of the parameters are
+/// widened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// As near as most.
+    /// As accurate as most.
     Usual,
-    /// A shape that no rig has exactly: a curve cut after its first terms, one play for a spread of them, a lag of first order.
+    /// A shape that no rig has exactly: a truncated series, one play for a distribution of them, a lag of first order.
     Approximate,
-    /// Impacts, after which a filter takes for normal what is not.
+    /// Impacts, after which the errors of a filter are not normally distributed.
     Impacts,
 }
 
@@ -148,40 +149,40 @@ pub struct Entry {
     pub stage: Stage,
     /// The article before its name in a sentence, with a space; empty where it is spoken of without one.
     pub article: &'static str,
-    /// Its numbers, as far as a log can tell them.
+    /// Its parameters, as far as they are identifiable from a log.
     pub params: &'static [Param],
     /// Sizes that a rig may show, as values of its parameters. The first is the scale of a fit.
     pub sizes: &'static [&'static [f64]],
-    /// Where a search for it starts.
+    /// The initial values of a search for it.
     pub start: Start,
-    /// How near its equation comes to what rigs do.
+    /// The accuracy of its equation for real rigs.
     pub form: Form,
     /// Effects that look the same in duty and position whatever is flown, or nearly so.
     pub twins: &'static [&'static str],
-    /// Why: what both do to the readings.
+    /// The reason: what both do to the readings.
     pub twin_because: &'static str,
     /// The simpler effect that it is a generalisation of.
     pub contains: Option<&'static str>,
     /// Two of its parameters of which the difference is known far better than each.
     pub difference: Option<Difference>,
-    /// Its place among the effects that stand for all others where an experiment is chosen: between them they ask for small force, large
-    /// force, speed and height.
+    /// Its place among the effects that represent all others in the choice of an experiment: together they need small
+    /// force, large force, speed and height.
     pub represents_its_stage: Option<u8>,
-    /// The values that its page of the gallery shows, where the last of its sizes is too small for that flight or out of the ball's
-    /// reach.
+    /// The values on its page of the gallery, where the last of its sizes is too small for that flight or out of the
+    /// ball's reach.
     pub shown_at: Option<&'static [f64]>,
     /// How a log shows it.
     pub in_a_log: &'static str,
-    /// How to mend it on a rig.
+    /// How to correct it on a rig.
     pub mend: &'static str,
-    /// Its nearest neighbours, the nearest first.
+    /// Similar effects, the most similar first.
     pub told_from: &'static [Neighbour],
     /// What it does to the signal path; the catalogue fills it in from [`Effect::ACTS`].
     pub acts: Summary,
 }
 
 impl Entry {
-    /// An entry that says nothing of itself: what a new effect leaves open is as here.
+    /// An entry with defaults: the values for a new effect that does not set them.
     pub const PLAIN: Self = Self {
         name: "",
         stage: Stage::Air,
@@ -202,7 +203,7 @@ impl Entry {
         acts: Summary::NONE,
     };
 
-    /// The same entry of an effect that acts so.
+    /// The same entry with these actions.
     pub(crate) const fn acting(self, acts: Summary) -> Self {
         Self { acts, ..self }
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! gain, drag, height_dependent_flow.gradient, fan_lag (or the mean of spin_asymmetry's two), sensor_lag
-//! delay = transport_delay + sensor_delay + stale_samples.hold/2        a held reading is half of its hold old on average
+//! delay = transport_delay + sensor_delay + stale_samples.hold/2      a held reading is half of its hold old on average
 //! ```
 //!
 //! Every other effect bends, sticks, drifts or scatters, and is left out.

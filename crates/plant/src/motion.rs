@@ -93,8 +93,8 @@ impl Motion {
         self.advance(&Flow { model, commanded }, Ends::NONE, dt_s)
     }
 
-    /// The same step where the pipe has no ends and friction is the constant acceleration `friction_mm_per_s2`: for those who
-    /// know the velocity only roughly, and so the mean of what friction does.
+    /// The same step where the pipe has no ends and friction is the constant acceleration `friction_mm_per_s2`: for
+    /// those who know the velocity only roughly, and so the mean of what friction does.
     #[must_use]
     pub fn slide(&self, model: &Model, commanded: f64, friction_mm_per_s2: f64, dt_s: f64) -> Self {
         Flow { model, commanded }.free(self, friction_mm_per_s2, dt_s)

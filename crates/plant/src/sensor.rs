@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 const NOISE_STREAM: u64 = 1;
 const OUTLIER_STREAM: u64 = 3;
 
-/// What a sensor remembers. What is set is the [`Model`], which every call takes.
+/// The state of the sensor. Its parameters are in the [`Model`], which every call takes.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensor {
     /// Time and position behind the lag, as far back as a reading may reach.

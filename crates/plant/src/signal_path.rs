@@ -1,4 +1,4 @@
-//! The effects that are on, put together place by place along the signal path. Nothing here knows a single effect.
+//! The effects that are on, combined place by place along the signal path. Nothing here depends on a single effect.
 
 use crate::acts::{Acts, Ball, Readings};
 use crate::effect::{Effect, Stage};
@@ -135,7 +135,8 @@ const fn name<E: Effect>(_: &E) -> &'static str {
 
 /// Air and ball.
 impl Effects {
-    /// The acceleration, mm/s², of a ball that is `acceleration` without these effects: what acts on the ball, then the air.
+    /// The acceleration, mm/s², of a ball that is `acceleration` without these effects: what acts on the ball, then the
+    /// air.
     #[inline(always)]
     pub(crate) fn accelerated(&self, acceleration: f64, ball: &Ball) -> f64 {
         let sum = fold!(self, force, acceleration, |sum, act, effect| {

@@ -42,7 +42,7 @@ pub(crate) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, Row
     samples.collect()
 }
 
-/// A column of the table, and how its numbers become ours.
+/// A column of the table, and the conversion of its numbers to our units.
 struct Found<'a> {
     index: usize,
     name: &'a str,
@@ -63,7 +63,7 @@ impl<'a> Found<'a> {
         Self::look_up(table, &column.column)?.map(|index| Self::at(index, column)).ok_or_else(missing)
     }
 
-    /// What `[import]` maps must be there; what it does not is taken if a column of its own name is there.
+    /// A column that `[import]` maps must exist; another one is used if a column of its own name exists.
     fn optional(
         table: &Table<'_>,
         quantity: &'static str,
@@ -134,7 +134,8 @@ impl<'a> Found<'a> {
     }
 }
 
-/// The trapezoid over time, 0 at the first value. Without a value there is no integral; the next spans the hole.
+/// The integral by trapezoids over time, 0 at the first value. A missing value has no integral; the next step spans the
+/// gap.
 fn integral(values: &[Option<f64>], time_s: &[f64]) -> Vec<Option<f64>> {
     let mut sum = 0.0;
     let mut last: Option<(f64, f64)> = None;

@@ -1,17 +1,17 @@
-//! What can go wrong with a table, each with the file, the line and the next thing to do.
+//! Errors of a table, each with the file, the line and the next step.
 
 use diagnose::RecordingError;
 
-/// Why a CSV is no recording. Lines count from 1, the header included.
+/// Why a CSV is not a recording. Lines count from 1, the header included.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RowsError {
-    /// Nothing in the file.
+    /// The file is empty.
     #[error("{name} is empty; record a flight with `airball simulate` or `airball run`")]
     Empty {
         /// The file.
         name: String,
     },
-    /// The rows are no recording.
+    /// The rows do not make a recording.
     #[error("{name}: {source}")]
     NotARecording {
         /// The file.
@@ -25,7 +25,7 @@ pub enum RowsError {
         /// The file.
         name: String,
     },
-    /// A column is not there.
+    /// A column is missing.
     #[error(
         "{name}, line {line}: no column `{column}` for {quantity}, found {found}; rename the column, or map another in the config: [import] {quantity} = {{ column = \"…\", scale = 1.0, offset = 0.0 }}"
     )]
@@ -34,14 +34,14 @@ pub enum RowsError {
         name: String,
         /// Line of the header.
         line: usize,
-        /// The column that was looked for.
+        /// The missing column.
         column: String,
-        /// What it would have been.
+        /// The quantity of that column.
         quantity: &'static str,
-        /// The columns that are there.
+        /// The existing columns.
         found: String,
     },
-    /// A column is there twice.
+    /// Several columns have the same name.
     #[error("{name}, line {line}: {times} columns are called `{column}`; rename all but one")]
     RepeatedColumn {
         /// The file.
@@ -50,7 +50,7 @@ pub enum RowsError {
         line: usize,
         /// Its name.
         column: String,
-        /// How often it is there.
+        /// Number of columns with it.
         times: usize,
     },
     /// Not text.
@@ -60,17 +60,17 @@ pub enum RowsError {
     NotUtf8 {
         /// The file.
         name: String,
-        /// Where.
+        /// The line.
         line: usize,
-        /// Where, counted from 0.
+        /// Offset in bytes, counted from 0.
         byte: usize,
     },
-    /// Text that is no table.
+    /// Text that is not a table.
     #[error("{name} is no table: {cause}; save it as CSV with one header line")]
     NotATable {
         /// The file.
         name: String,
-        /// What the parser said.
+        /// The parser's message.
         cause: String,
     },
     /// A row with too few or too many cells.
@@ -78,7 +78,7 @@ pub enum RowsError {
     Ragged {
         /// The file.
         name: String,
-        /// Where.
+        /// The line.
         line: usize,
         /// Cells in the header.
         expected: usize,
@@ -90,39 +90,39 @@ pub enum RowsError {
     Cell {
         /// The file.
         name: String,
-        /// Where.
+        /// The line.
         line: usize,
-        /// Which column of the file.
+        /// The column of the file.
         column: String,
         /// What is wrong.
         problem: CellProblem,
     },
-    /// Time went backwards.
+    /// Time decreased.
     #[error(
         "{name}, line {line}: time goes backwards, from {from_s} s in line {from_line} to {to_s} s; sort the rows, or cut the file there"
     )]
     TimeBackwards {
         /// The file.
         name: String,
-        /// The offending line.
+        /// The wrong line.
         line: usize,
         /// The row before it.
         from_line: usize,
         /// Its time, seconds.
         from_s: f64,
-        /// Time of the offending line, seconds.
+        /// Time of the wrong line, seconds.
         to_s: f64,
     },
-    /// The table `[import]` of the config makes no sense.
+    /// The table `[import]` of the config is invalid.
     #[error("[import] {quantity}: {key} = {value}; {hint}")]
     Import {
-        /// Which quantity.
+        /// The quantity.
         quantity: &'static str,
-        /// Which key.
+        /// The key.
         key: &'static str,
         /// Its value.
         value: String,
-        /// What it should be.
+        /// The expected value.
         hint: &'static str,
     },
 }
@@ -130,18 +130,18 @@ pub enum RowsError {
 /// What is wrong with a cell.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CellProblem {
-    /// Nothing in it.
+    /// It is empty.
     #[error(
         "the cell is empty; only position, setpoint, control and the optional sensors may be missing: fill it or remove the row"
     )]
     Empty,
-    /// No number.
+    /// It is not a number.
     #[error("`{0}` is no number; write it with a decimal point and without a unit")]
     NotANumber(String),
     /// NaN, an infinity, or a number that scale and offset take out of range.
     #[error("`{0}` is not finite; leave the cell empty where there was no reading, or remove the row")]
     NotFinite(String),
-    /// No yes or no.
+    /// It is not a truth value.
     #[error("`{0}` is neither 0, 1, true nor false")]
     NotAFlag(String),
 }

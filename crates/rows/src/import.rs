@@ -1,17 +1,17 @@
-//! The table `[import]` of the config: which columns of another rig's CSV are ours, and in what units.
+//! The table `[import]` of the config: the columns of another rig's CSV, and their units.
 //!
 //! ```text
 //! quantity = value·scale + offset
 //! quantity = scale·∫ value dt + offset      with integrate = true, for a column that holds a speed
 //! ```
 //!
-//! The integral is the trapezoid over the file's own time, from 0 at the first reading; `offset` is then where
-//! the ball started. A constant error of the speed is not removed.
+//! The integral is by trapezoids over the file's own time, from 0 at the first reading; `offset` is then the initial
+//! position of the ball. A constant error of the speed is not removed.
 
 use crate::error::RowsError;
 use serde::{Deserialize, Serialize};
 
-/// Where each quantity of a foreign CSV comes from. What is absent is read from the column of its own name.
+/// The source of each quantity of a foreign CSV. An absent quantity is read from the column of its own name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Import {
@@ -35,7 +35,7 @@ pub struct Import {
     pub position2_mm: Option<Column>,
 }
 
-/// A column and how its numbers become ours.
+/// A column and the conversion of its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Column {
@@ -53,7 +53,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column whose numbers are ours already.
+    /// A column whose numbers are already in our unit.
     #[must_use]
     pub fn named(name: &str) -> Self {
         Self { column: name.into(), scale: one(), offset: 0.0, integrate: false }
@@ -74,11 +74,11 @@ impl Default for Import {
 }
 
 impl Import {
-    /// Checks what types cannot: scales that are numbers other than zero, offsets that are numbers, an integral only
-    /// where a speed makes sense.
+    /// Checks the values: scales must be numbers other than zero, offsets must be numbers, and an integral is allowed
+    /// only for a quantity whose derivative is a speed.
     ///
     /// # Errors
-    /// [`RowsError::Import`] names the first quantity and key that make no sense.
+    /// [`RowsError::Import`] names the first wrong quantity and key.
     pub fn check(&self) -> Result<(), RowsError> {
         let columns = [
             ("time_s", Some(&self.time_s)),

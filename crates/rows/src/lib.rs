@@ -1,10 +1,10 @@
-//! A CSV of any rig in, the rows of a recording out.
+//! From a CSV of any rig to the rows of a recording.
 //!
 //! ```text
-//! bytes → table (cells that know their line) → columns (mapped by `[import]`, in our units) → samples → recording
+//! bytes → table (cells with their line) → columns (mapped by `[import]`, in our units) → samples → recording
 //! ```
 //!
-//! Does no file and no network access: whoever calls gives the bytes, and a name of them for messages.
+//! No file and no network access: the caller passes the bytes, and their name for messages.
 
 mod columns;
 mod error;
@@ -20,10 +20,10 @@ pub use import::{Column, Import};
 use diagnose::{Recording, Sample};
 use table::Table;
 
-/// Reads the rows of a CSV. `name` is the file's name in messages; `import` says which columns are ours.
+/// Reads the rows of a CSV. `name` is the file's name in messages; `import` maps the columns.
 ///
 /// # Errors
-/// [`RowsError`] names the file, the line, what is there and what to do.
+/// [`RowsError`] names the file, the line, what is there and the next step.
 pub fn samples(name: &str, bytes: &[u8], import: &Import) -> Result<Vec<Sample>, RowsError> {
     columns::map(&Table::parse(name, bytes)?, import)
 }
@@ -31,7 +31,7 @@ pub fn samples(name: &str, bytes: &[u8], import: &Import) -> Result<Vec<Sample>,
 /// Reads a CSV as a recording.
 ///
 /// # Errors
-/// As [`samples`], and rows that are no recording.
+/// As [`samples`], and rows that do not make a recording.
 pub fn recording(name: &str, bytes: &[u8], import: &Import) -> Result<Recording, RowsError> {
     let samples = samples(name, bytes, import)?;
     Recording::new(samples).map_err(|source| RowsError::NotARecording { name: name.into(), source })

@@ -1,6 +1,7 @@
-//! A CSV file as rows of cells that remember their line.
+//! A CSV file as rows of cells with their line.
 //!
-//! Comma, semicolon or tab, whichever the header has most of; a byte order mark, CRLF and empty lines are no trouble.
+//! The separator is a comma, semicolon or tab, whichever the header has most of; a byte order mark, CRLF and empty
+//! lines are accepted.
 
 use crate::error::RowsError;
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -14,7 +15,7 @@ pub(crate) struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// Takes the bytes apart; `name` is only the file's in messages.
+    /// Parses the bytes; `name` is the file's name in messages.
     pub(crate) fn parse(name: &str, bytes: &'a [u8]) -> Result<Self, RowsError> {
         let name = name.to_owned();
         let text = match std::str::from_utf8(bytes) {
@@ -47,7 +48,7 @@ impl<'a> Table<'a> {
         Ok(table)
     }
 
-    /// How many rows of data there are.
+    /// Number of rows of data.
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }

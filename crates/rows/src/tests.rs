@@ -1,4 +1,4 @@
-//! Tables: ours, other people's, and broken ones.
+//! Tables: ours, foreign ones, and invalid ones.
 
 use crate::{Column, Import, RowsError, recording};
 use diagnose::Recording;
@@ -12,7 +12,7 @@ fn complaint(text: &str) -> String {
     parse(text).unwrap_err().to_string()
 }
 
-/// A good table of 40 rows in our columns.
+/// A valid table of 40 rows in our columns.
 fn table() -> Vec<String> {
     let rows = (0..40).map(|k| format!("{:.2},300,0.5,21.5,{}", 0.02 * f64::from(k), 200 + k));
     [String::from("time_s,setpoint_mm,control_percent,duty_percent,position_mm")].into_iter().chain(rows).collect()

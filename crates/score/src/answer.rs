@@ -1,29 +1,29 @@
-//! A diagnosis as its document (`airball.diagnosis/1`) says it: the part that can be scored.
+//! The scored part of a diagnosis, from its document (`airball.diagnosis/1`).
 
 use diagnose::Verdict;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// What was answered about a case.
+/// The answer for a case.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Answer {
     /// The verdict.
     #[serde(with = "Word")]
     pub verdict: Verdict,
-    /// The effects that were named, most important first.
+    /// The selected effects, most important first.
     pub effects: Vec<NamedEffect>,
     /// Gain, drag and hover.
     #[serde(default)]
     pub parameters: BTreeMap<String, Interval>,
-    /// How far the gap is closed.
+    /// The share of the gap that is closed.
     #[serde(default)]
     pub gap: AnsweredGap,
-    /// Where the gap is.
+    /// The place of the gap.
     #[serde(default)]
     pub r#where: AnsweredPlace,
 }
 
-/// An effect that was named.
+/// A selected effect.
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct NamedEffect {
     /// Its name.
@@ -31,9 +31,9 @@ pub struct NamedEffect {
     /// `added`, `retuned` or `removed`.
     #[serde(default)]
     pub change: String,
-    /// The chance that it, or one of those below, acts.
+    /// The probability that it, or one of those below, is present.
     pub probability: f64,
-    /// Effects that it cannot be told from.
+    /// Effects from which it is not distinguishable.
     #[serde(default)]
     pub indistinguishable_from: Vec<String>,
     /// Its values.
@@ -54,7 +54,7 @@ pub struct Interval {
     pub high: Option<f64>,
 }
 
-/// What an answer says of the gap.
+/// The gap in an answer.
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct AnsweredGap {
     /// The share that is closed at 1 s.
@@ -62,7 +62,7 @@ pub struct AnsweredGap {
     pub closed: Option<Interval>,
 }
 
-/// What an answer says of the place.
+/// The place in an answer.
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct AnsweredPlace {
     /// Stages with their shares.
@@ -79,7 +79,7 @@ pub struct AnsweredStage {
     pub share: f64,
 }
 
-/// How a verdict is read: a new one does not compile before it is read here too.
+/// The names of the verdicts: a new verdict does not compile until it is added here.
 #[derive(Deserialize)]
 #[serde(remote = "Verdict", rename_all = "snake_case")]
 enum Word {

@@ -1,24 +1,24 @@
-//! Whether probabilities mean what they say.
+//! Calibration of the probabilities.
 //!
 //! ```text
-//! Brier score = mean of (probability − 1 where the entry names an effect that acts, 0 where not)²
+//! Brier score = mean of (probability − 1 where the entry names a true effect, 0 where not)²
 //! ```
 //!
-//! Every entry of every answer counts, on rigs without an effect and outside the catalogue too.
+//! Every entry of every answer counts, also on rigs without an effect and outside the catalogue.
 
 use crate::Case;
 use crate::names::names;
 use serde::Serialize;
 
-/// Bins of equal width.
+/// Number of bins of equal width.
 const BINS: usize = 5;
 
-/// How well the probabilities are calibrated.
+/// The calibration of the probabilities.
 #[derive(Clone, Debug, Serialize)]
 pub struct Calibration {
     /// Entries that were scored.
     pub entries: usize,
-    /// Brier score: 0 is perfect, 0.25 is what "50 %" always gets.
+    /// Brier score: 0 is perfect, 0.25 results from a constant probability of 50 %.
     pub brier: Option<f64>,
     /// Probabilities in bins of equal width.
     pub bins: Vec<Bin>,
@@ -29,13 +29,13 @@ pub struct Calibration {
 pub struct Bin {
     /// Lower end.
     pub from: f64,
-    /// Upper end; of the last bin it belongs to it.
+    /// Upper end; it is included in the last bin only.
     pub to: f64,
     /// Entries in it.
     pub entries: usize,
     /// Their mean probability.
     pub mean_probability: Option<f64>,
-    /// The share of them that is right.
+    /// The share of right ones.
     pub share_right: Option<f64>,
 }
 

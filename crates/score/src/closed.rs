@@ -1,12 +1,12 @@
-//! The share of the gap that the true effects close, to hold the claimed share against.
+//! The share of the gap that the true effects close, to compare with the claimed share.
 //!
 //! ```text
 //! closed = (E_belief² − E_true²) / (E_belief² − F_true²)          at 1 s, over the readings in free flight
 //! ```
 //!
-//! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue writes them. Nothing
-//! is fitted, so no half is withheld. A rig that the catalogue cannot write has no such share; where there is too
-//! little to close, neither.
+//! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue has them. Nothing is
+//! fitted, so that no half is held out. A rig with an effect outside the catalogue has no such share; nor has one with
+//! too small a gap.
 
 use crate::truth::CaseTruth;
 use diagnose::scoring::{is_open, share_closed};
@@ -24,7 +24,7 @@ pub fn closed_of_truth(belief: &Model, truth: &CaseTruth, recording: &Recording)
     is_open(before, floor).then(|| share_closed(before, after, floor))
 }
 
-/// The rig in terms of the catalogue, if it can be written so.
+/// The rig in terms of the catalogue, if all its effects are in it.
 pub(crate) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
     let mut model = Model {
         gain_mm_per_s2_per_percent: *truth.base.get("gain_mm_per_s2_per_percent")?,

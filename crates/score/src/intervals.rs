@@ -1,18 +1,17 @@
-//! Whether 90 % intervals hold the truth, how wide they are beside the bound, and how far the values are off.
+//! Coverage of the 90 % intervals, their width compared with the bound, and the errors of the values.
 //!
 //! ```text
 //! bound = 2 · 1.645 σ          σ: Cramér–Rao deviation, all other true parameters being free
 //! error = |value − truth| / |truth|
 //! ```
 //!
-//! - Gain, drag and hover are judged where the answered model has the effects of the true one: beside a missing effect
-//!   their true values mean something else.
-//! - Parameters of an effect are judged where an entry bears its very name, whatever else the answer got wrong.
-//! - A parameter that does nothing in the rig has nothing to be estimated: an end stop at an end of the pipe, any value
-//!   of 0.
+//! - Gain, drag and hover are scored where the answered model has the effects of the true one: without a missing effect
+//!   their true values have another meaning.
+//! - Parameters of an effect are scored where an entry has its name, even if the rest of the answer is wrong.
+//! - A parameter without an effect in the rig cannot be estimated: an end stop at an end of the pipe, any value of 0.
 //! - An asymmetric dead zone is a symmetric one at another hover: the error of its edges is that of the width. Hover
-//!   has no error here, since 0 % is no natural origin for it.
-//! - A parameter whose interval has no ends claims nothing: it is counted and not scored.
+//!   has no relative error here, because 0 % is no natural origin for it.
+//! - A parameter whose interval has no ends is not identifiable: it is counted and not scored.
 
 use crate::Case;
 use crate::answer::Interval;
@@ -25,10 +24,10 @@ use std::collections::BTreeMap;
 
 /// Width of a 90 % interval in standard deviations.
 const WIDTH_90: f64 = 3.29;
-/// A bound beyond this says that the record does not determine the parameter at all.
+/// With a bound beyond this, the parameter is not identifiable from the record.
 const UNDETERMINED: f64 = 1e9;
 
-/// A number that was estimated, and what it is.
+/// An estimated parameter.
 #[derive(Clone, Debug)]
 struct Estimate {
     /// `fan_lag.time_constant_s`, or a base parameter.
@@ -38,27 +37,27 @@ struct Estimate {
     sigma: Option<f64>,
 }
 
-/// How well numbers are estimated.
+/// The accuracy of the estimated parameters.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Numbers {
     /// Gain, drag and hover.
     pub base: ParameterScore,
     /// Parameters of effects.
     pub effects: ParameterScore,
-    /// Every parameter for itself.
+    /// Each parameter separately.
     pub parameters: BTreeMap<String, ParameterScore>,
 }
 
-/// How well a number, or several, is estimated.
+/// The accuracy of one or several parameters.
 #[derive(Clone, Debug, Serialize)]
 pub struct ParameterScore {
-    /// Intervals that hold the truth.
+    /// Intervals that contain the truth.
     pub covered: Proportion,
     /// Estimates without an interval.
     pub without_interval: usize,
-    /// Median width; `None` where the numbers have different units.
+    /// Median width; `None` where the parameters have different units.
     pub median_width: Option<f64>,
-    /// Median width at best.
+    /// Median of the bound.
     pub median_bound: Option<f64>,
     /// Median of width over bound.
     pub median_width_over_bound: Option<f64>,
@@ -73,7 +72,7 @@ impl Default for ParameterScore {
 }
 
 impl Numbers {
-    /// Scores the numbers of all cases.
+    /// Scores the parameters of all cases.
     pub(crate) fn of(cases: &[Case]) -> Self {
         let base: Vec<Estimate> = cases.iter().flat_map(base_estimates).collect();
         let effects: Vec<Estimate> = cases.iter().flat_map(effect_estimates).collect();
@@ -110,7 +109,7 @@ impl ParameterScore {
     }
 }
 
-/// Gain, drag and hover of a case whose effects were found.
+/// Gain, drag and hover of a case whose effects are right.
 fn base_estimates(case: &Case) -> Vec<Estimate> {
     let Some(answer) = case.answer.as_ref().filter(|_| effects_are_right(case)) else { return Vec::new() };
     let estimate = |(key, truth): (&String, &f64)| {
@@ -124,7 +123,7 @@ fn base_estimates(case: &Case) -> Vec<Estimate> {
     case.truth.base.iter().filter_map(estimate).collect()
 }
 
-/// Whether the answered model has the effects of the rig by their very names.
+/// Whether the answered model has the effects of the rig by their own names.
 fn effects_are_right(case: &Case) -> bool {
     let Some(answer) = &case.answer else { return false };
     match case.truth.kind {
@@ -142,7 +141,7 @@ fn named_by_their_own(case: &Case) -> bool {
     })
 }
 
-/// Each true effect with the values that were answered under its very name.
+/// Each true effect with the values that were answered under its own name.
 fn found(case: &Case) -> impl Iterator<Item = (&TrueEffect, &BTreeMap<String, Interval>)> {
     case.truth.effects.iter().filter_map(|effect| {
         let entry = case.answer.as_ref()?.effects.iter().find(|entry| entry.name == effect.name)?;
@@ -179,7 +178,7 @@ fn effect_errors(case: &Case) -> Vec<f64> {
     found(case).flat_map(of_effect).collect()
 }
 
-/// Whether a parameter does anything in this rig.
+/// Whether a parameter has an effect in this rig.
 fn acts(case: &Case, key: &str, truth: f64) -> bool {
     truth != 0.0 && !(key == "top_mm" && truth >= case.pipe_length_mm)
 }
@@ -192,7 +191,7 @@ fn relative_error(value: f64, truth: f64) -> f64 {
     ((value - truth) / truth).abs()
 }
 
-/// The middle one, or the mean of the two in the middle.
+/// The median: the middle value, or the mean of the two in the middle.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);

@@ -1,20 +1,20 @@
 //! Blind scoring: how often the diagnosis is right about rigs whose effect was withheld from it.
 //!
-//! [`score`] takes what is known of each case after its seal was opened ([`Truth`], [`Bounds`]) and what was answered
-//! before ([`Answer`], the document of `diagnose --json`). The rules, each in one file:
+//! [`score`] takes the published truth of each case ([`Truth`], [`Bounds`]) and the earlier answer ([`Answer`], the
+//! document of `diagnose --json`). The rules, each in one file:
 //!
 //! - `names`: an entry names an effect when the effect is its name or among those that it cannot be told from.
-//! - `outcome`: what a case's answer is worth, in a word; what is not right is listed as a loss.
-//! - `intervals`: whether 90 % intervals hold the truth, and how wide they are beside the Cramér–Rao bound.
-//! - `calibration`: whether what was 80 % sure is right in 80 of 100.
-//! - `closed`: the share of the gap that the true effects close, to hold the claimed one against.
-//! - `shown`: how much a record shows of what is missing: the true model beside its best rival.
-//! - `proportion`: every share comes with its Wilson interval.
+//! - `outcome`: the grade of a case's answer; one that is not right is listed as a loss.
+//! - `intervals`: coverage of the 90 % intervals, and their width compared with the Cramér–Rao bound.
+//! - `calibration`: whether 80 of 100 entries with a probability of 80 % are right.
+//! - `closed`: the share of the gap that the true effects close, to compare with the claimed one.
+//! - `shown`: the information of a record about the missing effect: the true model compared with its best rival.
+//! - `proportion`: every share has a Wilson interval.
 //!
-//! `page` puts it all into tables.
+//! `page` makes the tables.
 //!
-//! Does no file and no network access; the program `blind` of this crate runs `airball diagnose` on the cases, reads
-//! and prints.
+//! No file and no network access; the program `blind` of this crate runs `airball diagnose` on the cases, reads and
+//! prints.
 
 mod answer;
 mod calibration;
@@ -44,27 +44,27 @@ pub use score::{Loss, Score, Share, score};
 pub use shown::shown;
 pub use truth::{Bounds, CaseTruth, Kind, TrueEffect, Truth, Values};
 
-/// Everything that is known of a case: what was withheld, and what was answered.
+/// The data of a case: the withheld truth, and the answer.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What the rig is.
+    /// The true rig.
     pub truth: CaseTruth,
-    /// What its record could tell at best, if that was worked out.
+    /// The bounds of its record, if they were computed.
     pub bounds: Option<Bounds>,
-    /// What was answered. `None`: the case could not be read.
+    /// The answer. `None`: the case could not be read.
     pub answer: Option<Answer>,
-    /// What was answered when the search was not allowed to name the true effect. `None`: that was not asked.
+    /// The answer of a search without the true effect. `None`: it was not requested.
     pub left_out: Option<Answer>,
     /// The share of the gap at 1 s that the true effects close.
     pub closed_of_truth: Option<f64>,
-    /// Nats by which the true model beats its best rival, where that was worked out.
+    /// Log-likelihood of the true model minus that of its best rival, nats, if it was computed.
     pub shown: Option<f64>,
-    /// Length of the pipe, mm; an end stop there is none.
+    /// Length of the pipe, mm; an end stop at this height has no effect.
     pub pipe_length_mm: f64,
 }
 
 impl Case {
-    /// Nats that a perfect diagnosis gains beyond refitted base parameters.
+    /// Log-likelihood gain of a perfect diagnosis over refitted base parameters, nats.
     #[must_use]
     pub fn nats(&self) -> Option<f64> {
         self.bounds.as_ref().and_then(|bounds| bounds.nats)

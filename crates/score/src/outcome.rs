@@ -1,4 +1,4 @@
-//! What an answer is worth, in a word.
+//! The grade of an answer.
 //!
 //! | kind | right | partly |
 //! |---|---|---|
@@ -8,9 +8,9 @@
 //! | `outside` | `unexplained` | |
 //! | effect left out of the search | `unexplained`, or the first entry names what imitates the effect | |
 //!
-//! `unexplained` beside an entry that names the effect is as right as `effect`: something may well be left. What is
-//! neither is `unexplained` (honest), silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or
-//! unreadable), or wrong.
+//! `unexplained` beside an entry that names the effect is as right as `effect`: a misfit may remain. All other answers
+//! are `unexplained`, silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or unreadable), or
+//! wrong.
 
 use crate::Case;
 use crate::answer::Answer;
@@ -19,26 +19,26 @@ use crate::truth::Kind;
 use diagnose::Verdict;
 use serde::Serialize;
 
-/// What an answer is worth.
+/// The grade of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// As it should be.
+    /// The right answer.
     Right,
-    /// One of two effects, or not in the first place.
+    /// One of two effects, or not in the first entry.
     Partly,
-    /// Something is wrong, it says, and does not name it.
+    /// It reports a misfit and does not name the effect.
     Unexplained,
-    /// Says that no effect is missing.
+    /// It reports that no effect is missing.
     Silent,
-    /// Names what is not there.
+    /// It names an effect that does not exist.
     Wrong,
-    /// The record was not read, or could not answer.
+    /// The record was not read, or has too little information.
     NoAnswer,
 }
 
 impl Outcome {
-    /// Its word in reports.
+    /// Its name in reports.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -52,7 +52,7 @@ impl Outcome {
     }
 }
 
-/// What the answer about a case is worth.
+/// The grade of the answer for a case.
 pub(crate) fn outcome(case: &Case) -> Outcome {
     let Some(answer) = &case.answer else { return Outcome::NoAnswer };
     let truth = &case.truth.effects;
@@ -66,7 +66,7 @@ pub(crate) fn outcome(case: &Case) -> Outcome {
     }
 }
 
-/// What the answer is worth that was not allowed to name the true effect. `None`: that was not asked.
+/// The grade of the answer without the true effect. `None`: it was not requested.
 pub(crate) fn outcome_left_out(case: &Case) -> Option<Outcome> {
     let (answer, effect) = (case.left_out.as_ref()?, case.truth.effects.first()?);
     let stands_in = answer.effects.first().is_some_and(|entry| names_stand_in(entry, &effect.name));
@@ -89,17 +89,17 @@ fn first_names(answer: &Answer, case: &Case) -> bool {
     pair.is_some_and(|(entry, effect)| names(entry, &effect.name))
 }
 
-/// Whether a verdict was given at all.
+/// Whether there is a verdict.
 pub(crate) fn answered(answer: &Answer) -> bool {
     answer.verdict != Verdict::InsufficientData
 }
 
-/// Whether nothing is claimed beyond moved base parameters.
+/// Whether the answer has no effect, only moved base parameters at most.
 pub(crate) fn no_alarm(answer: &Answer) -> bool {
     answer.effects.is_empty() && !matches!(answer.verdict, Verdict::Effect | Verdict::Unexplained)
 }
 
-/// Whether the effects that are named are those that act, all of them and no other, and nothing is left.
+/// Whether the answer names exactly the true effects, and no remaining misfit.
 pub(crate) fn exact(case: &Case) -> bool {
     let truth = &case.truth.effects;
     case.answer.as_ref().is_some_and(|answer| {

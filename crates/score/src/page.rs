@@ -1,4 +1,4 @@
-//! The score of many blind diagnoses as tables that a person reads; Markdown, so that a page can hold them as they are.
+//! The score of many blind diagnoses as tables in Markdown, for a terminal or a page.
 
 use crate::{Calibration, Loss, Numbers, ParameterScore, Proportion, Score};
 use comfy_table::presets::ASCII_MARKDOWN;
@@ -11,11 +11,11 @@ use std::collections::BTreeMap;
 pub struct BlindDocument {
     /// Name and version of this document.
     pub schema: &'static str,
-    /// How often each verdict was given.
+    /// Number of answers with each verdict.
     pub answers: BTreeMap<&'static str, usize>,
     /// Cases that could not be read.
     pub unreadable: usize,
-    /// The score, once the truth is known.
+    /// The score, if the truth is known.
     pub score: Option<Score>,
 }
 

@@ -4,7 +4,7 @@
 //! (p + z²/2n ± z·√(p(1−p)/n + z²/4n²)) / (1 + z²/n)      p = count/n, z = 1.96 for 95 %
 //! ```
 //!
-//! Holds at 0 and at n, where the interval from √(p(1−p)/n) has no width.
+//! Valid at 0 and at n, where the interval from √(p(1−p)/n) has no width.
 //! Source: Wilson, JASA 22 (1927); Newcombe, Statistics in Medicine 17 (1998), method 3.
 
 use serde::Serialize;
@@ -12,14 +12,14 @@ use serde::Serialize;
 /// Normal deviate of a two-sided 95 % interval.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// So many of so many.
+/// A count of cases out of a number of cases.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Proportion {
-    /// Cases for which it is so.
+    /// Cases that meet the condition.
     pub count: usize,
-    /// Cases asked.
+    /// All cases.
     pub n: usize,
-    /// `count / n`; `None` where nothing was asked.
+    /// `count / n`; `None` without cases.
     pub share: Option<f64>,
     /// Lower end of the 95 % interval of the share.
     pub low: f64,
@@ -41,7 +41,7 @@ impl Proportion {
         Self { count, n, share: Some(p), low: end(centre - half), high: end(centre + half) }
     }
 
-    /// Counts those for which it is so.
+    /// Counts those that are true.
     pub fn of(all: impl IntoIterator<Item = bool>) -> Self {
         let (mut count, mut n) = (0, 0);
         for is_so in all {

@@ -1,4 +1,4 @@
-//! The score of a set of cases: shares with their Wilson intervals, numbers, and every loss.
+//! The score of a set of cases: shares with their Wilson intervals, parameters, and every loss.
 
 use crate::Case;
 use crate::answer::Answer;
@@ -12,9 +12,9 @@ use diagnose::Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Nats from which an effect counts as one that the record shows.
+/// Log-likelihood gain from which an effect counts as detectable in the record, nats.
 const DETECTABLE: f64 = 5.0;
-/// A claimed share of the gap this close to the true one is right.
+/// Largest error of a claimed share of the gap that counts as right.
 const CLOSE: f64 = 0.05;
 
 /// The score of a set.
@@ -24,15 +24,15 @@ pub struct Score {
     pub cases: BTreeMap<Kind, usize>,
     /// Shares of cases, in the order of a report.
     pub shares: Vec<Share>,
-    /// Different things that an entry says on average, twins counted once; leave-one-out included.
+    /// Mean number of different effects in an entry, indistinguishable ones counted once; leave-one-out included.
     pub mean_set_size: Option<f64>,
     /// Median difference between the claimed share of the gap that is closed and the true one.
     pub median_closed_difference: Option<f64>,
-    /// Estimated numbers.
+    /// Estimated parameters.
     pub numbers: Numbers,
     /// Probabilities.
     pub calibration: Calibration,
-    /// What was not right, case by case.
+    /// The answers that were not right, case by case.
     pub losses: Vec<Loss>,
 }
 
@@ -41,14 +41,14 @@ pub struct Score {
 pub struct Share {
     /// Its name for programs.
     pub name: &'static str,
-    /// What it counts.
+    /// The condition that it counts.
     pub what: &'static str,
     /// The share.
     #[serde(flatten)]
     pub proportion: Proportion,
 }
 
-/// A case that was not answered as it should be.
+/// A case whose answer was not right.
 #[derive(Clone, Debug, Serialize)]
 pub struct Loss {
     /// Its name.
@@ -57,19 +57,19 @@ pub struct Loss {
     pub kind: Kind,
     /// Whether the true effect was left out of the search.
     pub left_out: bool,
-    /// What the answer is worth.
+    /// The grade of the answer.
     pub outcome: Outcome,
-    /// What is so.
+    /// The truth.
     pub truth: String,
-    /// What was answered.
+    /// The answer.
     pub answer: String,
-    /// Nats that the record holds at best, where known.
+    /// Upper bound of the log-likelihood gain, nats, where known.
     pub nats: Option<f64>,
-    /// Nats by which the true model beats its best rival, where known.
+    /// Log-likelihood of the true model minus that of its best rival, nats, where known.
     pub shown: Option<f64>,
 }
 
-/// Scores the answers about a set of cases.
+/// Scores the answers for a set of cases.
 #[must_use]
 pub fn score(cases: &[Case]) -> Score {
     let entries = cases.iter().flat_map(|case| case.answer.iter().chain(&case.left_out)).flat_map(|a| &a.effects);
@@ -98,17 +98,17 @@ fn share<'a>(
     Share { name, what, proportion: Proportion::of(cases.into_iter().map(is_so)) }
 }
 
-/// Whether the record shows the effect. `None`: no bound is known.
+/// Whether the effect is detectable in the record. `None`: no bound is known.
 fn detectable(case: &Case) -> Option<bool> {
     case.nats().map(|nats| nats >= DETECTABLE)
 }
 
-/// Whether the true model is the best by enough, and so is each of its effects.
+/// Whether the true model has enough gain over its rivals, and so has each of its effects.
 fn beats_rivals(case: &Case) -> bool {
     case.shown.is_some_and(|nats| nats >= DETECTABLE)
 }
 
-/// Whether each of the true effects can be seen beside the others.
+/// Whether each of the true effects is detectable in the presence of the others.
 fn each_detectable(case: &Case) -> bool {
     let each = case.bounds.as_ref().map(|bounds| &bounds.each);
     each.is_some_and(|each| each.len() == case.truth.effects.len() && each.values().all(|nats| *nats >= DETECTABLE))
@@ -233,24 +233,25 @@ fn left_out(cases: &[Case]) -> Vec<Share> {
     ]
 }
 
-/// Whether the stage with the largest share is that of a true effect. `None`: no stage is blamed.
+/// Whether the stage with the largest share is that of a true effect. `None`: the answer has no stage.
 fn stage_right(case: &Case) -> Option<bool> {
     let blamed = case.answer.as_ref()?.stage()?;
     Some(case.truth.effects.iter().any(|effect| effect.stage == blamed))
 }
 
-/// Whether the first entry says one thing, twins counted once.
+/// Whether the first entry has one effect, indistinguishable ones counted once.
 fn says_one_thing(case: &Case) -> bool {
     case.answer.as_ref().and_then(|answer| answer.effects.first()).is_some_and(|entry| size(entry) == 1)
 }
 
-/// Whether the entry that names the effect says what became of it.
+/// Whether the entry that names the effect has the right change.
 fn change_right(case: &Case) -> bool {
     let entry = case.answer.as_ref().and_then(|answer| answer.effects.first());
     entry.zip(case.truth.effects.first()).is_some_and(|(entry, effect)| entry.change == effect.change)
 }
 
-/// Whether the interval of the closed share holds that of the true effects. `None`: it has none, or there is none.
+/// Whether the interval of the closed share contains that of the true effects. `None`: there is no interval, or no
+/// share.
 fn closed_covered(case: &Case) -> Option<bool> {
     let claimed = case.answer.as_ref()?.gap.closed?;
     Some((claimed.low?..=claimed.high?).contains(&case.closed_of_truth?))

@@ -1,12 +1,13 @@
-//! How much a record shows of what its owner does not know of, by the densities of the diagnosis.
+//! The information of a record about the effects that are missing in the belief, by the likelihoods of the diagnosis.
 //!
 //! ```text
 //! shown = ln p(record | true model) − max over rivals of ln p(record | rival)
 //! ```
 //!
-//! The true model has the rig's own numbers. Its rivals are the belief and what the search of the diagnosis makes of
-//! it, the true effect and its twins left out: see [`nats_above_rivals`]. A perfect diagnosis names what is shown by
-//! some nats; what a chance of the noise hides is not shown, whatever the Cramér–Rao bound expects.
+//! The true model has the rig's own parameters. Its rivals are the belief and the models that the search of the
+//! diagnosis finds without the true effect and those that are not distinguishable from it: see [`nats_above_rivals`]. A
+//! perfect diagnosis names an effect that gains several nats; an effect that is hidden by this realisation of the noise
+//! counts as not shown, whatever the Cramér–Rao bound is.
 
 use crate::closed::true_model;
 use crate::names::imitators;
@@ -15,8 +16,8 @@ use diagnose::Recording;
 use diagnose::scoring::{Departure, nats_above_rivals};
 use plant::Model;
 
-/// Nats by which the true model beats its best rival; of two effects, those of the one that shows less. `None`: no
-/// effect, or none that the catalogue can write.
+/// Log-likelihood of the true model minus that of its best rival, nats; of two effects, the smaller gain. `None`: no
+/// effect, or one outside the catalogue.
 #[must_use]
 pub fn shown(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<f64> {
     if truth.effects.is_empty() {

@@ -1,4 +1,4 @@
-//! Scores of hand-made cases.
+//! Scores of synthetic cases.
 
 use crate::answer::{Answer, AnsweredGap, AnsweredPlace, AnsweredStage, Interval, NamedEffect};
 use crate::outcome::{outcome, outcome_left_out};
@@ -83,7 +83,7 @@ fn a_pair_needs_an_entry_for_each() {
     let with = |entries| case(Kind::Pair, &["dead_zone", "wall_friction"], answer(Verdict::Effect, entries));
     let both = vec![entry("wall_friction", 0.9, &[]), entry("dead_zone", 0.9, &["wall_friction"])];
     assert_eq!(outcome(&with(both)), Outcome::Right);
-    // The first entry could be either, the second must then be the other: the best match counts.
+    // The first entry can name either, the second must then name the other: the best match counts.
     let crossed = vec![entry("dead_zone", 0.9, &["wall_friction"]), entry("dead_zone", 0.9, &[])];
     assert_eq!(outcome(&with(crossed)), Outcome::Right);
     let one = vec![entry("dead_zone", 0.9, &["wall_friction"])];
@@ -217,14 +217,14 @@ fn estimated(half: f64) -> Case {
 #[test]
 fn intervals_are_held_against_the_truth_and_the_bound() {
     let numbers = score(&[estimated(0.08)]).numbers;
-    // The upper edge is off by 0.07, the lower by 0.1, the top by 4; nobody claims anything of the restitution.
+    // The upper edge is off by 0.07, the lower by 0.1, the top by 4; there is no interval of the restitution.
     let effects = &numbers.effects;
     assert_eq!((effects.covered.count, effects.covered.n, effects.without_interval), (1, 3, 1));
     assert_eq!((numbers.base.covered.count, numbers.base.covered.n), (0, 1));
     assert!((numbers.base.median_width_over_bound.unwrap() - 0.16 / (3.29 * 0.05)).abs() < 1e-9);
     let upper = &numbers.parameters["dead_zone.upper_percent"];
     assert!((upper.median_width.unwrap() - 0.16).abs() < 1e-9 && (upper.median_bound.unwrap() - 0.0329).abs() < 1e-9);
-    // Errors: width of the zone 5 %, top 1 %, restitution 20 %. The bottom of the pipe is no stop.
+    // Errors: width of the zone 5 %, top 1 %, restitution 20 %. An end stop at the bottom of the pipe has no effect.
     assert!((effects.median_relative_error.unwrap() - 0.05).abs() < 1e-9, "{effects:?}");
     assert!(!numbers.parameters.contains_key("end_stop.bottom_mm"));
 }

@@ -1,4 +1,4 @@
-//! Flights for tests: a square wave of duty about hover, the ball held off the ends by a weak spring of duty.
+//! Flights for tests: a square wave of duty about hover, the ball held off the ends by a small proportional feedback.
 
 use diagnose::{Recording, Sample};
 use plant::{Effects, Model, Noise, Simulator};
@@ -40,7 +40,7 @@ pub(crate) fn record(rig: &Model, seed: u64, seconds: u32) -> Recording {
     })
 }
 
-/// Flies `rig` for `seconds` with a duty that is shaken by four sines, which shows what is late.
+/// Flies `rig` for `seconds` with a duty that is the sum of four sines, which excites lags and delays.
 pub(crate) fn shaken(rig: &Model, seed: u64, seconds: u32) -> Recording {
     flown(rig, seed, seconds, |time_s, reading| {
         let shake: f64 = [3.1_f64, 5.3, 8.9, 13.7].iter().map(|turns| (turns * time_s).sin()).sum();

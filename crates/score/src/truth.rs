@@ -1,5 +1,4 @@
-//! The truth about withheld cases (`world.truth/1`) and what their records could tell at best, as their files hold
-//! them.
+//! The truth about withheld cases (`world.truth/1`) and the bounds of their records, as in their files.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -7,25 +6,25 @@ use std::collections::BTreeMap;
 /// Values of parameters by their keys.
 pub type Values = BTreeMap<String, f64>;
 
-/// The opened truth of a set of cases.
+/// The published truth of a set of cases.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Truth {
-    /// Name and version of the form.
+    /// Name and version of the format.
     pub schema: String,
     /// The cases in order.
     pub cases: Vec<CaseTruth>,
 }
 
 impl Truth {
-    /// The form that this program reads.
+    /// The format that this program reads.
     pub const SCHEMA: &'static str = "world.truth/1";
 }
 
-/// What a rig differs from its belief by.
+/// The difference between a rig and its belief.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// Nothing but what an owner never knows exactly.
+    /// Only the usual errors of a belief.
     None,
     /// Base parameters.
     Parameters,
@@ -33,7 +32,7 @@ pub enum Kind {
     Single,
     /// Two effects of the catalogue.
     Pair,
-    /// Something that the catalogue does not hold.
+    /// An effect outside the catalogue.
     Outside,
 }
 
@@ -41,7 +40,7 @@ impl Kind {
     /// Every kind, in the order of reports.
     pub const ALL: [Self; 5] = [Self::None, Self::Parameters, Self::Single, Self::Pair, Self::Outside];
 
-    /// Its word in truths and reports.
+    /// Its name in truths and reports.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -59,9 +58,9 @@ impl Kind {
 pub struct CaseTruth {
     /// Its name, and that of its files.
     pub case: String,
-    /// What rig and belief differ by.
+    /// The kind of difference between rig and belief.
     pub kind: Kind,
-    /// The effects that they differ by.
+    /// The effects in which they differ.
     #[serde(default)]
     pub effects: Vec<TrueEffect>,
     /// Base parameters that are far from the belief.
@@ -69,7 +68,7 @@ pub struct CaseTruth {
     pub moved: Vec<String>,
     /// True gain, drag and hover.
     pub base: Values,
-    /// Everything that acts, known to the owner or not.
+    /// All effects of the rig, believed or not.
     #[serde(default)]
     pub rig_effects: Vec<TrueEffect>,
 }
@@ -85,20 +84,20 @@ pub struct TrueEffect {
     /// True values; empty when removed.
     #[serde(default)]
     pub parameters: Values,
-    /// Where on the signal path it acts; empty where the truth does not say.
+    /// Its stage on the signal path; empty if the truth does not have it.
     #[serde(default)]
     pub stage: String,
 }
 
-/// What a record could tell at best.
+/// The bounds of a record.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Bounds {
-    /// Which case.
+    /// The case.
     pub case: String,
-    /// Nats that a perfect diagnosis gains over a refitted belief. `None`: the effect shows in the spread only, no
-    /// bound is known.
+    /// Log-likelihood gain of a perfect diagnosis over a refitted belief, nats. `None`: the effect changes the variance
+    /// only, and no bound is known.
     pub nats: Option<f64>,
-    /// The same of each true effect alone, over a belief that knows of the others.
+    /// The same of each true effect alone, for a belief with the others.
     #[serde(default)]
     pub each: Values,
     /// Cramér–Rao deviation of every true parameter: `gain_mm_per_s2_per_percent`, `fan_lag.time_constant_s`.

@@ -1,7 +1,8 @@
 //! A flight of every controller on a machine with no operating system and no heap.
 //!
-//! Built for a bare-metal target it is linked without `std` and without a memory allocator, which the compiler refuses as soon as
-//! anything among its dependencies uses `alloc`. On any other target it flies the same and says where the ball is.
+//! Built for a bare-metal target it is linked without `std` and without a memory allocator. The compiler refuses it as
+//! soon as any dependency uses `alloc`. On any other target it runs the same flight and prints the position of the
+//! ball.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(feature = "allocating")]
@@ -27,7 +28,7 @@ use control::{Duty, Limits};
 
 const PERIOD_S: f64 = 0.02;
 
-/// One of each, so that no law is left out of the program.
+/// One of each, so that every law is part of the program.
 fn controllers() -> Controllers {
     Controllers {
         active: Some(Kind::OpenLoop),
@@ -63,7 +64,7 @@ fn compensation() -> Compensation {
     }
 }
 
-/// Where the ball is after a second under each controller, mm; `None`: no controller flies.
+/// The position of the ball after a second under each controller, mm; `None`: no controller flies.
 fn fly() -> Option<f64> {
     let believed = Believed { gain_mm_per_s2_per_control: 827.2, drag_per_s: 3.896, fan_lag_s: Some(0.257) };
     let observer = Observer {
@@ -95,7 +96,7 @@ fn fly() -> Option<f64> {
     Some(state[0])
 }
 
-/// What a tuning aboard would ask for.
+/// The result of a design on the machine itself.
 fn design() -> Option<f64> {
     let plant = Linear::three_poles(827.2, 3.896, 3.896).sampled(PERIOD_S).ok()?;
     critical_gain(&Gains::pi(0.01, 15.0), &plant).value()
@@ -108,7 +109,7 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod entry {
-    /// Where a machine starts that has nothing else.
+    /// The entry point of a machine without an operating system.
     #[expect(unsafe_code, reason = "a linker asks for this symbol; nothing in its body is unsafe")]
     #[unsafe(no_mangle)]
     extern "C" fn _start() -> ! {

@@ -1,7 +1,7 @@
 //! A million normal random numbers on standard output, eight bytes each, low first.
 //!
-//! A simulated flight is the same on every target only if its noise is. `scripts/build-pi` builds this program as it builds the binary
-//! that flies, and compares what it writes under each emulated processor with what it writes here, bit for bit.
+//! A simulated flight is the same on every target only if its noise is. `scripts/build-pi` builds this program in the
+//! same way as the binary, and compares its output under each emulated processor with its output here, bit for bit.
 
 use plant::Normal;
 use std::io::{self, BufWriter, Write};

@@ -1,11 +1,12 @@
-//! What a record could tell at best: nats of the departure, and the Cramér–Rao width of every parameter.
+//! Bounds of the information in a record: log-likelihood gain of the departures, and the Cramér–Rao bound of every
+//! parameter.
 //!
-//! The rig is led along the filtered heights and speeds of its flight, with a parameter a little larger and a little smaller.
-//! The difference of the accelerations and of what the sensor sees runs through the error dynamics of a Kalman filter; the
-//! innovations, each over its standard deviation, are the derivative of the whitened record by that parameter.
-//! Turbulence, noise and outliers show in the spread of a record and not in its mean, coarse steps have no derivative, and
-//! play after the ball passes noise that no filter knows: those have no bound here. Lag and delay of the sensor act as if before
-//! the ball; what the colour of the noise would add is left out.
+//! The rig follows the filtered heights and speeds of its flight, with a parameter slightly increased and slightly
+//! decreased. The difference of the accelerations and of the sensor's signals passes through the error dynamics of a
+//! Kalman filter; the standardised innovations are the derivative of the whitened record by that parameter. Turbulence,
+//! noise and outliers affect the variance of a record and not its mean, coarse quantisation has no derivative, and play
+//! after the ball passes noise that no filter knows: those have no bound here. Lag and delay of the sensor act as if
+//! before the ball; the information in the colour of the noise is left out.
 
 use crate::case::Case;
 use crate::chance::Source;
@@ -32,22 +33,23 @@ const WITHOUT: [&str; 7] = [
 pub(crate) struct Bounds {
     /// Case.
     pub(crate) case: String,
-    /// Half the squared whitened shift that the departures cause, beyond what moved numbers of the belief would: the nats that a
-    /// perfect diagnosis gains over a refitted belief. Absent for what shows in the spread only.
+    /// Half the squared whitened shift by the departures that refitted parameters of the belief cannot imitate: the
+    /// log-likelihood gain of a perfect diagnosis over a refitted belief, nats. Absent for departures that affect the
+    /// variance only.
     pub(crate) nats: Option<f64>,
-    /// The same of each departure alone, over a belief that knows of the others.
+    /// The same of each departure alone, for a belief with the others.
     pub(crate) each: BTreeMap<String, f64>,
-    /// One sigma of every true parameter, all of the others being free.
+    /// Standard deviation of every true parameter, all others being free.
     pub(crate) sigma: BTreeMap<String, f64>,
 }
 
-/// Height, speed and duty of a flight, step by step, with the rows' places among the steps.
+/// Height, speed and duty of a flight, step by step, with the rows' positions among the steps.
 struct Flown {
     steps: Vec<(f64, f64, f64)>,
     rows: Vec<usize>,
 }
 
-/// Accelerations and sights of a rig led along a flight, step by step.
+/// Accelerations and sensor signals of a rig along a flight, step by step.
 type Led = Vec<(f64, f64)>;
 
 /// Computes the bounds of a case by flying it.
@@ -78,8 +80,8 @@ fn columns(flown: &Flown, parts: &Parts, source: &Source) -> Vec<(String, Vec<f6
     knobs(parts).into_iter().map(column).collect()
 }
 
-/// The nats of the departures that are `asked` for. A belief is linear in gain, drag and hover, so that its own columns say how near they
-/// bring it to the truth, however far that is.
+/// The log-likelihood gain of the `asked` departures, nats. A belief is linear in gain, drag and hover, so that the
+/// projection on its own columns gives the best fit, at any distance.
 fn nats(case: &Case, asked: &dyn Fn(&str) -> bool, flown: &Flown, source: &Source) -> Option<f64> {
     if case.departures.is_empty() || case.departures.iter().any(|gone| WITHOUT.contains(&gone.name)) {
         return None;
@@ -91,7 +93,7 @@ fn nats(case: &Case, asked: &dyn Fn(&str) -> bool, flown: &Flown, source: &Sourc
     Some(0.5 * norm2(&beyond(shift, &own)))
 }
 
-/// The rig without the departures that are `asked` for, but for gain, drag and hover.
+/// The rig without the `asked` departures, except for gain, drag and hover.
 fn without(case: &Case, asked: &dyn Fn(&str) -> bool) -> Parts {
     let truth = parts(case);
     let gone = |name: &str| asked(name) && case.departures.iter().any(|departure| departure.name == name);
@@ -100,8 +102,8 @@ fn without(case: &Case, asked: &dyn Fn(&str) -> bool) -> Parts {
     Parts { effects: kept.chain(believed).cloned().collect(), ..truth.clone() }
 }
 
-/// Flies a case, and filters it: what depends on height and speed is judged where a filter expects the ball. Where it
-/// truly was is known too late, and goes with the noise that it is to be told from.
+/// Flies a case, and filters it: effects that depend on height and speed are evaluated at the filter's prediction. The
+/// true position is known too late; its error is correlated with the noise from which it would have to be separated.
 fn flown(case: &Case, source: &Source) -> Flown {
     let mut duties = Vec::new();
     let flight = fly(case, source, |rig| duties.push(rig.duty));
@@ -117,7 +119,7 @@ fn flown(case: &Case, source: &Source) -> Flown {
             seen = rig.look();
         }
         spread = spread.after((pair[1] - pair[0]) as f64 * STEP_S, drag);
-        // Wild readings are cut, as any robust filter does.
+        // Outliers are limited, as in any robust filter.
         let cut = 5.0 * spread.reading().sqrt();
         let surprise = (row.position_mm - seen).clamp(-cut, cut);
         let ((kx, kv), after) = spread.corrected();
@@ -126,7 +128,7 @@ fn flown(case: &Case, source: &Source) -> Flown {
     Flown { steps, rows }
 }
 
-/// Leads a rig along a flight.
+/// Evaluates a rig along a flight.
 fn lead(flown: &Flown, parts: &Parts, source: &Source) -> Led {
     let mut rig = Rig::new(parts, source, flown.steps[0].0, 0.0);
     let led = flown.steps.iter().map(|&(x, v, duty)| {
@@ -136,7 +138,7 @@ fn lead(flown: &Flown, parts: &Parts, source: &Source) -> Led {
     led.collect()
 }
 
-/// The innovations that the difference of two led rigs causes, in standard deviations.
+/// The innovations by the difference of two rigs along a flight, in standard deviations.
 fn whitened(flown: &Flown, parts: &Parts, one: &Led, other: &Led) -> Vec<f64> {
     let (drag, mut spread) = (parts.base.drag_per_s, Spread::WIDE);
     let (mut x, mut v, mut out) = (0.0, 0.0, Vec::new());
@@ -154,13 +156,13 @@ fn whitened(flown: &Flown, parts: &Parts, one: &Led, other: &Led) -> Vec<f64> {
     out
 }
 
-/// Moves a parameter of a rig by a small step to one side, and says how far.
+/// Moves a parameter of a rig by a small step to one side, and returns the step.
 type Knob = Box<dyn Fn(&mut Parts, f64) -> f64>;
 
-/// Where a base parameter is.
+/// Access to a base parameter.
 type Place = fn(&mut Parts) -> &mut f64;
 
-/// What can be moved: the base first, then every parameter of every effect that has a bound.
+/// The parameters that can be moved: the base first, then every parameter of every effect that has a bound.
 fn knobs(parts: &Parts) -> Vec<(String, Knob)> {
     let base: [(&str, Place); 3] = [
         ("gain_mm_per_s2_per_percent", |parts| &mut parts.base.gain_mm_per_s2_per_percent),
@@ -201,7 +203,7 @@ fn norm2(a: &[f64]) -> f64 {
     dot(a, a)
 }
 
-/// What of a vector the others cannot make: Gram–Schmidt, twice for the digits.
+/// The part of a vector that is orthogonal to the others: Gram–Schmidt, twice for numerical accuracy.
 fn beyond(mut vector: Vec<f64>, others: &[&[f64]]) -> Vec<f64> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let less = |vector: &mut Vec<f64>, basis: &[Vec<f64>]| {
@@ -222,7 +224,7 @@ fn beyond(mut vector: Vec<f64>, others: &[&[f64]]) -> Vec<f64> {
     vector
 }
 
-/// One sigma of each parameter with all others free: the reciprocal length of what only it can make.
+/// Standard deviation of each parameter with all others free: the reciprocal length of its orthogonal part.
 fn widths(columns: &[&[f64]]) -> Vec<f64> {
     let width = |k: usize| {
         let others: Vec<&[f64]> = columns.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, c)| *c).collect();
@@ -246,7 +248,7 @@ mod tests {
         }
     }
 
-    /// Whitened innovations of a filter that knows the rig, in a flight of a neutral rig.
+    /// Whitened innovations of a filter with the rig's model, in a flight of a neutral rig.
     fn innovations(flown: &Flown, rows: &[Row], parts: &Parts, led: &Led) -> Vec<f64> {
         let drag = parts.base.drag_per_s;
         let (mut spread, mut x, mut v, mut out) = (Spread::WIDE, rows[0].position_mm, 0.0, Vec::new());
@@ -280,7 +282,7 @@ mod tests {
                 belief.base.hover_duty_percent += at[2];
                 0.5 * norm2(&whitened(&flown, &truth, &true_lead, &lead(&flown, &belief, &source)))
             };
-            // Compass search, which knows nothing of columns.
+            // Compass search, which does not use the columns.
             let (mut at, mut best, mut step) = ([0.0; 3], left(&[0.0; 3]), 0.5);
             while step > 1e-3 {
                 let tries = (0..6).map(|k| {
@@ -293,7 +295,7 @@ mod tests {
                     _ => step /= 2.0,
                 }
             }
-            // Where a dead zone is believed, hover is not quite linear.
+            // With a believed dead zone, hover is not quite linear.
             assert!((told / best).ln().abs() < 0.1, "case {number}: {told} nats, {best} left at {at:?}");
         }
     }
@@ -330,7 +332,7 @@ mod tests {
                 count += 1.0;
             }
         }
-        // 120 numbers, not quite independent: one sigma of their mean square is 0.13.
+        // 120 values, not quite independent: the standard deviation of their mean square is 0.13.
         assert!((square / count - 1.0).abs() < 0.35, "{}", square / count);
     }
 }

@@ -1,4 +1,4 @@
-//! A case: the rig as it is, the rig as believed, and in what they differ.
+//! A case: the true rig, the believed rig, and their differences.
 
 use crate::catalogue::{Effect, Reach, draw};
 use crate::chance::{Chance, Source};
@@ -26,9 +26,9 @@ pub(crate) struct Case {
     pub(crate) kind: Kind,
     /// True base parameters.
     pub(crate) base: Base,
-    /// Everything that acts.
+    /// All effects of the rig.
     pub(crate) effects: Vec<Effect>,
-    /// Where rig and belief differ in effects.
+    /// Differences of the effects between rig and belief.
     pub(crate) departures: Vec<Departure>,
     /// Base parameters that differ by more than an owner's error.
     pub(crate) moved: Vec<&'static str>,
@@ -46,7 +46,7 @@ impl Case {
         Parts { base: self.base, effects: self.effects.clone(), seconds: self.programme.seconds, sensor_first: false }
     }
 
-    /// Draws a case. It depends on its source and the mixture only, never on other cases.
+    /// Draws a case. It depends on its source and the mixture only, not on other cases.
     pub(crate) fn draw(source: &Source, mixture: &Mixture) -> Self {
         let programme = Programme::draw(&mut source.stream("programme"));
         let c = &mut source.stream("design");
@@ -79,7 +79,7 @@ impl Case {
         case
     }
 
-    /// Adds an effect to the rig; one that is believed is retuned or removed.
+    /// Adds an effect to the rig; a believed one is retuned or removed.
     fn depart(&mut self, c: &mut Chance, name: &'static str) {
         let (low_mm, high_mm) = self.programme.reach();
         let mut effect = draw(name, c, Reach { low_mm, high_mm, seconds: self.programme.seconds });
@@ -103,7 +103,7 @@ impl Case {
         self.effects.push(effect);
     }
 
-    /// Takes an effect out of rig and belief.
+    /// Removes an effect from rig and belief.
     fn forget(&mut self, name: &str) {
         self.effects.retain(|effect| effect.name != name);
         self.believed.retain(|effect| effect.name != name);
@@ -135,7 +135,7 @@ impl Case {
     }
 }
 
-/// What rigs have that their owners know of: a fan lag in about half of them, a dead zone in some.
+/// Believed effects of a rig: a fan lag in about half of them, a dead zone in some.
 fn believed(c: &mut Chance) -> Vec<Effect> {
     let lag = Effect::new("fan_lag", &[("time_constant_s", c.between(0.1, 0.24))]);
     let half = c.between(0.16, 0.28);
@@ -144,7 +144,7 @@ fn believed(c: &mut Chance) -> Vec<Effect> {
     with_lag.then_some(lag).into_iter().chain(with_zone.then_some(zone)).collect()
 }
 
-/// Base parameters as an owner knows them: gain and drag within 5 %, hover within 0.08 %.
+/// Believed base parameters: gain and drag within 5 %, hover within 0.08 %.
 fn near(c: &mut Chance, base: Base, error: f64) -> Base {
     Base {
         gain_mm_per_s2_per_percent: base.gain_mm_per_s2_per_percent * (1.0 + error * c.between(-0.05, 0.05)),
@@ -153,14 +153,15 @@ fn near(c: &mut Chance, base: Base, error: f64) -> Base {
     }
 }
 
-/// An effect as an owner knows it: within 7 %.
+/// A believed effect: parameters within 7 %.
 fn inexact(c: &mut Chance, effect: &Effect, error: f64) -> Effect {
     let factor = 1.0 + error * c.between(-0.07, 0.07);
     let parameters = effect.parameters.iter().map(|(name, value)| (*name, (value * factor * 1e4).round() / 1e4));
     Effect { name: effect.name, parameters: parameters.collect() }
 }
 
-/// Off by 1.8 to 3, to either side; a lag to the shorter side where the longer one would not let the ball be held.
+/// Wrong by a factor of 1.8 to 3, to either side; a lag to the shorter side where the longer one would make the loop
+/// unstable.
 fn retuned(c: &mut Chance, effect: &Effect) -> Effect {
     let (factor, up) = (c.between(1.8, 3.0), c.happens(0.5));
     let held = effect.parameters.get("time_constant_s").is_none_or(|tau| tau * factor < 0.42);

@@ -1,4 +1,4 @@
-//! The names that a truth may use, and how large an effect is drawn: from barely to clearly visible.
+//! The effect names of a truth, and the size of a drawn effect: from barely to clearly visible.
 
 use crate::chance::Chance;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub(crate) struct Effect {
     /// Name in the catalogue, or of a kind outside it.
     pub(crate) name: &'static str,
-    /// Equivalent values; `forms/` says in which sense.
+    /// Equivalent values; `forms/` defines in which sense.
     pub(crate) parameters: BTreeMap<&'static str, f64>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) const CATALOGUE: [(&str, &str); 22] = [
     ("sensor", "stale_samples"),
 ];
 
-/// Stage and name of what the catalogue does not hold.
+/// Stage and name of the effects outside the catalogue.
 pub(crate) const OUTSIDE: [(&str, &str); 13] = [
     ("actuator", "late_writes"),
     ("actuator", "stuck_driver"),
@@ -73,7 +73,7 @@ pub(crate) fn find(name: &str) -> Option<(&'static str, &'static str)> {
     CATALOGUE.iter().chain(&OUTSIDE).find(|(_, known)| *known == name).copied()
 }
 
-/// Whether the catalogue holds it.
+/// Whether the catalogue has it.
 pub(crate) fn inside(name: &str) -> bool {
     CATALOGUE.iter().any(|(_, known)| *known == name)
 }
@@ -83,7 +83,7 @@ pub(crate) fn all_names() -> Vec<&'static str> {
     CATALOGUE.iter().chain(&OUTSIDE).map(|(_, name)| *name).collect()
 }
 
-/// The lowest and the highest setpoint of a flight, mm, and its length, s: what an effect must meet to be seen.
+/// The range of the setpoints of a flight and its length, which determine the sizes of visible effects.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     /// Lowest setpoint, mm.

@@ -1,11 +1,11 @@
-//! Chance that can be called up again: a stream depends on seed, case and purpose, and on nothing else.
+//! Reproducible random numbers: a stream depends on seed, case and purpose only.
 //!
-//! SplitMix64 (Steele, Lea, Flood 2014), started from a SHA-256. The shapes are on purpose not normal: a model that fits
-//! only bell curves should not fit by that alone.
+//! SplitMix64 (Steele, Lea, Flood 2014), started from a SHA-256. The distributions are not normal on purpose: a model
+//! that assumes normal distributions must not gain from that alone.
 
 use sha2::{Digest, Sha256};
 
-/// Where the streams of one case come from.
+/// The source of the streams of one case.
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     /// Names the whole set.
@@ -15,7 +15,7 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// The stream for one purpose. Asking twice gives the same stream from its start.
+    /// The stream for one purpose. A second call gives the same stream from its start.
     pub(crate) fn stream(&self, purpose: &str) -> Chance {
         let digest = Sha256::digest(format!("{}\n{}\n{purpose}", self.seed, self.case));
         Chance(digest.iter().take(8).fold(0, |bits, &byte| bits << 8 | u64::from(byte)))

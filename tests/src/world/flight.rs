@@ -7,9 +7,9 @@ use crate::programme::{Gains, Programme};
 use crate::rig::Rig;
 use std::fmt::Write;
 
-/// The ball is flown for this long before its record starts, s.
+/// Flight time before the record starts, s.
 const SETTLE_S: f64 = 8.0;
-/// The control never asks for more than this, percent about hover.
+/// Limit of the control, percent about hover.
 const CONTROL_LIMIT: f64 = 20.0;
 
 /// One row of a record.
@@ -17,7 +17,7 @@ const CONTROL_LIMIT: f64 = 20.0;
 pub(crate) struct Row {
     /// When the position was read, s.
     pub(crate) time_s: f64,
-    /// Where the ball should be, mm.
+    /// The setpoint, mm.
     pub(crate) setpoint_mm: f64,
     /// Control, percent about hover.
     pub(crate) control_percent: f64,
@@ -27,7 +27,7 @@ pub(crate) struct Row {
     pub(crate) position_mm: f64,
 }
 
-/// Flies a case. `watch` sees the rig after every step of the record.
+/// Flies a case. `watch` gets the rig after every step of the record.
 pub(crate) fn fly(case: &Case, source: &Source, mut watch: impl FnMut(&Rig)) -> Vec<Row> {
     let programme = &case.programme;
     let mut rig = Rig::new(&case.parts(), source, programme.setpoint(0.0), SETTLE_S);
@@ -42,7 +42,7 @@ pub(crate) fn fly(case: &Case, source: &Source, mut watch: impl FnMut(&Rig)) -> 
         if t >= 0.0 {
             rows.push(row);
         }
-        // Whole milliseconds, 17 to 20. The last row before the record ends where it starts.
+        // Whole milliseconds, 17 to 20. The last row before the record ends at its start.
         wait_s = (17.0 + (4.0 * clock.unit()).floor()) / 1000.0;
         if t < 0.0 {
             wait_s = wait_s.min(-t);
@@ -68,7 +68,7 @@ fn act(rig: &mut Rig, pilot: &mut Pilot, programme: &Programme, hover: f64, dt: 
     Row { time_s, setpoint_mm, control_percent, duty_percent, position_mm }
 }
 
-/// Four decimals, as the file holds them: what was flown is what was written.
+/// Four decimals, as in the file: the flown value is the written one.
 fn round(percent: f64) -> f64 {
     (percent * 1e4).round() / 1e4
 }

@@ -1,4 +1,4 @@
-//! The linear belief in closed form: how a filter's uncertainty moves, and (in the tests) how well the belief forecasts.
+//! The linear belief in closed form: the covariance of its filter, and (in the tests) the accuracy of its forecasts.
 //!
 //! ```text
 //! x' = v,  v' = −drag·v + a + white noise of density PSD;  reading = x + noise of SENSOR_MM
@@ -16,7 +16,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// Nothing known.
+    /// An uninformative prior.
     pub(crate) const WIDE: Self = Self { xx: 1e5, xv: 0.0, vv: 1e6 };
 
     /// After dt without a reading.
@@ -36,7 +36,7 @@ impl Spread {
         self.xx + SENSOR_MM * SENSOR_MM
     }
 
-    /// Takes a reading: what a surprise of 1 mm moves in height and speed, and the covariance after it.
+    /// Takes a reading: the changes of height and speed per millimetre of innovation, and the covariance after it.
     pub(crate) fn corrected(self) -> ((f64, f64), Self) {
         let (kx, kv) = (self.xx / self.reading(), self.xv / self.reading());
         let after = Self { xx: (1.0 - kx) * self.xx, xv: (1.0 - kx) * self.xv, vv: self.vv - kv * self.xv };
@@ -76,7 +76,7 @@ mod tests {
         }
     }
 
-    /// Sums of squares of the errors 1 s ahead and of what the noise alone gives, and their number.
+    /// Sums of squares of the errors 1 s ahead and of those by noise alone, and their number.
     fn forecast(rows: &[Row], belief: &Belief) -> (f64, f64, f64) {
         let (mut state, mut spread) = ((rows[0].position_mm, 0.0, 0.0), Spread::WIDE);
         let mut sums = (0.0, 0.0, 0.0);

@@ -1,6 +1,7 @@
-//! A world of its own: makes withheld cases for a diagnosis, and shares no equation with what it tests.
+//! An independent simulator: makes withheld cases for a diagnosis, and shares no equation with the tested program.
 //!
-//! A case is a record, the belief of the rig's owner, and a truth that stays sealed: its hash is printed before any record is made.
+//! A case is a record, the belief of the rig's owner, and a truth that is published later: its hash is printed before
+//! any record is made.
 
 mod bounds;
 mod case;
@@ -110,7 +111,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses to lay what is secret beside what is handed out.
+/// Refuses to write the secret truth into the directory of the cases.
 fn secret(arguments: &Arguments) -> Result<(), String> {
     std::fs::create_dir_all(&arguments.out).map_err(|error| format!("{}: {error}", arguments.out.display()))?;
     let place = |path: &Path| path.canonicalize().ok();
@@ -123,7 +124,7 @@ fn secret(arguments: &Arguments) -> Result<(), String> {
     Ok(())
 }
 
-/// What to draw from, after all flags.
+/// The mixture, after all flags.
 fn mixture(arguments: &Arguments) -> Result<Mixture, String> {
     let mut effects = if arguments.only.is_empty() { catalogue::all_names() } else { arguments.only.clone() };
     effects.retain(|name| !arguments.leave_out.contains(name));

@@ -1,4 +1,4 @@
-//! What a set is drawn from: kinds of cases with their weights, and the effects that may be drawn.
+//! The mixture of a set: kinds of cases with their weights, and the effects that may be drawn.
 
 use crate::catalogue::inside;
 use crate::chance::Chance;
@@ -21,7 +21,7 @@ pub(crate) enum Kind {
     Outside,
 }
 
-/// What a set is drawn from.
+/// The mixture of a set.
 #[derive(Clone, Debug)]
 pub(crate) struct Mixture {
     /// Kinds with their weights.
@@ -32,7 +32,7 @@ pub(crate) struct Mixture {
     pub(crate) exact: bool,
 }
 
-/// Names whose effects no record can tell apart; a pair never takes two of one group.
+/// Names whose effects are not distinguishable in any record; a pair never has two of one group.
 const TWINS: [&[&str]; 3] = [
     &["transport_delay", "sensor_delay"],
     &["fan_lag", "spin_asymmetry", "sensor_lag"],
@@ -55,7 +55,7 @@ pub(crate) fn names(c: &mut Chance, kind: Kind, allowed: &[&'static str]) -> Vec
     }
 }
 
-/// Every two of these that may act together.
+/// All pairs of these that may act together.
 fn pairs(pool: &[&'static str]) -> Vec<(&'static str, &'static str)> {
     let twins = |a: &str, b: &str| TWINS.iter().any(|group| group.contains(&a) && group.contains(&b));
     let with = |(i, a): (usize, &&'static str)| {

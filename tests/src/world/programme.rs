@@ -1,9 +1,9 @@
-//! What a flight does: its setpoints, its controller, and the extra wobble of its duty.
+//! The programme of a flight: its setpoints, its controller, and the excitation of its duty.
 
 use crate::chance::Chance;
 use serde::Serialize;
 
-/// Gains of the world's controller. It knows the believed hover, and nothing else of the rig.
+/// Gains of the world's controller. It uses the believed hover, and nothing else of the rig.
 ///
 /// ```text
 /// u = kp·e + I + D      I: running sum of ki·e·dt      D: change of e through a lag, times kd
@@ -20,20 +20,20 @@ pub(crate) struct Gains {
     pub(crate) lag_s: f64,
 }
 
-/// A flight, as its owner planned it.
+/// The programme of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Programme {
     /// `calm`, `brisk`, `wobble`, `steps` or `mixed`.
     pub(crate) name: &'static str,
     /// Length, s.
     pub(crate) seconds: f64,
-    /// From when, s, which setpoint, mm.
+    /// Time, s, and new setpoint, mm.
     pub(crate) setpoints: Vec<(f64, f64)>,
     /// Controller.
     pub(crate) gains: Gains,
-    /// Size of the wobble about the control, percent.
+    /// Size of the excitation about the control, percent.
     pub(crate) wobble_percent: f64,
-    /// When the wobble changes sign, s.
+    /// Times at which the excitation changes sign, s.
     pub(crate) wobble_turns: Vec<f64>,
 }
 
@@ -59,7 +59,7 @@ impl Programme {
         begun.or(self.setpoints.first()).map_or(0.0, |(_, setpoint)| *setpoint)
     }
 
-    /// The wobble at this time, percent.
+    /// The excitation at this time, percent.
     pub(crate) fn wobble(&self, t: f64) -> f64 {
         let turned = self.wobble_turns.partition_point(|turn| *turn <= t);
         if t < 0.0 || turned % 2 == 1 { -self.wobble_percent } else { self.wobble_percent }
@@ -94,7 +94,7 @@ fn steps(c: &mut Chance, seconds: f64) -> Vec<(f64, f64)> {
     list
 }
 
-/// Turns every 0.6 s, at times after 0.3 s.
+/// Times of sign changes: usually 0.6 s after one another, sometimes 0.3 s.
 fn turns(c: &mut Chance, seconds: f64) -> Vec<f64> {
     let (mut t, mut list) = (0.0, Vec::new());
     while t < seconds {

@@ -5,8 +5,9 @@
 //! x ← x + h·(v_before + v_after)/2
 //! ```
 //!
-//! Linear drag is exact, everything else is held over the step. The air's noise is an Ornstein–Uhlenbeck acceleration whose
-//! spectrum is flat up to 25 Hz: velocity variance grows by the stated density per second, but no step is a kick.
+//! Linear drag is exact, everything else is held over the step. The air's noise is an Ornstein–Uhlenbeck acceleration
+//! whose spectrum is flat up to 25 Hz: the velocity variance grows by the stated density per second, without jumps of
+//! the velocity.
 
 use crate::catalogue::Effect;
 use crate::chance::{Chance, Source};
@@ -29,11 +30,11 @@ pub(crate) struct Base {
     pub(crate) gain_mm_per_s2_per_percent: f64,
     /// Linear drag.
     pub(crate) drag_per_s: f64,
-    /// Duty that holds the ball.
+    /// Hover duty.
     pub(crate) hover_duty_percent: f64,
 }
 
-/// What a rig is made of.
+/// The parts of a rig.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
     /// Base parameters.
@@ -42,8 +43,8 @@ pub(crate) struct Parts {
     pub(crate) effects: Vec<Effect>,
     /// Length of the record, s.
     pub(crate) seconds: f64,
-    /// Whether the sensor's lag and delay act before the ball instead of after it. A linear ball without noise is read the
-    /// same either way; with them in front, nothing of the noise passes them.
+    /// Whether the sensor's lag and delay act before the ball instead of after it. Without noise, a linear ball gives
+    /// the same readings either way; with them in front, the noise does not pass them.
     pub(crate) sensor_first: bool,
 }
 
@@ -53,7 +54,7 @@ impl Parts {
     }
 }
 
-/// A rig in motion.
+/// The state of a rig.
 pub(crate) struct Rig {
     /// Height of the ball, mm.
     pub(crate) x: f64,
@@ -70,7 +71,7 @@ pub(crate) struct Rig {
     eye: Eye,
 }
 
-/// The sensor: what the light passes every step, and what happens to a reading.
+/// The sensor: the links of its signal at every step, and those of a reading.
 struct Eye {
     along: Vec<Link>,
     reading: Vec<Link>,
@@ -116,14 +117,15 @@ impl Rig {
         self.look();
     }
 
-    /// What pushes the ball where it is, but for drag and noise: mm/s². The effects' memories move on by a step.
+    /// The acceleration of the ball at its position, without drag and noise, mm/s². Advances the effects' memories by a
+    /// step.
     pub(crate) fn push(&mut self) -> f64 {
         let (t, x, v) = (self.time(), self.x, self.v);
         let commanded = self.actuator.iter_mut().fold(self.duty, |signal, link| link(signal, t));
         commanded + self.forces.iter_mut().map(|force| force(x, v, t)).sum::<f64>()
     }
 
-    /// Ends a step: the light passes the sensor. Gives what it sees, mm, before any noise of a reading.
+    /// Ends a step of the sensor. Returns its signal, mm, before the noise of a reading.
     pub(crate) fn look(&mut self) -> f64 {
         let (t, x) = (self.time(), self.x);
         self.step += 1;
@@ -221,7 +223,7 @@ fn force(e: &Effect, source: &Source) -> Option<Force> {
     })
 }
 
-/// The sensor: mount → lag → delay → noise → outlier → whole millimetres (or its coarse steps) → hold.
+/// The sensor: mount → lag → delay → noise → outlier → whole millimetres (or its coarser quantisation) → hold.
 fn eye(parts: &Parts, source: &Source, height: f64) -> Eye {
     let (mut along, mut reading): (Vec<Link>, Vec<Link>) = (Vec::new(), Vec::new());
     let part = |name| parts.effect(name).map(|effect| (effect, source.stream(name)));
@@ -271,7 +273,7 @@ mod tests {
             speed += rig.v.powi(2) / 2_000.0;
             error += (rig.read() - rig.x).powi(2) / 2_000.0;
         }
-        // Over 0.2 s, less what the air's correlation still holds back.
+        // Over 0.2 s, minus the part that the air's correlation delays.
         let expected = PSD * -(-2.0 * 1.6 * 0.2_f64).exp_m1() / (2.0 * 1.6) * (1.0 - 1.5 * AIR_S / 0.2);
         assert!((speed / expected - 1.0).abs() < 0.1, "{speed}, expected {expected}");
         assert!((error / (SENSOR_MM * SENSOR_MM + 1.0 / 12.0) - 1.0).abs() < 0.1, "{error}");

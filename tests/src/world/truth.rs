@@ -1,4 +1,4 @@
-//! The sealed truth and the belief that is handed out: what is written about a case, and the hash that binds it.
+//! The secret truth and the published belief: the files of a case, and the hash of the truth.
 
 use crate::case::{Case, Departure};
 use crate::catalogue::{Effect, find, inside};
@@ -9,16 +9,16 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
-/// The truth of a set. Its file's hash is published before, the file after.
+/// The truth of a set. The hash of its file is published before the diagnoses, the file after them.
 #[derive(Serialize)]
 pub(crate) struct Truth<'a> {
     /// Version of this form.
     pub(crate) schema: &'static str,
-    /// Makes the hash say nothing about the rest.
+    /// Random text, so that the hash reveals nothing about the rest.
     pub(crate) salt: String,
-    /// What the set was drawn from.
+    /// The seed of the set.
     pub(crate) seed: &'a str,
-    /// The arguments that draw it again.
+    /// The arguments that reproduce it.
     pub(crate) drawn_with: String,
     /// The cases in order.
     pub(crate) cases: Vec<CaseTruth>,
@@ -29,12 +29,12 @@ pub(crate) struct Truth<'a> {
 pub(crate) struct CaseTruth {
     case: String,
     kind: Kind,
-    /// What a diagnosis should name, or find unexplained.
+    /// The effects that a diagnosis should name, or find unexplained.
     effects: Vec<DepartureTruth>,
     /// Base parameters that are far from the belief.
     moved: Vec<&'static str>,
     base: Base,
-    /// Everything that acts, known to the owner or not.
+    /// All effects of the rig, believed or not.
     rig_effects: Vec<Effect>,
     belief: Base,
     believed_effects: Vec<Effect>,
@@ -50,7 +50,7 @@ struct DepartureTruth {
 }
 
 impl CaseTruth {
-    /// All that is known of a case.
+    /// The complete truth of a case.
     pub(crate) fn new(name: String, case: &Case) -> Self {
         let departure = |departure: &Departure| DepartureTruth {
             departure: departure.clone(),

@@ -1,4 +1,5 @@
-//! Which numbers the program accepts, made by asking it: a number that is none is refused with the bounds of its key.
+//! The accepted numbers of a config, found by running the program: it refuses a wrong number with the bounds of its
+//! key.
 
 use super::keys::{Holds, Key, answer};
 use std::collections::BTreeMap;
@@ -9,18 +10,19 @@ type Values = BTreeMap<String, f64>;
 /// Smallest and largest of what is accepted.
 type Range = (f64, f64);
 
-/// The bounds of the keys, asked in two configs with other values each: a bound that is another in each is no number of its own.
+/// The bounds of the keys, found in two configs with different values: a bound that differs between them is the value
+/// of another key.
 pub(crate) struct Bounds(BTreeMap<String, [Probe; 2]>);
 
-/// What was learned of a key in a config whose other keys are sound.
+/// The bounds of a key in a config whose other keys are sound.
 pub(crate) struct Probe {
     key: String,
     config: Config,
-    /// Each of them has to hold.
+    /// All of them must hold.
     ranges: Vec<Range>,
 }
 
-/// A whole config: all keys but those that another word of a choice excludes.
+/// A whole config: all keys except those that another word of a choice excludes.
 #[derive(Clone)]
 struct Config {
     keys: Vec<Key>,
@@ -29,7 +31,7 @@ struct Config {
 }
 
 impl Bounds {
-    /// Asks for those of all keys.
+    /// Finds those of all keys.
     pub(crate) fn ask(bench: &Bench, keys: &[Key]) -> Self {
         let [one, other] = [(0.3, 0.002), (0.7, -0.002)].map(|shares| probes(bench, keys, shares));
         let pairs = one.into_iter().zip(other).filter(|(one, _)| !one.ranges.is_empty());
@@ -49,13 +51,13 @@ impl Bounds {
         Some(ranges.collect::<Vec<_>>().join(", and "))
     }
 
-    /// What was learned in each config.
+    /// The result of each config.
     pub(crate) fn probes(&self) -> impl Iterator<Item = &Probe> {
         self.0.values().flatten()
     }
 }
 
-/// What is learned of each key, in configs that have each word of each choice once.
+/// The bounds of each key, in configs that have each word of each choice once.
 fn probes(bench: &Bench, keys: &[Key], (mut share, step): (f64, f64)) -> Vec<Probe> {
     let choices =
         keys.iter().filter_map(|key| if let Holds::OneOf(words) = &key.holds { Some(words.len()) } else { None });
@@ -76,14 +78,15 @@ fn probes(bench: &Bench, keys: &[Key], (mut share, step): (f64, f64)) -> Vec<Pro
     probes
 }
 
-/// An end of a range that was `a` in one config and `b` in the other: a number, or the key that has this value in both, if there is one.
+/// An end of a range that was `a` in one config and `b` in the other: a number, or the key that has this value in both,
+/// if there is one.
 fn end((a, b): (f64, f64), one: &Values, other: &Values) -> Option<String> {
     let same = || one.iter().find(|(key, value)| **value == a && other.get(*key) == Some(&b));
     if a == b { Some(a.to_string()) } else { same().map(|(key, _)| format!("`{key}`")) }
 }
 
 impl Probe {
-    /// The numbers within all its ranges, as far as there are any.
+    /// The intersection of its ranges.
     pub(crate) fn common(&self) -> Range {
         self.ranges.iter().fold((f64::NEG_INFINITY, f64::INFINITY), |all, one| (all.0.max(one.0), all.1.min(one.1)))
     }
@@ -101,7 +104,8 @@ impl Probe {
 }
 
 impl Config {
-    /// One with this word of every choice whose numbers are refused wherever there are bounds: those that need not be whole are none.
+    /// A config with this word of every choice. Its numbers are refused wherever there are bounds: whole ones are 0,
+    /// all others NaN.
     fn unsettled(keys: &[Key], choice: usize) -> Self {
         let mut words = BTreeMap::new();
         for key in keys {
@@ -125,7 +129,7 @@ impl Config {
         Self { keys, words, values }
     }
 
-    /// Gives every number that is refused another share of its range, so that none is out of bounds and no two are equal.
+    /// Sets every refused number to another share of its range, so that none is out of bounds and no two are equal.
     fn settle(&mut self, bench: &Bench, mut share: impl FnMut() -> f64) {
         while let Some((key, (min, max))) = self.refusal(bench, None) {
             let value = self.values.get_mut(&key).unwrap_or_else(|| panic!("{key} is refused, which is no key"));
@@ -133,7 +137,7 @@ impl Config {
         }
     }
 
-    /// The ranges that a number has to be in: the one that all others are refused by, and those that its own ends are refused by.
+    /// The ranges of a number: the one by which all others are refused, and those by which its own ends are refused.
     fn ranges(&self, bench: &Bench, key: &str) -> Vec<Range> {
         let range = |value| self.refusal(bench, Some((key, value))).filter(|(refused, _)| refused == key);
         let first = range(f64::NAN).or_else(|| range(0.0)).map(|(_, range)| range);
@@ -147,7 +151,7 @@ impl Config {
         ranges
     }
 
-    /// The first key that the program refuses by its bounds, and these, with another value of one key.
+    /// The first key that the program refuses by its bounds, and these bounds, with another value of one key.
     fn refusal(&self, bench: &Bench, changed: Option<(&str, f64)>) -> Option<(String, Range)> {
         let lines = self.keys.iter().filter_map(|key| {
             let changed = changed.filter(|(path, _)| *path == key.path).map(|(_, value)| value);
@@ -161,7 +165,7 @@ impl Config {
         Some((key.to_owned(), (min.parse().ok()?, max.parse().ok()?)))
     }
 
-    /// A value as TOML has it. `None`: a table, or what may be left out.
+    /// A value as TOML. `None`: a table, or an optional key.
     fn literal(&self, key: &Key, value: f64) -> Option<String> {
         match &key.holds {
             Holds::Number => Some(format!("{value:?}").to_lowercase()),

@@ -1,8 +1,9 @@
-//! Commands that a page shows with what they say: a fenced block `console`, in which commands begin with `$ `.
+//! Commands on a page with their output: a fenced block `console`, in which commands begin with `$ `.
 //!
-//! The commands of a page run one after another in one shell, in a folder that looks like the project's. `…` stands for whatever is
-//! different each time: at the end of a line for the rest of it, on a line of its own for any lines. Each command must succeed.
-//! A picture that a command draws and the page shows is compared as well. Where a page speaks of mosquitto, one is there.
+//! The commands of a page run one after another in one shell, in a folder with the layout of the project's. `…` stands
+//! for text that differs in each run: at the end of a line for the rest of it, on a line of its own for any lines. Each
+//! command must succeed. A picture that a command draws and the page shows is compared as well. A page that uses
+//! mosquitto gets a broker.
 
 use std::fs;
 use std::path::Path;
@@ -10,22 +11,22 @@ use std::process::{Command, Stdio};
 use system_tests::{Bench, Broker, root};
 
 const FENCE: &str = "```console";
-/// Stands between what two commands say.
+/// Separator between the outputs of two commands.
 const BETWEEN: char = '\u{1}';
 const ANYTHING: &str = "…";
 
-/// A command, and the lines that it says.
+/// A command, and the lines of its output.
 struct Step<'a> {
     command: &'a str,
     says: Vec<&'a str>,
 }
 
-/// Whether a page shows commands that run.
+/// Whether a page has commands to run.
 pub(crate) fn has_commands(page: &Path) -> bool {
     fs::read_to_string(page).unwrap().contains(FENCE)
 }
 
-/// Runs the commands of a page and compares what they say with what is shown, or writes it where it differs.
+/// Runs the commands of a page and compares their output with the shown one, or writes it where it differs.
 pub(crate) fn check(page: &Path, writes: bool) {
     let text = fs::read_to_string(page).unwrap();
     let blocks: Vec<&str> = text.split(FENCE).skip(1).map(|rest| rest.split("\n```").next().unwrap()).collect();
@@ -72,7 +73,7 @@ fn steps(block: &str) -> Vec<Step<'_>> {
     steps
 }
 
-/// What each command says on standard output and standard error.
+/// The output of each command on standard output and standard error.
 fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item = &'a str>) -> Vec<String> {
     for folder in ["docs", "experiments", "data"] {
         std::os::unix::fs::symlink(root().join(folder).canonicalize().unwrap(), bench.path(folder)).unwrap();
@@ -80,7 +81,7 @@ fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item 
     let broker = text.contains("mosquitto").then(Broker::default);
     let port = broker.as_ref().map_or(1, |broker| broker.port);
     let config = bench.read("config.toml").replace("port = 1883", &format!("port = {port}"));
-    // Patience with a machine that has other work.
+    // A longer timeout for a busy machine.
     bench.write("config.toml", config.replace("stall_s = 0.5 ", "stall_s = 10.0 "));
     let mut script = format!(
         "exec 2>&1\ntrap 'kill $(jobs -p) 2>/dev/null' EXIT\n\
@@ -93,7 +94,7 @@ fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item 
     let airball = bench.airball(&[]);
     let built = Path::new(airball.get_program()).parent().unwrap();
     let path = format!("{}:/usr/sbin:{}", built.display(), std::env::var("PATH").unwrap_or_default());
-    // A loop that waits for what does not come must end.
+    // A shell loop without end must be stopped.
     let mut shell = Command::new("timeout");
     shell
         .args(["600", "bash", "-c", &script])
@@ -107,7 +108,7 @@ fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item 
     said.split(BETWEEN).skip(1).map(|part| part.trim_end().to_owned()).collect()
 }
 
-/// Whether what is shown is what was said.
+/// Whether the shown output is the real one.
 fn alike(shown: &[&str], said: &[&str]) -> bool {
     match (shown.split_first(), said.split_first()) {
         (None, None) => true,

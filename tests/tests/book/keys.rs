@@ -1,27 +1,27 @@
-//! The reference of the config's keys, made by asking the program: under a key that cannot be there it says what it expects.
+//! The reference of the config's keys, found by running the program: for an unknown key it lists the expected ones.
 
 use super::bounds::Bounds;
 use super::pages::read;
 use std::fmt::Write;
 use system_tests::Bench;
 
-/// No table, no choice and no value is called so.
+/// A name that no table, choice or value has.
 const NOBODY: &str = "nosuch";
-/// Their numbers have bounds, which the gallery's pages say.
+/// The bounds of their numbers are on the gallery's pages.
 const EFFECTS: &str = "plant.effects.";
 
-/// A key that the program knows, or a word of a choice.
+/// A key of the config, or a word of a choice.
 #[derive(Clone)]
 pub(crate) struct Key {
-    /// Dotted.
+    /// Dotted path.
     pub(crate) path: String,
-    /// What the program expects there.
+    /// The expected content.
     pub(crate) holds: Holds,
     /// Whether it is a word.
     is_word: bool,
 }
 
-/// What the program expects at a key.
+/// The expected content of a key.
 #[derive(Clone)]
 pub(crate) enum Holds {
     /// A table with these keys.
@@ -60,7 +60,7 @@ pub(crate) fn page(keys: &[Key], bounds: &Bounds) -> String {
                     let _ = writeln!(effects, "| `{path}.{key}` | {} |", of_effect(effect, key));
                 }
             }
-            // A choice without keys of its own stands in the line of the key that it is for.
+            // A choice without keys of its own is in the line of its key.
             (_, holds) if !is_word || matches!(holds, Holds::Table(_)) => {
                 let _ = writeln!(page, "| `{path}` | {} |", words(holds, bounds.words(path)));
             }
@@ -87,7 +87,7 @@ fn words(holds: &Holds, bounds: Option<String>) -> String {
     }
 }
 
-/// All keys but those of effects, each table before what is in it.
+/// All keys except those of effects, each table before its content.
 pub(crate) fn keys(bench: &Bench) -> Vec<Key> {
     let mut keys = Vec::new();
     keys_below(bench, "", &holds(bench, ""), &mut keys);
@@ -104,7 +104,7 @@ fn keys_below(bench: &Bench, table: &str, held: &Holds, keys: &mut Vec<Key>) {
     }
 }
 
-/// Asks the program what it expects at a key.
+/// Finds the expected content of a key.
 fn holds(bench: &Bench, key: &str) -> Holds {
     let table = if key.is_empty() { String::new() } else { format!("[{key}]\n") };
     let said = answer(bench, format!("{table}{NOBODY} = 1\n"));
@@ -125,16 +125,17 @@ fn holds(bench: &Bench, key: &str) -> Holds {
     }
 }
 
-/// What the program says of a config.
+/// The program's output for a config.
 pub(crate) fn answer(bench: &Bench, config: String) -> String {
     bench.write("asked.toml", config);
     bench.run(&["config", "check", "--config", "asked.toml"]).errors
 }
 
-/// What is accepted of a number of an effect and where it does nothing, as the gallery's page has it from the catalogue.
+/// The accepted values of an effect's number, and the value without effect, as the gallery's page has them from the
+/// catalogue.
 fn of_effect(effect: &str, key: &str) -> String {
     let page = read(&format!("gallery/{effect}.md"));
     let row = page.lines().find_map(|line| line.strip_prefix(&format!("| `{key}` | ")));
-    // Its first cell is the size that is shown. A number that no log can tell is not in the catalogue.
+    // Its first cell is the shown size. A number that is not identifiable from any log is not in the catalogue.
     row.map_or("a number; may be absent | –", |row| row.split_once(" | ").unwrap().1.trim_end_matches(" |")).to_owned()
 }

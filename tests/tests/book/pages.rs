@@ -1,16 +1,16 @@
-//! The pages of the book, and what Markdown means here: links, headings, included files.
+//! The pages of the book, and the parts of Markdown that are checked: links, headings, included files.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use system_tests::root;
 
-/// Where the pages are.
+/// The folder of the pages.
 pub(crate) fn book() -> PathBuf {
     root().join("docs/book/src")
 }
 
-/// A page as it is kept.
+/// The text of a page's file.
 pub(crate) fn read(page: &str) -> String {
     fs::read_to_string(book().join(page)).unwrap()
 }
@@ -58,7 +58,7 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// What the links and pictures of a page lead to.
+/// The targets of the links and pictures of a page.
 pub(crate) fn links(text: &str) -> Vec<String> {
     let of = |line: &str| {
         let without_code: String = line.split('`').step_by(2).collect::<Vec<_>>().join("`");

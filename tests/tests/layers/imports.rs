@@ -1,20 +1,20 @@
-//! Which modules of a folder import which others, as its sources say.
+//! The imports between the modules of a folder, from their sources.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// An arrow for every import between two modules of a folder, with the first file that has it.
+/// The imports between two modules of a folder, each with the first file that has it.
 #[derive(Debug, Default)]
 pub(crate) struct Imports(BTreeMap<(String, String), String>);
 
 impl Imports {
-    /// Of the crate whose sources are in this folder.
+    /// The imports of the crate whose sources are in this folder.
     pub(crate) fn read(src: &Path) -> Self {
         Self::within(src, &[])
     }
 
-    /// Of a module of that crate, given by its path: between what it holds.
+    /// The imports between the submodules of a module of that crate, given by its path.
     pub(crate) fn within(src: &Path, parent: &[&str]) -> Self {
         let src = &parent.iter().fold(src.to_owned(), |folder, name| folder.join(name));
         let files = files(src);
@@ -30,7 +30,7 @@ impl Imports {
             texts.iter().flat_map(|(file, text)| modules_of_tests(file, text)).collect();
         let mut imports = Self::default();
         for (file, text) in &texts {
-            // The root of a crate imports all that it holds.
+            // The root of a crate imports all of its modules.
             let Some(path) = module(file) else { continue };
             if (1..=path.len()).any(|length| of_tests.contains(&path[..length]))
                 || path.iter().any(|name| is_test(name))
@@ -51,7 +51,7 @@ impl Imports {
         self.0.contains_key(&(from.to_owned(), to.to_owned()))
     }
 
-    /// The sets of modules that reach each other, each as the arrows within it.
+    /// The sets of modules that import each other, each as the imports within it.
     pub(crate) fn circles(&self) -> Vec<String> {
         let modules: BTreeSet<&str> = self.0.keys().map(|(from, _)| from.as_str()).collect();
         let reach: BTreeMap<&str, BTreeSet<&str>> = modules.iter().map(|from| (*from, self.reached(from))).collect();
@@ -73,7 +73,7 @@ impl Imports {
         circles
     }
 
-    /// What a module imports, and what that imports, and so on.
+    /// The direct and indirect imports of a module.
     fn reached(&self, from: &str) -> BTreeSet<&str> {
         let mut reached = BTreeSet::new();
         let mut open = vec![from];
@@ -122,14 +122,14 @@ fn modules_of_tests(file: &Path, text: &str) -> Vec<Vec<String>> {
     names.map(|name| [path.clone(), vec![name]].concat()).collect()
 }
 
-/// The text without what only tests compile.
+/// The text without the parts that only tests compile.
 fn code(text: &str) -> String {
     let mut parts = text.split("#[cfg(test)]");
     let first = parts.next().unwrap_or_default().to_owned();
     first + &parts.map(after_item).collect::<String>()
 }
 
-/// What follows an item: its semicolon, or the brace that closes its body in the first column.
+/// The text after an item: after its semicolon, or after the brace that closes its body in the first column.
 fn after_item(text: &str) -> &str {
     let item = text.trim_start();
     let line = item.lines().next().unwrap_or_default();
@@ -142,7 +142,7 @@ fn after_item(text: &str) -> &str {
     item.find(&end).map_or("", |at| &item[at + end.len()..])
 }
 
-/// Names and signs of a source, without comments and strings.
+/// Names and punctuation of a source, without comments and strings.
 fn words(text: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut rest = text;
@@ -222,7 +222,7 @@ fn imported(words: &[String], path: &[String], parent: &[&str]) -> BTreeSet<Stri
     found
 }
 
-/// The name that a path goes on with, or those of a group in braces.
+/// The next name of a path, or those of a group in braces.
 fn first_names(words: &[String]) -> Vec<String> {
     if words.first().is_none_or(|word| word != "{") {
         return words.first().cloned().into_iter().collect();

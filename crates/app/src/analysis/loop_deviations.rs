@@ -1,14 +1,14 @@
-//! What the loop did otherwise than its config says, before the duty reaches the fan: the stages controller and timing.
+//! Deviations of the loop from its config, before the duty reaches the fan: the stages controller and timing.
 //!
 //! ```text
 //! controller   the duty by the configured law on the logged setpoints and readings, against the duty as logged
 //! timing       the duty as logged, written at each deadline instead of `lateness_s` after it
 //! ```
 //!
-//! Both are differences between two duties, and are worth what the readings lose when the mended model is told the wrong one
-//! ([`diagnose::kl_divergence`]): nats, as the effects are. Only a log of this program says what its config and its lateness were. The law is
-//! followed from take-off to the first change of gains, open loop, fault or lost cycle; an excitation is in no log, so that where an
-//! experiment was flown a difference says nothing.
+//! Both are differences between two duties. Their worth is the log-likelihood that the readings lose when the mended
+//! model gets the wrong duty ([`diagnose::kl_divergence`]): nats, as for the effects. Only a log of this program holds
+//! its config and its lateness. The law is followed from take-off to the first change of gains, open loop, fault or
+//! lost cycle. An excitation is in no log, so that a difference means nothing where an experiment was flown.
 
 use crate::config::{Reference, Tables};
 use crate::flight::command::Command;
@@ -21,21 +21,21 @@ use diagnose::thresholds::FIRST_EFFECT;
 use diagnose::{Recording, Sample, kl_divergence};
 use plant::Model;
 
-/// Duties that differ by less are equal, percent: a 400th of the chip's step.
+/// Duties that differ by less are equal, percent: a 400th of the chip's resolution.
 const EQUAL_PERCENT: f64 = 1e-4;
 
-/// A stage before the plant where the loop did otherwise.
+/// A stage before the plant where the loop deviated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Upstream {
     /// `controller` or `timing`.
     pub name: &'static str,
-    /// What it is worth, nats.
+    /// Its log-likelihood gain, nats.
     pub nats: f64,
     /// What was found, with its numbers, and what to do.
     pub finding: String,
 }
 
-/// The stages before the plant where the loop of `log` did otherwise than its config says, in the order of the signal path.
+/// The stages before the plant where the loop of `log` deviated from its config, in the order of the signal path.
 #[must_use]
 pub fn upstream(log: &LoadedLog, model: &Model) -> Vec<Upstream> {
     let Some(tables) = log.config_toml.as_deref().and_then(|text| toml::from_str::<Tables>(text).ok()) else {
@@ -66,7 +66,7 @@ fn controller(log: &LoadedLog, tables: &Tables, model: &Model) -> Option<Upstrea
     Some(Upstream { name: "controller", nats, finding })
 }
 
-/// The cycles from the first to where the law ends that the config gives.
+/// The cycles from the first to the last one under the law of the config.
 fn under_the_law(log: &LoadedLog) -> &[Cycle] {
     let retuned = log.events.iter().find(|event| event.text.starts_with("gains ") && event.text.ends_with("accepted"));
     let until_s = retuned.map_or(f64::INFINITY, |event| event.time_s);
@@ -76,7 +76,7 @@ fn under_the_law(log: &LoadedLog) -> &[Cycle] {
             (step_s - cycle.period_s).abs() < 0.5 * cycle.period_s
         });
         let lawful = match cycle.mode {
-            // At the end of a programme there is nothing to follow any more.
+            // After the end of a programme there is no setpoint.
             Mode::Flying => cycle.setpoint_mm.is_some(),
             Mode::Waiting | Mode::Coasting => true,
             Mode::OpenLoop | Mode::Stopped => false,

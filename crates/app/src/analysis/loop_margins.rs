@@ -1,6 +1,8 @@
-//! What a loop bears: the linear plant of a model under a controller, in continuous time and sampled as the firmware does it.
+//! Stability margins and step response of a loop: the linear plant of a model under a controller, in continuous time
+//! and sampled as the firmware does it.
 //!
-//! The document of `airball design` (`airball.design/1`). Frequencies in rad/s, poles in 1/s (continuous) or as z (sampled).
+//! The document of `airball design` (`airball.design/1`). Frequencies in rad/s, poles in 1/s (continuous) or as z
+//! (sampled).
 
 use control::design::critical::{critical_gain, critical_integral_time};
 use control::design::law::{Gains, Law, Weights};
@@ -9,22 +11,22 @@ use control::design::margins::{gain_margins, phase_margins};
 use control::design::{DesignError, Linear, Plane, Transfer, step};
 use serde::Serialize;
 
-/// The period of the sensor's readings, seconds: what an observer counts on where no loop's period is known.
+/// The period of the sensor's readings, seconds: assumed by an observer where no loop's period is known.
 const SENSOR_PERIOD_S: f64 = 0.02;
 
 /// One crossing of −180°.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GainMargin {
-    /// Where, rad/s.
+    /// Frequency, rad/s.
     pub omega: f64,
-    /// The factor of the gain that brings the loop to the edge.
+    /// The factor of the gain that brings the loop to the stability limit.
     pub factor: f64,
 }
 
 /// One crossing of gain 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PhaseMargin {
-    /// Where, rad/s.
+    /// Frequency, rad/s.
     pub omega: f64,
     /// Phase that may be lost, degrees.
     pub phase_deg: f64,
@@ -32,20 +34,20 @@ pub struct PhaseMargin {
     pub delay_s: f64,
 }
 
-/// The step of the setpoint.
+/// The step response to the setpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Step {
-    /// Percent of the step.
+    /// Overshoot, percent of the step.
     pub overshoot_percent: f64,
-    /// When the ball is highest, seconds; `None`: never beyond.
+    /// Time of the peak, seconds; `None`: no overshoot.
     pub peak_s: Option<f64>,
-    /// 10 % to 90 %, seconds.
+    /// Rise time from 10 % to 90 %, seconds.
     pub rise_s: f64,
-    /// Outside ±5 % for the last time, seconds.
+    /// Settling time to ±5 %, seconds.
     pub settling_s: f64,
 }
 
-/// What one loop bears.
+/// Margins, step response and poles of one loop.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Assessment {
     /// Whether every pole decays.
@@ -54,9 +56,9 @@ pub struct Assessment {
     pub gain_margins: Vec<GainMargin>,
     /// In the order of frequency.
     pub phase_margins: Vec<PhaseMargin>,
-    /// The K_p at which the loop of a PID loses stability, its other gains kept; `None`: at none, or it has no stability at any.
+    /// The critical K_p of a PID loop, its other gains kept; `None`: the loop is stable at every gain, or at none.
     pub critical_kp_per_mm: Option<f64>,
-    /// The T_i at which it does, seconds.
+    /// The critical T_i, seconds.
     pub critical_ti_s: Option<f64>,
     /// `None`: the loop is not stable.
     pub step: Option<Step>,
@@ -64,7 +66,7 @@ pub struct Assessment {
     pub poles: Vec<[f64; 2]>,
 }
 
-/// A PID in words of JSON.
+/// A PID as JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pid {
     /// K_p: control value per millimetre.
@@ -75,20 +77,20 @@ pub struct Pid {
     pub td_s: f64,
     /// N of the derivative filter.
     pub derivative_n: f64,
-    /// b: how much of a setpoint's change the proportional part sees.
+    /// b: weight of the setpoint in the proportional part.
     pub setpoint_weight: f64,
-    /// c: how much of it the derivative sees.
+    /// c: weight of the setpoint in the derivative part.
     pub derivative_weight: f64,
 }
 
-/// The plant in words of JSON.
+/// The plant as JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Plant {
     /// K, mm/s² per unit of the control value: percent of duty, or nominal mm/s² behind a predistortion.
     pub gain_mm_per_s2_per_control: f64,
     /// a, 1/s.
     pub drag_per_s: f64,
-    /// Fall of the lift with height, 1/s².
+    /// Decrease of the lift with height, 1/s².
     pub gradient_per_s2: f64,
     /// Lag of the fan, seconds.
     pub fan_lag_s: f64,
@@ -99,7 +101,7 @@ pub struct Plant {
 }
 
 impl Pid {
-    /// The words for gains and weights.
+    /// As JSON.
     #[must_use]
     pub const fn of(gains: &Gains, weights: &Weights) -> Self {
         let Gains { kp_per_mm, ti_s, td_s, derivative_n } = *gains;
@@ -121,7 +123,7 @@ impl From<Linear> for Plant {
     }
 }
 
-/// What closes a loop.
+/// The controller that closes a loop.
 #[derive(Clone, Copy, Debug)]
 pub enum Closing {
     /// A PID, or a state feedback of position and velocity, which is one.
@@ -145,7 +147,7 @@ impl Loop {
     /// In continuous time.
     ///
     /// # Errors
-    /// [`DesignError::NoRiccatiSolution`]: the observer has no steady gain.
+    /// [`DesignError::NoRiccatiSolution`]: the observer has no steady-state gain.
     pub fn continuous(&self) -> Result<Assessment, DesignError> {
         self.assess(&self.plant.continuous())
     }
@@ -161,7 +163,7 @@ impl Loop {
     /// The controller's law.
     ///
     /// # Errors
-    /// [`DesignError::NoRiccatiSolution`]: the observer has no steady gain.
+    /// [`DesignError::NoRiccatiSolution`]: the observer has no steady-state gain.
     pub fn law(&self, plane: Plane) -> Result<Law, DesignError> {
         match &self.closing {
             Closing::Pid(gains, weights) => Ok(gains.law(plane, *weights)),

@@ -1,7 +1,7 @@
-//! What a measurement finds: the analysis that belongs to each, and what of it the app alone can judge.
+//! The result of a measurement: the analysis of each kind, and the parts that need the app's config.
 //!
-//! Calibration: `position = sensor_to_bottom − scale·distance`. Positions of a log were made with the `[rig]` that flew it, so that
-//! a correction `position = c·(reading − bottom)` gives
+//! Calibration: `position = sensor_to_bottom − scale·distance`. Positions of a log were made with the `[rig]` that flew
+//! it, so that a correction `position = c·(reading − bottom)` gives
 //!
 //! ```text
 //! scale' = c·scale        sensor_to_bottom' = c·(sensor_to_bottom − bottom)
@@ -20,9 +20,10 @@ use diagnose::measure::noise_floor::{NoiseFloor, noise_floor};
 use diagnose::measure::two_ends::{TwoEnds, two_ends};
 use serde::Serialize;
 
-/// Nearer than this the sensor sees no target that it can range, mm: its blind zone with the ball's curvature.
+/// Below this distance the sensor cannot range a target, mm: its blind zone with the ball's curvature.
 const BLIND_MM: f64 = 30.0;
-/// Bands of a calibration, ours: what a loop does not notice. Offset of the bottom in mm, scale off 1, noise of a reading in mm.
+/// Bands of a calibration, chosen so that a loop is not affected. Offset of the bottom in mm, scale off 1, noise of a
+/// reading in mm.
 const OFFSET_MM: f64 = 5.0;
 const SCALE: f64 = 0.03;
 const NOISE_MM: f64 = 5.0;
@@ -70,28 +71,28 @@ pub struct Steps {
     pub peak_s: Option<Estimate>,
     /// Mean settling time to ±5 %, of those that settled, seconds.
     pub settling_s: Option<Estimate>,
-    /// One after another.
+    /// Step by step.
     #[serde(skip)]
     pub each: Vec<Step>,
 }
 
-/// A calibration and its verdict.
+/// A calibration and its result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
-    /// What the ends say.
+    /// The two ends.
     pub ends: TwoEnds,
-    /// The distance from the sensor to the ball at the bottom that is right, mm.
+    /// The corrected distance from the sensor to the ball at the bottom, mm.
     pub sensor_to_bottom_mm: Estimate,
-    /// The scale that is right. `None`: the top is in the sensor's blind zone.
+    /// The corrected scale. `None`: the top is in the sensor's blind zone.
     pub sensor_scale: Option<Estimate>,
-    /// What must hold.
+    /// The bands, with the measured values.
     pub bands: Vec<Band>,
 }
 
 /// A number that must lie in a band.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Band {
-    /// What it is, with its unit.
+    /// Its name, with its unit.
     pub name: &'static str,
     /// The number. `None`: it could not be measured.
     pub value: Option<f64>,
@@ -104,7 +105,7 @@ pub struct Band {
 }
 
 impl Found {
-    /// Analyses a log of the experiment. `travel_mm`: the ball's way between its rests, for a calibration.
+    /// Analyses a log of the experiment. `travel_mm`: the ball's travel between its two ends, for a calibration.
     ///
     /// # Errors
     /// What the log lacks.
@@ -127,7 +128,7 @@ impl Found {
     }
 }
 
-/// The drag that the forces of jumps stand on, 1/s.
+/// The drag that is assumed for the forces of jumps, 1/s.
 fn drag_of(tables: &Tables) -> Result<f64> {
     let drag_per_s = tables.plant.as_ref().map(|plant| plant.drag_per_s).filter(|drag_per_s| *drag_per_s > 0.0);
     drag_per_s.ok_or_else(|| {

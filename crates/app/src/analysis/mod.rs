@@ -1,4 +1,4 @@
-//! What a recorded flight says beyond its diagnosis, and what a model does in the same flight.
+//! Analyses of a recorded flight besides its diagnosis, and virtual flights of a model.
 
 pub mod closed_loop;
 pub mod loop_deviations;

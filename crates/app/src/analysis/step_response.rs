@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! overshoot   largest excursion beyond the new setpoint, as a share of the jump
-//! peak        time from the jump to the largest excursion beyond the new setpoint that comes within five times the time to
-//!             half of the way, where it goes beyond by 2.5 % of the jump: later peaks are not the first, and smaller ones are noise
+//! peak        time from the jump to the largest excursion beyond the new setpoint within five times the time to half
+//!             of the way, if it is over 2.5 % of the jump: later peaks are not the first, and smaller ones are noise
 //! settling    time from the jump until the position stays within ±5 % of the jump for a second
 //! ```
 //!
@@ -26,7 +26,7 @@ const HALF_MEAN: usize = 2;
 /// The first peak comes within so many times the time to half of the way: 4.1 times at a damping of 0.7, less below.
 const PEAK_WITHIN: f64 = 5.0;
 
-/// What one row says of the loop.
+/// The signals of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// When, seconds.
@@ -43,7 +43,7 @@ impl From<&Cycle> for Moment {
     }
 }
 
-/// How the ball followed one jump of the setpoint.
+/// The response to one jump of the setpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// When the setpoint jumped, seconds.
@@ -54,9 +54,9 @@ pub struct Step {
     pub to_mm: f64,
     /// Largest excursion beyond the new setpoint, percent of the jump.
     pub overshoot_percent: f64,
-    /// Time of the first peak, seconds. `None`: it did not go visibly beyond the new setpoint.
+    /// Time of the first peak, seconds. `None`: no visible overshoot.
     pub peak_s: Option<f64>,
-    /// Time until it stays within the band, seconds. `None`: it did not before the next jump.
+    /// Time until the position remains within the band, seconds. `None`: it did not before the next jump.
     pub settling_s: Option<f64>,
 }
 
@@ -77,7 +77,7 @@ pub fn steps(cycles: &[Cycle]) -> Vec<Step> {
 /// The steps of any rows in the order of time.
 #[must_use]
 pub fn steps_of(moments: &[Moment]) -> Vec<Step> {
-    // A stretch without control ends a step, and what follows begins where the ball then is.
+    // A time without control ends a step; the next step begins at the ball's position then.
     moments.split(|moment| moment.setpoint_mm.is_none()).flat_map(steps_under_control).collect()
 }
 
@@ -88,7 +88,7 @@ fn steps_under_control(moments: &[Moment]) -> Vec<Step> {
         .collect();
     let mut starts: Vec<usize> =
         (1..rows.len()).filter(|&k| (rows[k].setpoint_mm - rows[k - 1].setpoint_mm).abs() >= JUMP_MM).collect();
-    // The take-off is a step from where the ball lies.
+    // The take-off is a step from the ball's rest position.
     if rows.first().is_some_and(|first| (first.setpoint_mm - first.position_mm).abs() >= JUMP_MM) {
         starts.insert(0, 0);
     }
@@ -118,7 +118,7 @@ fn step(rows: &[Row], start: usize, end: usize) -> Option<Step> {
     })
 }
 
-/// When the ball was furthest beyond the new setpoint for the first time, if by half of the band at least.
+/// Time of the first peak beyond the new setpoint, if it exceeds half of the band.
 fn first_peak(errors: &[(f64, f64)], jump: f64) -> Option<f64> {
     let start_s = errors.first()?.0;
     let half_way = errors.iter().find(|(_, error)| error * jump.signum() >= -0.5 * jump.abs())?.0 - start_s;
@@ -127,7 +127,7 @@ fn first_peak(errors: &[(f64, f64)], jump: f64) -> Option<f64> {
     (error * jump > BAND / 2.0 * jump * jump).then_some(*time_s)
 }
 
-/// The first time from which the error stays within `band_mm` for [`HELD_S`].
+/// The first time after which the error remains within `band_mm` for [`HELD_S`].
 fn settling(errors: &[(f64, f64)], band_mm: f64) -> Option<f64> {
     let mut since = None;
     for (time_s, error) in errors {

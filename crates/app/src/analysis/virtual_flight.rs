@@ -1,7 +1,7 @@
-//! Flights on the desk: a model flown in virtual time by a controller, its cycles kept in memory.
+//! Virtual flights: a model flown in virtual time by a controller, its cycles kept in memory.
 //!
-//! The controller is that of a config, on the rig that [`simulate`](crate::commands::simulate) flies; or, where a config holds
-//! a plant alone, a gentle one that the model itself suggests, on a rig without chips:
+//! The controller is that of a config, on the rig that [`simulate`](crate::commands::simulate) flies. Where a config
+//! holds a plant alone, it is a slow PID computed from the model, on a rig without chips:
 //!
 //! ```text
 //! ÿ = K·u − a·ẏ, u = K_p·(e + T_d·ė)      the loop crosses over at ω = 0.35/τ, at most 3 rad/s
@@ -9,8 +9,9 @@
 //! K_p = ω·√(ω² + a²) / (K·√(1 + ω²/z²))   τ: lags, delays and 1.5 periods together
 //! ```
 //!
-//! It is slower where the sensor's noise would shake the duty by more than a fifth of its room. A loop that slow next to its lags loses 20° of phase to them; the integral only has to find hover.
-//! Source: loop shaping, Åström & Murray, *Feedback Systems*, "Frequency Domain Design".
+//! It is slower where the sensor's noise would move the duty by more than a fifth of its range. Such a crossover loses
+//! 20° of phase to the lags; the integral only has to find hover. Source: loop shaping, Åström & Murray, *Feedback
+//! Systems*, "Frequency Domain Design".
 
 use crate::config::{Loop, Rig, Safety, Tables};
 use crate::flight::Flight;
@@ -28,31 +29,31 @@ use control::regulator::Regulator;
 use plant::Model;
 use std::sync::atomic::AtomicBool;
 
-/// How slow the gentle loop is beside its lags, and how fast at most, rad/s.
+/// Crossover of the slow loop times its lags, and the largest crossover, rad/s.
 const BESIDE_LAGS: f64 = 0.35;
 const FASTEST_PER_S: f64 = 3.0;
-/// The integral of the gentle loop is so many times slower than its crossover.
+/// The integral of the slow loop is slower than its crossover by this factor.
 const INTEGRAL: f64 = 10.0;
-/// N of the gentle loop, and the share of the duty's room that the sensor's noise may take up through it, 1 sigma.
+/// N of the slow loop, and the share of the duty's range that the sensor's noise may take through it, 1 sigma.
 const DERIVATIVE_N: f64 = 10.0;
 const NOISE_SHARE: f64 = 0.2;
-/// How much acceleration the gentle loop may ask for, pipe lengths per second squared.
+/// Largest acceleration that the slow loop may command, pipe lengths per second squared.
 const HARDEST_PIPES_PER_S2: f64 = 4.0;
 
-/// A rig and a controller, ready to fly any model.
+/// A rig and a controller that can fly any model.
 #[derive(Clone, Debug)]
 pub struct Desk {
-    /// The chips around the plant; `None`: nothing is known of them.
+    /// The chips around the plant; `None`: unknown.
     rig: Option<Rig>,
     table: Loop,
     controllers: Controllers,
     observer: Option<Observer>,
     compensation: Compensation,
-    /// What no flight exceeds.
+    /// The limits of every flight.
     pub safety: Safety,
 }
 
-/// What a flight left behind.
+/// The result of a flight.
 #[derive(Clone, Debug, Default)]
 pub struct Flown {
     /// Its control periods.
@@ -91,14 +92,14 @@ impl Desk {
         held.filter(|held| held.check().is_ok()).as_ref().and_then(Self::of).or_else(|| Self::of(tables))
     }
 
-    /// What is between this controller and the fan.
+    /// The compensation between this controller and the fan.
     #[must_use]
     pub const fn compensation(&self) -> &Compensation {
         &self.compensation
     }
 
-    /// A gentle controller for a rig of which only `model` and the time between readings are known. `None`: its hover is no
-    /// duty, so that it is not flown by one.
+    /// A slow controller for a rig of which only `model` and the time between readings are known. `None`: its hover is
+    /// not a possible duty.
     #[must_use]
     pub fn gentle(model: &Model, period_s: f64) -> Option<Self> {
         let hover = model.hover_duty_percent;
@@ -125,7 +126,7 @@ impl Desk {
         Some(Self { rig: None, table, controllers, observer: None, compensation, safety })
     }
 
-    /// The same with all gains of the controllers multiplied. `None`: the one that flies has no gain.
+    /// The same with all gains of the controllers multiplied. `None`: the active one has no gain.
     #[must_use]
     pub fn with_gain(&self, ratio: f64) -> Option<Self> {
         let has_gain = self.controllers.first().is_some_and(|kind| !matches!(kind, Kind::Mpc | Kind::OpenLoop));
@@ -146,11 +147,11 @@ impl Desk {
         self.table.period_s
     }
 
-    /// Flies a rig that is as `model` says through `experiment`, which must have an end.
+    /// Flies a rig that behaves as `model` through `experiment`, which must have an end.
     #[must_use]
     pub fn fly(&self, model: &Model, experiment: &Experiment, seed: u64) -> Flown {
         let mut flown = Flown::default();
-        // Every way to a desk has made a regulator of these tables before.
+        // Every constructor has already made a regulator of these tables.
         let Some(regulator) = self.regulator() else { return flown };
         let pilot = Pilot::new(Orders {
             regulator,
@@ -162,7 +163,7 @@ impl Desk {
         });
         let stop = AtomicBool::new(false);
         let outcome = match &self.rig {
-            // Emulated chips answer: a rig that does not start leaves a flight without cycles.
+            // Emulated chips always answer: a rig that does not start gives a flight without cycles.
             Some(rig) => simulated_in_virtual_time(model, rig, seed)
                 .map(|mut rig| Flight::new(&mut rig, pilot, &self.table, &mut flown, None).fly(f64::INFINITY, &stop))
                 .ok(),
@@ -193,7 +194,7 @@ fn gentle_pid(model: &Model, omega: f64) -> Pid {
     Pid::new(kp_per_mm, INTEGRAL / omega, zero.recip(), DERIVATIVE_N, DerivativeOn::Measurement)
 }
 
-/// How late the ball answers a duty, seconds: lags, delays and the loop's own period.
+/// Total lag from duty to ball, seconds: lags, delays and the loop's own period.
 fn slowness_s(model: &Model, period_s: f64) -> f64 {
     let late_s: f64 = model.effects.present().iter().map(|entry| model.effects.late_s(entry.name)).sum();
     late_s + model.effects.hold().map_or(0.0, |stale| stale.hold_s) + 1.5 * period_s

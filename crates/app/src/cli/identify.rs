@@ -7,7 +7,8 @@ use std::path::PathBuf;
 /// `airball identify`
 #[derive(Debug, Subcommand)]
 pub enum IdentifyCommand {
-    /// Gain, drag, hover and the fan's lag from any flight, with 90 % intervals, residual tests and the fit on what was held out
+    /// Gain, drag, hover and the fan's lag from any flight, with 90 % intervals, residual tests and the fit on what was
+    /// held out
     GreyBox(GreyBoxArgs),
     /// Gain and drag from the overshoots of a sweep of proportional gains: the transient method of the thesis
     Transient(TransientArgs),
@@ -66,7 +67,8 @@ pub enum PolesArg {
 /// `airball identify transient`
 #[derive(Debug, Args)]
 pub struct TransientArgs {
-    /// The log, MCAP of this program or CSV, of pulses under proportional controllers; several of one rig are used together
+    /// The log, MCAP of this program or CSV, of pulses under proportional controllers; several of one rig are used
+    /// together
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
     /// What every identification may be told.

@@ -22,7 +22,8 @@ pub struct MeasureArgs {
     /// Fly nothing: take this log of such an experiment, MCAP or CSV
     #[arg(long, value_name = "LOG", conflicts_with_all = ["sim", "in_virtual_time", "experiment", "log"])]
     pub from: Option<PathBuf>,
-    /// Calibration: the ball's way from its rest at the bottom to its rest at the top, mm, by a ruler [default: pipe_length_mm of the config's table plant]
+    /// Calibration: the ball's way from its rest at the bottom to its rest at the top, mm, by a ruler [default:
+    /// pipe_length_mm of the config's table plant]
     #[arg(long, value_name = "MM", value_parser = travel)]
     pub travel_mm: Option<f64>,
     /// Write what was found as a config patch for --patch

@@ -100,7 +100,8 @@ pub struct DiagnoseArgs {
     /// Write a report to look at and to print: one page that needs no network (HTML)
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Write the force that the believed effects leave unexplained, reading by reading with its standard deviation (CSV)
+    /// Write the force that the believed effects leave unexplained, reading by reading with its standard deviation
+    /// (CSV)
     #[arg(long, value_name = "FILE")]
     pub missing_force: Option<PathBuf>,
     /// Never name this effect, as if the catalogue did not hold it: what else explains the record? May be given again
@@ -131,7 +132,8 @@ pub struct LiveArgs {
     /// The page (HTML)
     #[arg(long, value_name = "FILE", default_value = "live.html")]
     pub out: PathBuf,
-    /// WebSockets of the broker [default: those of the host that serves the page; opened as a file, port 9001 of the config's broker]
+    /// WebSockets of the broker [default: those of the host that serves the page; opened as a file, port 9001 of the
+    /// config's broker]
     #[arg(long, value_name = "URL")]
     pub broker: Option<String>,
 }

@@ -5,7 +5,7 @@ use crate::cli::ConfigArgs;
 use crate::config::Config;
 use anyhow::Result;
 
-/// Says whether a config is sound.
+/// Checks a config and prints the result.
 ///
 /// # Errors
 /// Where it is not.

@@ -1,4 +1,4 @@
-//! `airball diagnose`: what separates the logs of a rig from a model.
+//! `airball diagnose`: the differences between the logs of a rig and a model.
 
 use super::diagnosing::{Answer, Asked};
 use super::{may_write, note, say, write};
@@ -17,13 +17,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::time::Duration;
 
-/// From one turn of the bar's spinner to the next.
+/// Time between two frames of the progress bar's spinner.
 const TICK: Duration = Duration::from_millis(120);
 
-/// Diagnoses logs and says what was found.
+/// Diagnoses logs and prints the result.
 ///
 /// # Errors
-/// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be written.
+/// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be
+/// written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     may_write(args.plot.as_deref(), args.html.as_deref())?;
     let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.patch)?;
@@ -66,7 +67,8 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice)).try_for_each(say)
 }
 
-/// A bar of the diagnosis' fits on standard error, if that is a terminal; it grows with every effect that is found.
+/// A progress bar of the diagnosis' fits on standard error, if that is a terminal; it grows with every effect that is
+/// found.
 fn bar() -> Result<ProgressBar> {
     let bar = ProgressBar::new(0);
     bar.set_style(ProgressStyle::with_template("{spinner} {bar:30} {pos}/{len} fits  {wide_msg} {elapsed}")?);
@@ -74,7 +76,7 @@ fn bar() -> Result<ProgressBar> {
     Ok(bar)
 }
 
-/// Draws what was found and writes the missing force, where that is asked for.
+/// Draws the result and writes the missing force, where requested.
 fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     if args.plot.is_none() && args.missing_force.is_none() && args.html.is_none() {
         return Ok(());
@@ -108,7 +110,7 @@ fn report(args: &DiagnoseArgs, asked: &Asked, answer: &Answer, picture: &Series)
     })
 }
 
-/// Writes the next experiment; where none is called for, a file that could not be flown is not written.
+/// Writes the next experiment; where none is needed, no file is written.
 fn write_next(path: &Path, advice: &Advice) -> Result<()> {
     match &advice.experiment {
         Some(next) => write("experiment", path, &next.file),

@@ -1,4 +1,4 @@
-//! Logs of one rig and a config in, a diagnosis out: what `diagnose` does to the logs that are named.
+//! From logs of one rig and a config to a diagnosis: what `diagnose` does with the named logs.
 
 use crate::analysis::closed_loop;
 use crate::analysis::loop_deviations::{Upstream, upstream};
@@ -22,22 +22,22 @@ pub(super) struct Asked {
     pub(super) belief: Model,
     /// The config that it is part of.
     tables: Tables,
-    /// Each log, without the codes of a sensor that saw nothing, and its name.
+    /// Each log, without the codes of a sensor that saw no target, and its name.
     pub(super) logs: Vec<LoadedLog>,
     pub(super) names: Vec<String>,
     /// Their rows as they were read, log by log.
     pub(super) recordings: Vec<Recording>,
 }
 
-/// What a diagnosis found, what it means for the loop, and what to fly next.
+/// The diagnosis, its meaning for the loop, and the next flight.
 pub(super) struct Answer {
     /// The diagnosis.
     pub(super) found: Diagnosis,
     /// The closed loop before and after.
     pub(super) looped: ClosedLoop,
-    /// What to fly next.
+    /// The next flight.
     pub(super) advice: Advice,
-    /// Where the loop did otherwise than its config says, before the duty reaches the fan; and in which log.
+    /// Deviations of the loop from its config, before the duty reaches the fan, and the number of the log.
     pub(super) upstream: Vec<(usize, Upstream)>,
 }
 
@@ -58,18 +58,18 @@ impl Asked {
         Ok(Self { belief, tables: config.tables, logs, names, recordings })
     }
 
-    /// Their rows without the codes of a sensor that saw nothing, log by log.
+    /// Their rows without the codes of a sensor that saw no target, log by log.
     pub(super) fn seen(&self) -> impl Iterator<Item = Recording> {
         self.logs.iter().map(|log| log.recording.clone())
     }
 
-    /// What is said of the logs themselves.
+    /// The statements about the logs themselves.
     pub(super) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
         let duration_s = self.recordings.iter().map(Recording::duration_s).sum();
         Logs { names: &self.names, duration_s, upstream: &answer.upstream }
     }
 
-    /// Diagnoses the logs, and says to `progress` which of its [`STEPS`] begins.
+    /// Diagnoses the logs, and reports to `progress` which of its [`STEPS`] begins.
     pub(super) fn diagnose(&self, options: &Options, progress: &dyn Fn(&'static str)) -> Answer {
         let [search, fly, choose] = STEPS;
         progress(search);
@@ -106,7 +106,8 @@ impl Asked {
     }
 }
 
-/// No flight twice, which would count as twice the evidence, and no two rigs as far as the logs say whose they are.
+/// Refuses a flight that is named twice, which would count as twice the evidence, and logs of two rigs, as far as the
+/// logs name them.
 fn check_one_rig(names: &[String], logs: &[LoadedLog]) -> Result<()> {
     let rig = |log: &LoadedLog| {
         let held = toml::from_str::<Tables>(log.config_toml.as_deref()?).ok()?;

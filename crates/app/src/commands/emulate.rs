@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
-/// Serves the bus until a signal ends the process, and says each change of the fan.
+/// Serves the bus until a signal ends the process, and prints each change of the fan.
 ///
 /// # Errors
 /// A config that is not sound, a socket that cannot be made.
@@ -34,26 +34,26 @@ pub fn emulate(args: &EmulateArgs) -> Result<()> {
             let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
             if *said != percent {
                 *said = percent;
-                // Nobody reads along: the rig goes on.
+                // Nobody reads the output: the rig goes on.
                 let _ = say(format_args!("{:9.3} s  fan {percent:.2} %", clock.now_s()));
             }
         };
         let handle = handle.context("the socket of the emulated bus failed")?;
-        // A handle that speaks nonsense is closed; the others go on.
+        // A handle that breaks the protocol is closed; the others go on.
         thread::spawn(move || {
             let _ = serve(handle, Served::new(&bus), || after(&bus));
-            // Lines that it drove are back at their pull-ups.
+            // Lines that it drove return to their pull-ups.
             after(&bus);
         });
     }
     Ok(())
 }
 
-/// Takes the place of a socket that nobody serves any more.
+/// Replaces a socket that no process serves any more.
 fn listen(path: &Path) -> Result<UnixListener> {
     let is_socket = fs::symlink_metadata(path).is_ok_and(|about| about.file_type().is_socket());
     let refused = |error: std::io::Error| error.kind() == std::io::ErrorKind::ConnectionRefused;
-    // A plain file refuses a connection as well, and is somebody's.
+    // A plain file refuses a connection as well, and must not be replaced.
     if is_socket && UnixStream::connect(path).is_err_and(refused) {
         let _ = fs::remove_file(path);
     }

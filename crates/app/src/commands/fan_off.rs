@@ -1,4 +1,4 @@
-//! `airball fan-off`: turns the fan off, whatever else happens on the rig.
+//! `airball fan-off`: turns the fan off in every situation.
 
 use super::{note, say};
 use crate::cli::FanOffArgs;
@@ -6,7 +6,7 @@ use crate::config::{Bus, Config};
 use crate::rig::{BenchError, EnableLine, claim, turn_off};
 use anyhow::Result;
 
-/// How long it is tried, seconds.
+/// How long the command tries, seconds.
 const ALLOWED_S: f64 = 5.0;
 
 /// Turns the fan off and reads back that it is.
@@ -22,7 +22,7 @@ pub fn fan_off(args: &FanOffArgs) -> Result<()> {
             (bus, config.tables.rig.as_ref().and_then(EnableLine::of))
         }
     };
-    // First the fan, then questions.
+    // The fan is turned off before anything else is checked.
     turn_off(&bus, enable.as_ref(), ALLOWED_S)?;
     say(format_args!("the fan on {} is off", bus.device))?;
     if matches!(claim(&bus), Err(BenchError::Taken { .. })) {

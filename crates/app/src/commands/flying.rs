@@ -23,10 +23,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::SystemTime;
 
-/// Cycles of a flight that are read again for its summary and picture, at most: an hour at 50 Hz, for a rig has little memory.
+/// Largest number of cycles that are read again for the summary and the picture: an hour at 50 Hz, because a rig has
+/// little memory.
 const RETOLD: usize = 180_000;
 
-/// A flight as its flags and config want it.
+/// A flight as its flags and config define it.
 pub(super) struct Plan {
     pub(super) config: Config,
     pub(super) table: Loop,
@@ -76,12 +77,12 @@ fn may_change_gains(experiment: &Experiment, orders: &Orders) -> Result<()> {
     Ok(())
 }
 
-/// An experiment that a command brings along.
+/// The experiment of a command that has its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Own {
     /// Its file in the project.
     pub(super) name: &'static str,
-    /// What the file says.
+    /// The file's text.
     pub(super) text: &'static str,
 }
 
@@ -89,12 +90,12 @@ pub(super) struct Own {
 pub(super) struct Flown {
     pub(super) outcome: Outcome,
     pub(super) log: Result<LogSummary, LogError>,
-    /// Its log, the oldest first; more than one where `[log] part_s` says so.
+    /// Its log, the oldest file first; more than one with `[log] part_s`.
     pub(super) files: Vec<PathBuf>,
 }
 
 impl Flown {
-    /// What was wrong with it, worst first: a fan that is still on, then a fault.
+    /// The errors of the flight, worst first: a fan that is still on, then a fault.
     pub(super) fn landed(&self) -> Result<()> {
         match (still_on(&self.outcome), self.outcome.fault) {
             (Some(worse), _) => Err(anyhow!(worse)),
@@ -114,7 +115,7 @@ pub(super) fn still_on(outcome: &Outcome) -> Option<String> {
 pub(super) fn log_of(plan: &Plan, args: &FlightArgs, seed: Option<u64>, started: SystemTime) -> (PathBuf, Header) {
     let named = || {
         let directory = plan.config.tables.log.as_ref().map_or("flights", |log| log.directory.as_str());
-        // A colon is no part of a file name on every system.
+        // A colon is not allowed in file names on every system.
         let name = rfc3339(SystemTime::now()).replace(':', "-");
         PathBuf::from(directory).join(format!("{name}.mcap"))
     };
@@ -138,8 +139,8 @@ pub(super) fn landing_signal() -> Result<Arc<AtomicBool>> {
     Ok(stop)
 }
 
-/// Says what the flight was like, from its log, and draws it. What is worst decides the error: a fan that is still on, a
-/// fault, the log, then the picture; what is not the error is said as a note.
+/// Prints the flight's summary, from its log, and draws it. The worst problem is the error: a fan that is still on, a
+/// fault, the log, then the picture; the others are printed as notes.
 pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()> {
     let dropped = flown.log.as_ref().map_or(0, |log| log.dropped);
     let told = tell(args, title, &flown.outcome, &flown.files, dropped);
@@ -154,7 +155,7 @@ pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()>
     worst
 }
 
-/// Summary and picture of the cycles that the log kept, however few.
+/// Summary and picture of the cycles in the log, however few.
 fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dropped: u64) -> Result<()> {
     if outcome.punctuality.cycles == 0 {
         return say(format_args!("flight    none: it was ended before its first cycle"));
@@ -177,8 +178,8 @@ fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dr
     Ok(())
 }
 
-/// The end of the flight, from as many of its last files as hold `most` cycles, but from one at least, and how many those
-/// are. Files that are gone, or hold nothing, are passed over.
+/// The end of the flight, from as many of its last files as hold `most` cycles, but at least one, and how many those
+/// are. Missing or empty files are skipped.
 fn last_cycles(files: &[PathBuf], most: usize) -> Result<(Vec<Cycle>, usize), LogError> {
     let (mut parts, mut known, mut unread) = (Vec::new(), 0, None);
     for file in files.iter().rev() {
@@ -200,7 +201,7 @@ fn last_cycles(files: &[PathBuf], most: usize) -> Result<(Vec<Cycle>, usize), Lo
     }
 }
 
-/// The log in words: one file, or the first and the last of several.
+/// The log's name in words: one file, or the first and the last of several.
 fn named(files: &[PathBuf], read: usize) -> String {
     let [first, .., last] = files else { return files.iter().map(|file| file.display().to_string()).collect() };
     let count = files.len();

@@ -1,4 +1,5 @@
-//! `airball guard`: turns the fan off when the loop on the other end of standard input is gone. `airball run` starts it.
+//! `airball guard`: turns the fan off when the loop on the other end of standard input is gone. `airball run` starts
+//! it.
 
 use super::note;
 use crate::cli::GuardArgs;
@@ -12,7 +13,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// How long the fan of a flight is tried to be turned off, seconds: longer than a bus is without power in a brown-out.
+/// How long the guard tries to turn the fan off after a flight, seconds: longer than the bus is without power in a
+/// brown-out.
 const ALLOWED_S: f64 = 60.0;
 /// The same where no cycle has run: the fan was never turned on.
 const ALLOWED_ON_THE_GROUND_S: f64 = 1.0;
@@ -48,7 +50,7 @@ pub fn guard(args: &GuardArgs) -> Result<()> {
     }
 }
 
-/// Turns the fan off first, and then says and keeps why.
+/// Turns the fan off first, and then reports and records the reason.
 fn act(args: &GuardArgs, why: &str) -> Result<()> {
     let stopped = turn_off(&bus(args), args.output_enable.as_ref(), ALLOWED_S);
     let result = if stopped.is_ok() { "the guard turned the fan off" } else { "the fan may still run" };
@@ -66,7 +68,7 @@ fn bus(args: &GuardArgs) -> Bus {
     Bus { device: args.device.clone() }
 }
 
-/// Signals are for the loop. A guard that ended before its loop would leave it unguarded.
+/// Signals are for the loop. A guard that ended before its loop would leave the fan unguarded.
 fn ignore_signals() -> Result<()> {
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
         signal_hook::flag::register(signal, Arc::new(AtomicBool::new(false)))?;

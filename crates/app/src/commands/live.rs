@@ -1,4 +1,4 @@
-//! `airball live`: writes the page that flies a rig from a browser.
+//! `airball live`: writes the page for flying a rig from a browser.
 
 use super::say;
 use crate::cli::LiveArgs;
@@ -13,7 +13,7 @@ const PORT: u16 = 9001;
 /// Writes the page.
 ///
 /// # Errors
-/// A config without a rig or a broker, an address that is none, a file that cannot be written.
+/// A config without a rig or a broker, an invalid address, a file that cannot be written.
 pub fn live(args: &LiveArgs) -> Result<()> {
     page::may_write(&args.out)?;
     let config = Config::read(&args.config.config, &args.config.patch)?;

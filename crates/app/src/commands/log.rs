@@ -10,7 +10,7 @@ use std::process::ExitCode;
 /// Exit status of a recovery that lost something.
 const LOSSY: u8 = 3;
 
-/// Says what is in a log.
+/// Prints the contents of a log.
 ///
 /// # Errors
 /// A log that cannot be read.
@@ -43,8 +43,8 @@ pub fn export(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes a whole log from what a damaged one holds, and says what is lost. Returns the exit status: 0 for all, 3 for
-/// less; an error is nothing.
+/// Writes a whole log from the readable parts of a damaged one, and prints what is lost. Returns the exit status: 0 for
+/// a complete log, 3 for less; an error if nothing could be read.
 ///
 /// # Errors
 /// A log of which nothing can be read, or a new one that cannot be written.

@@ -1,4 +1,4 @@
-//! One file a command: reads its flags and tables, calls what does the work, prints the result.
+//! One file per command: it reads flags and tables, calls the analysis or flight, and prints the result.
 
 pub mod config;
 pub mod design;

@@ -1,4 +1,4 @@
-//! `airball monitor`: a rig in a terminal, or where there is none, a line a second.
+//! `airball monitor`: a rig in a terminal; without a terminal, one line a second.
 
 use super::say;
 use crate::cli::MonitorArgs;
@@ -13,17 +13,18 @@ use ratatui::crossterm::event::{self, Event};
 use std::io::{IsTerminal, stdin, stdout};
 use std::time::{Duration, Instant};
 
-/// How long the first state may take, where nobody sees that there is none.
+/// How long the first state may take where there is no screen.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Between two looks at keys and messages.
+/// Time between two checks of keys and messages.
 const TURN: Duration = Duration::from_millis(50);
-/// Between two lines.
+/// Time between two lines.
 const LINES: Duration = Duration::from_secs(1);
 
-/// Shows a rig until somebody leaves.
+/// Shows a rig until the user quits.
 ///
 /// # Errors
-/// A config without a rig or a broker; a terminal that cannot be drawn on; without a terminal, a rig that says nothing.
+/// A config without a rig or a broker; a terminal that cannot be drawn on; without a terminal, a rig that sends
+/// nothing.
 pub fn monitor(args: &MonitorArgs) -> Result<()> {
     let config = Config::read(&args.config.config, &args.config.patch)?;
     let rig = config.need("monitor", "rig", |tables| tables.rig.as_ref())?;
@@ -66,7 +67,7 @@ fn act(monitor: &mut Monitor, remote: &Remote, deed: Deed) {
     }
 }
 
-/// A line a second, or the first one only; an error that begins with `nothing` where no rig is heard.
+/// A line a second, or the first one only; an error that begins with `nothing` where no rig is received.
 fn lines(mut monitor: Monitor, remote: &Remote, once: bool, nothing: &str) -> Result<()> {
     let (mut due, mut deadline) = (Instant::now(), Some(Instant::now() + PATIENCE));
     let mut lost = String::from("the broker answers, the rig does not: is `airball run` on?");

@@ -11,12 +11,12 @@ pub(super) fn say(line: impl Display) -> Result<()> {
     Ok(writeln!(stdout().lock(), "{line}")?)
 }
 
-/// A word to the person at the terminal, on standard error. Nobody there is no failure.
+/// A note for the user at the terminal, on standard error. A closed standard error is not a failure.
 pub fn note(line: impl Display) {
     let _ = writeln!(stderr().lock(), "airball: {line}");
 }
 
-/// An error, with those of its causes that its own words do not name.
+/// An error, with those of its causes that its own text does not name.
 #[must_use]
 pub fn with_causes(error: &anyhow::Error) -> String {
     let in_a_line = |words: &str| words.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -25,12 +25,12 @@ pub fn with_causes(error: &anyhow::Error) -> String {
     })
 }
 
-/// Flags that do not go together: wrong usage, and not a command that failed.
+/// Flags that exclude each other: wrong usage, not a failed command.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// Refuses names for a picture and a page that something else has, before any work is done for them.
+/// Refuses names for a picture and a page that another file has, before the computation begins.
 ///
 /// # Errors
 /// The file that is kept.
@@ -39,7 +39,7 @@ pub(super) fn may_write(picture: Option<&Path>, html: Option<&Path>) -> Result<(
     Ok(html.map_or(Ok(()), page::may_write)?)
 }
 
-/// Writes a file that was asked for; `what` it is, for the message.
+/// Writes a requested file; `what` names it in the message.
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
@@ -48,7 +48,7 @@ pub(super) fn write(what: &str, path: &Path, text: &str) -> Result<()> {
         .map_err(|error| anyhow!("cannot write the {what} {}: {error}; check the folder", path.display()))
 }
 
-/// Whether a command failed only because whoever read its output has left, as `head` does.
+/// Whether a command failed only because the reader of its output has closed it, as `head` does.
 #[must_use]
 pub fn reader_is_gone(error: &anyhow::Error) -> bool {
     let broken = |error: &std::io::Error| error.kind() == ErrorKind::BrokenPipe;

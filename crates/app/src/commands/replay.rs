@@ -11,7 +11,7 @@ use crate::report::replay::plot;
 use anyhow::Result;
 use diagnose::{Gap, check, free_runs};
 
-/// Measures the gap and says it.
+/// Measures the gap and prints it.
 ///
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a picture that cannot be written.

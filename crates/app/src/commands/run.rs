@@ -24,7 +24,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32};
 use std::time::SystemTime;
 
-/// A PWM frequency that is off by more than this share of what was asked for is worth a word.
+/// A PWM frequency that deviates by more than this share from the requested one is reported.
 const PWM_OFF: f64 = 0.02;
 
 /// Flies in real time until the duration, the experiment or a signal ends it.
@@ -40,15 +40,15 @@ pub fn run(args: &RunArgs) -> Result<()> {
     beside.counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
 }
 
-/// What came of watch and link beside a flight.
+/// The results of the watch and of the link after a flight.
 pub(super) struct Beside {
-    /// What the watch saw.
+    /// The result of the watch.
     pub(super) watched: Result<(), GuardError>,
-    /// Commands, where there was a broker's table.
+    /// Counts of the commands, where there is a broker's table.
     counts: Option<Counts>,
 }
 
-/// A flight in real time, as a command wants it.
+/// A flight in real time, as a command defines it.
 struct Order<'a> {
     plan: &'a Plan,
     args: &'a FlightArgs,
@@ -122,7 +122,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     Ok((Flown { outcome, log, files: files.all() }, Beside { watched, counts }))
 }
 
-/// Why the flight was ended, if anything but its programme or a signal did; worst first.
+/// Why the flight ended, if not by its programme or a signal; worst first.
 fn worst(outcome: &Outcome, watched: &Result<(), GuardError>) -> Option<String> {
     let before = |worse: String| match outcome.fault {
         Some(fault) => format!("{worse}. Before that: {fault}"),
@@ -132,10 +132,11 @@ fn worst(outcome: &Outcome, watched: &Result<(), GuardError>) -> Option<String> 
     still_on(outcome).or(lost).map(before).or_else(|| outcome.fault.map(|fault| fault.to_string()))
 }
 
-/// The log of the flight. A disk that takes none is no reason not to fly; a log that is there already is somebody's.
+/// The log of the flight. A disk that cannot be written does not prevent a flight; an existing log is never
+/// overwritten.
 fn open_log(plan: &Plan, path: &Path, header: &Header, ours: bool) -> Result<Queue, LogError> {
     let table = plan.config.tables.log.as_ref();
-    // Room is made only among logs that the program has named.
+    // Only logs that the program has named are deleted to free space.
     let keep_bytes = table.and_then(|log| log.keep_mb).filter(|_| ours).map(bytes);
     let part_s = table.and_then(|log| log.part_s);
     let opened = if part_s.is_none() && keep_bytes.is_none() {
@@ -164,7 +165,7 @@ fn say_pwm(asked_hz: f64, given_hz: f64) {
     }
 }
 
-/// Keeps a fault over a restart. A disk that takes no file is worth a word, and no reason for another fault.
+/// Keeps a fault over a restart. A disk that cannot be written is reported and causes no further fault.
 fn keep(kept: Option<&Path>, fault: &LastFault) {
     if let Some(path) = kept
         && let Err(error) = fault.keep(path)

@@ -1,7 +1,7 @@
 //! Reading the config: the file, then its patches, later wins; then every number is checked.
 //!
-//! Whatever is wrong is found by its dotted key, and the file and line of that key are looked up in the file
-//! that set it last.
+//! Every error is found by its dotted key, and the file and line of that key are looked up in the file that set it
+//! last.
 
 use super::tables::Tables;
 use plant::{Effects, Unsound};
@@ -37,7 +37,7 @@ pub enum ConfigError {
     Syntax {
         /// The file.
         path: PathBuf,
-        /// The parser's word, with line and column.
+        /// The parser's message, with line and column.
         message: String,
     },
     /// A key is unknown, missing or of the wrong type.
@@ -47,7 +47,7 @@ pub enum ConfigError {
         place: String,
         /// The dotted key.
         key: String,
-        /// What is wrong, and what is known.
+        /// What is wrong, and the known keys.
         message: String,
     },
     /// A number is outside its bounds.
@@ -70,7 +70,7 @@ pub enum ConfigError {
         /// The command.
         command: &'static str,
     },
-    /// Something holds only between several keys.
+    /// A constraint between several keys does not hold.
     #[error("{place}: {message}")]
     Contradiction {
         /// File, and line where there is one.
@@ -134,7 +134,7 @@ impl Config {
         get(&self.tables).ok_or_else(|| self.missing(command, table))
     }
 
-    /// That the table which `command` needs is not there.
+    /// The error that the table which `command` needs is absent.
     #[must_use]
     pub fn missing(&self, command: &'static str, table: &'static str) -> ConfigError {
         ConfigError::Missing { path: self.path.clone(), table, command }
@@ -194,7 +194,8 @@ fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
     })
 }
 
-/// Takes out of `base` the effects that cannot act beside one of `over`: they say the same of the rig, and the later file wins.
+/// Removes from `base` the effects that exclude one of `over`: they describe the same part of the rig, and the later
+/// file wins.
 fn displace(base: &mut toml::Table, over: &toml::Table) {
     let Some(added) = effects(over) else { return };
     let Some(believed) = base.get_mut("plant").and_then(|plant| plant.get_mut("effects")) else { return };
@@ -220,7 +221,7 @@ fn merge(base: &mut toml::Table, over: toml::Table) {
     }
 }
 
-/// `file:line` of a dotted key: where most of it is found, and among equals in the file that came last.
+/// `file:line` of a dotted key: where the longest part of it is found, and among equals in the last file.
 fn place(sources: &[Source], key: &str) -> String {
     let steps: Vec<&str> = key.split(['.', '[', ']']).filter(|step| !step.is_empty()).collect();
     let found = sources.iter().filter_map(|source| Some((source, find(&source.text, &steps)?)));
@@ -230,7 +231,7 @@ fn place(sources: &[Source], key: &str) -> String {
     }
 }
 
-/// How many steps of the key exist in `text`, and the line of the last of them. `None`: not even the first.
+/// The number of parts of the key that exist in `text`, and the line of the last of them. `None`: not even the first.
 fn find(text: &str, steps: &[&str]) -> Option<(usize, usize)> {
     let parsed = DeTable::parse(text).ok()?;
     let mut here: Option<&DeTable<'_>> = Some(parsed.get_ref());

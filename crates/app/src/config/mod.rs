@@ -1,6 +1,6 @@
 //! The config file: one TOML file, every number with its unit in its key, unknown keys refused.
 //!
-//! `tables` is what it may hold, `signals` the optional ones of `[rig]`, `load` reads it, merges patches and says where a mistake stands.
+//! `tables` is its content, `signals` the optional ones of `[rig]`; `load` reads it, merges patches and locates errors.
 
 mod load;
 pub mod mqtt;

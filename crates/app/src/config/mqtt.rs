@@ -1,12 +1,12 @@
-//! Where the broker is and who we are to it: the config's table `[mqtt]`.
+//! The broker's address and our credentials: the config's table `[mqtt]`.
 //!
-//! The password stands in a file of its own, so that neither the config nor a log that holds it gives it away.
+//! The password is in a file of its own, so that neither the config nor a log that holds it contains it.
 
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// The table `[mqtt]`. Absent is a flight without commands.
+/// The table `[mqtt]`. Absent: a flight without commands.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MqttConfig {
@@ -15,13 +15,13 @@ pub struct MqttConfig {
     /// TCP port of the broker; absent: the registered one, 1883, or 8883 with TLS.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub port: Option<u16>,
-    /// User name, where the broker asks for one.
+    /// User name, where the broker requires one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub user: Option<String>,
     /// File whose text is the user's password.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub password_file: Option<PathBuf>,
-    /// Encryption, and who may vouch for the broker; absent: none.
+    /// Encryption, and the authorities that may sign the broker's certificate; absent: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tls: Option<TlsConfig>,
     /// Experiment files on offer besides the program's own, to be started in flight by their names.
@@ -29,13 +29,13 @@ pub struct MqttConfig {
     pub experiments: Vec<PathBuf>,
 }
 
-/// The table `[mqtt.tls]`. Absent is a connection that anybody on the way can read.
+/// The table `[mqtt.tls]`. Absent: an unencrypted connection.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TlsConfig {
     /// PEM file of the authorities, one of which must have signed the broker's certificate.
     pub ca_file: PathBuf,
-    /// PEM file of our own certificate, where the broker asks for one.
+    /// PEM file of our own certificate, where the broker requires one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certificate_file: Option<PathBuf>,
     /// PEM file of the private key of that certificate.
@@ -46,7 +46,7 @@ pub struct TlsConfig {
 /// The ports that IANA registered for MQTT, without TLS and with it.
 const PORTS: (u16, u16) = (1883, 8883);
 
-/// Why a link cannot even start. A broker that does not answer is none of these.
+/// Why a link cannot be set up at all. A broker that does not answer is not one of these.
 #[derive(Debug, thiserror::Error)]
 pub enum MqttError {
     /// The password's file cannot be read.
@@ -70,7 +70,7 @@ pub enum MqttError {
         /// What is wrong with it.
         cause: String,
     },
-    /// A certificate is proven with its key, and neither is of use alone.
+    /// A certificate needs its key, and the key its certificate.
     #[error("[mqtt.tls] has a {has} but no {lacks}; give both, or neither")]
     NoPair {
         /// The key that is there.
@@ -91,7 +91,7 @@ pub enum MqttError {
     Thread(io::Error),
 }
 
-/// A user and the password, ready for the broker. Not printable.
+/// A user and the password for the broker. Not printable.
 pub(crate) struct Credentials {
     pub(crate) user: String,
     pub(crate) password: String,
@@ -104,7 +104,7 @@ impl MqttConfig {
         self.port.unwrap_or(if self.tls.is_some() { PORTS.1 } else { PORTS.0 })
     }
 
-    /// Reads the password. `None` where the broker is to let in everybody.
+    /// Reads the password. `None` where the broker needs none.
     pub(crate) fn credentials(&self) -> Result<Option<Credentials>, MqttError> {
         let password = self.password_file.as_deref().map(read_password).transpose()?;
         match (self.user.clone(), password) {
@@ -115,7 +115,7 @@ impl MqttConfig {
     }
 }
 
-/// The file's text without the end of line that editors add.
+/// The file's text without the line end that editors add.
 fn read_password(path: &Path) -> Result<String, MqttError> {
     let text = fs::read_to_string(path).map_err(|cause| MqttError::Password { path: path.to_owned(), cause })?;
     Ok(text.trim_end_matches(['\r', '\n']).to_owned())

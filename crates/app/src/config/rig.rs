@@ -1,10 +1,10 @@
-//! `[rig]`: what is screwed together.
+//! `[rig]`: the hardware.
 
 use super::signals::{OutputEnable, SecondSensor, Tachometer};
 use control::check::{OutOfRange, within};
 use serde::{Deserialize, Serialize};
 
-/// `[rig]`: what is screwed together.
+/// `[rig]`: the hardware.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rig {
@@ -12,7 +12,7 @@ pub struct Rig {
     pub name: String,
     /// From the sensor's window to the ball when it rests at the bottom, mm.
     pub sensor_to_bottom_mm: f64,
-    /// By what the sensor's distances are multiplied, from a two-end calibration. Absent: 1, the sensor is right.
+    /// Factor of the sensor's distances, from a two-end calibration. Absent: 1.
     #[serde(default = "right", skip_serializing_if = "is_right")]
     pub sensor_scale: f64,
     /// PWM frequency asked of the fan driver, hertz.

@@ -5,7 +5,7 @@ use control::check::{OutOfRange, within};
 use hal::ASIDE;
 use serde::{Deserialize, Serialize};
 
-/// Addresses that are somebody's: the first sensor, where it waits, the fan driver, and all PCA9685 at once.
+/// Addresses in use: the first sensor, the one where it waits, the fan driver, and all PCA9685 at once.
 const TAKEN: [u8; 4] = [0x29, ASIDE, 0x40, 0x70];
 
 /// `[rig.tachometer]`: the fan's speed, by the edges of a line.
@@ -14,11 +14,11 @@ const TAKEN: [u8; 4] = [0x29, ASIDE, 0x40, 0x70];
 pub struct Tachometer {
     /// The GPIO line.
     pub line: u32,
-    /// Edges in a revolution; fans of computers give two.
+    /// Edges per revolution; computer fans give two.
     pub pulses_per_revolution: u32,
-    /// The speed at hover, rpm: what the simulated fan turns at there, and by which the observer reads the speed.
+    /// The speed at hover, rpm: of the simulated fan, and the observer's scale for the measured speed.
     pub hover_rpm: f64,
-    /// A fan that is driven and gives no edge for so long has stalled, seconds.
+    /// A driven fan without an edge for this long has stalled, seconds.
     pub stalled_after_s: f64,
 }
 
@@ -28,23 +28,23 @@ pub struct Tachometer {
 pub struct SecondSensor {
     /// The GPIO line of its XSHUT.
     pub xshut_line: u32,
-    /// Where it is moved to on the bus.
+    /// Its address on the bus after the move.
     pub address: u8,
-    /// Which way it looks.
+    /// Direction in which it looks.
     #[serde(default)]
     pub looks: Looks,
     /// From its window to the ball when it rests at the bottom, mm.
     pub to_bottom_mm: f64,
-    /// By what its distances are multiplied. Absent: 1, the sensor is right.
+    /// Factor of its distances. Absent: 1.
     #[serde(default = "super::rig::right", skip_serializing_if = "super::rig::is_right")]
     pub scale: f64,
-    /// Sensors that are further apart than this disagree, mm.
+    /// Sensors that differ by more than this disagree, mm.
     pub disagree_mm: f64,
-    /// For so long, and the flight ends, seconds.
+    /// A disagreement of this length ends the flight, seconds.
     pub disagree_s: f64,
 }
 
-/// Which way a sensor looks.
+/// Direction in which a sensor looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Looks {
@@ -73,7 +73,7 @@ impl SecondSensor {
         }
     }
 
-    /// The distance at which it sees a ball, mm.
+    /// The distance at which the sensor sees a ball, mm.
     #[must_use]
     pub fn distance_mm(&self, position_mm: f64) -> f64 {
         match self.looks {
@@ -98,7 +98,7 @@ impl Rig {
         within("second_sensor.disagree_s", second.disagree_s, 0.0, 10.0)
     }
 
-    /// Whether the signals get in each other's way.
+    /// Whether the signals use different lines and addresses.
     pub(super) fn check_wiring(&self) -> Result<(), (&'static str, String)> {
         if let Some(address) = self.second_sensor.map(|second| second.address).filter(|address| TAKEN.contains(address))
         {

@@ -1,4 +1,4 @@
-//! The tables of the config file, in the order of the signal path. A command asks for the tables it needs.
+//! The tables of the config file, in the order of the signal path. A command checks for the tables it needs.
 
 use super::Rig;
 use super::mqtt::MqttConfig;
@@ -64,7 +64,7 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// The socket of an emulated bus, where the device is none of the kernel's.
+    /// The socket of an emulated bus, where the device is not one of the kernel.
     #[must_use]
     pub fn socket(&self) -> Option<&str> {
         self.device.strip_prefix("unix:")
@@ -81,7 +81,7 @@ pub struct Loop {
     pub late_after_s: f64,
 }
 
-/// `[reference]`: what the setpoint does when nobody commands it.
+/// `[reference]`: the setpoint without commands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
@@ -89,7 +89,7 @@ pub struct Reference {
     pub setpoint_mm: Waveform,
 }
 
-/// `[safety]`: what no command and no experiment may exceed.
+/// `[safety]`: limits of every command and experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Safety {
@@ -111,34 +111,35 @@ pub struct Safety {
     pub stuck: Option<Stuck>,
 }
 
-/// `[safety] stuck`: a ball that is pushed and does not move.
+/// `[safety] stuck`: a ball that does not move although the controller pushes it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stuck {
-    /// The controller asks for at least this much, percent of duty about hover.
+    /// The controller commands at least this much, percent of duty about hover.
     pub control_percent: f64,
-    /// For so long, seconds.
+    /// For at least this time, seconds.
     pub after_s: f64,
 }
 
-/// Configs from before there was such a limit.
+/// For configs from before this limit existed.
 fn half_a_second() -> f64 {
     0.5
 }
 
-/// `[log]`: where flights are kept.
+/// `[log]`: where logs are kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Log {
-    /// Directory of the logs, made when missing; relative to where the command runs.
+    /// Directory of the logs, created when missing; relative to where the command runs.
     pub directory: String,
     /// File that keeps the last fault over a restart; absent: none is kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_fault: Option<PathBuf>,
-    /// A flight in real time begins a new file after so long, seconds; absent: one file a flight.
+    /// A flight in real time begins a new file after this time, seconds; absent: one file per flight.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part_s: Option<f64>,
-    /// The oldest logs of the directory are deleted when all take more than this, megabytes; absent: none is deleted.
+    /// The oldest logs of the directory are deleted when all together are larger than this, megabytes; absent: none is
+    /// deleted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep_mb: Option<f64>,
 }
@@ -182,7 +183,7 @@ impl Tables {
 }
 
 impl Tables {
-    /// Checks what one table says against what another says.
+    /// Checks the constraints between tables.
     fn check_across(&self) -> Result<(), (&'static str, OutOfRange)> {
         let Some(safety) = self.safety else { return Ok(()) };
         if let Some(rig) = &self.rig {
@@ -197,7 +198,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Checks what is no number: names and files.
+    /// Checks what is not a number: names and files.
     ///
     /// # Errors
     /// The dotted key, and what is wrong with it.
@@ -218,7 +219,7 @@ impl Tables {
         self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))
     }
 
-    /// Whether what the observer uses is there.
+    /// Whether the tables that the observer needs are present.
     fn check_observed(&self) -> Result<(), (&'static str, String)> {
         let Some((rig, observer)) = self.rig.as_ref().zip(self.observer) else { return Ok(()) };
         let missing = |table: &str| {
@@ -233,7 +234,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Whether a flight survives one late cycle.
+    /// Whether a flight tolerates one late cycle.
     fn check_stall(&self) -> Result<(), String> {
         let Some((safety, table)) = self.safety.zip(self.r#loop) else { return Ok(()) };
         let (stall_s, period_s) = (safety.stall_s, table.period_s);
@@ -245,7 +246,7 @@ impl Tables {
         ))
     }
 
-    /// Whether the controllers are there that the table speaks of, and what they need.
+    /// Whether the named controllers are present, and what they need.
     fn check_controller(&self) -> Result<(), String> {
         let Some(controllers) = &self.controller else { return Ok(()) };
         let known = Kind::ALL.map(Kind::name).join(", ");

@@ -1,7 +1,7 @@
-//! The names of the topics, in one place.
+//! The names of the topics.
 //!
-//! Everything of one rig is below `airball/<rig>/`. Two names of the original rig stay as aliases, so that its
-//! dashboards work with this program; they carry no rig's name, so two rigs on one broker would share them.
+//! Everything of one rig is below `airball/<rig>/`. Two names of the original rig are kept as aliases, so that its
+//! dashboards work with this program; they contain no rig's name, so that two rigs on one broker would share them.
 
 use super::mqtt::MqttError;
 
@@ -13,7 +13,7 @@ pub const ORIGINAL_POSITION: &str = "ball/measures/position";
 /// Longest name of a rig, in characters.
 const LONGEST_NAME: usize = 64;
 
-/// What a command may set.
+/// What a command can set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The commanded position.
@@ -58,9 +58,9 @@ pub struct Topics {
     pub reply: String,
     /// The state, at 10 Hz.
     pub state: String,
-    /// Every cycle, in batches, while somebody asks for it.
+    /// Every cycle, in batches, while requested.
     pub cycles: String,
-    /// What the rig is and may be told, retained.
+    /// What the rig is and accepts, retained.
     pub about: String,
     /// `online` or `offline`, retained.
     pub status: String,
@@ -68,7 +68,7 @@ pub struct Topics {
     pub fault: String,
     /// The mode, alone.
     pub(crate) mode: String,
-    /// Filter of all commands, known and unknown, so that a misspelt one is answered too.
+    /// Filter of all commands, known and unknown, so that a misspelt one gets a reply too.
     pub commands: String,
 }
 
@@ -113,7 +113,7 @@ impl Topics {
         format!("{}{}", self.root, quantity.topic())
     }
 
-    /// A topic as replies name it: without the rig, where it is the rig's.
+    /// A topic as replies name it: without the prefix, where it is the rig's.
     #[must_use]
     pub fn short<'a>(&self, topic: &'a str) -> &'a str {
         topic.strip_prefix(&self.root).unwrap_or(topic)

@@ -1,4 +1,4 @@
-//! Commands to a flight: what may be asked for while the ball is in the air, and why it may be refused.
+//! Commands to a flight, and the reasons to refuse one.
 
 use crate::flight::name::Name;
 use control::controller::{Controllers, Kind};
@@ -6,26 +6,26 @@ use control::pid::Pid;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Asked for over MQTT. A plain copy, so that it crosses to the loop without allocating.
+/// A command over MQTT. A plain copy, so that it reaches the loop without allocating.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// Hold this position, millimetres, from now on.
     Setpoint(f64),
     /// Change gains together.
     Gains(GainChange),
-    /// Let another controller fly.
+    /// Change to another controller.
     Controller(Kind),
-    /// Turn the fan off and stay so until told to fly.
+    /// Turn the fan off until the command `fly`.
     Stop,
     /// Fly again after a stop.
     Fly,
-    /// Go back to the programme of the config or the experiment that the flight began with.
+    /// Return to the programme of the config or the experiment that the flight began with.
     Programme,
-    /// Fly an experiment that is on offer, from its start, and then the programme again.
+    /// Fly an experiment of the offers, from its start, and then the programme again.
     Experiment(Name),
 }
 
-/// New gains; what is absent stays.
+/// New gains; absent ones are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GainChange {
@@ -59,7 +59,7 @@ pub enum Refusal {
     /// The setpoint is outside the safety limits.
     #[error("{asked_mm} mm is outside the safe setpoints of {min_mm} to {max_mm} mm (table [safety] of the config)")]
     Setpoint {
-        /// What was asked for.
+        /// The commanded setpoint.
         asked_mm: f64,
         /// Smallest safe setpoint.
         min_mm: f64,
@@ -75,9 +75,9 @@ pub enum Refusal {
     /// There is no such controller.
     #[error("the config has no table [controller.{}]; it has {known}", asked.name())]
     Controller {
-        /// What was asked for.
+        /// The commanded controller.
         asked: Kind,
-        /// What there is.
+        /// The controllers of the config.
         known: Known,
     },
     /// There is no such experiment.
@@ -85,13 +85,13 @@ pub enum Refusal {
         "no experiment {asked} is on offer; the retained topic `about` lists those that are, and [mqtt] experiments of the config adds files"
     )]
     Experiment {
-        /// What was asked for.
+        /// The commanded experiment.
         asked: Name,
     },
-    /// The experiment changes gains of a controller that does not fly.
+    /// The experiment changes gains of a controller that is not active.
     #[error("the experiment changes the gains of the PID, and {} flies; send pid to set/controller first", flies.name())]
     NeedsPid {
-        /// What flies.
+        /// The active controller.
         flies: Kind,
     },
     /// The experiment's gains would be in another unit.

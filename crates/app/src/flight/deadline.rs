@@ -4,25 +4,25 @@
 //! deadline k = start + k·period          lateness = wake-up − deadline
 //! ```
 //!
-//! Deadlines that have passed when a cycle ends are skipped and counted as missed: a loop that fell behind
-//! does not catch up by cycles without time between them.
+//! Deadlines that have passed when a cycle ends are skipped and counted as missed: a late loop does not catch up by
+//! cycles without time between them.
 
 use super::lateness::Histogram;
 use serde::Serialize;
 
-/// The grid, and what became of it.
+/// The grid, and the statistics of its cycles.
 #[derive(Clone, Copy, Debug)]
 pub struct Deadlines {
     start_s: f64,
     period_s: f64,
     late_after_s: f64,
     next: f64,
-    /// Lateness of the cycles since the last one in time, summed, seconds.
+    /// Sum of the lateness of the cycles since the last punctual one, seconds.
     behind_s: f64,
     punctuality: Punctuality,
 }
 
-/// How punctual the cycles were.
+/// Statistics of the cycles' lateness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Punctuality {
     /// Cycles that ran.
@@ -33,7 +33,7 @@ pub struct Punctuality {
     pub missed: u64,
     /// Largest lateness, seconds.
     pub worst_s: f64,
-    /// How late they began.
+    /// Histogram of the lateness.
     pub lateness: Histogram,
 }
 
@@ -73,14 +73,14 @@ impl Deadlines {
         lateness_s
     }
 
-    /// How late the latest cycles were together, seconds: of those in a row that each missed a deadline. One cycle that
-    /// hangs and a loop that never keeps up both show here.
+    /// Total lateness of the latest consecutive cycles that each missed a deadline, seconds. It detects a single cycle
+    /// that hangs as well as a loop that never keeps up.
     #[must_use]
     pub const fn behind_s(&self) -> f64 {
         self.behind_s
     }
 
-    /// What became of the deadlines so far.
+    /// Statistics of the deadlines so far.
     #[must_use]
     pub const fn punctuality(&self) -> Punctuality {
         self.punctuality

@@ -7,28 +7,28 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Why the last flight that was ended by a fault was ended.
+/// Why the last flight that a fault ended has ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LastFault {
-    /// When, in UTC, as RFC 3339 writes it.
+    /// Time in UTC, as RFC 3339 writes it.
     pub at: String,
-    /// What, in words, with what to do.
+    /// The fault in words, with the next step.
     pub fault: String,
     /// The log of that flight, if it had one.
     pub log: Option<PathBuf>,
 }
 
 impl LastFault {
-    /// A fault that is noticed now.
+    /// A fault at the present time.
     #[must_use]
     pub fn now(fault: String, log: Option<&Path>) -> Self {
         Self { at: rfc3339(SystemTime::now()), fault, log: log.map(Path::to_owned) }
     }
 
-    /// Writes the file, whole or not at all, and on the disk: the next thing may be a power cut.
+    /// Writes the file, completely or not at all, and forces it onto the disk: a power cut may follow.
     ///
     /// # Errors
-    /// What the system said.
+    /// What the system reported.
     pub fn keep(&self, path: &Path) -> io::Result<()> {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
@@ -40,13 +40,13 @@ impl LastFault {
         fs::rename(&unfinished, path)
     }
 
-    /// The fault that was kept, if there is one that can be read.
+    /// The stored fault, if there is one that can be read.
     #[must_use]
     pub fn read(path: &Path) -> Option<Self> {
         serde_json::from_slice(&fs::read(path).ok()?).ok()
     }
 
-    /// As it is kept and published.
+    /// Its text in the file and on MQTT.
     #[must_use]
     pub fn json(&self) -> String {
         // Three plain values always serialise.

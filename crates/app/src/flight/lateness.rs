@@ -1,4 +1,4 @@
-//! How late the cycles began, as a histogram: counts in fixed steps, without memory that grows.
+//! Lateness of the cycles as a histogram: counts in fixed steps, with constant memory.
 //!
 //! ```text
 //! step k:   edge[k−1] < lateness ≤ edge[k]      10 µs to 100 ms, three steps a decade; the last one is open
@@ -14,7 +14,7 @@ use std::fmt;
 const EDGES_US: [f64; 13] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 10e3, 20e3, 50e3, 100e3];
 const STEPS: usize = EDGES_US.len() + 1;
 
-/// The counts, and the largest lateness. Others read it as [`Lateness`].
+/// The counts, and the largest lateness. Other modules read it as [`Lateness`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(into = "Lateness")]
 pub struct Histogram {
@@ -72,7 +72,7 @@ impl Histogram {
         self.max_us = self.max_us.max(late_us);
     }
 
-    /// Whether any cycle was late at all: in virtual time none is.
+    /// Whether any cycle was late: in virtual time none is.
     #[must_use]
     pub fn says_something(&self) -> bool {
         self.max_us > 0.0

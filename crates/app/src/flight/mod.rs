@@ -4,8 +4,8 @@
 //! sleep → commands → observe → decide → act → record
 //! ```
 //!
-//! The same loop flies the bench, the simulated rig in real time and the simulated rig in virtual time; it
-//! waits for nothing but its deadline. Logging and MQTT live behind [`Recorder`] and [`Commander`].
+//! The same loop flies the bench, the simulated rig in real time and the simulated rig in virtual time; it waits for
+//! nothing but its deadline. Logging and MQTT are behind [`Recorder`] and [`Commander`].
 
 pub mod command;
 pub mod deadline;
@@ -32,17 +32,17 @@ use state::{Answer, InForce, State};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use vocabulary::{Cycle, End, Event, Fault, Mode, What};
 
-/// Commands that one cycle takes at most: a flood must not stretch it.
+/// Largest number of commands in one cycle: many commands must not lengthen it.
 const COMMANDS_PER_CYCLE: usize = 4;
 /// Writes of the fan in a row that may fail before the flight ends.
 pub const FAN_FAILURES: u32 = 5;
-/// How long the loop tries to turn the fan off at the end, seconds: as long as the kernel waits for a stuck bus. A guard
-/// goes on after that.
+/// How long the loop tries to turn the fan off at the end, seconds: the kernel's timeout for a stuck bus. After that
+/// the guard continues.
 const LANDING_S: f64 = 1.0;
 /// Between two attempts.
 const RETRY_S: f64 = 0.01;
 
-/// Everything that a flight needs.
+/// The parts of a flight.
 pub struct Flight<'a, R: Rig> {
     rig: &'a mut R,
     pilot: Pilot,
@@ -52,22 +52,22 @@ pub struct Flight<'a, R: Rig> {
     deadlines: Deadlines,
     start_s: f64,
     last_cycle_s: f64,
-    /// The duty as the chip holds it.
+    /// The duty in the chip.
     held: Duty,
     fan_failures: u32,
-    /// The last fault that was recorded, so that one that lasts is recorded once.
+    /// The last recorded fault, so that a lasting one is recorded once.
     noted: Option<Fault>,
     pulse: Option<&'a AtomicU32>,
 }
 
-/// What is left of a flight besides its log.
+/// The result of a flight besides its log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Why it ended.
     pub end: End,
     /// The fault that ended it.
     pub fault: Option<Fault>,
-    /// How punctual its cycles were.
+    /// Lateness of its cycles.
     pub punctuality: Punctuality,
     /// The fan could not be turned off.
     pub fan_still_on: Option<ErrorKind>,
@@ -98,7 +98,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         }
     }
 
-    /// Counts the cycles in `pulse`, for whoever watches whether they run.
+    /// Counts the cycles in `pulse`, for a thread that watches the loop.
     #[must_use]
     pub fn with_pulse(mut self, pulse: &'a AtomicU32) -> Self {
         self.pulse = Some(pulse);
@@ -130,7 +130,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         Outcome { end, fault, punctuality, fan_still_on }
     }
 
-    /// Lays the deadlines right behind the sensor's readings. A sensor that is silent shows in the first cycles.
+    /// Sets the deadlines just after the sensor's readings. A silent sensor is detected in the first cycles.
     fn start(&mut self) {
         let _ = self.rig.align();
         self.start_s = self.rig.now_s() + self.table.period_s;
@@ -186,8 +186,8 @@ impl<'a, R: Rig> Flight<'a, R> {
         fan_fault.or(self.pilot.fault())
     }
 
-    /// A loop that cannot keep up no longer controls the ball. `running_s` is how long the cycle has run: one that hangs
-    /// in it must not act on what it saw before, nor take its own hole for a ball that stood still.
+    /// A loop that cannot keep up no longer controls the ball. `running_s` is how long the cycle has run: after a delay
+    /// within a cycle, the loop must not act on its old reading, nor take the gap for a ball that did not move.
     fn behind(&mut self, running_s: f64) -> Option<Fault> {
         let behind_s = self.deadlines.behind_s() + running_s;
         let fault = (behind_s >= self.pilot.stall_s()).then_some(Fault::Late { behind_s })?;
@@ -218,7 +218,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         Senses { ball, second: self.rig.second_position().map(seen), fan_rpm: self.rig.fan_rpm() }
     }
 
-    /// Writes the duty. Returns a fault when writing has failed too often to go on.
+    /// Writes the duty. Returns a fault after too many consecutive failures.
     fn act(&mut self, duty: Duty) -> Option<Fault> {
         match self.rig.drive(duty) {
             Ok(held) => {
@@ -261,7 +261,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         }
     }
 
-    /// Records a fault when it begins.
+    /// Records the beginning of a fault.
     fn note(&mut self, fault: Fault) {
         let same = |noted: Fault| std::mem::discriminant(&noted) == std::mem::discriminant(&fault);
         if !self.noted.is_some_and(same) {
@@ -275,7 +275,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         self.recorder.event(&Event { time_s, what });
     }
 
-    /// Turns the fan off. A bus that fails now may work a moment later.
+    /// Turns the fan off, with repeated attempts, because a failed bus may recover.
     fn land(&mut self) -> Option<ErrorKind> {
         let until_s = self.rig.now_s() + LANDING_S;
         loop {
@@ -288,7 +288,7 @@ impl<'a, R: Rig> Flight<'a, R> {
     }
 }
 
-/// What a sensor's answer means to the pilot.
+/// A sensor's answer as the pilot needs it.
 fn seen(answer: Result<Sighting, ErrorKind>) -> Seen {
     match answer {
         Ok(Sighting::Ball(Millimetres(position_mm))) => Seen::Ball(position_mm),

@@ -1,4 +1,4 @@
-//! The name of an experiment, short enough to be copied to the loop.
+//! The name of an experiment, short enough for a plain copy.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 /// Longest name, in bytes.
 pub const LONGEST: usize = 32;
 
-/// The name of an experiment, as a plain copy that crosses to the loop without allocating.
+/// The name of an experiment, as a plain copy that reaches the loop without allocating.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Name {
     bytes: [u8; LONGEST],
@@ -14,7 +14,7 @@ pub struct Name {
 }
 
 impl Name {
-    /// A word of 1 to 32 ASCII letters, digits, `-`, `_` and `.`; anything else is no name.
+    /// A word of 1 to 32 ASCII letters, digits, `-`, `_` and `.`; `None` for any other text.
     #[must_use]
     pub fn new(word: &str) -> Option<Self> {
         let fit = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
@@ -26,10 +26,10 @@ impl Name {
         Some(Self { bytes, length: word.len() })
     }
 
-    /// The word.
+    /// The text.
     #[must_use]
     pub fn as_str(&self) -> &str {
-        // Only ASCII gets in.
+        // The constructor accepts only ASCII.
         self.bytes.get(..self.length).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default()
     }
 }

@@ -1,7 +1,7 @@
-//! Real time, where the system permits it: a first-in-first-out priority for the loop's thread, and memory that stays.
+//! Real time, where the system permits it: a first-in-first-out priority for the loop's thread, and locked memory.
 //!
-//! Neither is asked for where it is not permitted without limit: memory that may be locked only in part would fail later,
-//! in flight. The flight goes on without; a plain word says so, and what would permit it.
+//! Neither is requested where it is permitted only up to a limit: memory that can be locked only in part would fail
+//! later, in flight. The flight continues without it, and a message names the missing permission.
 
 use nix::sys::mman::{MlockAllFlags, mlockall};
 use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
@@ -10,12 +10,13 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-/// Priority of the loop: above everything that is not real time, not above the kernel's own threads for interrupts (50).
+/// Priority of the loop: above everything that is not real time, not above the kernel's own threads for interrupts
+/// (50).
 const LOOP: u8 = 45;
 /// Priority of the guard: above a loop that hangs.
 const GUARD: u8 = 46;
 
-/// For the calling thread as the loop. Returns what was not permitted, in words; nothing where all was.
+/// For the calling thread as the loop. Returns in words what was not permitted; nothing where all was.
 ///
 /// Raises the calling thread only. Threads that it starts later would inherit the priority: start them before.
 #[must_use]
@@ -23,7 +24,7 @@ pub fn of_the_loop() -> Vec<String> {
     [raise(LOOP).err(), lock_memory().err()].into_iter().flatten().collect()
 }
 
-/// For the calling thread as the guard. Where it is not permitted, nothing is lost but milliseconds.
+/// For the calling thread as the guard. Where it is not permitted, the guard is later by milliseconds only.
 pub fn of_the_guard() {
     let _ = raise(GUARD);
 }

@@ -1,4 +1,4 @@
-//! What the loop says about itself to whoever commands it: plain copies on its side, JSON on the other.
+//! The loop's state for its commander: plain copies on the loop's side, JSON on the other.
 
 use super::command::{Command, Refusal};
 use super::lateness::Histogram;
@@ -13,7 +13,7 @@ use serde::{Serialize, Serializer};
 pub struct Gains {
     /// K_p, see [`Pid::kp_per_mm`].
     pub kp_per_mm: f64,
-    /// T_i, seconds. Infinite is an integral that is off, and `null` in JSON.
+    /// T_i, seconds. Infinite: no integral, `null` in JSON.
     pub ti_s: f64,
     /// T_d, seconds.
     pub td_s: f64,
@@ -25,12 +25,12 @@ impl From<Pid> for Gains {
     }
 }
 
-/// What a command may change, as it is now.
+/// The present values that commands can change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct InForce {
     /// Commanded position, millimetres. Null while the fan is driven without control.
     pub setpoint_mm: Option<f64>,
-    /// Which controller flies.
+    /// The active controller.
     pub controller: Kind,
     /// The gains of the PID, where there is one.
     #[serde(flatten)]
@@ -41,24 +41,24 @@ pub struct InForce {
     pub experiment: Option<Name>,
 }
 
-/// What became of a command, as the loop hands it over.
+/// The result of a command, as the loop passes it on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// What was asked for.
+    /// The command.
     pub command: Command,
     /// Why it was refused, if it was.
     pub refused: Option<Refusal>,
-    /// What is in force after it.
+    /// The values in force after it.
     pub in_force: InForce,
 }
 
-/// The state as the loop hands it over, every cycle if it likes; the newest is published at 10 Hz.
+/// The state as the loop passes it on, in every cycle if needed; the newest is published at 10 Hz.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct State {
     /// The cycle just done.
     #[serde(flatten)]
     pub cycle: Cycle,
-    /// Which controller flies.
+    /// The active controller.
     pub controller: Kind,
     /// The gains of the PID, where there is one.
     #[serde(flatten)]
@@ -67,11 +67,11 @@ pub struct State {
     pub experiment: Option<Name>,
     /// Cycles that began too late, since the start.
     pub late_cycles: u64,
-    /// How late they began, since the start.
+    /// Histogram of the lateness, since the start.
     pub lateness: Histogram,
-    /// Messages that the log had no room for, since the start.
+    /// Messages that did not fit into the log's queue, since the start.
     pub dropped_log_messages: u64,
-    /// What is wrong now, in words; null where nothing is.
+    /// The present fault, in words; null where there is none.
     #[serde(serialize_with = "in_words")]
     pub fault: Option<Fault>,
 }
@@ -81,7 +81,7 @@ fn in_words<S: Serializer>(fault: &Option<Fault>, to: S) -> Result<S::Ok, S::Err
 }
 
 impl State {
-    /// The part that commands may change.
+    /// The part that commands can change.
     #[must_use]
     pub const fn in_force(&self) -> InForce {
         InForce {

@@ -1,4 +1,4 @@
-//! What a flight promises.
+//! Tests of a flight.
 
 use super::command::Command;
 use super::pilot::tests::pilot_holding;
@@ -14,7 +14,7 @@ use embedded_hal::i2c::ErrorKind;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A rig without physics: what it answers is said before the flight.
+/// A rig without physics: its answers are fixed before the flight.
 struct Script {
     now_s: Cell<f64>,
     position: fn(f64) -> Result<Sighting, ErrorKind>,
@@ -115,7 +115,7 @@ fn a_fan_that_cannot_be_written_ends_the_flight_and_is_reported() {
     let (outcome, memory, _) = fly(HERE, sticks, &AtomicBool::new(false));
     assert_eq!(outcome.end, End::Fault);
     assert_eq!(outcome.fan_still_on, Some(ErrorKind::ArbitrationLoss));
-    // The log keeps what the chip holds, not what was asked for in vain.
+    // The log has the duty in the chip, not the commanded one that failed.
     let held: Vec<f64> = memory.cycles.iter().rev().take(5).map(|cycle| cycle.duty_percent).collect();
     assert!(held.iter().all(|duty| *duty == held[0]), "{held:?}");
     assert!(memory.cycles.last().unwrap().commanded_duty_percent > held[0]);
@@ -190,7 +190,7 @@ fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
     let (mut memory, table) = (Memory::default(), Loop { period_s: 0.02, late_after_s: 0.002 });
     let mut mailbox = crate::mqtt::Mailbox::holding([Command::Setpoint(250.0); 60]);
     let flight = Flight::new(&mut rig, pilot_holding(300.0, 60.0), &table, &mut memory, Some(&mut mailbox));
-    // Ten cycles and half a period, that rounding does not decide.
+    // Ten cycles and half a period, so that rounding does not matter.
     let outcome = flight.fly(0.19, &AtomicBool::new(false));
     let taken = memory.events.iter().filter(|what| matches!(what, What::Command { .. })).count();
     assert_eq!((outcome.punctuality.cycles, taken), (10, 10 * COMMANDS_PER_CYCLE));
@@ -198,7 +198,8 @@ fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
     assert_eq!(std::iter::from_fn(|| mailbox.try_command()).count(), 60 - taken);
 }
 
-/// Allocations of the loop's thread in a flight of `duration_s`, over chips, signals, ring, link and all controllers of the config.
+/// Allocations of the loop's thread in a flight of `duration_s`, over chips, signals, ring, link and all controllers of
+/// the config.
 fn allocations(duration_s: f64) -> u64 {
     let tables = super::rich();
     let mqtt = crate::config::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };

@@ -1,5 +1,5 @@
-//! The words of a flight: its modes and faults, and what it leaves behind: one [`Cycle`] per control period and an [`Event`]
-//! for whatever is not periodic.
+//! The terms of a flight: its modes and faults, and its data: one [`Cycle`] per control period and an [`Event`] for
+//! everything that is not periodic.
 //!
 //! Both are plain copies without pointers, so that the loop hands them over without allocating; they become
 //! JSON on the side of a log's writer.
@@ -80,9 +80,9 @@ pub struct Cycle {
 /// Something that happened once. The log's channel `event` carries it in words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When, seconds since the start of the flight.
+    /// Seconds since the start of the flight.
     pub time_s: f64,
-    /// What.
+    /// The event.
     pub what: What,
 }
 
@@ -91,16 +91,16 @@ pub struct Event {
 pub enum What {
     /// The loop changed its mode.
     Mode {
-        /// What it did before.
+        /// The mode before.
         from: Mode,
-        /// What it does now.
+        /// The mode now.
         to: Mode,
     },
     /// Something went wrong; the loop reacted.
     Fault(Fault),
-    /// A command came in, and what became of it.
+    /// A command, and its result.
     Command {
-        /// What was asked for.
+        /// The command.
         command: Command,
         /// Why it was refused, if it was.
         refused: Option<Refusal>,
@@ -123,16 +123,16 @@ pub enum Fault {
     /// The sensor saw no target, or one beyond the pipe.
     #[error("the sensor reported {reported_mm} mm, which is no ball in this pipe; check that the ball is in it")]
     NoBall {
-        /// What the sensor reported.
+        /// The sensor's reading.
         reported_mm: u16,
     },
-    /// The sensor gave a distance and said that it is none.
+    /// The sensor gave a distance and marked it as not valid.
     #[error(
         "the sensor reported {reported_mm} mm with range status {status}, and 11 is a valid range; such readings are not \
          flown by: clean its window, and check its supply and what else its beam meets"
     )]
     DoubtfulRange {
-        /// What the sensor says of the distance.
+        /// The sensor's status of the distance.
         status: hal::RangeStatus,
         /// The distance.
         reported_mm: u16,
@@ -140,13 +140,13 @@ pub enum Fault {
     /// The range sensor could not be read.
     #[error("the range sensor cannot be read: I2C error {kind:?}; check its wiring")]
     SensorBus {
-        /// What the bus said.
+        /// The error of the bus.
         kind: embedded_hal::i2c::ErrorKind,
     },
     /// The fan driver could not be written.
     #[error("the fan driver cannot be written: I2C error {kind:?}; check its wiring and the fan's supply")]
     FanBus {
-        /// What the bus said.
+        /// The error of the bus.
         kind: embedded_hal::i2c::ErrorKind,
     },
     /// The ball does not move although it is pushed.
@@ -155,11 +155,11 @@ pub enum Fault {
          {control_percent:+.1} % about hover; free it, check the fan's supply, and [safety] stuck where it is not stuck"
     )]
     BallStuck {
-        /// Where the ball is.
+        /// Position of the ball.
         position_mm: f64,
-        /// What the controller asks for, percent of duty about hover.
+        /// The control value, percent of duty about hover.
         control_percent: f64,
-        /// For how long, seconds.
+        /// Duration, seconds.
         still_s: f64,
     },
     /// The fan is driven and does not turn.
@@ -168,23 +168,23 @@ pub enum Fault {
          its tachometer"
     )]
     FanStalled {
-        /// The duty that it got, percent.
+        /// The duty, percent.
         duty_percent: f64,
-        /// For how long it has stood, seconds.
+        /// Duration, seconds.
         for_s: f64,
     },
-    /// The two range sensors see the ball in two places.
+    /// The two range sensors see the ball at different positions.
     #[error(
         "the range sensors have disagreed for {for_s:.2} s: the first sees the ball at {first_mm:.0} mm, the second at \
          {second_mm:.0} mm; clean their windows, check [rig] sensor_to_bottom_mm and [rig.second_sensor] to_bottom_mm, \
          or raise disagree_mm"
     )]
     SensorsDisagree {
-        /// Where the first sees it.
+        /// Position by the first sensor.
         first_mm: f64,
-        /// Where the second sees it.
+        /// Position by the second sensor.
         second_mm: f64,
-        /// For how long, seconds.
+        /// Duration, seconds.
         for_s: f64,
     },
     /// One of two range sensors is silent; the flight goes on by the other.
@@ -192,9 +192,9 @@ pub enum Fault {
         "the {which} range sensor gave no position for {silent_s:.2} s; flying on by the other, check its wiring and window"
     )]
     OneSensorSilent {
-        /// Which one.
+        /// The silent sensor.
         which: Which,
-        /// For how long, seconds.
+        /// Duration, seconds.
         silent_s: f64,
     },
     /// The cycles do not keep up with their deadlines.
@@ -203,13 +203,13 @@ pub enum Fault {
          bus for transactions that hang, or raise [safety] stall_s"
     )]
     Late {
-        /// How late they were, one after another, seconds.
+        /// Total lateness of consecutive cycles, seconds.
         behind_s: f64,
     },
     /// The ball left the band that the experiment allows.
     #[error("the ball at {position_mm:.0} mm left the experiment's band, {}", band(*.min_mm, *.max_mm))]
     OutsideBand {
-        /// Where the ball was.
+        /// Position of the ball.
         position_mm: f64,
         /// Lower end of the band.
         min_mm: f64,
@@ -221,9 +221,9 @@ pub enum Fault {
 /// One of two range sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
-    /// The one of every rig.
+    /// The sensor of every rig.
     First,
-    /// The one of `[rig.second_sensor]`.
+    /// The sensor of `[rig.second_sensor]`.
     Second,
 }
 

@@ -1,9 +1,10 @@
-//! Who watches the loop: a thread that looks whether cycles still run, and tells the guard and the service manager.
+//! The watchdog of the loop: a thread that checks whether cycles still run, and informs the guard and the service
+//! manager.
 //!
-//! The loop only counts: one atomic addition a cycle, and no system call. This thread looks at the count every 50 ms. It
-//! passes a word on only when the count has moved, so that a loop that hangs falls silent although its process lives:
-//! the guard then turns the fan off, and systemd, whose watchdog is not fed either, ends and restarts the service. Words for
-//! systemd leave from a thread of their own, for a manager that does not listen would hold up whoever speaks to it.
+//! The loop only counts: one atomic addition a cycle, and no system call. This thread reads the count every 50 ms. It
+//! sends a message only when the count has changed, so that a hanging loop sends none although its process lives: the
+//! guard then turns the fan off, and systemd, whose watchdog gets no message either, ends and restarts the service.
+//! Messages for systemd are sent by a thread of their own, because a manager that does not read would block the sender.
 
 use crate::rig::{Guard, GuardError};
 use sd_notify::NotifyState;
@@ -14,14 +15,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Between two looks: a tenth of the shortest usual `stall_s`.
+/// Time between two checks: a tenth of the shortest usual `stall_s`.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// How much longer than a period and `stall_s` a guard waits, seconds: two looks. So a loop whose fan the guard has turned off
-/// finds that it is too late when it wakes, and does not fly on.
+/// How much longer than a period and `stall_s` a guard waits, seconds: two checks. A loop whose fan the guard has
+/// turned off is then certainly beyond its own limit when it resumes, and does not fly on.
 pub const SLACK_S: f64 = 0.1;
 
-/// The thread. Dropped without [`Watch::finish`], it leaves the guard to turn the fan off.
+/// The thread. Dropped without [`Watch::finish`], it makes the guard turn the fan off.
 pub struct Watch {
     end: Sender<bool>,
     thread: JoinHandle<Result<(), GuardError>>,
@@ -31,9 +32,9 @@ impl Watch {
     /// Watches `pulse`, the number of cycles so far. Without its guard a flight does not go on: `land` is then set.
     ///
     /// # Errors
-    /// The guard is gone, or the system had no thread to give.
+    /// The guard is gone, or the system could not start a thread.
     pub fn start(mut guard: Option<Guard>, pulse: Arc<AtomicU32>, land: Arc<AtomicBool>) -> Result<Self, GuardError> {
-        // The guard is to be awake before the first duty, not a look after it.
+        // The guard must be active before the first duty, not one check after it.
         guard.as_mut().map_or(Ok(()), Guard::beat)?;
         let (end, ended) = channel();
         let watched = Watched { guard, pulse, land, manager: service_manager()? };
@@ -46,7 +47,7 @@ impl Watch {
     /// # Errors
     /// [`GuardError::Lost`] where the flight was without a guard at its end.
     pub fn finish(self, landed: bool) -> Result<(), GuardError> {
-        // A thread that is gone has dropped its guard, which does what is right without being told.
+        // A thread that is gone has dropped its guard, which then turns the fan off anyway.
         let _ = self.end.send(landed);
         self.thread.join().unwrap_or(Err(GuardError::Lost))
     }
@@ -59,7 +60,7 @@ struct Watched {
     manager: SyncSender<Word>,
 }
 
-/// What the service manager is told.
+/// A message to the service manager.
 enum Word {
     Flying,
     Stopping,
@@ -91,18 +92,19 @@ impl Watched {
         }
     }
 
-    /// A manager that is still busy with the last word hears the next one.
+    /// A manager that is still busy with the last message gets the next one.
     fn tell(&self, word: Word) {
         let _ = self.manager.try_send(word);
     }
 }
 
-/// The thread that speaks to the service manager, where there is one.
+/// The thread that sends to the service manager, where there is one.
 fn service_manager() -> io::Result<SyncSender<Word>> {
     let (manager, words) = sync_channel(1);
     thread::Builder::new().name("notify".into()).spawn(move || {
         for word in words {
-            // Ready is who flies. Said again it changes nothing. A manager that is gone does not matter to the flight.
+            // The service is ready when it flies. A repeated message has no effect. A missing manager does not matter
+            // to the flight.
             let _ = match word {
                 Word::Flying => sd_notify::notify(&[NotifyState::Ready, NotifyState::Watchdog]),
                 Word::Stopping => sd_notify::notify(&[NotifyState::Stopping]),

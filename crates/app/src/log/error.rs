@@ -1,4 +1,4 @@
-//! What can go wrong with a log, each with the file, the place and the next thing to do.
+//! Errors of a log, each with the file, the position and the next step.
 
 use diagnose::RecordingError;
 use std::{io, path::PathBuf};
@@ -11,7 +11,7 @@ pub enum LogError {
     Open {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
     /// The file cannot be unpacked.
@@ -27,10 +27,10 @@ pub enum LogError {
     Create {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
-    /// A log of this name is there already.
+    /// A log of this name already exists.
     #[error("{} exists already and is kept; choose another name with --log or remove the file", path.display())]
     Exists {
         /// The file.
@@ -46,7 +46,7 @@ pub enum LogError {
         /// What went wrong.
         cause: String,
     },
-    /// The thread that writes could not be started, or ended before its time.
+    /// The thread that writes could not be started, or ended too early.
     #[error("the thread that writes {} failed: {cause}; fly again, or without --log", path.display())]
     Thread {
         /// The file.
@@ -54,7 +54,7 @@ pub enum LogError {
         /// What went wrong.
         cause: String,
     },
-    /// Nothing in the file.
+    /// The file is empty.
     #[error("{} is empty; record a flight with `airball simulate` or `airball run`", path.display())]
     Empty {
         /// The file.
@@ -65,10 +65,10 @@ pub enum LogError {
     NoCycles {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         cause: String,
     },
-    /// The rows are no recording.
+    /// The rows do not make a recording.
     #[error("{}: {source}", path.display())]
     NotARecording {
         /// The file.
@@ -76,7 +76,7 @@ pub enum LogError {
         /// What is wrong with them.
         source: RecordingError,
     },
-    /// The table of a CSV, or `[import]`, makes no sense.
+    /// The table of a CSV, or `[import]`, is invalid.
     #[error(transparent)]
     Rows(#[from] rows::RowsError),
 }

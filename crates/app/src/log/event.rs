@@ -1,4 +1,4 @@
-//! The message of a log's channel `event`: what happened, in words.
+//! The message of a log's channel `event`: an event in words.
 
 use crate::flight::lateness::Lateness;
 use crate::flight::vocabulary::{Event, What, word};

@@ -1,8 +1,8 @@
-//! A flight as a table, for whatever reads no MCAP.
+//! A flight as a table, for programs that do not read MCAP.
 //!
 //! The header is the one that [`reader`](super::reader) reads, and `fresh`, without which a repeated position would
-//! pass for a reading. The signals of a second sensor and a tachometer are columns where the flight has them. Numbers are
-//! written so that they read back as the same bits.
+//! count as a reading. The signals of a second sensor and a tachometer are columns where the flight has them. Numbers
+//! are written so that they read back as the same bits.
 
 use crate::flight::vocabulary::Cycle;
 use std::io::{self, Write};
@@ -15,10 +15,10 @@ type Signal = (&'static str, fn(&Cycle) -> Option<f64>);
 
 const SIGNALS: [Signal; 2] = [("position2_mm", |cycle| cycle.position2_mm), ("fan_rpm", |cycle| cycle.fan_rpm)];
 
-/// Writes the cycles as CSV. What is absent is an empty cell.
+/// Writes the cycles as CSV. An absent value is an empty cell.
 ///
 /// # Errors
-/// What the writer said.
+/// The writer's error.
 pub fn csv(cycles: &[Cycle], to: impl Write) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(to);
     let had = |(_, of): &&Signal| cycles.iter().any(|cycle| of(cycle).is_some());
@@ -40,7 +40,7 @@ pub fn csv(cycles: &[Cycle], to: impl Write) -> io::Result<()> {
     csv.flush()
 }
 
-/// What the writer itself said: a pipe that is closed must be recognised behind the table.
+/// The writer's own error: a closed pipe must be recognised behind the error of the table.
 fn cause(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,

@@ -1,9 +1,9 @@
-//! The files of a flight so far: known to who writes them, and to who tells of them before or after the last is closed.
+//! The files of a flight so far: for the writer, and for the summary before or after the last file is closed.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A list that is shared by its copies. Never empty.
+/// A list that its copies share. Never empty.
 #[derive(Clone, Debug)]
 pub struct Files(Arc<Mutex<Vec<PathBuf>>>);
 
@@ -19,13 +19,13 @@ impl Files {
         self.held().push(path.to_owned());
     }
 
-    /// All of them, the oldest first. Those that were deleted to make room are among them.
+    /// All of them, the oldest first, including those that were deleted to free space.
     #[must_use]
     pub fn all(&self) -> Vec<PathBuf> {
         self.held().clone()
     }
 
-    /// The one that is being written.
+    /// The file that is being written.
     #[must_use]
     pub fn current(&self) -> PathBuf {
         self.held().last().cloned().unwrap_or_default()

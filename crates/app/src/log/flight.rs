@@ -1,4 +1,4 @@
-//! A flight as its MCAP file tells it, up to the last whole message.
+//! A flight as read from its MCAP file, up to the last complete message.
 
 use super::LogError;
 use super::event::EventMessage;
@@ -13,10 +13,10 @@ use std::{
     path::Path,
 };
 
-/// What is in a file, however short the flight was.
+/// The content of a file, however short the flight was.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flight {
-    /// What the file says about itself.
+    /// The file's metadata.
     pub about: About,
     /// The config that was in force.
     pub config_toml: Option<String>,
@@ -26,8 +26,8 @@ pub struct Flight {
     pub events: Vec<EventMessage>,
     /// What is missing, in words and numbers, if anything is.
     pub truncated: Option<String>,
-    /// Nothing of the flight is missing: all that was written before its end is here, config and all. A file without its
-    /// summary can be complete, one that was cut between two chunks is not.
+    /// Nothing of the flight is missing: all that was written before its end, config included. A file without its
+    /// summary can be complete; one that was cut between two chunks is not.
     pub complete: bool,
 }
 
@@ -44,7 +44,7 @@ pub fn read(path: &Path) -> Result<Flight, LogError> {
     }
 }
 
-/// Whether these are the bytes of an MCAP file, be it cut within its magic number, or damaged there.
+/// Whether these are the bytes of an MCAP file, even if it is cut or damaged within its magic number.
 pub(super) fn is_mcap(bytes: &[u8]) -> bool {
     !bytes.is_empty() && (bytes.starts_with(MAGIC) || MAGIC.starts_with(bytes) || has_chunk(bytes))
 }
@@ -68,12 +68,12 @@ fn no_cycles<T>(path: &Path, cause: String) -> Result<T, LogError> {
     Err(LogError::NoCycles { path: path.into(), cause })
 }
 
-/// A flight while it is being read.
+/// A flight during reading.
 #[derive(Default)]
 struct Gathered {
     flight: Flight,
     topics: BTreeMap<u16, String>,
-    /// Messages that come next in each channel, unless one has been missing.
+    /// Next expected message number of each channel, unless one has been missing.
     next: BTreeMap<u16, u32>,
     missing_messages: bool,
     spoilt_metadata: bool,
@@ -112,7 +112,8 @@ impl Gathered {
             Some(CYCLE) => serde_json::from_slice(data).map(|cycle| flight.cycles.push(cycle)),
             Some(EVENT) => serde_json::from_slice(data).map(|event| flight.events.push(event)),
             Some(_) => Ok(()),
-            // The chunk that said what this channel is was damaged. No message of ours passes for one of the other kind.
+            // The chunk that defined this channel was damaged. No message of ours can be parsed as one of the other
+            // kind.
             None => {
                 if let Ok(cycle) = serde_json::from_slice(data) {
                     flight.cycles.push(cycle);
@@ -128,7 +129,7 @@ impl Gathered {
         }
     }
 
-    /// Every message is there up to the last, which says that the flight has ended, and what the file says of itself.
+    /// Every message is there up to the last, which marks the end of the flight, and so is the metadata.
     fn is_complete(&self) -> bool {
         let ended = self.flight.events.last().is_some_and(|event| event.kind == "end");
         let described = self.flight.about.version.is_some() && self.flight.config_toml.is_some();

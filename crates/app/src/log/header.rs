@@ -1,8 +1,8 @@
-//! What a log says about its flight: version, command, seed, start, and the config in force.
+//! Metadata of a log: version, command, seed, start, and the config in force.
 //!
-//! Two metadata records at the start of the file: `airball` (keys `version`, `command`, `seed`, `started`) and
-//! `config` (key `toml`). A flight without a seed has no key `seed`. Metadata have no checksum in MCAP, so each record has
-//! one of its own (key `crc32`), without which a damaged config would be believed.
+//! Two metadata records at the start of the file: `airball` (keys `version`, `command`, `seed`, `started`) and `config`
+//! (key `toml`). A flight without a seed has no key `seed`. Metadata have no checksum in MCAP, so each record has its
+//! own (key `crc32`), to detect a damaged config.
 
 use crate::flight::wall_clock::rfc3339;
 use std::{
@@ -20,10 +20,10 @@ pub(super) const TOML: &str = "toml";
 /// Key of a record's checksum.
 const CHECKSUM: &str = "crc32";
 
-/// When every simulated flight starts, so that the same seed gives the same file.
+/// Start of every simulated flight, so that the same seed gives the same file.
 pub const SIMULATED_START: SystemTime = UNIX_EPOCH;
 
-/// About a flight, as it is written.
+/// Metadata of a flight, as written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
     /// Version of the program.
@@ -38,7 +38,7 @@ pub struct Header {
     pub config_toml: String,
 }
 
-/// About a flight, as it was read. What a foreign or damaged file does not say is absent.
+/// Metadata of a flight, as read. Values that a foreign or damaged file lacks are absent.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct About {
     /// Version of the program that wrote the log.
@@ -75,12 +75,12 @@ fn sealed(mut entries: BTreeMap<String, String>) -> BTreeMap<String, String> {
     entries
 }
 
-/// Whether the entries are as they were written. Logs from before there was a checksum are believed.
+/// Whether the entries are unchanged. Logs from before there was a checksum are accepted.
 pub(super) fn is_intact(entries: &BTreeMap<String, String>) -> bool {
     entries.get(CHECKSUM).is_none_or(|sum| *sum == checksum(entries))
 }
 
-/// CRC-32 (as in zip) of the entries but the checksum, each text ended by a zero byte, in the order of the keys.
+/// CRC-32 (as in zip) of the entries except the checksum, each text ended by a zero byte, in the order of the keys.
 fn checksum(entries: &BTreeMap<String, String>) -> String {
     let mut hasher = crc32fast::Hasher::new();
     for (key, value) in entries.iter().filter(|(key, _)| *key != CHECKSUM) {

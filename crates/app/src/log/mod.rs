@@ -1,9 +1,9 @@
-//! What a flight leaves behind, and how it is read again.
+//! Logs of flights: writing and reading.
 //!
-//! Writing: [`recorder`] (what the loop sees) → [`queue`] (real time) → [`writer`] → MCAP.
+//! Writing: [`recorder`] (interface of the loop) → [`queue`] (real time) → [`writer`] → MCAP.
 //! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or the crate [`rows`] (CSV) → recording.
-//! Mending: [`flight`] → [`recover`] → a new MCAP.
-//! Other rigs' files become ours by [`rows::Import`]; ours become tables by [`export`].
+//! Repair: [`flight`] → [`recover`] → a new MCAP.
+//! Other rigs' files are converted by [`rows::Import`]; ours become tables by [`export`].
 
 pub mod error;
 pub mod event;

@@ -7,10 +7,10 @@ use std::path::Path;
 
 /// First bytes of a zstd frame (RFC 8878).
 const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
-/// A log is not larger than this: a small file could otherwise unpack to fill the memory.
+/// Largest size of a log: a small file could otherwise unpack to fill the memory.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// The bytes as they were before they were packed, or as they are.
+/// The unpacked bytes, or the bytes themselves if they are not packed.
 pub(super) fn unpacked<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, LogError> {
     if !bytes.starts_with(&MAGIC) {
         return Ok(Cow::Borrowed(bytes));

@@ -1,7 +1,7 @@
 //! The log of a real-time flight: a bounded ring between the loop and a thread that writes.
 //!
-//! The loop's side never waits and never allocates. What does not fit is counted and lost; what cannot be written is
-//! reported at the end. Start the queue before the loop raises its priority, for a thread inherits it.
+//! The loop's side never waits and never allocates. Entries that do not fit are counted and lost; write errors are
+//! reported at the end. Start the queue before the loop raises its priority, because a thread inherits it.
 
 use super::LogError;
 use super::files::Files;
@@ -18,18 +18,18 @@ use std::{
     time::Duration,
 };
 
-/// Entries that wait while the disk is busy: 40 s at 50 Hz, longer than an SD card's worst pauses.
+/// Entries that can wait while the disk is busy: 40 s at 50 Hz, longer than an SD card's worst pauses.
 const CAPACITY: usize = 2048;
-/// How often the thread looks into the ring.
+/// How often the thread reads the ring.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// What crosses from the loop to the thread.
+/// An entry from the loop to the thread.
 enum Entry {
     Cycle(Cycle),
     Event(Event),
 }
 
-/// The loop's side. Dropping it, too, lets the thread write what is left and close the file.
+/// The loop's side. Dropping it also lets the thread write the remaining entries and close the file.
 pub struct Queue {
     files: Files,
     producer: Option<Producer<Entry>>,
@@ -43,7 +43,7 @@ impl Queue {
     /// Starts the thread that writes.
     ///
     /// # Errors
-    /// [`LogError::Thread`] if the system has no thread to give.
+    /// [`LogError::Thread`] if the system could not start a thread.
     pub fn start<W: Write + Seek + Send + 'static>(writer: LogWriter<W>) -> Result<Self, LogError> {
         let files = Files::starting_with(writer.path());
         Self::with_capacity(files, Inline::new(writer), CAPACITY)
@@ -57,7 +57,7 @@ impl Queue {
         Self::with_capacity(rotation.files(), rotation, CAPACITY)
     }
 
-    /// A flight without a log, because of `failed`: a disk that cannot be written is no reason not to fly.
+    /// A flight without a log, because of `failed`: a disk that cannot be written does not prevent a flight.
     #[must_use]
     pub fn without_file(path: &Path, failed: LogError) -> Self {
         Self { files: Files::starting_with(path), producer: None, thread: None, failed: Some(failed), dropped: 0 }
@@ -106,7 +106,7 @@ impl Queue {
 impl Drop for Queue {
     fn drop(&mut self) {
         if self.thread.is_some() {
-            // Nobody is left to tell; `finish` is the way to hear of failures.
+            // An error here cannot be reported; `finish` is the way to get errors.
             drop(self.close());
         }
     }
@@ -126,12 +126,12 @@ impl Recorder for Queue {
     }
 }
 
-/// Writes what comes until the loop's side is gone. Goes on after a failure, so that the ring does not fill up, and says
-/// it at once: a flight may last for weeks.
+/// Writes entries until the loop's side is gone. Continues after a failure, so that the ring does not fill up, and
+/// reports it at once: a flight may last for weeks.
 fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, LogError> {
     let mut said = false;
     loop {
-        // Asked before the ring is emptied: what was pushed last is then surely seen.
+        // Checked before the ring is emptied, so that the last entries are certainly read.
         let last = from.is_abandoned();
         while let Ok(entry) = from.pop() {
             match entry {
@@ -181,7 +181,7 @@ mod tests {
         }
     }
 
-    /// A disk that does nothing until it is told to.
+    /// A disk that blocks until it is released.
     struct StuckDisk(Cursor<Vec<u8>>, Option<Receiver<()>>);
 
     impl Write for StuckDisk {
@@ -246,7 +246,7 @@ mod tests {
         let disk = StuckDisk(Cursor::default(), Some(stuck));
         let writer = LogWriter::to(disk, Path::new("stuck.mcap"), &header()).unwrap();
         let mut queue = small(writer, 10).unwrap();
-        // Pushing returns although the disk stands still; waiting here would never end.
+        // Pushing returns although the disk is blocked; otherwise this would never end.
         let pushed = 1_000_000;
         let cycle = cycles(1)[0];
         (0..pushed).for_each(|_| queue.cycle(&cycle));
@@ -267,7 +267,7 @@ mod tests {
         let error = queue.finish().unwrap_err();
         assert!(matches!(error, LogError::Write { cycles: 51.., .. }), "{error}");
         let said = error.to_string();
-        // The first cause, and not what the writer says once it has failed.
+        // The first cause, not the writer's error after its failure.
         assert!(said.contains("full.mcap") && said.contains("no storage space"), "{said}");
     }
 }

@@ -1,6 +1,6 @@
-//! Any log in, a recording out: our own MCAP, or a CSV of whoever, either of them packed with zstd or not.
+//! From any log to a recording: our own MCAP, or any CSV, packed with zstd or not.
 //!
-//! A cycle becomes a row whose position is there only if it was measured in that cycle; a repeated one is no reading.
+//! A cycle becomes a row, with a position only if it was measured in that cycle; a repeated one is no reading.
 
 use super::LogError;
 use super::event::EventMessage;
@@ -12,12 +12,12 @@ use diagnose::{Recording, Sample, without_codes};
 use rows::Import;
 use std::{fs, path::Path};
 
-/// A log, ready to be replayed and diagnosed.
+/// A log for replay and diagnosis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedLog {
     /// The rows.
     pub recording: Recording,
-    /// What the log says about itself; of a CSV, nothing.
+    /// The log's metadata; of a CSV, none.
     pub about: About,
     /// The config that was in force, if the log has it.
     pub config_toml: Option<String>,
@@ -30,7 +30,7 @@ pub struct LoadedLog {
 }
 
 impl LoadedLog {
-    /// Leaves the readings empty by which a sensor says that it saw nothing.
+    /// Removes the codes by which a sensor reports that it saw no target.
     pub fn leave_out_codes(&mut self) {
         if let Some(seen) = without_codes(&self.recording) {
             self.recording = seen;
@@ -40,7 +40,7 @@ impl LoadedLog {
 
 /// Reads a log, recognised by its first bytes. `import` maps the columns of a CSV.
 ///
-/// # Errors
+/// [`LogError`] names the file, the position, what is there and the next step.
 /// [`LogError`] names the file, the place, what is there and what to do.
 pub fn read(path: &Path, import: Option<&Import>) -> Result<LoadedLog, LogError> {
     let bytes = fs::read(path).map_err(|source| LogError::Open { path: path.into(), source })?;
@@ -74,7 +74,7 @@ fn from_flight(path: &Path, flight: Flight) -> Result<LoadedLog, LogError> {
     Ok(LoadedLog { recording, about, config_toml, cycles, events, truncated })
 }
 
-/// The row of a recording that a cycle is.
+/// The row of a recording for a cycle.
 #[must_use]
 pub fn sample(cycle: &Cycle) -> Sample {
     Sample {

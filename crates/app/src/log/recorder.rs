@@ -1,7 +1,7 @@
-//! Recorders that end in a log: what the loop hands over never fails in flight.
+//! Recorders that write a log: recording never fails in flight.
 //!
-//! In virtual time [`Inline`] writes at once; in real time [`Queue`](super::queue::Queue) hands over to a thread.
-//! Both keep the first failure for the end: a full disk is no reason to drop the ball.
+//! In virtual time [`Inline`] writes at once; in real time [`Queue`](super::queue::Queue) passes entries to a thread.
+//! Both report the first failure at the end: a full disk must not end a flight.
 
 use super::LogError;
 use super::writer::{LogSummary, LogWriter};
@@ -12,7 +12,7 @@ use std::{
     io::{BufWriter, Seek, Write},
 };
 
-/// A recorder that ends in files.
+/// A recorder that writes files.
 pub trait Sink: Recorder {
     /// The first failure so far.
     fn failure(&self) -> Option<&LogError>;

@@ -1,14 +1,14 @@
-//! The records of an MCAP file, as far as they can be had.
+//! The readable records of an MCAP file.
 //!
 //! ```text
 //! file   = magic, record…, magic        record = opcode (1 byte), length (8 bytes, little endian), body
 //! chunk  = a record whose body holds compressed records, with a checksum
 //! ```
 //!
-//! A file that was cut short ends within a record. A chunk that does not match its checksum is left out, and so is a
-//! compressed one that was cut and cannot be checked; the chunks after a damaged one are read. Lengths are never
-//! believed beyond the end of the file: any bytes may come in.
-//! Source: the MCAP format specification, <https://mcap.dev/spec>.
+//! A file that was cut short ends within a record. A chunk that does not match its checksum is skipped, and so is a
+//! compressed one that was cut and cannot be checked; the chunks after a damaged one are read. Lengths beyond the end
+//! of the file are never accepted: the bytes may be arbitrary. Source: the MCAP format specification,
+//! <https://mcap.dev/spec>.
 
 use mcap::{
     MAGIC, McapError, McapResult, parse_record,
@@ -18,15 +18,15 @@ use mcap::{
 
 /// Opcode and length in front of every body, bytes.
 const FRAME: usize = 9;
-/// Largest record in a chunk, and largest chunk, that is believed, bytes. Ours are a thousandth of it.
+/// Largest accepted size of a record in a chunk, and of a chunk, bytes. Ours are a thousandth of it.
 const LIMIT: usize = 16 << 20;
 
-/// What a zstd chunk of ours has at [`SIGN_AT`]: the length of its compression's name, and the name.
+/// Content of a zstd chunk of ours at [`SIGN_AT`]: the length of its compression's name, and the name.
 const SIGN: &[u8] = b"\x04\0\0\0zstd";
-/// Where it has it, bytes from the chunk's frame: after start, end, size and checksum.
+/// Position of it, bytes from the chunk's frame: after start, end, size and checksum.
 const SIGN_AT: usize = FRAME + 8 + 8 + 8 + 4;
 
-/// What could not be read.
+/// The unreadable parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Damage {
     /// Where the first unreadable record begins, bytes from the start of the file.
@@ -37,10 +37,11 @@ pub(super) struct Damage {
     pub(super) records: usize,
 }
 
-/// Hands every channel, message and metadata record to `each`, in the order of the file, and says what was not readable.
+/// Passes every channel, message and metadata record to `each`, in the order of the file, and returns the unreadable
+/// parts.
 ///
-/// After an unreadable place it goes on at the next whole chunk, wherever that begins: a length that is damaged must not
-/// take more with it than its own record.
+/// After an unreadable record it continues at the next complete chunk: a damaged length must not affect more than its
+/// own record.
 pub(super) fn walk(file: &[u8], each: &mut dyn FnMut(Record<'_>)) -> Option<Damage> {
     let mut damage = None;
     let mut at_byte = MAGIC.len();
@@ -83,12 +84,12 @@ fn one(file: &[u8], at_byte: usize, each: &mut dyn FnMut(Record<'_>)) -> Result<
     taken.map(|()| Some(length)).map_err(|error| error.to_string())
 }
 
-/// Whether there is a whole chunk of ours anywhere in the bytes.
+/// Whether there is a complete chunk of ours anywhere in the bytes.
 pub(super) fn has_chunk(bytes: &[u8]) -> bool {
     next_chunk(bytes, 0).is_some()
 }
 
-/// Where the first whole chunk of ours begins, at `from` or after it: found by its sign, believed for its checksum.
+/// Start of the first complete chunk of ours, at `from` or after it: found by its signature, accepted by its checksum.
 fn next_chunk(bytes: &[u8], from: usize) -> Option<usize> {
     let signs = memchr::memmem::find_iter(bytes.get(from..)?, SIGN).map(|at| from + at);
     signs.filter_map(|sign| sign.checked_sub(SIGN_AT)).filter(|at| *at >= from).find(|at| {
@@ -102,7 +103,7 @@ fn note(damage: &mut Option<Damage>, at_byte: usize, cause: String) {
     damage.get_or_insert(Damage { at_byte, cause, records: 0 }).records += 1;
 }
 
-/// The first record of `bytes`: opcode, as much of its body as there is, and whether that is all.
+/// The first record of `bytes`: opcode, the available part of its body, and whether it is complete.
 fn frame(bytes: &[u8]) -> Option<(u8, &[u8], bool)> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk()?;
@@ -111,7 +112,7 @@ fn frame(bytes: &[u8]) -> Option<(u8, &[u8], bool)> {
     Some((opcode, body.unwrap_or(rest), body.is_some()))
 }
 
-/// Parses what a log is made of, and nothing else: the parser of attachments trusts their lengths.
+/// Parses only the records of a log: the parser of attachments does not check their lengths.
 fn hand_over(opcode: u8, body: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
     if matches!(opcode, op::CHANNEL | op::MESSAGE | op::METADATA) {
         each(parse_record(opcode, body)?);
@@ -119,7 +120,7 @@ fn hand_over(opcode: u8, body: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapR
     Ok(())
 }
 
-/// The records of a chunk, given with its frame; of a chunk that was cut, those that are stored before the cut.
+/// The records of a chunk, given with its frame; of a chunk that was cut, those before the cut.
 fn chunk(framed: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
     match stored(&framed[FRAME..])? {
         Some(mut records) => {
@@ -133,8 +134,8 @@ fn chunk(framed: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
     }
 }
 
-/// The records of a chunk without compression; `None` if it has one. Found by hand, because the parser insists on a
-/// whole chunk. A whole one is compared with its checksum, if it has any.
+/// The records of a chunk without compression; `None` if it has one. Parsed here, because the library's parser needs a
+/// complete chunk. A complete one is compared with its checksum, if it has any.
 fn stored(body: &[u8]) -> McapResult<Option<&[u8]>> {
     /// Start, end and size, bytes.
     const FIXED: usize = 8 + 8 + 8;
@@ -154,7 +155,7 @@ fn stored(body: &[u8]) -> McapResult<Option<&[u8]>> {
     Ok(Some(whole))
 }
 
-/// Compares the chunk with its checksum before anything of it is handed over.
+/// Compares the chunk with its checksum before any record of it is passed on.
 fn compressed(framed: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)

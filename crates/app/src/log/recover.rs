@@ -1,4 +1,4 @@
-//! A whole log from what a damaged one still holds.
+//! A complete log from the readable parts of a damaged one.
 
 use super::LogError;
 use super::flight::Flight;
@@ -7,18 +7,18 @@ use super::writer::{LogSummary, LogWriter};
 use std::io::{Seek, Write};
 use std::path::Path;
 
-/// What stands for what the damaged file no longer says.
+/// Placeholder for lost metadata.
 const UNKNOWN: &str = "unknown";
 
 /// Writes the flight to a new file at `path`: cycles and events in the order of time, with schemas and summary.
 ///
 /// # Errors
-/// [`LogError`]: the file is there already or cannot be written.
+/// [`LogError`]: the file already exists or cannot be written.
 pub fn write(flight: &Flight, path: &Path) -> Result<LogSummary, LogError> {
     copy(flight, LogWriter::create(path, &header(flight))?)
 }
 
-/// What the new log says of the flight.
+/// The metadata of the new log.
 #[must_use]
 pub fn header(flight: &Flight) -> Header {
     let about = &flight.about;

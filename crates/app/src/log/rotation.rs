@@ -1,9 +1,9 @@
-//! A log in several files, for flights that last for weeks: a new file after so many seconds, and the oldest deleted
-//! when all of them take too much room.
+//! A log in several files, for flights that last for weeks: a new file after a fixed time, and the oldest deleted when
+//! all of them are too large.
 //!
-//! Every file is a whole log by itself, with config and schemas; time goes on from file to file. Files are named after the
-//! first, with `-2`, `-3`, …; a name that is taken is passed over. Where no file can be begun, the old one goes on, and it is
-//! tried again. Only logs whose names are times, as the program gives them, are ever deleted.
+//! Every file is a complete log, with config and schemas; time continues from file to file. Files are named after the
+//! first, with `-2`, `-3`, …; an existing name is skipped. If no new file can be created, the old one is continued, and
+//! another attempt follows. Only logs whose names are times, as the program gives them, are ever deleted.
 
 use super::LogError;
 use super::files::Files;
@@ -16,16 +16,16 @@ use crate::flight::vocabulary::{Cycle, End, Event, What};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// When a file ends, and how much room all of them may take.
+/// Length of a file, and size of all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// A file lasts so long, seconds of flight.
+    /// Length of a file, seconds of flight.
     pub part_s: f64,
-    /// All logs of the directory take so much room at most, bytes. `None`: none is deleted.
+    /// Largest size of all logs of the directory, bytes. `None`: none is deleted.
     pub keep_bytes: Option<u64>,
 }
 
-/// Between two attempts to begin a file, seconds of flight.
+/// Time between two attempts to create a file, seconds of flight.
 const RETRY_S: f64 = 10.0;
 
 /// Records into file after file.
@@ -37,11 +37,11 @@ pub struct Rotation {
     current: Inline,
     part: u32,
     next_s: f64,
-    /// How late the cycles began that came here, since the first.
+    /// Histogram of the lateness of the recorded cycles, since the first.
     lateness: Histogram,
-    /// Of the files that are closed.
+    /// Totals of the closed files.
     done: LogSummary,
-    /// The first failure, of whichever file.
+    /// The first failure of any file.
     failed: Option<LogError>,
 }
 
@@ -75,7 +75,7 @@ impl Rotation {
         self.files.clone()
     }
 
-    /// Closes the file and begins the next. Where none can be begun, the old one goes on.
+    /// Closes the file and begins the next. If none can be created, the old one is continued.
     fn turn(&mut self, time_s: f64) {
         let (path, writer) = match self.next_file() {
             Ok(begun) => begun,
@@ -90,7 +90,7 @@ impl Rotation {
             full.event(&Event { time_s, what: What::Lateness(self.lateness) });
         }
         full.event(&Event { time_s, what: What::End(End::Continued) });
-        // The next file may be on a disk with room again.
+        // The next file may be on a disk with free space.
         match full.finish() {
             Ok(LogSummary { cycles, events, .. }) => {
                 self.done.cycles += cycles;
@@ -174,7 +174,7 @@ impl Sink for Rotation {
     }
 }
 
-/// Whether a log has the name that the program gives: `2026-11-21T16-00-00.000Z.mcap`, or a later part of such a one.
+/// Whether a log has a name of the program: `2026-11-21T16-00-00.000Z.mcap`, or a later part of such a flight.
 fn is_named_by_time(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let time = "dddd-dd-ddTdd-dd-dd.dddZ";
@@ -184,7 +184,7 @@ fn is_named_by_time(path: &Path) -> bool {
     time.chars().zip(name.chars()).all(fits) && (part.is_empty() || part.strip_prefix('-').is_some_and(numbered))
 }
 
-/// The order of the flights, and of the parts of one.
+/// Sort key of flights, and of the parts of one.
 fn age(path: &Path) -> (String, u32) {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     match stem.split_once("Z-") {
@@ -270,7 +270,7 @@ mod tests {
         let mut log = Rotation::create(&here.join("f.mcap"), &header(), PARTS).unwrap();
         let flown = cycles(1500);
         flown[..100].iter().for_each(|cycle| log.cycle(cycle));
-        // A file where the folder was: nothing can be created below it, whoever asks.
+        // A file in place of the folder: nothing can be created below it, with any permissions.
         std::fs::rename(&here, &gone).unwrap();
         std::fs::write(&here, "").unwrap();
         flown[100..300].iter().for_each(|cycle| log.cycle(cycle));
@@ -289,7 +289,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("f.mcap");
         let mut log = Rotation::create(&path, &header(), PARTS).unwrap();
-        // A disk that is full when it has the header.
+        // A disk that is full after the header.
         let disk = File::from(memfd_create("disk", MFdFlags::MFD_ALLOW_SEALING).unwrap());
         let to = BufWriter::new(disk.try_clone().unwrap());
         log.current = Inline::new(LogWriter::to(to, &path, &header()).unwrap());

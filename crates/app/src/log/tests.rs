@@ -1,4 +1,4 @@
-//! The log as a whole: written, cut, damaged, read, exported. Flights and their files for the tests of its parts.
+//! Tests of complete logs: written, cut, damaged, read, exported. Flights and their files for the tests of the parts.
 
 mod csv;
 mod damage;
@@ -9,7 +9,7 @@ use super::writer::LogWriter;
 use crate::flight::vocabulary::{Cycle, End, Event, Fault, Mode, What};
 use std::{io::Cursor, path::Path};
 
-/// Cycles at 50 Hz with numbers that no short decimal hits; every seventh reading is a repeated one.
+/// Cycles at 50 Hz with numbers that have no short decimal form; every seventh reading is a repeated one.
 pub(crate) fn cycles(count: u32) -> Vec<Cycle> {
     let cycle = |k: u32| {
         let time_s = f64::from(k) * 0.02 + 1e-5 / f64::from(k + 3);

@@ -1,11 +1,11 @@
-//! One MCAP file a flight: JSON messages with JSON Schema, in chunks compressed with zstd.
+//! One MCAP file per flight: JSON messages with JSON Schema, in chunks compressed with zstd.
 //!
 //! ```text
 //! log_time = wall clock at the start of the flight + time_s      nanoseconds
 //! ```
 //!
-//! A chunk ends once a second of flight time and reaches the operating system whole, so that a killed program loses
-//! about a second. It is not forced onto the disk: a power cut may take more.
+//! A chunk ends once a second of flight time and reaches the operating system complete, so that a killed program loses
+//! about a second. It is not forced onto the disk: a power cut may lose more.
 
 use super::event::EventMessage;
 use super::header::{ABOUT, CONFIG, Header};
@@ -31,7 +31,7 @@ const FLUSH_EVERY_S: f64 = 1.0;
 /// Uncompressed size at which a chunk ends even within the second, bytes.
 const CHUNK_BYTES: u64 = 64 * 1024;
 
-/// Writes a flight. Dropped without [`finish`](Self::finish) it tries to finish and hides what goes wrong.
+/// Writes a flight. Dropped without [`finish`](Self::finish) it tries to finish and ignores errors.
 pub struct LogWriter<W: Write + Seek = BufWriter<File>> {
     path: PathBuf,
     mcap: mcap::Writer<W>,
@@ -47,7 +47,7 @@ struct Channel {
     messages: u64,
 }
 
-/// What became of a log.
+/// The result of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogSummary {
     /// The file.
@@ -64,8 +64,8 @@ impl LogWriter {
     /// Creates the file, and the folders above it.
     ///
     /// # Errors
-    /// [`LogError::Exists`] rather than overwrite a log; [`LogError::Create`] and [`LogError::Write`] with what the
-    /// system said.
+    /// [`LogError::Exists`] instead of overwriting a log; [`LogError::Create`] and [`LogError::Write`] with the
+    /// system's error.
     pub fn create(path: &Path, header: &Header) -> Result<Self, LogError> {
         let failed = |source: io::Error| match source.kind() {
             io::ErrorKind::AlreadyExists if path.exists() => LogError::Exists { path: path.into() },
@@ -83,7 +83,7 @@ impl<W: Write + Seek> LogWriter<W> {
     /// Writes into anything that can seek; `path` is only its name in messages.
     ///
     /// # Errors
-    /// [`LogError::Write`] with what the system said.
+    /// [`LogError::Write`] with the system's error.
     pub fn to(to: W, path: &Path, header: &Header) -> Result<Self, LogError> {
         let failed = |error| write_error(path, 0, &error);
         let mut mcap = options(header).create(to).map_err(failed)?;
@@ -118,7 +118,7 @@ impl<W: Write + Seek> LogWriter<W> {
         self.message(&EventMessage::from(*event))
     }
 
-    /// Writes an event that is in words already.
+    /// Writes an event that is already in words.
     ///
     /// # Errors
     /// As [`cycle`](Self::cycle).
@@ -130,7 +130,7 @@ impl<W: Write + Seek> LogWriter<W> {
     /// Writes the summary that lets viewers seek, and closes the file.
     ///
     /// # Errors
-    /// [`LogError::Write`]; the file is then readable up to its last whole chunk.
+    /// [`LogError::Write`]; the file is then readable up to its last complete chunk.
     pub fn finish(mut self) -> Result<LogSummary, LogError> {
         self.mcap.finish().map_err(|error| self.error(&error))?;
         let Self { path, mcap, cycle, event, .. } = self;
@@ -148,7 +148,7 @@ impl<W: Write + Seek> LogWriter<W> {
     }
 }
 
-/// Compresses in the calling thread; chunks reach the file whole instead of being mended afterwards by seeking back.
+/// Compresses in the calling thread; chunks are written complete instead of being corrected later by seeking back.
 fn options(header: &Header) -> WriteOptions {
     WriteOptions::new()
         .library(format!("airball {}", header.version))
@@ -186,7 +186,7 @@ fn write<W: Write + Seek>(
     Ok(())
 }
 
-/// The message without what is absent: a `null` would break the schema, see [`schema`].
+/// The message without absent values: a `null` would violate the schema, see [`schema`].
 fn present(message: &impl Serialize) -> serde_json::Result<Vec<u8>> {
     let mut message = serde_json::to_value(message)?;
     if let Value::Object(quantities) = &mut message {

@@ -1,4 +1,4 @@
-//! What a rig is and what it may be told: the retained message on `about`, from which any page or monitor learns limits, units and names.
+//! The description of a rig: the retained message on `about`, with limits, units and names for pages and monitors.
 
 use crate::config::{Safety, Tables};
 use crate::flight::experiment::offers::Offer;
@@ -6,7 +6,7 @@ use control::controller::Kind;
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};
 
-/// The words that this message has.
+/// The name and version of the message.
 const SCHEMA: &str = "airball.about/1";
 
 /// The message.
@@ -14,31 +14,31 @@ const SCHEMA: &str = "airball.about/1";
 pub struct About {
     /// `airball.about/1`.
     pub schema: String,
-    /// Version of the program that flies.
+    /// Version of the program that runs the flight.
     pub version: String,
     /// The rig's name in topics.
     pub rig: String,
     /// Whether it is the simulated rig.
     pub simulated: bool,
-    /// From cycle to cycle, seconds.
+    /// Period of the cycles, seconds.
     pub period_s: f64,
-    /// Where the ball can be, mm.
+    /// Possible positions of the ball, mm.
     pub position_mm: Range,
-    /// Where it may be sent, mm.
+    /// Safe setpoints, mm.
     pub setpoint_mm: Range,
-    /// What the fan may be given in flight, percent.
+    /// Safe duties in flight, percent.
     pub duty_percent: Range,
-    /// The duty that is believed to hold the ball, percent.
+    /// The believed hover duty, percent.
     pub hover_duty_percent: f64,
-    /// The controllers that there are.
+    /// The names of the controllers.
     pub controllers: Vec<String>,
-    /// The gains of the PID; none where there is no PID.
+    /// The gains of the PID; empty where there is no PID.
     pub gains: Vec<Gain>,
-    /// The experiments that may be started.
+    /// The experiments that can be started.
     pub experiments: Vec<Offered>,
 }
 
-/// From here to there.
+/// A range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Range {
     /// The smallest.
@@ -47,34 +47,34 @@ pub struct Range {
     pub max: f64,
 }
 
-/// A gain that may be set.
+/// A gain that can be set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gain {
     /// Its key in `set/gains`.
     pub name: String,
-    /// As people write it.
+    /// Its symbol.
     pub symbol: String,
     /// Its unit.
     pub unit: String,
     /// The smallest.
     pub min: f64,
-    /// The largest; null: there is none.
+    /// The largest; null: no limit.
     pub max: Option<f64>,
 }
 
-/// An experiment that may be started.
+/// An experiment that can be started.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Offered {
     /// Its name in `set/experiment`.
     pub name: String,
-    /// What it is for.
+    /// Its purpose.
     pub title: String,
-    /// How long it lasts at most, seconds.
+    /// Its longest duration, seconds.
     pub duration_s: f64,
 }
 
 impl About {
-    /// What the tables of a flight and its offers say. `None` where a table is missing that a flight needs.
+    /// The message for the tables of a flight and its offers. `None` where a table of a flight is missing.
     #[must_use]
     pub fn of(tables: &Tables, offers: &[Offer], simulated: bool) -> Option<Self> {
         let rig = tables.rig.as_ref()?;
@@ -98,7 +98,7 @@ impl About {
         })
     }
 
-    /// As it is published.
+    /// The message as published.
     #[must_use]
     pub fn json(&self) -> String {
         // Plain values always serialise.
@@ -106,7 +106,7 @@ impl About {
     }
 }
 
-/// Behind predistortion the control value is an acceleration.
+/// The gains with their units: with predistortion the control value is an acceleration.
 fn gains(predistorted: bool) -> Vec<Gain> {
     let per_mm = if predistorted { "mm/s² per mm" } else { "%/mm" };
     let words = [("K_p", per_mm), ("T_i", "s"), ("T_d", "s")];

@@ -1,4 +1,4 @@
-//! What passed the link and what it had no room for.
+//! Counts of messages on the link, and of lost ones.
 
 use serde::Serialize;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// Counts since the start of the link. Part of the message on `state`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
-    /// Messages that came in on a command's topic.
+    /// Messages on the topic of a command.
     pub commands_received: u32,
-    /// Commands refused, by their form or by the loop.
+    /// Commands refused, because of their form or by the loop.
     pub commands_refused: u32,
-    /// Commands that found the loop's ring full.
+    /// Commands that did not fit into the loop's ring.
     pub commands_busy: u32,
-    /// Replies and states that were lost between loop and broker for want of room.
+    /// Replies and states that did not fit between loop and broker.
     pub dropped_mqtt_messages: u32,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Counters {
     pub(super) dropped: AtomicU32,
 }
 
-/// One more.
+/// Adds one.
 pub(super) fn count(counter: &AtomicU32) {
     counter.fetch_add(1, Relaxed);
 }

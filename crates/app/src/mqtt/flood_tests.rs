@@ -1,4 +1,4 @@
-//! Too much for a rig: too large, too many, and nothing that makes sense.
+//! Tests with messages that are too large, too many, or invalid.
 
 use super::link_tests::{MODE, REPLY, SETPOINT, STATUS, connected, in_force, obey, start};
 use super::network::LARGEST_IN;
@@ -25,7 +25,7 @@ fn a_megabyte_is_answered_and_the_connection_stays() {
 #[test]
 fn a_message_that_ends_the_connection_is_counted_and_answered_in_the_next_and_commands_work_again() {
     let (_broker, outside, link, mut mailbox) = connected();
-    // As if the connection were old: the broker did not keep this one.
+    // Makes the connection old enough that the message does not count as retained.
     std::thread::sleep(super::hearing::SOON);
     outside.say(SETPOINT, "3".repeat(LARGEST_IN + 1));
     assert_eq!((outside.hear(STATUS), outside.hear(STATUS)), ("offline".into(), "online".into()));
@@ -42,7 +42,7 @@ fn a_huge_message_that_the_broker_keeps_does_not_end_every_connection_and_stop_g
     let outside = Outside::on(broker.port);
     outside.say_retained(GAINS, vec![b'7'; LARGEST_IN + 1]);
     let (_link, mut mailbox) = start(&broker.config());
-    // The message may come before the first `online` has left.
+    // The message may arrive before the first `online` is sent.
     until("the end of a connection", || (outside.hear(STATUS) == "offline").then_some(()));
     assert_eq!(outside.hear(STATUS), "online");
     outside.say(MODE, "stop");
@@ -66,7 +66,7 @@ fn a_huge_message_that_is_kept_as_the_mode_leaves_a_link_that_stays_and_only_spe
     assert_eq!(link.counts().commands_refused, 2);
 }
 
-/// A number, a word, gains, or rubbish, now and then a long one.
+/// A number, a word, gains, or random bytes, sometimes long.
 fn payload(random: &mut Pcg64) -> Vec<u8> {
     let draw = random.next_u32();
     let rubbish = |bytes: usize| draw.to_le_bytes().into_iter().cycle().take(bytes).collect();
@@ -83,14 +83,14 @@ fn payload(random: &mut Pcg64) -> Vec<u8> {
 #[test]
 fn of_a_flood_every_message_is_answered_or_counted() {
     const SENT: u32 = 10_000;
-    // What the broker throws away is not ours to count.
+    // Messages that the broker drops are not in our counts.
     let broker = Broker::with_access("allow_anonymous true\nmax_queued_messages 0");
     let outside = Outside::on(broker.port);
     let (link, mut mailbox) = start(&broker.config());
     assert_eq!(outside.hear(STATUS), "online");
     let mut random = Pcg64::seed_from_u64(1);
     let mut obeyed = 0;
-    // As a cycle does: four commands at most, each answered.
+    // As in a cycle: four commands at most, each answered.
     let mut cycle = || {
         for _ in 0..4 {
             let Some(command) = mailbox.try_command() else { return };

@@ -1,21 +1,21 @@
-//! What is subscribed to: every command, unless the broker keeps a message that is too large to be taken.
+//! Subscriptions: all commands, unless the broker retains a message that is too large.
 //!
-//! A packet beyond the limit ends the connection before its topic is known. One that somebody publishes costs one
-//! connection. One that the broker *retains* comes again right behind every subscription and would end every
-//! connection; so the next one asks for less: for the mode alone, that `stop` gets through, or, if it is kept there,
-//! for nothing. A minute later everything is asked for again.
+//! A packet beyond the limit ends the connection before its topic is known. A published one ends one connection. A
+//! *retained* one is sent again just after every subscription and would end every connection; so the next session
+//! subscribes to less: to the mode alone, so that `stop` is received, or, if the packet is retained there, to nothing.
+//! A minute later it subscribes to everything again.
 
 use crate::config::topics::{ORIGINAL_SETPOINT, Topics};
 use rumqttc::mqttbytes::Error as Malformed;
 use rumqttc::{Client, ConnectionError, QoS, StateError, SubscribeFilter};
 use std::time::{Duration, Instant};
 
-/// A packet that comes so soon behind a subscription was retained.
+/// A packet this soon after a subscription was retained.
 pub(super) const SOON: Duration = Duration::from_secs(5);
-/// How long less is asked for.
+/// Duration of a reduced subscription.
 const LESS_FOR: Duration = Duration::from_secs(60);
 
-/// How much is listened to.
+/// The subscribed topics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Width {
     Everything,
@@ -23,7 +23,7 @@ enum Width {
     Nothing,
 }
 
-/// Remembers how much is listened to, and since when.
+/// The present subscription, and its start.
 #[derive(Debug)]
 pub(super) struct Hearing {
     width: Width,
@@ -50,14 +50,14 @@ impl Hearing {
         }
     }
 
-    /// Learns from the end of a connection.
+    /// Evaluates the end of a connection.
     pub(super) fn ended(&mut self, cause: &ConnectionError, now: Instant) {
         if too_large(cause).is_some() && now < self.since + SOON {
             self.width = if self.width == Width::Everything { Width::Mode } else { Width::Nothing };
         }
     }
 
-    /// Whether less than everything was asked for, for long enough. It is everything from now on.
+    /// Whether a reduced subscription has lasted long enough. From now on it is everything.
     pub(super) fn recovers(&mut self, now: Instant) -> bool {
         let due = self.width != Width::Everything && now >= self.since + LESS_FOR;
         if due {
@@ -67,7 +67,7 @@ impl Hearing {
     }
 }
 
-/// The bytes of a packet that was too large, if that ended the connection.
+/// The size of a packet that was too large, in bytes, if that ended the connection.
 pub(super) const fn too_large(cause: &ConnectionError) -> Option<usize> {
     match cause {
         ConnectionError::MqttState(StateError::Deserialization(Malformed::PayloadSizeLimitExceeded(bytes))) => {

@@ -1,4 +1,4 @@
-//! The link as its owner sees it: start it, give the mailbox to the loop, stop it.
+//! The link for its owner: start it, give the mailbox to the loop, stop it.
 
 use super::about::About;
 use super::count::{Counters, Counts};
@@ -15,23 +15,24 @@ use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Longest wait for the goodbye to reach the broker.
+/// Longest wait until the broker has the last messages.
 const LONGEST_GOODBYE: Duration = Duration::from_secs(1);
 
-/// Two threads between the loop and the broker. Dropping it says `offline` and leaves, as [`Link::stop`] does.
+/// Two threads between the loop and the broker. Dropping it sends `offline` and disconnects, as [`Link::stop`] does.
 pub struct Link {
     line: Arc<Line>,
     counters: Arc<Counters>,
-    /// The publisher first: its goodbye ends the network's session.
+    /// The publisher first: its last message ends the network's session.
     threads: Vec<JoinHandle<()>>,
 }
 
 impl Link {
-    /// Starts the link and returns at once, broker or not; what the rig is and its last fault are published with every connection. Start it before the loop raises its priority, which new
-    /// threads would inherit.
+    /// Starts the link and returns at once, with or without a broker; the description of the rig and its last fault are
+    /// published with every connection. Start it before the loop raises its priority, which new threads would inherit.
     ///
     /// # Errors
-    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a missing broker.
+    /// [`MqttError`]: a rig's name that is not allowed in topics, a password or certificate that cannot be read, no
+    /// thread. A missing broker is not an error.
     pub fn start(
         config: &MqttConfig,
         about: &About,
@@ -77,15 +78,15 @@ impl Link {
         Ok(())
     }
 
-    /// Sends what the loop said last and the fault that ended it, says `offline` and leaves the broker. Waits for that a second at most; what
-    /// hangs longer ends with the process. Returns what passed the link.
+    /// Sends the loop's last messages and the fault that ended it, sends `offline` and disconnects. Waits for that a
+    /// second at most; what takes longer ends with the process. Returns the counts of the link.
     pub fn stop(mut self, fault: Option<&LastFault>) -> Counts {
         self.line.know(fault);
         self.leave();
         self.counts()
     }
 
-    /// What passed the link so far.
+    /// The counts so far.
     pub(super) fn counts(&self) -> Counts {
         self.counters.read()
     }

@@ -1,4 +1,4 @@
-//! The link against a real broker, seen from outside.
+//! Tests of the link with a real broker, through a second client.
 
 use super::about::About;
 use super::link::Link;
@@ -28,7 +28,7 @@ pub(super) fn start(config: &MqttConfig) -> (Link, Mailbox) {
     Link::start(config, &about(), None).unwrap()
 }
 
-/// A broker, somebody outside, and a link that is up.
+/// A broker, a second client, and a connected link.
 pub(super) fn connected() -> (Broker, Outside, Link, Mailbox) {
     let broker = Broker::start();
     let outside = Outside::on(broker.port);
@@ -87,7 +87,7 @@ pub(super) fn state(time_s: f64) -> State {
     }
 }
 
-/// What the loop does with a command: here it takes what comes next and refuses or not.
+/// The loop's answer to a command: takes the next one and refuses it or not.
 pub(super) fn obey(mailbox: &mut Mailbox, refused: Option<Refusal>) -> Command {
     let command = until("a command in the mailbox", || mailbox.try_command());
     mailbox.answer(Answer { command, refused, in_force: in_force(300.0) });
@@ -244,7 +244,7 @@ fn a_broker_that_hangs_up_is_not_hammered() {
     let _link = start(&config(port));
     let began = Instant::now();
     let mut calls = 0;
-    // For as long as it takes until it calls again, which a busy machine puts off.
+    // Until the link connects again, which takes longer on a busy machine.
     while began.elapsed() < Duration::from_millis(1200) || (calls < 2 && began.elapsed() < PATIENCE) {
         calls += usize::from(listener.accept().is_ok());
         thread::sleep(Duration::from_millis(5));
@@ -259,7 +259,7 @@ fn a_broker_that_says_nothing_does_not_hold_up_stopping() {
     let (silent, _) = listener.accept().unwrap();
     let (done, stopped) = mpsc::channel();
     thread::spawn(move || done.send(link.stop(None)));
-    // The client's own patience is five seconds; the link's is one.
+    // The client's own timeout is five seconds; the link's is one.
     assert!(stopped.recv_timeout(Duration::from_secs(4)).is_ok(), "still waiting for a broker that says nothing");
     drop(silent);
 }

@@ -1,7 +1,7 @@
 //! The loop's end of the link: three bounded rings of plain copies. Nothing here blocks or allocates.
 //!
-//! A stop gets through a flood: where the ring of commands is full it is a flag beside it, and what waited in the ring is forgotten, so
-//! that no `fly` from before the stop starts the fan again.
+//! A stop is never lost: if the ring of commands is full, it is a flag beside it, and the commands in the ring are
+//! discarded, so that no `fly` from before the stop starts the fan again.
 
 use super::count::{Counters, count};
 use crate::flight::command::Command;
@@ -11,21 +11,21 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Room in each ring: more than a second of states at 50 Hz, should the publisher not get the processor.
+/// Size of each ring: more than a second of states at 50 Hz, in case the publisher does not get the processor.
 pub(super) const ROOM: usize = 64;
 
-/// What the loop holds. It outlives the link without harm, and the link outlives it.
+/// The loop's side. It may outlive the link, and the link may outlive it.
 #[derive(Debug)]
 pub struct Mailbox {
     commands: Consumer<Command>,
-    /// A stop that found the ring full.
+    /// A stop for which the ring had no space.
     stop: Arc<AtomicBool>,
     answers: Producer<Answer>,
     states: Producer<State>,
     counters: Arc<Counters>,
 }
 
-/// The network's end of the commands.
+/// The network's side of the commands.
 pub(super) struct Inbox {
     ring: Producer<Command>,
     stop: Arc<AtomicBool>,
@@ -33,7 +33,7 @@ pub(super) struct Inbox {
 }
 
 impl Inbox {
-    /// Hands a command over. False: it found no room, and is no stop.
+    /// Passes a command on. False: the ring is full, and the command is not a stop.
     pub(super) fn push(&mut self, command: Command) -> bool {
         let kept = self.ring.push(command).is_ok();
         if !kept && command == Command::Stop && self.stop.swap(true, Relaxed) {
@@ -42,19 +42,19 @@ impl Inbox {
         kept || command == Command::Stop
     }
 
-    /// Whether nobody takes commands any more.
+    /// Whether the loop's side is gone.
     pub(super) fn is_abandoned(&self) -> bool {
         self.ring.is_abandoned()
     }
 }
 
-/// A command that nobody obeys any more, and the reply that it does not get.
+/// Counts a discarded command and its missing reply.
 fn forgotten(counters: &Counters) {
     count(&counters.busy);
     count(&counters.dropped);
 }
 
-/// The other ends: commands belong to the network's thread, the rest to the publisher's.
+/// The other sides: commands belong to the network's thread, the rest to the publisher's.
 pub(super) struct FarEnd {
     pub(super) commands: Inbox,
     pub(super) answers: Consumer<Answer>,
@@ -72,7 +72,7 @@ impl Mailbox {
         (Self { commands, stop, answers, states, counters }, far)
     }
 
-    /// One with commands in it, and nobody at the other end.
+    /// A mailbox with commands in it, and no other side.
     #[cfg(test)]
     pub(crate) fn holding(commands: impl IntoIterator<Item = Command>) -> Self {
         let (mailbox, mut far) = Self::new(Arc::default());

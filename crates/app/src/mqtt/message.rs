@@ -1,4 +1,4 @@
-//! What the loop says about itself, as JSON for the broker.
+//! The messages of the loop, as JSON for the broker.
 
 use super::count::Counts;
 use crate::config::topics::Quantity;
@@ -19,9 +19,9 @@ pub(super) struct StateMessage {
 /// The message on `cycles`.
 #[derive(Serialize)]
 pub(super) struct CyclesMessage<'a> {
-    /// One after another, as the log has them.
+    /// In order, as in the log.
     pub(super) cycles: &'a [Cycle],
-    /// Those that were lost for want of room, since the stream began.
+    /// Those that did not fit, since the stream began.
     pub(super) dropped: u32,
 }
 
@@ -45,7 +45,7 @@ impl From<Answer> for Reply {
     }
 }
 
-/// What a command sets.
+/// The quantity that a command sets.
 const fn quantity(command: Command) -> Quantity {
     match command {
         Command::Setpoint(_) => Quantity::Setpoint,

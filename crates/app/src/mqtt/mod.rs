@@ -1,23 +1,23 @@
-//! MQTT: commands in, replies and state out, while the ball is in the air.
+//! MQTT: commands in, replies and state out, during a flight.
 //!
 //! | topic | direction | payload |
 //! |---|---|---|
 //! | `airball/<rig>/set/setpoint_mm` | in | a number: `300` |
 //! | `airball/<rig>/set/gains` | in | JSON, changed together: `{"kp_per_mm":0.01,"ti_s":3}` |
-//! | `airball/<rig>/set/controller` | in | `pid`, `cascade`, `state_feedback`, `lqg`, `mpc` or `open_loop`, where the config has it |
+//! | `airball/<rig>/set/controller` | in | `pid`, `cascade`, `state_feedback`, `lqg`, `mpc` or `open_loop` |
 //! | `airball/<rig>/set/mode` | in | `stop`, `fly` or `programme` |
-//! | `airball/<rig>/set/experiment` | in | the name of an experiment that `about` lists: flown once, then the programme again |
+//! | `airball/<rig>/set/experiment` | in | an experiment of the list in `about`: flown once, then the programme |
 //! | `airball/<rig>/set/stream` | in | `full`: every cycle on `cycles` for 5 s, ask again before; `off` |
 //! | `airball/<rig>/reply` | out | JSON: what is in force, or why a command was refused |
 //! | `airball/<rig>/state` | out, 10 Hz | JSON: the latest cycle, the gains, the counts |
-//! | `airball/<rig>/cycles` | out, 10 Hz, when asked | JSON: `cycles` since the last message, each as the log has it; `dropped`, those that found no room |
+//! | `airball/<rig>/cycles` | out, 10 Hz, when asked | JSON: `cycles` since the last message, `dropped`: lost ones |
 //! | `airball/<rig>/about` | out, retained | JSON (`airball.about/1`): limits, units, controllers, gains, experiments |
 //! | `airball/<rig>/status` | out, retained | `online`, or `offline` by last will |
 //! | `airball/<rig>/fault` | out, retained | JSON: the last fault that ended a flight, `at`, `fault`, `log` |
 //! | `ball/parameters/reference` | in | the original rig's name of `set/setpoint_mm` |
 //! | `ball/measures/position` | out, 10 Hz | the original rig's position, a number in mm |
 //!
-//! Two threads stand between the loop and the broker, so that neither can hold up the loop:
+//! Two threads are between the loop and the broker, so that neither can block the loop:
 //!
 //! ```text
 //!            commands (ring)            ┌─────────┐   subscriptions
@@ -31,10 +31,10 @@
 //!
 //! Commands, replies, `status` and `fault` go with QoS 1 (at least once), states with QoS 0.
 //!
-//! The loop's side never blocks and never allocates: a full ring drops and counts. A command that finds its ring
-//! full is answered as busy, but for a stop, which gets through. A broker that is not there is tried again, at most every five seconds, for as long as
-//! the link lives; the flight goes on. A command that the broker *retained* is refused: it was meant for another
-//! moment, and `fly` must not start the fan of a rig that has just been switched on.
+//! The loop's side never blocks and never allocates: a full ring drops and counts. A command for which the ring is full
+//! is answered as busy, except a stop, which is never lost. The connection to a missing broker is tried again, at most
+//! every five seconds, for as long as the link exists; the flight goes on. A *retained* command is refused: it was
+//! meant for another time, and `fly` must not start the fan of a rig that has just been switched on.
 
 pub mod about;
 mod count;

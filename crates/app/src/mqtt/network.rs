@@ -1,8 +1,8 @@
-//! The thread that holds the connection: dials, subscribes, and turns messages into commands.
+//! The thread of the connection: connects, subscribes, and turns messages into commands.
 //!
-//! A session is one connection, from dialling to its first error, with a client of its own: nothing queued in one
-//! is sent in the next, so that the broker never hears of a state that is long past. Subscriptions do not outlive a
-//! session either. Between sessions the thread sleeps, because a refused connection fails within microseconds.
+//! A session is one connection, from connecting to its first error, with a client of its own: requests queued in one
+//! are not sent in the next, so that the broker never gets an old state. Subscriptions end with a session too. Between
+//! sessions the thread sleeps, because a refused connection fails within microseconds.
 
 use super::about::About;
 use super::count::{Counters, count};
@@ -23,24 +23,24 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use std::{io, process, thread};
 
-/// Requests that wait for the connection: a few turns of the publisher.
+/// Requests that can wait for the connection: a few rounds of the publisher.
 const QUEUE: usize = 256;
-/// Largest packet taken from the broker, so that whoever sends one is answered. The connection ends at a larger one.
+/// Largest packet accepted from the broker, so that its sender gets a reply. A larger one ends the connection.
 pub(super) const LARGEST_IN: usize = 2 << 20;
 /// Largest packet sent; a full batch of cycles is below 40 KB.
 const LARGEST_OUT: usize = 64 * 1024;
-/// After one and a half of these without a sign of life the broker publishes the last will.
+/// After one and a half of these without a packet the broker publishes the last will.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
 /// First and longest pause between two attempts to connect.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(5));
 
-/// What both threads and the link share: the client of the session, while there is one.
+/// Shared by both threads and the link: the client of the session, while there is one.
 pub(super) struct Line {
     client: Mutex<Option<Client>>,
     stopping: AtomicBool,
-    /// The last fault, as it is published; none is known where there is none.
+    /// The last fault, as published; `None`: none is known.
     fault: Mutex<Option<String>>,
-    /// What the rig is, as it is published.
+    /// The description of the rig, as published.
     about: String,
 }
 
@@ -54,7 +54,7 @@ impl Line {
         self.client.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes a fault as the last one, if there is one.
+    /// Sets the last fault, if there is one.
     pub(super) fn know(&self, fault: Option<&LastFault>) {
         if let Some(fault) = fault {
             *self.fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(fault.json());
@@ -76,22 +76,22 @@ impl Line {
     }
 }
 
-/// A message that was answered without the loop.
+/// A message that is answered without the loop.
 pub(super) struct Aside {
-    /// As [`Topics::short`] has it.
+    /// In the form of [`Topics::short`].
     pub(super) topic: String,
     pub(super) what: What,
 }
 
-/// What became of it.
+/// Its result.
 pub(super) enum What {
-    /// It was refused, for this reason.
+    /// It was refused for this reason.
     Refused(String),
-    /// It asks for every cycle, or no longer.
+    /// It starts or ends the stream of every cycle.
     Stream(bool),
 }
 
-/// The thread's belongings.
+/// The state of the thread.
 pub(super) struct Network {
     pub(super) options: MqttOptions,
     pub(super) topics: Arc<Topics>,
@@ -101,18 +101,18 @@ pub(super) struct Network {
     pub(super) counters: Arc<Counters>,
     pub(super) outage: Outage,
     pub(super) hearing: Hearing,
-    /// A refusal that the next session is to tell.
+    /// A refusal to be sent in the next session.
     pub(super) owed: Option<Aside>,
 }
 
-/// Who we are to the broker, and what it is to say when we are gone.
+/// The client's identity and last will.
 pub(super) fn options(config: &MqttConfig, rig: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
     let mut options = to_broker(config, format!("airball-{rig}-{}", process::id()))?;
     options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
     Ok(options)
 }
 
-/// Where the broker is, and who dials.
+/// The broker's address, and the client's identity.
 pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, MqttError> {
     let mut options = MqttOptions::new(id, config.host.clone(), config.port());
     options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
@@ -126,7 +126,7 @@ pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, 
 }
 
 impl Network {
-    /// Runs until the line is told to stop.
+    /// Runs until the line is stopped.
     pub(super) fn run(mut self) {
         let mut pause = PAUSES.0;
         while !self.line.stopping() {
@@ -160,7 +160,7 @@ impl Network {
                     }
                 }
                 Ok(Ok(Event::Incoming(Packet::Publish(message)))) => self.take(&message),
-                // Something passes every few seconds, if only a ping.
+                // A packet arrives every few seconds, at least a ping.
                 Ok(Ok(_)) if self.hearing.recovers(Instant::now()) => {
                     self.hearing.subscribe(&client, &self.topics);
                 }
@@ -171,8 +171,8 @@ impl Network {
         }
     }
 
-    /// Subscribes and says `online`. False where that is no longer wanted: leaving without a word then makes the
-    /// broker publish the last will, which is the truth. The queue of a new session has room for these requests.
+    /// Subscribes and sends `online`. False where that is no longer wanted: a disconnection without a message makes the
+    /// broker publish the last will, which is then right. The queue of a new session has space for these requests.
     fn greet(&mut self, client: &Client) -> bool {
         let mut held = self.line.client();
         let greeted = !self.line.stopping()
@@ -188,7 +188,7 @@ impl Network {
         greeted
     }
 
-    /// Hands a command to the loop, or what became of it without the loop to the publisher.
+    /// Passes a command to the loop, or the result of a message without the loop to the publisher.
     fn take(&mut self, message: &Publish) {
         count(&self.counters.received);
         let what = match self.asked(message) {
@@ -215,7 +215,7 @@ impl Network {
         }
     }
 
-    /// Counts a packet that ended its session. Which topic it was for is not known.
+    /// Counts a packet that ended its session. Its topic is not known.
     fn refuse_packet(&self, bytes: usize) -> Aside {
         count(&self.counters.received);
         count(&self.counters.refused);
@@ -234,7 +234,7 @@ impl Network {
     }
 }
 
-/// Says a line on standard error, where there is one. A closed standard error is no reason to fall silent on MQTT.
+/// Writes a line to standard error, where there is one. A closed standard error must not stop MQTT.
 fn say(line: Option<String>) {
     if let Some(line) = line {
         let _ = writeln!(io::stderr(), "{line}");

@@ -1,15 +1,16 @@
-//! What is said on standard error when the broker comes and goes: one line a change, however often it is tried.
+//! Messages on standard error when the connection to the broker changes: one line per change, however often it is
+//! tried.
 
 use super::hearing::too_large;
 use super::tls;
 use rumqttc::{ConnectReturnCode, ConnectionError};
 
-/// Remembers what was said last.
+/// The last message.
 #[derive(Debug)]
 pub(super) struct Outage {
     /// `host:port`.
     broker: String,
-    /// `None` until something was said.
+    /// `None` before the first message.
     connected: Option<bool>,
 }
 
@@ -18,13 +19,13 @@ impl Outage {
         Self { broker, connected: None }
     }
 
-    /// The line to say on a connection, unless it was said.
+    /// The line for a connection, unless already written.
     pub(super) fn over(&mut self) -> Option<String> {
         let new = self.connected.replace(true) != Some(true);
         new.then(|| format!("mqtt: connected to the broker at {}", self.broker))
     }
 
-    /// The line to say on a connection refused or lost, unless it was said.
+    /// The line for a refused or lost connection, unless already written.
     pub(super) fn began(&mut self, cause: &ConnectionError) -> Option<String> {
         let what = match self.connected.replace(false) {
             Some(false) => return None,
@@ -36,7 +37,7 @@ impl Outage {
     }
 }
 
-/// The next thing to try.
+/// The next step for the user.
 fn hint(cause: &ConnectionError) -> &'static str {
     use ConnectReturnCode::{BadUserNamePassword, NotAuthorized};
     match cause {

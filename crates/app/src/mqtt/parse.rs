@@ -1,43 +1,43 @@
-//! From a message's bytes to a [`Command`], or to a reason that says what was got and what is expected.
+//! From a message's bytes to a [`Command`], or to a reason with what was received and what is expected.
 //!
-//! Only the form is judged here. Whether a setpoint is safe or a gain within its bounds is the loop's to say.
+//! Only the form is checked here. The loop checks whether a setpoint is safe or a gain within its bounds.
 
 use crate::config::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
 use crate::flight::command::{Command, GainChange};
 use crate::flight::name::Name;
 use control::controller::Kind;
 
-/// Longest payload that is looked into, bytes. The longest sensible one, three gains, has about 80.
+/// Longest payload that is parsed, bytes. The longest useful one, three gains, has about 80.
 const LONGEST_PAYLOAD: usize = 256;
-/// Most characters of a payload or topic that a reason repeats.
+/// Largest number of characters of a payload or topic in a reason.
 const LONGEST_QUOTE: usize = 40;
-/// Most characters of a JSON error that a reason repeats.
+/// Largest number of characters of a JSON error in a reason.
 const LONGEST_WHY: usize = 160;
 
-/// What a message asks for.
+/// The content of a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
-    /// Something of the loop.
+    /// A command for the loop.
     Loop(Command),
-    /// Every cycle from now on, for a while, or no longer.
+    /// Starts or ends the stream of every cycle.
     Stream(bool),
 }
 
-/// Why a message is no command. The text is sent to whoever published it.
+/// Why a message is not a command. The text is sent to its publisher.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ParseError {
-    /// No such topic.
+    /// There is no such topic.
     #[error("nothing is set by topic {topic}; there are {known}")]
     Topic {
         /// The topic, shortened.
         topic: String,
-        /// The topics that there are.
+        /// The existing topics.
         known: String,
     },
-    /// Kept by the broker from an earlier time.
+    /// Retained by the broker from an earlier time.
     #[error("the broker kept this command from earlier (retained), so it is not obeyed; publish it without -r")]
     Retained,
-    /// Too long to be looked into.
+    /// Too long to be parsed.
     #[error("got {got} bytes, the longest command has {LONGEST_PAYLOAD}; {expected}")]
     TooLong {
         /// Bytes in the payload.
@@ -45,13 +45,13 @@ pub enum ParseError {
         /// What is expected, with an example.
         expected: &'static str,
     },
-    /// Nothing in it.
+    /// Empty.
     #[error("got an empty message; {expected}")]
     Empty {
         /// What is expected, with an example.
         expected: &'static str,
     },
-    /// Not of the form expected.
+    /// Not of the expected form.
     #[error("got {got}; {expected}")]
     Form {
         /// The payload, shortened and printable.
@@ -59,7 +59,7 @@ pub enum ParseError {
         /// What is expected, with an example.
         expected: &'static str,
     },
-    /// Gains that are no gains.
+    /// Invalid gains.
     #[error("got {got}: {why}; {expected}")]
     Gains {
         /// The payload, shortened and printable.
@@ -74,7 +74,7 @@ pub enum ParseError {
 /// Reads a message.
 ///
 /// # Errors
-/// [`ParseError`] with the reason, fit to be sent back.
+/// [`ParseError`] with the reason, as text for the sender.
 pub fn parse(topics: &Topics, topic: &str, payload: &[u8]) -> Result<Asked, ParseError> {
     let quantity = topics.quantity(topic).ok_or_else(|| unknown(topics, topic))?;
     let expected = expected(quantity);
@@ -137,7 +137,7 @@ fn stream(text: &str) -> Option<bool> {
     }
 }
 
-/// At least one gain by name. A bare list would be accepted by the reader of JSON; its order would be a guess.
+/// At least one gain by name. The JSON parser would accept a list, but the meaning of its order is not defined.
 fn gains(text: &str) -> Result<GainChange, String> {
     if !text.starts_with('{') {
         return Err("not a JSON object".to_owned());
@@ -151,7 +151,7 @@ fn unknown(topics: &Topics, topic: &str) -> ParseError {
     ParseError::Topic { topic: quoted(topics.short(topic)), known: format!("{known} and {ORIGINAL_SETPOINT}") }
 }
 
-/// The text in quotes, short and printable whatever it held.
+/// The text in quotes, short and printable for every input.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", printable(text, LONGEST_QUOTE))
 }

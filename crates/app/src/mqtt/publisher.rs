@@ -1,8 +1,8 @@
-//! The thread that speaks: takes answers and states from the loop's rings and puts them on the session's queue.
+//! The thread that sends: takes answers and states from the loop's rings and puts them on the session's queue.
 //!
-//! It looks every 20 ms instead of being woken, because waking a thread is a system call and the loop is to make
-//! none on its account. Only `try_publish` is used: a broker that does not keep up loses messages, counted, and
-//! never holds anybody up. Without a session everything is thrown away, so that nothing is told late.
+//! It checks every 20 ms instead of being woken, because waking a thread is a system call, which the loop must not make
+//! for it. Only `try_publish` is used: a broker that does not keep up loses messages, which are counted, and never
+//! blocks anything. Without a session everything is discarded, so that no old message is sent.
 
 use super::count::{Counters, count};
 use super::mailbox::ROOM;
@@ -19,12 +19,12 @@ use std::sync::mpsc::Receiver;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Between two looks into the rings.
+/// Time between two checks of the rings.
 const TURN: Duration = Duration::from_millis(20);
-/// Between two states on the broker.
+/// Time between two published states.
 const STATE_PERIOD: Duration = Duration::from_millis(100);
 
-/// The thread's belongings.
+/// The state of the thread.
 pub(super) struct Publisher {
     pub(super) topics: Arc<Topics>,
     pub(super) answers: Consumer<Answer>,
@@ -32,16 +32,16 @@ pub(super) struct Publisher {
     pub(super) asides: Receiver<Aside>,
     pub(super) line: Arc<Line>,
     pub(super) counters: Arc<Counters>,
-    /// The newest that the loop said, for replies that it has no part in.
+    /// The loop's newest values, for replies without the loop.
     pub(super) in_force: Option<InForce>,
-    /// When the next state is to be published.
+    /// Time of the next state to be published.
     pub(super) due: Instant,
-    /// Who wants every cycle.
+    /// The stream of every cycle.
     pub(super) stream: Stream,
 }
 
 impl Publisher {
-    /// Runs until the line is told to stop, and then says goodbye.
+    /// Runs until the line is stopped, and then sends `offline`.
     pub(super) fn run(mut self) {
         while !self.line.stopping() {
             self.turn();
@@ -51,7 +51,7 @@ impl Publisher {
         self.farewell();
     }
 
-    /// One look into each ring, no longer than its room, so that a flood in one does not starve the others.
+    /// Empties each ring once, up to its size, so that many messages in one do not delay the others.
     fn turn(&mut self) {
         let now = Instant::now();
         let said = (0..ROOM).map_while(|_| self.states.pop().ok());
@@ -67,9 +67,10 @@ impl Publisher {
         }
     }
 
-    /// What is to be replied; refusals are counted, and who asked for the stream has it. A message that never reached the loop is answered
-    /// before a later one that the loop obeyed: its refusal was here before that one's answer, so that it is looked for after the answers are taken,
-    /// and told before them. The other way round nothing is promised: the loop answers at its next cycle.
+    /// The pending replies; refusals are counted, and requests for the stream are executed. A message that never
+    /// reached the loop must be answered before a later command that the loop executed. Its refusal was queued before
+    /// that command's answer, so that refusals are read after the answers and sent before them. In the opposite case
+    /// the order is not defined: the loop answers at its next cycle.
     fn replies(&mut self, now: Instant) -> Vec<Reply> {
         let answers: Vec<_> = (0..ROOM).map_while(|_| self.answers.pop().ok()).collect();
         if let Some(newest) = answers.last() {
@@ -92,7 +93,7 @@ impl Publisher {
         replies
     }
 
-    /// Publishes the state if it is time.
+    /// Publishes the state when it is due.
     fn send_state(&mut self, state: State) {
         let now = Instant::now();
         if now < self.due {
@@ -124,7 +125,8 @@ impl Publisher {
         }
     }
 
-    /// Says `offline` and leaves properly. Where the queue is full, the last will says it when the connection ends.
+    /// Sends `offline` and disconnects. If the queue is full, the broker publishes the last will at the end of the
+    /// connection.
     fn farewell(&self) {
         if let Some(client) = self.line.client().as_ref()
             && self.line.publish_fault(client, &self.topics)
@@ -135,8 +137,8 @@ impl Publisher {
     }
 }
 
-/// When the state after the one that was due, and is sent now, is due: on a raster that does not drift with the
-/// turns, and without making up for a silence.
+/// Time of the state after the present one: on a grid that does not drift with the checks, without catching up after a
+/// gap.
 fn next(due: Instant, now: Instant) -> Instant {
     (due + STATE_PERIOD).max(now)
 }

@@ -1,6 +1,6 @@
-//! The other end of a rig's topics: hears what a rig says, and sends it commands. What `airball monitor` stands on.
+//! A client for a rig's topics: receives its messages and sends it commands. `airball monitor` uses it.
 //!
-//! As on the rig, a session has a client of its own, so that no command that was meant for one moment arrives at another.
+//! As on the rig, a session has a client of its own, so that no old command is sent later.
 
 use super::about::About;
 use super::network;
@@ -16,31 +16,31 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Messages that wait for whoever looks at them; what does not fit is past anyway.
+/// Messages that can wait for the reader; older ones are useless anyway.
 const ROOM: usize = 64;
-/// Between two attempts to connect.
+/// Time between two attempts to connect.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// What came from the broker, or became of it.
+/// A message from the broker, or a change of the connection.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
     /// The broker answers.
     Connected,
-    /// It does not, for this reason.
+    /// It does not answer, for this reason.
     Lost(String),
     /// Whether the rig's program runs.
     Online(bool),
-    /// What the rig is.
+    /// The description of the rig.
     About(Box<About>),
-    /// How things are.
+    /// The state.
     State(Box<Seen>),
     /// The last fault that ended a flight.
     Fault(LastFault),
-    /// What became of somebody's command.
+    /// The reply to a command of any client.
     Reply(Said),
 }
 
-/// A connection to the broker that is dialled again for as long as it lives.
+/// A connection to the broker that is restored for as long as it exists.
 pub struct Remote {
     topics: Arc<Topics>,
     client: Arc<Mutex<Option<Client>>>,
@@ -48,10 +48,11 @@ pub struct Remote {
 }
 
 impl Remote {
-    /// Starts dialling and returns at once.
+    /// Starts connecting and returns at once.
     ///
     /// # Errors
-    /// [`MqttError`]: a name that fits no topic, a password or certificate that cannot be read, no thread. Never a missing broker.
+    /// [`MqttError`]: a rig's name that is not allowed in topics, a password or certificate that cannot be read, no
+    /// thread. A missing broker is not an error.
     pub fn start(config: &MqttConfig, rig: &str) -> Result<Self, MqttError> {
         let topics = Arc::new(Topics::new(rig)?);
         let id = format!("airball-monitor-{}", process::id());
@@ -77,7 +78,7 @@ impl Remote {
         }
     }
 
-    /// Sends a command. False: there is no connection to send it on.
+    /// Sends a command. False: there is no connection.
     #[must_use]
     pub fn send(&self, quantity: Quantity, payload: &str) -> bool {
         let client = self.client.lock().unwrap_or_else(PoisonError::into_inner);
@@ -86,7 +87,7 @@ impl Remote {
     }
 }
 
-/// The thread's belongings.
+/// The state of the thread.
 struct Session {
     options: MqttOptions,
     topics: Arc<Topics>,
@@ -95,7 +96,7 @@ struct Session {
 }
 
 impl Session {
-    /// Dials until nobody listens any more.
+    /// Reconnects until the receiver is gone.
     fn run(self) {
         loop {
             let cause = self.listen();
@@ -111,7 +112,7 @@ impl Session {
         *self.client.lock().unwrap_or_else(PoisonError::into_inner) = client;
     }
 
-    /// One connection, until it fails. `None`: nobody listens.
+    /// One connection, until it fails. `None`: the receiver is gone.
     fn listen(&self) -> Option<ConnectionError> {
         let (client, mut connection) = Client::new(self.options.clone(), ROOM);
         loop {
@@ -137,7 +138,7 @@ impl Session {
         }
     }
 
-    /// What a message says. One that is not ours says nothing.
+    /// The content of a message. `None`: it is not one of a rig.
     fn read(&self, Publish { topic, payload, .. }: &Publish) -> Option<Heard> {
         let (topics, payload) = (&*self.topics, &payload[..]);
         match topic {

@@ -1,4 +1,4 @@
-//! A rig's messages as others read them: the part of `state` and `reply` that a person looks at.
+//! A rig's messages for their readers: the displayed part of `state` and `reply`.
 
 use crate::flight::lateness::Quantiles;
 use crate::flight::vocabulary::Cycle;
@@ -11,31 +11,31 @@ pub struct Seen {
     /// The latest cycle.
     #[serde(flatten)]
     pub cycle: Cycle,
-    /// Which controller flies.
+    /// The active controller.
     pub controller: Kind,
     /// The experiment that was started in flight.
     #[serde(default)]
     pub experiment: Option<String>,
     /// Cycles that began too late, since the start.
     pub late_cycles: u64,
-    /// How late most of them began, since the start.
+    /// Quantiles of the lateness, since the start.
     pub lateness: Quantiles,
-    /// Messages that the log had no room for, since the start.
+    /// Messages that did not fit into the log's queue, since the start.
     pub dropped_log_messages: u64,
     /// Messages that were lost between loop and broker, since the start.
     pub dropped_mqtt_messages: u64,
-    /// What is wrong now, in words.
+    /// The present fault, in words.
     pub fault: Option<String>,
 }
 
 /// The message on `reply`.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct Said {
-    /// What was commanded, `set/…`.
+    /// The topic of the command, `set/…`.
     pub topic: String,
     /// Whether it is in force.
     pub accepted: bool,
-    /// Why not.
+    /// The reason if not.
     pub reason: Option<String>,
 }
 

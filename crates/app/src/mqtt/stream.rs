@@ -1,14 +1,15 @@
-//! Every cycle, for whoever asks: in batches, and for a while after each asking, so that a page that was closed is not served for ever.
+//! The stream of every cycle on request: in batches, and for a limited time after each request, so that it ends when a
+//! page is closed.
 
 use crate::flight::vocabulary::Cycle;
 use std::time::{Duration, Instant};
 
-/// How long an asking holds. Whoever watches asks again in less.
+/// Validity of a request. A reader requests again within this time.
 pub(super) const LEASE: Duration = Duration::from_secs(5);
-/// Most cycles in a batch: three times what the fastest loop does between two.
+/// Largest number of cycles in a batch: three times what the fastest loop makes between two.
 const ROOM: usize = 64;
 
-/// Who asked until when, and what was not published yet.
+/// End of the request, and the cycles that are not yet published.
 #[derive(Debug, Default)]
 pub(super) struct Stream {
     until: Option<Instant>,
@@ -17,7 +18,7 @@ pub(super) struct Stream {
 }
 
 impl Stream {
-    /// Somebody asks for every cycle, or no longer.
+    /// Starts or ends the stream.
     pub(super) fn ask(&mut self, on: bool, now: Instant) {
         if !on || !self.is_on(now) {
             *self = Self::default();
@@ -25,7 +26,7 @@ impl Stream {
         self.until = on.then(|| now + LEASE);
     }
 
-    /// Takes a cycle if somebody wants it. What does not fit is counted.
+    /// Takes a cycle if the stream is on. Cycles that do not fit are counted.
     pub(super) fn take(&mut self, cycle: Cycle, now: Instant) {
         if !self.is_on(now) {
             return;
@@ -37,7 +38,7 @@ impl Stream {
         }
     }
 
-    /// What is to be published, and how many cycles found no room since the first asking. Nothing: nobody asks.
+    /// The cycles to be published, and how many did not fit since the first request. `None`: the stream is off.
     pub(super) fn batch(&mut self, now: Instant) -> Option<(Vec<Cycle>, u32)> {
         if !self.is_on(now) {
             *self = Self::default();

@@ -1,4 +1,4 @@
-//! What the tests of the link need around it: a broker of their own, somebody outside, and a cable to cut.
+//! The environment of the link's tests: a broker, a second client, and a connection that can be cut.
 
 use crate::config::mqtt::MqttConfig;
 use rumqttc::{Client, Event, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// How long a test waits for what must come.
+/// Timeout of a test.
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A mosquitto on a free port of its own, killed on drop.
@@ -26,7 +26,7 @@ impl Broker {
         Self::with_access("allow_anonymous true")
     }
 
-    /// One that lets in this user only.
+    /// A broker that accepts this user only.
     pub(super) fn with_user(user: &str, password: &str) -> Self {
         let dir = tempfile::tempdir().unwrap();
         let file = dir.path().join("users");
@@ -36,7 +36,7 @@ impl Broker {
         Self::with_access(&format!("allow_anonymous false\npassword_file {}", file.display()))
     }
 
-    /// One with more lines in its config: who is let in, and how it listens.
+    /// A broker with more lines in its config: access, and listeners.
     pub(super) fn with_access(access: &str) -> Self {
         let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
         let dir = tempfile::tempdir().unwrap();
@@ -51,7 +51,7 @@ impl Broker {
         until("the broker listens", || TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).is_ok().then_some(()));
     }
 
-    /// Starts another one on the same port.
+    /// Starts another broker on the same port.
     pub(super) fn restart(&mut self) {
         self.child = launch(&self.dir);
         self.wait();
@@ -74,13 +74,13 @@ impl Drop for Broker {
     }
 }
 
-/// A link to whoever listens on this port.
+/// The config of a link to this port.
 pub(super) fn config(port: u16) -> MqttConfig {
     let (host, port) = ("127.0.0.1".into(), Some(port));
     MqttConfig { host, port, user: None, password_file: None, tls: None, experiments: vec![] }
 }
 
-/// Debian keeps the broker out of the path of ordinary users.
+/// Debian does not have the broker in the path of ordinary users.
 fn launch(dir: &TempDir) -> Child {
     for program in ["mosquitto", "/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto"] {
         let mut command = Command::new(program);
@@ -94,7 +94,7 @@ fn launch(dir: &TempDir) -> Child {
     panic!("this test needs a broker: install mosquitto (apt-get install mosquitto)");
 }
 
-/// Waits for what must come.
+/// Waits until `look` returns a value.
 pub(super) fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let deadline = Instant::now() + PATIENCE;
     loop {
@@ -106,7 +106,7 @@ pub(super) fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// Somebody else on the broker, who hears all that is published.
+/// A second client, which receives everything that is published.
 pub(super) struct Outside {
     client: Client,
     heard: Receiver<Publish>,
@@ -152,7 +152,7 @@ impl Outside {
         self.hear(topic);
     }
 
-    /// The next message on the topic; others are passed over.
+    /// The next message on the topic; others are skipped.
     pub(super) fn message(&self, topic: &str) -> Publish {
         let deadline = Instant::now() + PATIENCE;
         loop {
@@ -175,7 +175,7 @@ impl Outside {
     }
 }
 
-/// A cable to the broker that can be cut. It carries one connection; after that nobody answers at its port.
+/// A connection to the broker that can be cut. It carries one connection; after that its port does not answer.
 pub(super) struct Cable {
     pub(super) port: u16,
     ends: Receiver<TcpStream>,

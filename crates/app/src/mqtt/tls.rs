@@ -1,8 +1,8 @@
-//! TLS to the broker, and what its certificates say when they do not fit.
+//! TLS to the broker, and the messages for certificates that do not match.
 //!
-//! The rig trusts the authorities of one file and nobody else, so that a broker with an authority of its own, made with
-//! `openssl`, is as good as a bought one. The cryptography is `ring`, given to each connection by hand: there is no
-//! provider for the whole process to forget.
+//! The rig trusts the authorities of one file and no others, so that a broker with an authority of its own, made with
+//! `openssl`, is as good as a commercial one. The cryptography is `ring`, passed to each connection explicitly: no
+//! global provider has to be installed.
 
 use crate::config::mqtt::{MqttError, TlsConfig};
 use rumqttc::ConnectionError;
@@ -14,7 +14,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The connection's side of TLS, from the files of `[mqtt.tls]`.
+/// The client configuration of TLS, from the files of `[mqtt.tls]`.
 pub(super) fn client(table: &TlsConfig) -> Result<Arc<ClientConfig>, MqttError> {
     let mut trusted = RootCertStore::empty();
     for authority in certificates("ca_file", &table.ca_file)? {
@@ -47,7 +47,7 @@ fn pem(key: &'static str, path: &Path, cause: &dyn std::fmt::Display) -> MqttErr
     MqttError::Pem { key, path: path.to_owned(), cause: cause.to_string() }
 }
 
-/// The next thing to try when a connection failed because of TLS; `None` where TLS was not the cause.
+/// The next step for the user when a connection failed because of TLS; `None` where TLS was not the cause.
 pub(super) fn hint(cause: &ConnectionError) -> Option<&'static str> {
     const NO_TLS: &str =
         "The broker may not speak TLS at this port: mend `port` of [mqtt], usually 8883, or remove [mqtt.tls].";
@@ -77,11 +77,11 @@ const fn certificate_hint(why: &CertificateError) -> &'static str {
     }
 }
 
-/// What TLS said, however deep in the error it is.
+/// The TLS error at any depth of the error.
 fn failure<'a>(cause: &'a (dyn Error + 'static)) -> Option<&'a rustls::Error> {
     let mut link = Some(cause);
     while let Some(cause) = link {
-        // An I/O error hides what it carries from the chain of sources.
+        // An I/O error does not include its inner error in the chain of sources.
         let carried = cause.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
         let carried = carried.and_then(|error| error.downcast_ref()).or_else(|| cause.downcast_ref());
         if carried.is_some() {

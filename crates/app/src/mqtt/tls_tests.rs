@@ -1,4 +1,4 @@
-//! TLS against a real broker with an authority made for the test.
+//! Tests of TLS with a real broker and an authority made for the test.
 
 use super::link::Link;
 use super::link_tests::{about, start};
@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// An authority, and the folder that holds what it signed.
+/// An authority, and the folder with its signed certificates.
 struct Authority {
     issuer: CertifiedIssuer<'static, KeyPair>,
     folder: TempDir,
@@ -64,7 +64,7 @@ fn over_tls(broker: &Broker, tls: TlsConfig) -> MqttConfig {
     MqttConfig { tls: Some(tls), ..config(broker.port) }
 }
 
-/// Connects once: the broker's welcome, or the line that would be said.
+/// Connects once: the broker's acknowledgement, or the line for standard error.
 fn connect(config: &MqttConfig) -> Result<(), String> {
     let topics = Topics::new("rig1").unwrap();
     let (_client, mut connection) = Client::new(network::options(config, "rig1", &topics).unwrap(), 10);
@@ -121,7 +121,7 @@ fn tls_to_a_port_without_it_is_told_which_port_to_try() {
     refused(&over_tls(&plain, authority.trusted()), ["TLS", "8883"]);
 }
 
-/// What a link that cannot start says of these files.
+/// The error of a link with these files.
 fn why(tls: TlsConfig) -> String {
     let config = MqttConfig { tls: Some(tls), ..config(1) };
     Link::start(&config, &about(), None).err().unwrap().to_string()

@@ -1,7 +1,7 @@
 //! The live page: one file that a broker can serve or a browser open, which flies a rig over MQTT.
 //!
-//! It holds no limit, unit or name of its own; those come from the rig's `about`. The stop button's script comes first and needs none of the
-//! others, so that it works whatever becomes of them.
+//! It has no limit, unit or name of its own; those come from the rig's `about`. The stop button's script comes first
+//! and does not depend on the others, so that it works if they fail.
 
 use super::kit::page::{CHART_SCRIPT, CHART_STYLE, STYLE, hash_of};
 use super::kit::palette;
@@ -13,14 +13,14 @@ const LIVE_STYLE: &str = include_str!("../../assets/live/live.css");
 const CHARTS: &str = include_str!("../../assets/live/charts.js");
 const LIVE_SCRIPT: &str = include_str!("../../assets/live/live.js");
 
-/// Where the page finds its rig.
+/// The rig and the broker of the page.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<'a> {
     /// The rig's name in topics.
     pub rig: &'a str,
-    /// The broker's WebSockets, wherever the page comes from.
+    /// The broker's WebSockets address, wherever the page comes from.
     pub broker: Option<&'a str>,
-    /// The same where `broker` is not given and the page is opened as a file; a page that was served asks its own host.
+    /// The same where `broker` is not given and the page is opened as a file; a page from a server uses its own host.
     pub fallback: &'a str,
 }
 
@@ -42,7 +42,7 @@ pub fn page(place: &Place<'_>) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta http-equiv="Content-Security-Policy" content=(policy);
                 meta name="generator" content=(concat!("airball ", env!("CARGO_PKG_VERSION")));
-                // A browser asks for one where none is named.
+                // A browser requests an icon where none is named.
                 link rel="icon" href="data:,";
                 title { (place.rig) " – airball live" }
                 style { (PreEscaped(style)) }

@@ -1,4 +1,4 @@
-//! What a person reads and looks at, by subject: words, documents, pictures and pages. What they are made of is in [`kit`].
+//! Output for people, by subject: words, documents, pictures and pages. Their common parts are in [`kit`].
 
 pub mod design;
 pub mod diagnosis;

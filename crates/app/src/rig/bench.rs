@@ -1,4 +1,4 @@
-//! The bench: the bus of a Raspberry Pi, or the one that `airball emulate` serves in its place.
+//! The bench: the bus of a Raspberry Pi, or the one of `airball emulate`.
 
 use super::chips::{Chips, Wiring};
 use super::clock::Monotonic;
@@ -10,13 +10,13 @@ use crate::config;
 use hal::{Clock, stop_fan};
 use std::fs::{File, TryLockError};
 
-/// Between two attempts to turn the fan off.
+/// Time between two attempts to turn the fan off.
 const RETRY_S: f64 = 0.02;
 
-/// Claims the bus for one flight: a second one would drive the same fan. A copy of the file holds the claim, too.
+/// Locks the bus for one flight: a second one would drive the same fan. A copy of the file holds the lock, too.
 ///
 /// # Errors
-/// [`BenchError`]: the device file is missing, or taken.
+/// [`BenchError`]: the device file is missing, or locked.
 pub fn claim(bus: &config::Bus) -> Result<File, BenchError> {
     let device = bus.device.clone();
     let mut options = File::options();
@@ -35,10 +35,10 @@ pub fn claim(bus: &config::Bus) -> Result<File, BenchError> {
     }
 }
 
-/// Opens the bus, a handle for each chip, and the lines beside it, and starts the chips.
+/// Opens the bus, with a handle for each chip, and the GPIO lines, and starts the chips.
 ///
 /// # Errors
-/// [`BenchError`] names the device file and what to do.
+/// [`BenchError`] names the device file and the next step.
 pub fn bench(bus: &config::Bus, rig: &config::Rig) -> Result<Chips<Wire, Wire, Monotonic>, BenchError> {
     let clock = Monotonic::start();
     let lines = Lines::of_bench(bus, rig, clock)?;
@@ -48,8 +48,9 @@ pub fn bench(bus: &config::Bus, rig: &config::Rig) -> Result<Chips<Wire, Wire, M
         .map_err(|source| BenchError::Start { device: bus.device.clone(), source: Box::new(source) })
 }
 
-/// Turns the fan off and reads back that it is, again and again for `allowed_s` seconds if need be: a bus that is stuck
-/// may come free, a supply return. Where there is a line of output-enable and nobody else holds it, the outputs are off meanwhile.
+/// Turns the fan off and reads back that it is, repeatedly for up to `allowed_s` seconds: a stuck bus may recover, and
+/// a supply may return. Where there is a line of output-enable that no other process holds, the outputs are off
+/// meanwhile.
 ///
 /// # Errors
 /// [`BenchError`] of the last attempt.
@@ -57,7 +58,7 @@ pub fn turn_off(bus: &config::Bus, enable: Option<&EnableLine>, allowed_s: f64) 
     let clock = Monotonic::start();
     let mut outputs = None;
     for tries in 1.. {
-        // A loop that hangs holds the line; the bus works all the same.
+        // A hanging loop holds the line; the bus still works.
         outputs = outputs.or_else(|| enable.and_then(|enable| output_enable(bus, &enable.chip, enable.line).ok()));
         let stopped = open(bus).and_then(|wire| {
             let stays_on = |source| BenchError::StaysOn { device: bus.device.clone(), tries, source };

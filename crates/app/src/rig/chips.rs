@@ -1,4 +1,4 @@
-//! The rig through its chips: the range sensor at the top of the pipe and the fan's PWM driver; where it has them, a second
+//! The rig through its chips: the range sensor at the top of the pipe and the fan's PWM driver, and optionally a second
 //! range sensor, the fan's tachometer and the driver's output-enable.
 
 use super::error::StartError;
@@ -14,15 +14,15 @@ use hal::{Clock, Edges, Fan, FanError, Range, RangeSensor, Tachometer};
 /// How long a reading may take, seconds: ten times the sensor's period.
 const READING_ALLOWED_S: f64 = 0.2;
 
-/// A handle of the bus for each chip, and the lines beside it.
+/// A handle of the bus for each chip, and the GPIO lines.
 pub struct Wiring<S, P> {
-    /// Of the range sensor.
+    /// For the range sensor.
     pub sensor: S,
-    /// Of the second one, where the rig has it.
+    /// For the second one, where the rig has it.
     pub second: Option<S>,
-    /// Of the fan driver.
+    /// For the fan driver.
     pub fan: P,
-    /// What the rig's tables ask for.
+    /// The lines of the rig's tables.
     pub lines: Lines,
 }
 
@@ -57,7 +57,7 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
         let mut sensor = RangeSensor::prepare(sensor, clock.clone(), START_ALLOWED_S).map_err(StartError::Sensor)?;
         let second = apart.map(|apart| apart.start(clock.clone(), rig.sensor_to_bottom_mm));
         let second = second.transpose().map_err(StartError::Second)?;
-        // Right after the second, so that both look at the ball at about the same time.
+        // Just after the second, so that both measure the ball at about the same time.
         sensor.range(START_ALLOWED_S).map_err(StartError::Sensor)?;
         let pulses = rig.tachometer.map_or(1, |tachometer| tachometer.pulses_per_revolution);
         Ok(Self {
@@ -144,7 +144,7 @@ impl<S: I2c, P: I2c, C: Clock> Chips<S, P, C> {
         Ok(())
     }
 
-    /// Needs no bus, so it comes first. A line that fails leaves it to the bus to turn the fan off.
+    /// Needs no bus, so it comes first. If the line fails, the fan is turned off over the bus.
     fn disable_outputs(&mut self) {
         if let Some(pin) = &mut self.output_enable {
             let _ = pin.set_high();
@@ -153,12 +153,12 @@ impl<S: I2c, P: I2c, C: Clock> Chips<S, P, C> {
     }
 }
 
-/// The chip keeps its last duty when the program ends: whatever way a flight ends, a panic included, the fan
-/// is turned off here.
+/// The chip keeps its last duty when the program ends: the fan is turned off here at every end of a flight, a panic
+/// included.
 impl<S: I2c, P: I2c, C: Clock> Drop for Chips<S, P, C> {
     fn drop(&mut self) {
         self.disable_outputs();
-        // Nobody is left to tell of a failure; the flight has already tried and reported.
+        // A failure here cannot be reported; the flight has already tried and reported.
         let _ = self.fan.off();
     }
 }

@@ -1,4 +1,4 @@
-//! The two clocks of a rig: the system's monotonic one, and the one of an emulated world that waits for nobody.
+//! The two clocks of a rig: the system's monotonic one, and the one of an emulated world in virtual time.
 
 use hal::Clock;
 use hal::emulator::{EmulatedBus, World};
@@ -6,7 +6,7 @@ use nix::sys::time::TimeSpec;
 use nix::time::{ClockId, ClockNanosleepFlags, clock_gettime, clock_nanosleep};
 use std::time::Duration;
 
-/// The system's monotonic clock, from when it was made. Sleeps to absolute times.
+/// The system's monotonic clock, relative to its creation. Sleeps to absolute times.
 #[derive(Clone, Copy, Debug)]
 pub struct Monotonic {
     start: Duration,
@@ -19,14 +19,14 @@ impl Monotonic {
         Self { start: monotonic() }
     }
 
-    /// This clock's time when the system's monotonic clock said `monotonic`.
+    /// This clock's time at the time `monotonic` of the system's monotonic clock.
     #[must_use]
     pub fn seconds_at(&self, monotonic: Duration) -> f64 {
         monotonic.saturating_sub(self.start).as_secs_f64()
     }
 }
 
-/// Time of the system's monotonic clock. Every Linux has it: a failure would be time 0, which waits for nothing.
+/// Time of the system's monotonic clock. Every Linux has it: a failure would give time 0, which waits for nothing.
 fn monotonic() -> Duration {
     clock_gettime(ClockId::CLOCK_MONOTONIC).map_or(Duration::ZERO, Duration::from)
 }
@@ -39,17 +39,17 @@ impl Clock for Monotonic {
     fn sleep_until_s(&self, t_s: f64) {
         let ahead = Duration::try_from_secs_f64(t_s).unwrap_or_default();
         let wake = TimeSpec::from(self.start.saturating_add(ahead));
-        // A signal interrupts the sleep; the deadline stands.
+        // A signal interrupts the sleep; the deadline remains.
         while clock_nanosleep(ClockId::CLOCK_MONOTONIC, ClockNanosleepFlags::TIMER_ABSTIME, &wake)
             == Err(nix::errno::Errno::EINTR)
         {}
     }
 }
 
-/// The clock of an emulated world in virtual time: sleeping moves the world on.
+/// The clock of an emulated world in virtual time: sleeping advances the world.
 pub struct WorldClock<W: World>(pub(crate) EmulatedBus<W>);
 
-/// A clone is a look at the same world.
+/// A clone is a handle of the same world.
 impl<W: World> Clone for WorldClock<W> {
     fn clone(&self) -> Self {
         Self(self.0.clone())

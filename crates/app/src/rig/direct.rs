@@ -1,6 +1,6 @@
-//! A simulated rig without chips: what the plant reads is what the loop sees, and a duty acts as it is written.
+//! A simulated rig without chips: the loop gets the plant's readings, and a duty acts as it is written.
 //!
-//! For rigs of whose sensor and fan driver nothing is known but the model. Time moves only when the loop sleeps.
+//! For rigs whose sensor and fan driver are unknown. Time advances only when the loop sleeps.
 
 use super::{Rig, Sighting};
 use control::{Duty, Millimetres};
@@ -8,14 +8,14 @@ use embedded_hal::i2c::ErrorKind;
 use plant::{Model, Simulator};
 use std::cell::Cell;
 
-/// The plant, asked and driven without a bus.
+/// The plant, read and driven without a bus.
 pub struct Direct {
     simulator: Simulator,
     now_s: Cell<f64>,
 }
 
 impl Direct {
-    /// A rig with the ball at the bottom of its way and the fan off, at time 0.
+    /// A rig with the ball at the bottom of its travel and the fan off, at time 0.
     #[must_use]
     pub fn new(model: &Model, seed: u64) -> Self {
         Self { simulator: Simulator::new(model.clone(), seed), now_s: Cell::new(0.0) }

@@ -1,10 +1,10 @@
-//! The line of output-enable on a command line, for the guard that turns the fan off.
+//! The line of output-enable as a command-line argument, for the guard that turns the fan off.
 
 use crate::config;
 use std::fmt;
 use std::str::FromStr;
 
-/// The line of output-enable, in one word of a command line: `CHIP:LINE`.
+/// The line of output-enable, as one word of a command line: `CHIP:LINE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EnableLine {
     pub(super) chip: String,
@@ -12,7 +12,7 @@ pub struct EnableLine {
 }
 
 impl EnableLine {
-    /// The line that a rig's table names.
+    /// The line of a rig's table.
     #[must_use]
     pub fn of(rig: &config::Rig) -> Option<Self> {
         rig.output_enable.map(|pin| Self { chip: rig.gpio_chip.clone(), line: pin.line })

@@ -15,10 +15,10 @@ pub enum BenchError {
     Open {
         /// The device file.
         device: String,
-        /// What the system said.
+        /// What the system reported.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// Somebody else flies this rig.
+    /// Another process flies this rig.
     #[error(
         "the I2C bus {device} is taken by another program that flies this rig, or by the guard of a flight that was \
          killed; end that flight first"
@@ -37,9 +37,9 @@ pub enum BenchError {
         chip: String,
         /// The line.
         line: u32,
-        /// The table that asks for it.
+        /// The table that needs it.
         table: &'static str,
-        /// What the system said.
+        /// What the system reported.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A chip does not start.
@@ -55,9 +55,9 @@ pub enum BenchError {
     StaysOn {
         /// The device file.
         device: String,
-        /// How often it was tried.
+        /// Number of attempts.
         tries: u32,
-        /// What the last attempt met.
+        /// The error of the last attempt.
         source: FanError<WireError>,
     },
 }
@@ -68,7 +68,7 @@ pub enum StartError<S, P> {
     /// The range sensor.
     #[error(transparent)]
     Sensor(RangeError<S>),
-    /// The two range sensors are not told apart.
+    /// The two range sensors cannot be given different addresses.
     #[error(transparent)]
     Separate(SeparateError<S>),
     /// The second range sensor.

@@ -1,6 +1,6 @@
 //! Lines of the kernel's GPIO character device.
 //!
-//! The kernel stamps each edge when it comes and keeps 64 of them, so that a loop that looks later loses none.
+//! The kernel records the time of each edge and keeps 64 of them, so that a loop that reads later loses none.
 
 use super::clock::Monotonic;
 use embedded_hal::digital::{ErrorKind, ErrorType, OutputPin};
@@ -9,7 +9,7 @@ use gpiocdev::line::{Bias, EdgeDetection, Value};
 use hal::Edges;
 use std::time::Duration;
 
-/// Who holds the lines, in the words of `gpioinfo`.
+/// The name of the lines' consumer, as `gpioinfo` shows it.
 const CONSUMER: &str = "airball";
 /// Edges that the kernel keeps: a third of a second of the fastest small fans.
 const EDGES: u32 = 64;
@@ -36,7 +36,7 @@ impl KernelEdges {
 }
 
 impl Edges for KernelEdges {
-    /// A line that cannot be read any more gives no edges: a fan that stands.
+    /// A line that cannot be read any more gives no edges, like a fan that does not turn.
     fn next_edge_s(&mut self) -> Option<f64> {
         self.request.has_edge_event().ok().filter(|is_there| *is_there)?;
         let edge = self.request.read_edge_event().ok()?;

@@ -1,11 +1,12 @@
-//! The guard: a process of its own that turns the fan off when the loop is gone, however it went.
+//! The guard: a separate process that turns the fan off when the loop is gone, for every kind of end.
 //!
 //! ```text
-//! loop ── a socket pair: '.' cycles run, 'L' the fan is off, 'F' I could not turn it off ──▶ guard ──▶ its own bus handle
+//! loop ── a socket pair: '.' cycles run, 'L' the fan is off, 'F' the fan is not off ──▶ guard ──▶ its own bus handle
 //! ```
 //!
-//! The kernel closes the loop's end when the loop dies, `kill -9` included; no word of the loop is needed for that. The
-//! guard's standard output is a copy of the claim on the bus: nobody else can fly before the guard has done its duty.
+//! The kernel closes the loop's end of the socket when the loop dies, `kill -9` included; no message of the loop is
+//! needed for that. The guard's standard output is a copy of the lock on the bus: no other process can fly before the
+//! guard has ended.
 
 use super::enable_line::EnableLine;
 use crate::config;
@@ -41,18 +42,19 @@ pub enum GuardError {
     Lost,
 }
 
-/// The loop's end of the line to its guard. Dropped without [`Guard::landed`], it makes the guard turn the fan off.
+/// The loop's side of the connection to its guard. Dropped without [`Guard::landed`], it makes the guard turn the fan
+/// off.
 pub struct Guard {
     process: Child,
     line: UnixStream,
 }
 
 impl Guard {
-    /// Starts a guard of the fan on `bus` and returns when it watches. It reacts when no beat comes for `stall_s`
-    /// seconds, and writes what it found to `last_fault`.
+    /// Starts a guard of the fan on `bus` and returns when it watches. It reacts when no message comes for `stall_s`
+    /// seconds, and writes the reason to `last_fault`.
     ///
     /// # Errors
-    /// [`GuardError`]: the system gave no process, or it does not answer.
+    /// [`GuardError`]: the system could not start a process, or it does not answer.
     pub fn start(
         bus: &config::Bus,
         enable: Option<&EnableLine>,
@@ -61,7 +63,7 @@ impl Guard {
         claim: &File,
     ) -> Result<Self, GuardError> {
         let (mut line, far) = UnixStream::pair()?;
-        // This very file, even if another version has been installed over it.
+        // The running file itself, even if another version has been installed over it.
         let mut command = Command::new("/proc/self/exe");
         command.arg0("airball").args(["guard", "--device", &bus.device, "--stall", &stall_s.to_string()]);
         if let Some(enable) = enable {
@@ -71,9 +73,9 @@ impl Guard {
             command.arg("--last-fault").arg(path);
         }
         command.stdin(OwnedFd::from(far)).stdout(claim.try_clone()?);
-        // A group of its own, so that Ctrl-C reaches the loop alone.
+        // A process group of its own, so that Ctrl-C reaches the loop alone.
         let process = command.process_group(0).spawn()?;
-        // With it goes this side's copy of the far end: a guard that fails closes the line.
+        // This also drops our copy of the guard's end: if the guard fails, the connection closes.
         drop(command);
         line.set_read_timeout(Some(START_ALLOWED))?;
         let mut word = [0];
@@ -83,7 +85,7 @@ impl Guard {
         }
     }
 
-    /// Says that cycles run.
+    /// Reports that cycles run.
     ///
     /// # Errors
     /// [`GuardError::Lost`].
@@ -91,7 +93,7 @@ impl Guard {
         self.line.write_all(&[BEAT]).map_err(|_| GuardError::Lost)
     }
 
-    /// Says that the fan could not be turned off. The guard goes on trying when this program has ended.
+    /// Reports that the fan could not be turned off. The guard goes on trying after the end of this program.
     ///
     /// # Errors
     /// [`GuardError::Lost`] where it ended before.
@@ -99,7 +101,7 @@ impl Guard {
         self.line.write_all(&[FAILED]).map_err(|_| GuardError::Lost)
     }
 
-    /// Says that the fan is known to be off, and waits for the guard to end.
+    /// Reports that the fan is known to be off, and waits for the guard to end.
     ///
     /// # Errors
     /// [`GuardError::Lost`] where it ended before.
@@ -112,31 +114,31 @@ impl Guard {
     }
 }
 
-/// What the guard hears of its loop.
+/// A message of the loop to its guard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heard {
     /// Cycles run.
     Beat,
-    /// The fan is off, all is well.
+    /// The fan is off, as intended.
     Landed,
-    /// The loop could not turn the fan off, and knows it.
+    /// The loop could not turn the fan off, and reported it.
     Failed,
-    /// Nothing for the time that a loop may stall.
+    /// No message for the time that a loop may stall.
     Silence,
     /// The loop is dead.
     Gone,
 }
 
-/// The guard's end of the line.
+/// The guard's side of the connection.
 pub struct Ward {
     line: UnixStream,
 }
 
 impl Ward {
-    /// Takes the line that [`Guard::start`] put on standard input, and says so.
+    /// Takes the connection that [`Guard::start`] put on standard input, and confirms it.
     ///
     /// # Errors
-    /// What the system said: standard input is no such line.
+    /// What the system reported: standard input is not such a connection.
     pub fn on_standard_input(stall: Duration) -> io::Result<Self> {
         let mut line = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
         line.set_read_timeout(Some(stall))?;
@@ -144,7 +146,7 @@ impl Ward {
         Ok(Self { line })
     }
 
-    /// Waits for the next word.
+    /// Waits for the next message.
     pub fn hear(&mut self) -> Heard {
         let mut words = [0; 64];
         loop {

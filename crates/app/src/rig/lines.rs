@@ -1,4 +1,4 @@
-//! The lines beside the bus: GPIO of the kernel, or those of an emulated rig.
+//! The lines besides the bus: GPIO of the kernel, or those of an emulated rig.
 
 use super::clock::Monotonic;
 use super::error::BenchError;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// A line that the rig drives.
 pub type Pin = Box<dyn OutputPin<Error = ErrorKind>>;
 
-/// The lines that the tables of `[rig]` ask for.
+/// The lines of the tables of `[rig]`.
 #[derive(Default)]
 pub struct Lines {
     /// Edges of the fan's tachometer.
@@ -25,10 +25,10 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Takes the lines of the bench.
+    /// Requests the lines of the bench.
     ///
     /// # Errors
-    /// [`BenchError::Line`] names the line and who wants it.
+    /// [`BenchError::Line`] names the line and its table.
     pub(super) fn of_bench(bus: &config::Bus, rig: &config::Rig, clock: Monotonic) -> Result<Self, BenchError> {
         let edges = rig.tachometer.map(|tachometer| -> Result<Box<dyn Edges>, BenchError> {
             let refused = refused(&rig.gpio_chip, tachometer.line, "rig.tachometer");
@@ -60,10 +60,10 @@ impl Lines {
     }
 }
 
-/// Takes the line of output-enable, high: the outputs are off from then on.
+/// Requests the line of output-enable, high: the outputs are off from then on.
 ///
 /// # Errors
-/// [`BenchError::Line`]: mostly that the loop still has it.
+/// [`BenchError::Line`]: mostly that the loop still holds it.
 pub(super) fn output_enable(bus: &config::Bus, chip: &str, line: u32) -> Result<Pin, BenchError> {
     pin(bus, chip, line, Line::OutputEnable).map_err(refused(chip, line, "rig.output_enable"))
 }

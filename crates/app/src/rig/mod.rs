@@ -1,5 +1,5 @@
-//! The seam: the cycle sees hardware only through [`Rig`]. The bench, the simulated rig in real time and the
-//! simulated rig in virtual time are one [`Chips`] over different buses and clocks; nothing else differs.
+//! The hardware interface: the cycle uses hardware only through [`Rig`]. The bench, the simulated rig in real time and
+//! the simulated rig in virtual time are one [`Chips`] over different buses and clocks; nothing else differs.
 //!
 //! ```text
 //!            bench                    simulated, real time        simulated, virtual time
@@ -9,9 +9,9 @@
 //! clock      monotonic                monotonic                   the emulated world's own
 //! ```
 //!
-//! `/dev/i2c-1` may also be the socket of `airball emulate`: the bench's binary on emulated chips that outlive it.
+//! `/dev/i2c-1` may also be the socket of `airball emulate`: the same binary with emulated chips that outlive it.
 //!
-//! [`Direct`] is a simulated rig of whose chips nothing is known: another people's.
+//! [`Direct`] is a simulated rig with unknown chips, for rigs of other makers.
 
 mod bench;
 mod chips;
@@ -51,10 +51,10 @@ use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
 use hal::RangeStatus;
 
-/// What the sensor said when asked.
+/// The sensor's answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sighting {
-    /// The ball is here.
+    /// Position of the ball.
     Ball(Millimetres),
     /// No new reading since the last one.
     NotReady,
@@ -63,16 +63,16 @@ pub enum Sighting {
         /// What the sensor reported, mm from its window.
         reported_mm: u16,
     },
-    /// A distance that the sensor does not vouch for.
+    /// A distance that the sensor marks as not valid.
     Doubtful {
-        /// What it says of it.
+        /// The sensor's status of it.
         status: RangeStatus,
-        /// What it reported, mm from its window.
+        /// The reported distance, mm from its window.
         reported_mm: u16,
     },
 }
 
-/// Position in, duty out, clock; a second position and the fan's speed where the rig has them.
+/// Position, duty and clock; a second position and the fan's speed where the rig has them.
 pub trait Rig {
     /// Seconds since a fixed start; never goes back.
     fn now_s(&self) -> f64;
@@ -80,20 +80,20 @@ pub trait Rig {
     /// Returns at `t_s` or as soon after it as the system allows.
     fn sleep_until_s(&self, t_s: f64);
 
-    /// Waits for the sensor's next reading, so that a loop that starts now comes just after each reading rather
-    /// than just before.
+    /// Waits for the sensor's next reading, so that a loop that starts now runs just after each reading rather than
+    /// just before.
     ///
     /// # Errors
-    /// What the bus said, or `Other` when the sensor stays silent.
+    /// The error of the bus, or `Other` when the sensor remains silent.
     fn align(&mut self) -> Result<(), ErrorKind>;
 
-    /// Asks the sensor, without waiting.
+    /// Reads the sensor, without waiting.
     ///
     /// # Errors
-    /// What the bus said.
+    /// The error of the bus.
     fn position(&mut self) -> Result<Sighting, ErrorKind>;
 
-    /// Asks the second sensor, without waiting. `None`: the rig has none.
+    /// Reads the second sensor, without waiting. `None`: the rig has none.
     fn second_position(&mut self) -> Option<Result<Sighting, ErrorKind>> {
         None
     }
@@ -103,9 +103,9 @@ pub trait Rig {
         None
     }
 
-    /// Writes a duty and returns it as the chip holds it.
+    /// Writes a duty and returns the one in the chip.
     ///
     /// # Errors
-    /// What the bus said.
+    /// The error of the bus.
     fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind>;
 }

@@ -4,14 +4,14 @@
 //! edges per second = hover_rpm/60 · pulses per revolution · w/hover duty      w of `plant::Rotor`, percent of duty
 //! ```
 //!
-//! The rotor's speed is taken as straight between steps of 1 ms, in which no small fan gives two edges.
+//! The rotor's speed is linear between steps of 1 ms, in which no small fan gives two edges.
 
 use crate::config;
 use plant::{Model, Rotor};
 use std::collections::VecDeque;
 
 const STEP_S: f64 = 0.001;
-/// Edges that are kept for who asks late, as many as the kernel keeps.
+/// Edges that are kept for a late reader, as many as the kernel keeps.
 const KEPT: usize = 64;
 
 /// The edges of a simulated fan.
@@ -19,14 +19,14 @@ pub(super) struct Pulses {
     rotor: Rotor,
     /// Edges per second for each percent of w.
     edges_per_s_percent: f64,
-    /// Edges since the start, with what is there of the next.
+    /// Edges since the start, with the fraction of the next.
     turned: f64,
     now_s: f64,
     edges: VecDeque<f64>,
 }
 
 impl Pulses {
-    /// A fan that stands, at time 0.
+    /// A fan at rest, at time 0.
     pub(super) fn new(model: &Model, table: &config::Tachometer) -> Self {
         let at_hover = table.hover_rpm / 60.0 * f64::from(table.pulses_per_revolution);
         Self {
@@ -44,7 +44,7 @@ impl Pulses {
         self.rotor.write(now_s, duty_percent);
     }
 
-    /// When the next edge came, up to `now_s`.
+    /// Time of the next edge, up to `now_s`.
     pub(super) fn next_edge_s(&mut self, now_s: f64) -> Option<f64> {
         self.advance_to(now_s);
         self.edges.pop_front()

@@ -1,4 +1,4 @@
-//! The second range sensor: started beside the first, told apart from it by its XSHUT.
+//! The second range sensor: started with the first, with its own address by its XSHUT.
 
 use super::Sighting;
 use super::lines::Pin;
@@ -8,7 +8,7 @@ use control::Millimetres;
 use embedded_hal::i2c::{ErrorKind, I2c};
 use hal::{Clock, Range, RangeError, RangeSensor, SeparateError, separate};
 
-/// The sensor, where it looks from, and the line that keeps it out of reset.
+/// The sensor, its direction, and the line that keeps it out of reset.
 pub(super) struct Second<S: I2c, C: Clock> {
     sensor: RangeSensor<S, C>,
     table: config::SecondSensor,
@@ -16,7 +16,7 @@ pub(super) struct Second<S: I2c, C: Clock> {
     _xshut: Pin,
 }
 
-/// A second sensor that has been told apart from the first and is not started yet.
+/// A second sensor that has its own address and is not started yet.
 pub(super) struct Apart<S> {
     bus: S,
     table: config::SecondSensor,
@@ -35,7 +35,7 @@ impl<S: I2c> Apart<S> {
         Ok(Self { bus, table, xshut })
     }
 
-    /// Starts it, and lets it range.
+    /// Starts it, and begins ranging.
     pub(super) fn start<C: Clock + Clone>(self, clock: C, pipe_mm: f64) -> Result<Second<S, C>, RangeError<S::Error>> {
         let Self { bus, table, xshut } = self;
         let mut sensor = RangeSensor::prepare_at(table.address, bus, clock, START_ALLOWED_S)?;
@@ -45,7 +45,7 @@ impl<S: I2c> Apart<S> {
 }
 
 impl<S: I2c, C: Clock + Clone> Second<S, C> {
-    /// Asks it, without waiting.
+    /// Reads it, without waiting.
     pub(super) fn position(&mut self) -> Result<Sighting, ErrorKind> {
         Ok(match self.sensor.poll().map_err(kind)? {
             None => Sighting::NotReady,

@@ -1,4 +1,4 @@
-//! The simulated rig: the plant behind emulated chips, so that the drivers that fly the bench fly it too.
+//! The simulated rig: the plant behind emulated chips, so that it is flown with the drivers of the bench.
 
 use super::chips::{Chips, Wiring};
 use super::clock::{Monotonic, WorldClock};
@@ -14,7 +14,7 @@ use plant::{Model, Normal, Simulator};
 /// Stream number of the second sensor's noise; the simulator's are below.
 const SECOND_STREAM: u64 = 4;
 
-/// The plant, as the chips see it.
+/// The plant behind the chips.
 pub struct PlantWorld {
     simulator: Simulator,
     second: Option<SecondBeam>,
@@ -25,18 +25,18 @@ pub struct PlantWorld {
     time: Time,
 }
 
-/// What the second sensor sees: the ball where it is, with noise. The sensor's effects of the model are those of the first.
+/// The second sensor: the true position of the ball, with noise. The sensor effects of the model apply to the first.
 struct SecondBeam {
     table: config::SecondSensor,
     sigma_mm: f64,
     noise: Normal,
 }
 
-/// Whose time the world lives in.
+/// The time of the world.
 enum Time {
-    /// Its own: it moves when the bus is busy or the loop sleeps.
+    /// Virtual time: it advances when the bus is busy or the loop sleeps.
     Virtual(f64),
-    /// Everybody's.
+    /// Real time.
     Real(Monotonic),
 }
 
@@ -51,7 +51,7 @@ impl World for PlantWorld {
     fn elapse_s(&mut self, seconds: f64) {
         match &mut self.time {
             Time::Virtual(now_s) => *now_s += seconds,
-            // A transaction takes its time, as on a real bus: the driver's waits are counts of transactions.
+            // A transaction takes its time, as on a real bus: the driver waits by counting transactions.
             Time::Real(clock) => clock.sleep_until_s(clock.now_s() + seconds),
         }
     }
@@ -85,7 +85,7 @@ impl World for PlantWorld {
 }
 
 impl PlantWorld {
-    /// The plant at time 0, whose time moves when the bus is busy or somebody waits.
+    /// The plant at time 0, whose time advances when the bus is busy or a clock sleeps.
     #[must_use]
     pub fn in_virtual_time(model: &Model, rig: &config::Rig, seed: u64) -> Self {
         world(model, rig, seed, Time::Virtual(0.0))
@@ -101,10 +101,10 @@ impl PlantWorld {
 /// A simulated rig with clock `C`.
 pub type SimulatedRig<C> = Chips<EmulatedI2c<PlantWorld>, EmulatedI2c<PlantWorld>, C>;
 
-/// Why a simulated rig does not start: its chips answer as real ones do, so it can only be the config.
+/// Why a simulated rig does not start: its chips answer as real ones do, so only the config can be wrong.
 pub type SimulatedStartError = StartError<ErrorKind, ErrorKind>;
 
-/// A simulated rig that lives in everybody's time.
+/// A simulated rig in real time.
 ///
 /// # Errors
 /// As [`Chips::start`].
@@ -117,17 +117,17 @@ pub fn simulated_in_real_time(
     start(&emulated_bus(model, rig, seed, clock), clock, rig)
 }
 
-/// The bus of a simulated rig that lives in everybody's time, for whoever wants to drive its chips.
+/// The bus of a simulated rig in real time, for other drivers of its chips.
 #[must_use]
 pub fn emulated_bus(model: &Model, rig: &config::Rig, seed: u64, clock: Monotonic) -> EmulatedBus<PlantWorld> {
     with_signals(EmulatedBus::new(world(model, rig, seed, Time::Real(clock))), rig)
 }
 
-/// The bus as `[rig]` has it.
+/// The bus with the signals of `[rig]`.
 pub(crate) fn with_signals<W: World>(bus: EmulatedBus<W>, rig: &config::Rig) -> EmulatedBus<W> {
     let bus = if rig.second_sensor.is_some() { bus.with_second_sensor() } else { bus };
     if rig.output_enable.is_some() {
-        // The pin is wired to a line that nobody drives yet, with its pull-up.
+        // The pin is wired to a line that is not driven yet, with its pull-up.
         drop(bus.output_enable());
     }
     bus
@@ -144,7 +144,7 @@ pub(crate) fn start<W: World + 'static, C: Clock + Clone>(
     Chips::start(wiring, clock, rig)
 }
 
-/// A simulated rig whose time moves only when somebody waits: bit-exact for one seed.
+/// A simulated rig in virtual time, which advances only when a clock sleeps: bit-exact for one seed.
 ///
 /// # Errors
 /// As [`Chips::start`].

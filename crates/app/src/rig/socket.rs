@@ -5,8 +5,8 @@
 //! answer    0 and all bytes read, or the number of an error
 //! ```
 //!
-//! A program that is killed takes a bus of its own with it; this one stays, with the chips in the state that the program
-//! left them in. So what must happen after `kill -9` is tried with the same binary that flies a rig.
+//! When a program is killed, a bus within it is lost; this one remains, with the chips in the state that the program
+//! left. So the behaviour after `kill -9` is tested with the same binary that flies a rig.
 
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 use std::io::{self, Read, Write};
@@ -14,7 +14,7 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
-/// How long an answer may take: the kernel's drivers give up on a bus after a second as well.
+/// Timeout of an answer: the kernel's drivers give up on a bus after a second as well.
 const PATIENCE: Duration = Duration::from_secs(1);
 const WRITE: u8 = 0;
 const READ: u8 = 1;
@@ -33,7 +33,7 @@ const ERRORS: [ErrorKind; 7] = [
 /// A handle of a bus behind a socket.
 pub struct SocketBus {
     stream: UnixStream,
-    /// The latest request, kept for its room: a cycle is to allocate nothing.
+    /// The latest request, kept as a buffer: a cycle must not allocate.
     request: Vec<u8>,
 }
 
@@ -41,7 +41,7 @@ impl SocketBus {
     /// Connects to the bus that is served at `path`.
     ///
     /// # Errors
-    /// What the system said; mostly that nobody serves there.
+    /// What the system reported; mostly that no process serves there.
     pub fn open(path: &Path) -> io::Result<Self> {
         let stream = UnixStream::connect(path)?;
         stream.set_read_timeout(Some(PATIENCE))?;
@@ -85,7 +85,7 @@ impl I2c for SocketBus {
 /// Answers the requests of one handle from `bus`, calling `after` each, until the handle is closed.
 ///
 /// # Errors
-/// What the system said, or that the other side speaks something else.
+/// What the system reported, or that the other side breaks the protocol.
 pub fn serve<I: I2c<Error = ErrorKind>>(mut stream: UnixStream, mut bus: I, after: impl Fn()) -> io::Result<()> {
     loop {
         let mut address = [0];

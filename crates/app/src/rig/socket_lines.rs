@@ -27,7 +27,7 @@ pub(super) enum Line {
     OutputEnable,
 }
 
-/// One of them, high at first.
+/// One of the lines, high at first.
 pub(super) struct SocketLine {
     bus: SocketBus,
     address: u8,
@@ -84,7 +84,7 @@ impl Edges for SocketEdges {
     }
 }
 
-/// What a handle of the socket reaches: the bus, and the lines that it drives.
+/// The bus, and the lines that a handle of the socket drives.
 pub struct Served<W: World> {
     bus: EmulatedBus<W>,
     i2c: EmulatedI2c<W>,
@@ -156,7 +156,7 @@ mod tests {
         bus
     }
 
-    /// Waits for what must come soon.
+    /// Waits until a condition holds.
     fn comes(mut is_there: impl FnMut() -> bool) -> bool {
         let patience = Instant::now() + Duration::from_secs(30);
         while Instant::now() < patience {
@@ -179,7 +179,7 @@ mod tests {
         let bus = served(&socket);
         let table = Bus { device: format!("unix:{}", socket.display()) };
         let (wanted, mut started) = (crate::flight::rich().rig.unwrap(), None);
-        // On a machine that has other work a start may take longer than it is allowed.
+        // On a busy machine a start may take longer than allowed.
         let starts = comes(|| {
             started = bench(&table, &wanted).ok();
             started.is_some()

@@ -1,5 +1,5 @@
-//! What the chips of a rig do when a flight does not end as it should. The fan's chip keeps its last duty: each way out
-//! must write another.
+//! Tests of a rig's chips when a flight ends abnormally. The fan's chip keeps its last duty: every end must write
+//! another.
 
 use super::{Chips, Rig, Sighting, WorldClock};
 use crate::config;
@@ -11,7 +11,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 const SENSOR: u8 = 0x29;
 const PIPE_MM: f64 = 583.0;
 
-/// A ball that hangs still in a world of its own time, and a fan that is only looked at.
+/// A ball at a constant position in a world of its own time, and a fan that is only recorded.
 struct Still {
     now_s: f64,
     distance_mm: Option<f64>,

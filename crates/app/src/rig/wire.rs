@@ -1,4 +1,4 @@
-//! The bus that `[bus] device` names: the kernel's, or an emulated one behind a socket.
+//! The bus of `[bus] device`: the kernel's, or an emulated one behind a socket.
 
 use super::socket::SocketBus;
 use crate::config;
@@ -10,7 +10,7 @@ use std::error;
 use std::fmt;
 use std::path::Path;
 
-/// One handle of the bus. Each chip's driver owns one; the kernel serialises what they send.
+/// One handle of the bus. Each chip's driver owns one; the kernel serialises their requests.
 pub enum Wire {
     /// A device file of the kernel.
     Kernel(LinuxI2CBus),
@@ -18,7 +18,7 @@ pub enum Wire {
     Socket(SocketBus),
 }
 
-/// What went wrong on the bus. Its `Debug` is what the system said, without the name of the kind of bus.
+/// An error of the bus. Its `Debug` is the system's error, without the name of the kind of bus.
 pub enum WireError {
     /// On the kernel's bus.
     Kernel(I2CError),
@@ -30,7 +30,7 @@ impl Wire {
     /// Opens the bus.
     ///
     /// # Errors
-    /// What the system said.
+    /// What the system reported.
     pub fn open(bus: &config::Bus) -> Result<Self, Box<dyn error::Error + Send + Sync>> {
         match bus.socket() {
             Some(path) => Ok(Self::Socket(SocketBus::open(Path::new(path))?)),
@@ -70,8 +70,9 @@ impl I2c for Wire {
     }
 }
 
-/// A transaction on the kernel's bus. The chips' drivers write, or write and read: these messages lie on the stack, because a cycle may not
-/// allocate, and `linux-embedded-hal`, whose errors these are, makes a list of them on the heap.
+/// A transaction on the kernel's bus. The chips' drivers write, or write and read: these messages are on the stack,
+/// because a cycle must not allocate, and `linux-embedded-hal`, whose errors are used here, builds a list of them on
+/// the heap.
 fn transfer(bus: &mut LinuxI2CBus, address: u8, operations: &mut [Operation<'_>]) -> Result<(), LinuxI2CError> {
     match operations {
         [] => return Ok(()),

@@ -1,7 +1,7 @@
 //! Pole placement of a state feedback by Ackermann's formula.
 //!
 //! ```text
-//! u = K_r·r − K·x        K = [0 … 0 1]·[B AB … A^(n−1)B]⁻¹·p(A)        p: the polynomial with the wanted poles as roots
+//! u = K_r·r − K·x        K = [0 … 0 1]·[B AB … A^(n−1)B]⁻¹·p(A)       p: the polynomial with the wanted poles as roots
 //! K_r = 1/( C·(B·K − A)⁻¹·B )                                          the position ends at the setpoint
 //! ```
 //!

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! u = S·setpoint − C·position                                   two degrees of freedom over one denominator
-//! C(s) = K_p·(1 + 1/(T_i·s) + T_d·s/(1 + T_d·s/N))              S: the same with b in place of the 1 and c times the derivative
+//! C(s) = K_p·(1 + 1/(T_i·s) + T_d·s/(1 + T_d·s/N))              S: as C, with b for 1 and c·(derivative term)
 //! C(δ) = K_p·(1 + T/(T_i·δ) + N·δ/(δ + 1 − e^(−N·T/T_d)))       forward-Euler integral, exact derivative filter
 //! ```
 //!
-//! Feedback of position and filtered velocity is the PID with T_d = k₂/k₁, c = 0 and b = K_r/k₁ (0 with the integral in place of K_r·r).
-//! Source: the thesis, section 4.1; the recursions of [`crate::pid`] and [`crate::filter`].
+//! Feedback of position and filtered velocity is the PID with T_d = k₂/k₁, c = 0 and b = K_r/k₁ (0 with the integral in
+//! place of K_r·r). Source: the thesis, section 4.1; the recursions of [`crate::pid`] and [`crate::filter`].
 
 use super::polynomial::Polynomial;
 use super::transfer::{Plane, Transfer};

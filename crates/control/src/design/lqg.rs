@@ -7,9 +7,10 @@
 //! C = (χ(M − L·K) − χ(M))/χ(M), times z where sampled         S = k₁·χ(A_o)/χ(M)
 //! ```
 //!
-//! x̂ holds position, velocity and fan, and what hover lacks where the observer looks for it: K = [k₁, k₂, k₃, k₃ + 1]. The sampled law
-//! is the one that flies, with the steady gain of [`crate::observer`] and a reading that is used at once.
-//! Source: Åström & Wittenmark, *Computer-Controlled Systems*, "Output feedback"; det(x·I − M + L·K) = χ(M)·(1 + K·(x·I − M)⁻¹·L).
+//! x̂ holds position, velocity and fan, and what hover lacks where the observer looks for it: K = [k₁, k₂, k₃, k₃ + 1].
+//! The sampled law is the one that flies, with the steady gain of [`crate::observer`] and a reading that is used at
+//! once. Source: Åström & Wittenmark, *Computer-Controlled Systems*, "Output feedback"; det(x·I − M + L·K) = χ(M)·(1 +
+//! K·(x·I − M)⁻¹·L).
 
 use super::ackermann::characteristic;
 use super::error::DesignError;
@@ -72,7 +73,7 @@ impl Observed {
         };
         let moved = own - pushed * k;
         let feedback = characteristic(&(moved - gain * k)).plus(&characteristic(&moved).scaled(-1.0));
-        // What looks for hover integrates: this root is 0 exactly, and rounding must not make a slow pole of it.
+        // The estimate of hover is an integrator: this root is 0 exactly, and rounding must not make a slow pole of it.
         let denominator = characteristic(&moved).with_root_at_0(disturbance_psd_per_s.is_some());
         let over = |numerator: Polynomial| Transfer { numerator, denominator, plane };
         let setpoint = characteristic(&own).scaled(position_per_mm);

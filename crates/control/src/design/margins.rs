@@ -1,4 +1,4 @@
-//! Margins: how much gain, phase and delay a loop bears before it loses stability.
+//! Margins: the changes of gain, phase and delay at which a loop loses stability.
 //!
 //! ```text
 //! gain    at every ω with Im L = 0, Re L < 0:    1/|L|             above 1: how much more, below 1: how much less
@@ -6,9 +6,9 @@
 //! delay   at every ω with |L| = 1:               that phase, as an angle above 0, divided by ω
 //! ```
 //!
-//! Crossings are looked for on a grid of 400 frequencies a decade and refined by bisection; two crossings closer than half a
-//! percent may be missed. They are margins of a loop that is stable; say so before you trust them.
-//! Source: Åström & Murray, *Feedback Systems*, "Stability Margins".
+//! Crossings are looked for on a grid of 400 frequencies a decade and refined by bisection; two crossings closer than
+//! half a percent may be missed. They are margins of a loop that is stable; say so before you trust them. Source:
+//! Åström & Murray, *Feedback Systems*, "Stability Margins".
 
 use super::polynomial::magnitude;
 use super::transfer::{Plane, Transfer};

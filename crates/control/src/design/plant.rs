@@ -1,10 +1,10 @@
-//! The linear plant: what a design knows of a rig.
+//! The linear plant of a design.
 //!
 //! ```text
 //!                  K·e^(−s·τ)                       ball: s² + a·s + g      g: lift that falls with height, 1/s²
-//! G(s) = ─────────────────────────────────────     fan: 1 + τ_f·s         sensor: 1 + τ_s·s       τ: all delays together
+//! G(s) = ─────────────────────────────────────     fan: 1 + τ_f·s         sensor: 1 + τ_s·s       τ: sum of all delays
 //!         (s² + a·s + g)·(1 + τ_f·s)·(1 + τ_s·s)
-//! sampled: G(z) = (1 − z⁻¹)·Z{ y(t − τ) }          y: step response; a zero-order hold, exact for every delay; in δ = z − 1
+//! sampled: G(z) = (1 − z⁻¹)·Z{ y(t − τ) }          y: step response; zero-order hold, exact for every delay; δ = z − 1
 //! continuous: e^(−s·τ) by the diagonal Padé approximant of order 4, whose phase errs by less than 0.1° up to ω·τ = 3
 //! ```
 //!
@@ -21,7 +21,7 @@ use nalgebra::{Complex, SMatrix, SVector};
 /// A delay is at most so many periods of the sampled loop.
 pub const MOST_PERIODS: usize = 32;
 
-/// What a design knows of a rig.
+/// The linear plant of a design.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Linear {
     /// K: acceleration per unit of the control value, mm/s² per percent of duty.

@@ -45,7 +45,8 @@ impl Polynomial {
         Self { coefficients, degree: n.min(CAPACITY - 1) }
     }
 
-    /// The polynomial with leading coefficient 1 and these roots, which must be real or conjugate pairs. `None`: they are not.
+    /// The polynomial with leading coefficient 1 and these roots, which must be real or conjugate pairs. `None`: they
+    /// are not.
     #[must_use]
     pub fn with_roots(roots: &[Complex<f64>]) -> Option<Self> {
         let mut product = [Complex::new(0.0, 0.0); CAPACITY];

@@ -7,13 +7,14 @@
 //! without hysteresis: K_u = 4d/(πA), T_u = 2π/ω
 //!
 //! Ziegler–Nichols   K_p = 0.6·K_u     T_i = T_u/2      T_d = T_u/8
-//! Tyreus–Luyben     K_p = 0.454·K_u   T_i = 2.2·T_u    T_d = T_u/6.3          for plants that integrate, as a ball does
+//! Tyreus–Luyben     K_p = 0.454·K_u   T_i = 2.2·T_u    T_d = T_u/6.3          for integrating plants, as here
 //! phase margin φ    the PID turns the point G(jω) to −180° + φ at magnitude 1, with T_i = α·T_d:
 //!                   K_p = cos θ/|G|   T_d = ( tan θ + √(4/α + tan²θ) )/(2ω)   θ = φ − asin(h/A)
 //! ```
 //!
-//! Sources: Åström & Hägglund, "Automatic tuning of simple regulators with specifications on phase and amplitude margins",
-//! *Automatica* 20, 1984; Tyreus & Luyben, *Ind. Eng. Chem. Res.* 31, 1992; Ziegler & Nichols, *Trans. ASME* 64, 1942.
+//! Sources: Åström & Hägglund, "Automatic tuning of simple regulators with specifications on phase and amplitude
+//! margins", *Automatica* 20, 1984; Tyreus & Luyben, *Ind. Eng. Chem. Res.* 31, 1992; Ziegler & Nichols, *Trans. ASME*
+//! 64, 1942.
 
 use super::error::DesignError;
 use super::law::Gains;
@@ -21,7 +22,8 @@ use core::f64::consts::{PI, TAU};
 use libm::{asin, cos, sqrt, tan};
 use nalgebra::Complex;
 
-/// T_i/T_d of the rule for a phase margin: 16 is well apart from the double zero at 4 and slow enough for a plant that integrates.
+/// T_i/T_d of the rule for a phase margin: 16 is well apart from the double zero at 4 and slow enough for a plant that
+/// integrates.
 pub const TI_OVER_TD: f64 = 16.0;
 
 /// A relay in place of the controller.

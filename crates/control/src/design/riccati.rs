@@ -7,14 +7,14 @@
 //! doubling     A ← A·(I + G·H)⁻¹·A     G ← G + A·(I + G·H)⁻¹·G·Aᵀ     H ← H + Aᵀ·H·(I + G·H)⁻¹·A     H → X
 //! ```
 //!
-//! The doubling starts at A, G, Q of the sampled equation; the continuous one is brought to that form by Cayley's transform with γ.
-//! It converges quadratically. The filter is the regulator of Aᵀ and Cᵀ, with the noises W and V in place of the weights.
-//! A state that decays on its own needs neither weight nor noise; one that does not needs it, or there is no solution.
-//! Source: Chu, Fan & Lin, "A structure-preserving doubling algorithm for continuous-time algebraic Riccati equations",
-//! *Linear Algebra and its Applications* 396, 2005.
+//! The doubling starts at A, G, Q of the sampled equation; the continuous one is brought to that form by Cayley's
+//! transform with γ. It converges quadratically. The filter is the regulator of Aᵀ and Cᵀ, with the noises W and V in
+//! place of the weights. A state that decays on its own needs neither weight nor noise; one that does not needs it, or
+//! there is no solution. Source: Chu, Fan & Lin, "A structure-preserving doubling algorithm for continuous-time
+//! algebraic Riccati equations", *Linear Algebra and its Applications* 396, 2005.
 //!
-//! Erratum: the thesis prints W = 3·I and V = 5 for its observer, which give L = [1.0013, 0.2013]; its L = [0.449, 0.0508]
-//! belongs to W = 0.1·V·I.
+//! Erratum: the thesis prints W = 3·I and V = 5 for its observer, which give L = [1.0013, 0.2013]; its L = [0.449,
+//! 0.0508] belongs to W = 0.1·V·I.
 
 use super::error::DesignError;
 use nalgebra::{RowSVector, SMatrix, SVector};
@@ -148,7 +148,8 @@ fn doubled<const N: usize>(
         if !h.iter().chain(&a).all(|x| x.is_finite()) {
             break;
         }
-        // What is left of A is the closed loop after 2ⁿ samples: it dies away if that loop is stable, often later than H stands.
+        // What is left of A is the closed loop after 2ⁿ samples: it dies away if that loop is stable, often later than
+        // H stands.
         if step.norm() <= 1e-15 * h.norm() && a.norm() < 1e-3 {
             return Ok((h + h.transpose()) * 0.5);
         }

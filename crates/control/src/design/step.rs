@@ -6,9 +6,9 @@
 //! settling    when it is outside ±5 % of the end value for the last time
 //! ```
 //!
-//! Sampled loops are moved in companion form from sample to sample. Continuous ones are brought to companion form, with time counted in the
-//! geometric mean of their time constants so that its entries are near 1, and moved exactly from point to point.
-//! Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
+//! Sampled loops are moved in companion form from sample to sample. Continuous ones are brought to companion form, with
+//! time counted in the geometric mean of their time constants so that its entries are near 1, and moved exactly from
+//! point to point. Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
 
 use super::discretise::{Discrete, discretise};
 use super::polynomial::{CAPACITY, Polynomial};
@@ -27,7 +27,7 @@ const SLOWEST_TIMES: f64 = 7.0;
 const LONGEST_S: f64 = 600.0;
 const SHORTEST_S: f64 = 1e-3;
 
-/// What a step looks like.
+/// The metrics of a step response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// Where it ends, for a step of 1.
@@ -123,7 +123,8 @@ impl Iterator for Response {
     }
 }
 
-/// The next value of a loop in δ, in companion form: every state grows by the next one, the last by the input and all of them.
+/// The next value of a loop in δ, in companion form: every state grows by the next one, the last by the input and all
+/// of them.
 fn recur(numerator: &Polynomial, denominator: &Polynomial, states: &mut [f64; CAPACITY]) -> f64 {
     let (order, poles, leading) = (denominator.degree(), denominator.ascending(), denominator.leading());
     let remembered: f64 = (0..order).map(|k| poles[k] * states[k]).sum();
@@ -157,7 +158,7 @@ pub fn figures(closed: &Transfer) -> Option<Figures> {
             settling_s = time_s;
         }
     }
-    // What creeps up to its end from below is no overshoot, whatever rounding says.
+    // An approach from below is no overshoot, in spite of rounding errors.
     let beyond = highest - 1.0 > 1e-3;
     Some(Figures {
         end,

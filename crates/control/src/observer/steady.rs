@@ -1,11 +1,12 @@
-//! The gains of the observer in steady state, when all that is measured comes once in every period.
+//! The gains of the observer in steady state, when every measurement comes once in every period.
 //!
 //! ```text
 //! P = covariance before the readings, of the Riccati equation with all of them      information: Σ hᵀ·h/r
 //! in turn   S = h·P·hᵀ + r      L = P·hᵀ/S      P ← P − L·S·Lᵀ
 //! ```
 //!
-//! Readings in turn are worth what they are worth together. One that comes alone is then weighed a little less than it could be.
+//! Sequential updates give the same result as a joint one. A reading without the others is then weighted slightly less
+//! than is optimal.
 
 use super::{FAN, Observer, POSITION};
 use crate::believed::{State, Transition};
@@ -24,7 +25,7 @@ pub(super) struct Steady {
     pub(super) fan: Option<Weight>,
 }
 
-/// What a reading is worth.
+/// The weight of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Weight {
     /// L.
@@ -68,7 +69,7 @@ fn read(row: &RowSVector<f64, 4>, variance: f64) -> Covariance {
     row.transpose() * row / variance
 }
 
-/// What a reading by `row` is worth, and what is left uncertain after it.
+/// The weight of a reading by `row`, and the covariance after it.
 fn weight(covariance: &mut Covariance, row: &RowSVector<f64, 4>, variance: f64) -> Weight {
     let along = *covariance * row.transpose();
     let variance = (row * along)[0] + variance;

@@ -21,7 +21,8 @@ const OBSERVER: Observer = Observer {
     gain: Gain::SteadyState,
 };
 
-/// The believed plant itself, with seeded noise of the believed sizes, flown by a gentle square wave of the control value.
+/// The believed plant itself, with seeded noise of the believed sizes, flown by a gentle square wave of the control
+/// value.
 struct Truth {
     state: State,
     random: Pcg32,
@@ -138,7 +139,8 @@ fn whatever_the_config_allows_has_a_steady_gain() {
 
 #[test]
 fn in_fast_sampling_the_gain_is_that_of_the_continuous_filter() {
-    // A ball without drag under white acceleration: K = [√(2·ω₀), ω₀], ω₀ = √(q/R_c), R_c = R·T the density of the readings' noise.
+    // A ball without drag under white acceleration: K = [√(2·ω₀), ω₀], ω₀ = √(q/R_c), R_c = R·T the density of the
+    // readings' noise.
     let free = Believed { drag_per_s: 0.0, fan_lag_s: None, ..G_C };
     let period_s: f64 = 1e-4;
     let filter = Observer { believed: free, ..OBSERVER };

@@ -2,8 +2,8 @@
 
 /// The original rig's inverse curve, duty in percent and acceleration in (nominal) mm/s².
 ///
-/// The forces behind it come from the thesis' equations 3.2.2.1 to 3, which print −ay for −aẏ and lose terms: −800 would be
-/// about −970 and +1100 about +1443. It is comparable only with itself, so it is kept as it was measured.
+/// The forces behind it come from the thesis' equations 3.2.2.1 to 3, which print −ay for −aẏ and lose terms: −800
+/// would be about −970 and +1100 about +1443. It is comparable only with itself, so it is kept as it was measured.
 pub(super) const ORIGINAL: [[f64; 2]; 84] = [
     [17.6, -805.266],
     [17.7, -807.894],

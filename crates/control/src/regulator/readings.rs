@@ -1,4 +1,4 @@
-//! What the regulator is told of the rig: the position by one sensor or two, and the speed of the fan.
+//! The measurements for the regulator: the position by one sensor or two, and the speed of the fan.
 
 use super::{Regulator, STRONGEST, VELOCITY_N, VELOCITY_TD_S, is_a_place, sensible};
 use crate::observer::Estimate;
@@ -12,7 +12,7 @@ impl Regulator {
         }
     }
 
-    /// Takes a reading of the second sensor beside one of the first: only the observer sees it, if it knows what it is worth.
+    /// Takes a reading of the second sensor besides one of the first: only the observer uses it, if its noise is known.
     pub fn read_second(&mut self, position_mm: f64) {
         if let Some(estimator) = self.estimator.as_mut().filter(|estimator| estimator.knows_second())
             && is_a_place(position_mm)
@@ -28,14 +28,14 @@ impl Regulator {
         }
     }
 
-    /// Takes the control value at which the fan would keep the speed that it has.
+    /// Takes the control value at which the fan would keep its speed.
     pub fn read_fan(&mut self, control: f64) {
         if let Some(estimator) = self.estimator.as_mut().filter(|_| fabs(control) <= STRONGEST) {
             estimator.update_fan(control);
         }
     }
 
-    /// Takes a position into the velocity's filter. `false`: it is no place.
+    /// Takes a position into the velocity's filter. `false`: the position is not possible.
     fn filter(&mut self, position_mm: f64, dt_s: f64) -> bool {
         if !is_a_place(position_mm) {
             return false;

@@ -1,4 +1,5 @@
-//! What `regulator.rs` promises: every controller flies the believed plant, none says nonsense, and none bumps another.
+//! Tests of `regulator.rs`: every controller flies the believed plant, none gives invalid output, and changes are
+//! bumpless.
 
 use super::{Kind, Limits, Regulator, Unready};
 use crate::believed::{State, tests::G_C};

@@ -7,9 +7,9 @@ use crate::record::folds::Folds;
 use crate::record::recording::Recording;
 use plant::Model;
 
-/// Σ ln p(ν) of the readings of `flight` under `model`, nats. Readings count that are in free flight by `reference`, so that several
-/// models compare on the same ones. With `refit`, the model's parameters are first moved by so many steps towards where the record is
-/// most likely.
+/// Σ ln p(ν) of the readings of `flight` under `model`, nats. Readings count that are in free flight by `reference`, so
+/// that several models compare on the same ones. With `refit`, the model's parameters are first moved by so many steps
+/// towards where the record is most likely.
 #[must_use]
 pub fn log_likelihood(model: &Model, flight: &Recording, reference: &Model, refit: Option<usize>) -> f64 {
     let folds = Folds::new(reference, flight);

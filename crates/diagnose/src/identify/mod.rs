@@ -1,4 +1,5 @@
-//! Identification of a plant of two or three poles from a record: by the likelihood, by the overshoot of the loop, by a relay.
+//! Identification of a plant of two or three poles from a record: by the likelihood, by the overshoot of the loop, by a
+//! relay.
 
 pub(crate) mod grey_box;
 pub(crate) mod open_loop;

@@ -19,7 +19,8 @@ use super::world::{Chip, World};
 /// The usual fast mode of I2C.
 const BUS_HZ: f64 = 400_000.0;
 
-/// A bus with a VL53L0X at 0x29 and a PCA9685 at 0x40, wired to a world, and perhaps a second VL53L0X. Clones are the same bus.
+/// A bus with a VL53L0X at 0x29 and a PCA9685 at 0x40, wired to a world, and perhaps a second VL53L0X. Clones are the
+/// same bus.
 pub struct EmulatedBus<W> {
     shared: Arc<Mutex<Shared<W>>>,
 }
@@ -109,8 +110,8 @@ impl<W: World> EmulatedBus<W> {
         }
     }
 
-    /// The range sensor at `address` gives every distance with this range status (0 to 15; 11 is valid) from now on, as one
-    /// does that gets too little light back; `None`: with its own. Where no range sensor is, nothing happens.
+    /// The range sensor at `address` gives every distance with this range status (0 to 15; 11 is valid) from now on, as
+    /// one does that gets too little light back; `None`: with its own. Where no range sensor is, nothing happens.
     pub fn doubt(&self, address: u8, status: Option<u8>) {
         if let Some(socket) = self.lock().socket(address) {
             socket.chip.doubt(status);
@@ -169,7 +170,7 @@ impl<W: World> Shared<W> {
     }
 }
 
-/// Two chips at one address: both hear what is written, and a bit that either pulls low reads low.
+/// Two chips at one address: both receive a write, and a bit that either drives low reads low.
 fn both(
     one: &mut Socket,
     other: &mut Socket,

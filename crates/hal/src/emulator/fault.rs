@@ -45,7 +45,7 @@ impl Fault {
         matches!(self, Self::Noise { .. } | Self::Flips { .. })
     }
 
-    /// What becomes of a byte on its way back. `n` counts the bytes.
+    /// The change of a byte that is read. `n` counts the bytes.
     pub(super) fn distort(self, byte: u8, n: u64) -> u8 {
         match self {
             Self::StuckHigh => 0xFF,

@@ -1,11 +1,12 @@
-//! The emulated rig's lines beside the bus: XSHUT of the second sensor, output-enable of the fan driver, the tachometer.
+//! The emulated rig's lines beside the bus: XSHUT of the second sensor, output-enable of the fan driver, the
+//! tachometer.
 
 use super::bus::{EmulatedBus, FAN, SECOND};
 use super::world::World;
 use crate::tachometer::Edges;
 use embedded_hal::digital::{ErrorKind, ErrorType, OutputPin};
 
-/// A line that somebody drives. When nobody does any more, a pull-up holds it high, as it should on a rig.
+/// A line that a handle drives. When no handle does, a pull-up holds it high, as it should on a rig.
 pub struct EmulatedLine<W: World> {
     bus: EmulatedBus<W>,
     socket: usize,

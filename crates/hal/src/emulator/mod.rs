@@ -1,4 +1,5 @@
-//! Register-level emulators of the chips on one emulated bus, and the lines beside it, so that the real drivers run without hardware.
+//! Register-level emulators of the chips on one emulated bus, and the lines beside it, so that the real drivers run
+//! without hardware.
 //!
 //! ```text
 //! driver → EmulatedI2c → EmulatedBus → chip → World      (fault injection sits between bus and chip)

@@ -72,7 +72,7 @@ pub(super) struct Vl53l0x {
     beam: Beam,
     /// XSHUT is low.
     shut: bool,
-    /// The status of every distance, whatever it is; it lies in the light and not in the chip, so no reset ends it.
+    /// The status of every distance; it depends on the light and not on the chip, so that no reset changes it.
     doubt: Option<u8>,
     registers: BTreeMap<(u8, u8), u8>,
     page: u8,

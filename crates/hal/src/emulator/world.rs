@@ -13,7 +13,8 @@ pub trait World: Send {
     /// Asked exactly once per measurement, in the order of time, never about the future.
     fn measure_mm(&mut self, at_s: f64) -> Option<f64>;
 
-    /// The same of the second sensor, its distance to the same target. The sensors together are asked in the order of time.
+    /// The same of the second sensor, its distance to the same target. The sensors together are asked in the order of
+    /// time.
     fn measure_second_mm(&mut self, at_s: f64) -> Option<f64> {
         let _ = at_s;
         None
@@ -28,7 +29,7 @@ pub trait World: Send {
     fn pwm(&mut self, fraction: f64);
 }
 
-/// What the bus asks of a chip: one call per byte on the wire.
+/// The requests of the bus to a chip: one call per byte on the wire.
 pub(super) trait Chip: Send {
     /// Where it answers; `None` while it is held in reset.
     fn address(&self) -> Option<u8>;

@@ -1,4 +1,4 @@
-//! What a healthy sensor says, and that a sick one is named.
+//! Readings of a working sensor, and errors of a faulty one.
 
 use control::Millimetres;
 use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource};

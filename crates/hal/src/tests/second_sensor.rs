@@ -1,4 +1,4 @@
-//! Two range sensors on one bus, told apart at the start.
+//! Two range sensors on one bus, given different addresses at the start.
 
 use super::{Bench, BenchClock, Bus, SECOND_FURTHER_MM, SENSOR, START_S, Sensor, ball_mm, bench};
 use crate::clock::Clock;

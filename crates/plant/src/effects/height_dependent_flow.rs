@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 pub struct HeightDependentFlow {
     /// Fall of the lift per height, mm/s² per mm; below 0 it rises.
     pub gradient_per_s2: f64,
-    /// Height at which the lift is what the duty says, mm; the middle of the pipe unless given.
+    /// Height at which the lift is that of the duty, mm; the middle of the pipe unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre_mm: Option<f64>,
 }

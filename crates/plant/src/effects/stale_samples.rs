@@ -12,7 +12,7 @@ use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Star
 use libm::floor;
 use serde::{Deserialize, Serialize};
 
-/// A time counts as a refresh this close to it, in holds: 0.06 s is three holds of 0.02 s, whatever a float says.
+/// A time counts as a refresh this close to it, in holds: 0.06 s is three holds of 0.02 s, in spite of rounding errors.
 const ROUNDING: f64 = 1e-9;
 
 /// The reading changes only at the sensor's own instants.

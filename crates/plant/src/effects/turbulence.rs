@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 pub struct Turbulence {
     /// σ: standard deviation of the acceleration, mm/s².
     pub sigma_mm_per_s2: f64,
-    /// τ: time over which it forgets itself, seconds.
+    /// τ: correlation time, seconds.
     pub correlation_s: f64,
 }
 
@@ -64,14 +64,14 @@ const FORGETS_S: f64 = 0.1;
 const DRIFTS_S: f64 = 5.0;
 
 impl Turbulence {
-    /// Whether readings can show the force as one: a force that forgets itself within a few of them is white noise, and one that
-    /// remembers itself for long is a drift.
+    /// Whether readings can show the force as a separate effect: with a correlation time of a few readings it is white
+    /// noise, and with a very long one it is a drift.
     #[must_use]
     pub fn is_coloured(&self, readings: &Readings) -> bool {
         ((FORGETS_READINGS * readings.period_s).min(FORGETS_S)..DRIFTS_S).contains(&self.correlation_s)
     }
 
-    /// ρ: what is left of a push after `dt_s`.
+    /// ρ: the share of a force that remains after `dt_s`.
     #[must_use]
     pub fn decay(&self, dt_s: f64) -> f64 {
         lag::decay(self.correlation_s, dt_s)
@@ -86,8 +86,8 @@ impl Turbulence {
 }
 
 impl Effects {
-    /// The same effects with this random force in the place of the one that is on, if any: its standard deviation, and the time over
-    /// which it forgets itself.
+    /// The same effects with this random force in place of the present one, if any: its standard deviation, and its
+    /// correlation time.
     #[must_use]
     pub fn with_coloured_force(&self, sigma_mm_per_s2: f64, correlation_s: f64) -> Self {
         Self { turbulence: Some(Turbulence { sigma_mm_per_s2, correlation_s }), ..self.clone() }

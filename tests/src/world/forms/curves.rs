@@ -3,7 +3,7 @@
 use super::{Link, approach};
 use crate::catalogue::Effect;
 
-/// ln(1 + eˣ), without overflow: a soft max(0, x).
+/// ln(1 + eˣ), without overflow: a smooth max(0, x).
 fn soft_plus(x: f64) -> f64 {
     x.max(0.0) + (-x.abs()).exp().ln_1p()
 }
@@ -15,7 +15,8 @@ pub(crate) fn dead_zone(e: &Effect) -> Link {
     Box::new(move |u, _| w * (soft_plus((u - upper) / w) - soft_plus((lower - u) / w)))
 }
 
-/// A hyperbola between the slopes √r above and 1/√r below, through 0; it bends within 0.05 %. `up_over_down` is exact far away.
+/// A hyperbola between the slopes √r above and 1/√r below, through 0; it bends within 0.05 %. `up_over_down` is the
+/// exact ratio of the asymptotes.
 pub(crate) fn force_asymmetry(e: &Effect) -> Link {
     let up = e.get("up_over_down").sqrt();
     let (mean, half, w) = (0.5 * (up + 1.0 / up), 0.5 * (up - 1.0 / up), 0.05_f64);

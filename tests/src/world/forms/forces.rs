@@ -10,7 +10,8 @@ pub(crate) fn height_dependent_flow(e: &Effect) -> Force {
     Box::new(move |x, _, _| gradient * length * (-(x - centre) / length).exp_m1())
 }
 
-/// Noise through two equal lags. `sigma_mm_per_s2` is its standard deviation, `correlation_s` the area under its autocorrelation.
+/// Noise through two equal lags. `sigma_mm_per_s2` is its standard deviation, `correlation_s` the area under its
+/// autocorrelation.
 pub(crate) fn turbulence(e: &Effect, mut chance: Chance) -> Force {
     // Autocorrelation (1 + |t|/a)·exp(−|t|/a), area over t > 0: 2a. Input white, variance of the output: its PSD / 4a.
     let a = 0.5 * e.get("correlation_s");
@@ -26,8 +27,8 @@ pub(crate) fn quadratic_drag(e: &Effect) -> Force {
     Box::new(move |_, v, _| -c * v * v.hypot(10.0))
 }
 
-/// A bristle that bends up to 0.1 mm before it slides (Dahl), a tenth stronger below 5 mm/s (Stribeck).
-/// `acceleration_mm_per_s2` is what it gives while the ball slides.
+/// A bristle that deflects up to 0.1 mm before it slides (Dahl), a tenth stronger below 5 mm/s (Stribeck).
+/// `acceleration_mm_per_s2` is its force on a sliding ball.
 pub(crate) fn wall_friction(e: &Effect) -> Force {
     bristle(e.get("acceleration_mm_per_s2"), |_| 1.0)
 }
@@ -42,7 +43,8 @@ pub(super) fn bristle(size: f64, at_height: impl Fn(f64) -> f64 + 'static) -> Fo
     })
 }
 
-/// Springs with dampers that the ball touches for 4 ms; they push and never pull. `restitution` is speed after over before.
+/// Springs with dampers that the ball touches for 4 ms; they never attract the ball. `restitution` is speed after over
+/// before.
 pub(crate) fn end_stop(e: &Effect) -> Force {
     let (bottom, top, back) = (e.get("bottom_mm"), e.get("top_mm"), e.get("restitution").ln());
     let stiffness = (std::f64::consts::PI / 0.004).powi(2);

@@ -1,9 +1,9 @@
-//! Parts of the actuator that remember: delay, quantiser, play, lags.
+//! Parts of the actuator with memory: delay, quantiser, play, lags.
 
 use super::{History, Link, follow, lag};
 use crate::catalogue::Effect;
 
-/// Mixing on the way: the mean over 0.85 to 1.15 of the delay. `delay_s` is its mean.
+/// A delay with dispersion: the mean over 0.85 to 1.15 of the delay. `delay_s` is its mean.
 pub(crate) fn transport_delay(e: &Effect) -> Link {
     let delay = e.get("delay_s");
     let mut history = History::of(1.15 * delay);
@@ -13,13 +13,14 @@ pub(crate) fn transport_delay(e: &Effect) -> Link {
     })
 }
 
-/// Steps at whole multiples of `step_percent`, each left only when the duty is 0.55 steps away: a comparator's hysteresis.
+/// Steps at whole multiples of `step_percent`, each left only when the duty is 0.55 steps away: the hysteresis of a
+/// comparator.
 pub(crate) fn duty_quantisation(e: &Effect) -> Link {
     let mut round = sticky_round(e.get("step_percent"));
     Box::new(move |duty, _| round(duty))
 }
 
-/// Rounds to a multiple of a step, and stays there until the input is 0.55 steps away.
+/// Rounds to a multiple of a step, and keeps it until the input is 0.55 steps away.
 pub(crate) fn sticky_round(step: f64) -> impl FnMut(f64) -> f64 {
     let mut held = f64::NAN;
     move |value| {
@@ -30,7 +31,8 @@ pub(crate) fn sticky_round(step: f64) -> impl FnMut(f64) -> f64 {
     }
 }
 
-/// Nine plays in parallel, half widths 0.6 to 1.4 of `half_width_percent`, which is their mean: after a long swing the force lags by exactly that.
+/// Nine plays in parallel, half widths 0.6 to 1.4 of `half_width_percent`, which is their mean: after a long swing the
+/// force lags by exactly that.
 pub(crate) fn hysteresis(e: &Effect) -> Link {
     let widths: Vec<f64> = (0..9).map(|i| e.get("half_width_percent") * (0.6 + 0.1 * f64::from(i))).collect();
     let mut plays = [0.0_f64; 9];
@@ -42,14 +44,16 @@ pub(crate) fn hysteresis(e: &Effect) -> Link {
     })
 }
 
-/// Rotor and air column: two lags in series, 0.93 and 0.07 of `time_constant_s`, which is the area of the step's shortfall.
+/// Rotor and air column: two lags in series, 0.93 and 0.07 of `time_constant_s`, which is the area between step and
+/// response.
 pub(crate) fn fan_lag(e: &Effect) -> Link {
     let tau = e.get("time_constant_s");
     let (mut rotor, mut column) = (lag(0.93 * tau), lag(0.07 * tau));
     Box::new(move |a, _| column(rotor(a)))
 }
 
-/// The rate slides from 1/`down_s` to 1/`up_s` as the command passes the state, over 10 mm/s²; far apart the rates are exact.
+/// The rate changes from 1/`down_s` to 1/`up_s` as the command passes the state, over 10 mm/s²; at large differences
+/// the rates are exact.
 pub(crate) fn spin_asymmetry(e: &Effect) -> Link {
     let (up, down, mut state) = (1.0 / e.get("up_s"), 1.0 / e.get("down_s"), 0.0);
     Box::new(move |a, _| {
@@ -63,7 +67,7 @@ mod tests {
     use super::super::STEP_S;
     use super::*;
 
-    /// What a link gives over these seconds of a constant input.
+    /// The output of a link over these seconds of a constant input.
     fn hold(link: &mut Link, input: f64, seconds: f64) -> Vec<f64> {
         (0..(seconds / STEP_S).round() as usize).map(|_| link(input, 0.0)).collect()
     }

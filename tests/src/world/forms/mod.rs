@@ -1,7 +1,7 @@
 //! The forms of the effects: closures along the signal path, each with its own memory.
 //!
-//! They are on purpose not the formulas that a diagnosis would fit: soft edges, several elements instead of one, slow
-//! approaches instead of straight lines. Each says in which sense the catalogue's parameter is its equivalent.
+//! On purpose they are not the formulas that a diagnosis fits: soft edges, several elements instead of one, exponential
+//! approaches instead of straight lines. Each documents in which sense the catalogue's parameter is its equivalent.
 
 pub(crate) mod curves;
 pub(crate) mod forces;
@@ -14,10 +14,10 @@ use std::collections::VecDeque;
 /// The step of the world, s.
 pub(crate) const STEP_S: f64 = 0.000_25;
 
-/// What a signal passes, once a step: value in, time in the record in (negative before its start), value out.
+/// A part of the signal path, once a step: value in, time in the record in (negative before its start), value out.
 pub(crate) type Link = Box<dyn FnMut(f64, f64) -> f64>;
 
-/// What pushes the ball: height in mm, speed in mm/s, time in s; acceleration out, mm/s².
+/// A force on the ball: height in mm, speed in mm/s, time in s; acceleration out, mm/s².
 pub(crate) type Force = Box<dyn FnMut(f64, f64, f64) -> f64>;
 
 /// The last values of a signal, one a step.
@@ -32,13 +32,13 @@ impl History {
         Self { values: VecDeque::new(), capacity: (seconds / STEP_S).ceil() as usize + 2 }
     }
 
-    /// Takes in the value of this step.
+    /// Adds the value of this step.
     pub(crate) fn push(&mut self, value: f64) {
         self.values.push_front(value);
         self.values.truncate(self.capacity);
     }
 
-    /// The value this long ago, between steps on a straight line; the oldest when none is that old.
+    /// The value this long ago, linear between steps; the oldest if none is that old.
     pub(crate) fn ago(&self, seconds: f64) -> f64 {
         let steps = seconds / STEP_S;
         let at = |i: usize| self.values[i.min(self.values.len() - 1)];
@@ -63,8 +63,8 @@ pub(crate) fn lag(time_constant_s: f64) -> impl FnMut(f64) -> f64 {
     }
 }
 
-/// What has been approached, by exponential decay of the rest, at time t of a record of this length: 0 at its start, its
-/// whole length at its end, 1 s/s on average. The time constant is twice the length.
+/// An exponential approach at time t of a record of this length: 0 at its start, its whole length at its end, 1 s/s on
+/// average. The time constant is twice the length.
 pub(crate) fn approach(t: f64, seconds: f64) -> f64 {
     seconds * (-t.max(0.0) / (2.0 * seconds)).exp_m1() / (-0.5_f64).exp_m1()
 }

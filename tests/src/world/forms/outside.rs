@@ -1,4 +1,4 @@
-//! What no catalogue holds: the right answer to these is "unexplained".
+//! Effects outside the catalogue: the right answer to these is "unexplained".
 
 use super::forces::bristle;
 use super::{Force, Link, STEP_S, follow, lag};
@@ -7,7 +7,7 @@ use crate::chance::Chance;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Every duty acts after a wait of its own, up to `up_to_s`; later duties never overtake earlier ones.
+/// Every duty acts after a random delay of its own, up to `up_to_s`; later duties never overtake earlier ones.
 pub(crate) fn late_writes(e: &Effect, mut chance: Chance) -> Link {
     let (longest, mut last, mut acting, mut on_the_way) = (e.get("up_to_s"), f64::NAN, 0.0, VecDeque::new());
     Box::new(move |duty, t| {
@@ -25,7 +25,7 @@ pub(crate) fn late_writes(e: &Effect, mut chance: Chance) -> Link {
     })
 }
 
-/// Now and then, every `every_s` on average, the driver keeps its duty for `for_s`.
+/// Every `every_s` on average, the driver keeps its duty for `for_s`.
 pub(crate) fn stuck_driver(e: &Effect, mut chance: Chance) -> Link {
     let (rate, length, mut until, mut held) = (STEP_S / e.get("every_s"), e.get("for_s"), f64::NEG_INFINITY, 0.0);
     Box::new(move |duty, t| {
@@ -39,13 +39,13 @@ pub(crate) fn stuck_driver(e: &Effect, mut chance: Chance) -> Link {
     })
 }
 
-/// A weak supply: duty above hover loses up to `fraction` of its thrust, which comes back over `recovery_s`.
+/// A weak supply: duty above hover loses up to `fraction` of its thrust, which recovers over `recovery_s`.
 pub(crate) fn supply_sag(e: &Effect) -> Link {
     let (fraction, recovery, mut sag) = (e.get("fraction"), e.get("recovery_s"), 0.0);
     Box::new(move |u, _| u - follow(&mut sag, fraction * u.max(0.0), recovery))
 }
 
-/// The gain swings by `fraction` to either side with `period_s`, as the room's heating does.
+/// The gain oscillates by `fraction` to either side with `period_s`, for instance by a room's heating.
 pub(crate) fn supply_ripple(e: &Effect, mut chance: Chance) -> Link {
     let (fraction, rate, phase) = (e.get("fraction"), TAU / e.get("period_s"), chance.between(0.0, TAU));
     Box::new(move |a, t| a * (1.0 + fraction * (rate * t + phase).sin()))
@@ -60,7 +60,7 @@ pub(crate) fn duty_dependent_lag(e: &Effect, gain: f64) -> Link {
     })
 }
 
-/// A `share` of the thrust passes the air column's resonance, damped by a twelfth of critical.
+/// A `share` of the thrust passes the air column's resonance, with a damping ratio of 1/12.
 pub(crate) fn pipe_resonance(e: &Effect) -> Link {
     let (omega, share, mut y, mut rate) = (TAU * e.get("frequency_hz"), e.get("share"), 0.0, 0.0);
     Box::new(move |a, _| {
@@ -97,7 +97,7 @@ pub(crate) fn limit_cycle(e: &Effect) -> Force {
     })
 }
 
-/// Lift that ripples with height, from seams of the pipe.
+/// Lift that varies periodically with height, from seams of the pipe.
 pub(crate) fn height_ripple(e: &Effect) -> Force {
     let (size, rate) = (e.get("size_mm_per_s2"), TAU / e.get("wave_mm"));
     Box::new(move |x, _, _| size * (rate * x).sin())
@@ -109,13 +109,13 @@ pub(crate) fn spin_lift(e: &Effect) -> Force {
     Box::new(move |_, v, _| size * (rate * v).sin())
 }
 
-/// Friction in one place of the pipe only.
+/// Friction in one part of the pipe only.
 pub(crate) fn sticky_zone(e: &Effect) -> Force {
     let (centre, half) = (e.get("centre_mm"), e.get("half_width_mm"));
     bristle(e.get("size_mm_per_s2"), move |x| 1.0 / (1.0 + ((x - centre) / half).powi(8)))
 }
 
-/// The sensor sits loosely and follows the ball's wake with play.
+/// The sensor has play in its mount and follows the ball's wake.
 pub(crate) fn mount_backlash(e: &Effect) -> Link {
     let (half, mut seen) = (e.get("half_width_mm"), f64::NAN);
     Box::new(move |x, _| {
@@ -124,7 +124,7 @@ pub(crate) fn mount_backlash(e: &Effect) -> Link {
     })
 }
 
-/// The sensor slips to and fro in its mount, every `every_s` on average.
+/// The sensor slips between two positions in its mount, every `every_s` on average.
 pub(crate) fn mount_slip(e: &Effect, mut chance: Chance) -> Link {
     let (rate, size, mut offset) = (STEP_S / e.get("every_s"), e.get("size_mm"), 0.0);
     Box::new(move |x, t| {

@@ -1,18 +1,18 @@
-//! Forms of the sensor: what the light passes, and what happens when a reading is taken.
+//! Forms of the sensor: effects on the signal, and effects on a reading.
 
 use super::memory::sticky_round;
 use super::{History, Link, lag};
 use crate::catalogue::Effect;
 use crate::chance::Chance;
 
-/// Two averages in series, 0.85 and 0.15 of `time_constant_s`, which is the area of the step's shortfall.
+/// Two lags in series, 0.85 and 0.15 of `time_constant_s`, which is the area between step and response.
 pub(crate) fn sensor_lag(e: &Effect) -> Link {
     let tau = e.get("time_constant_s");
     let (mut slow, mut fast) = (lag(0.85 * tau), lag(0.15 * tau));
     Box::new(move |x, _| fast(slow(x)))
 }
 
-/// The age of a reading scatters by ±10 % about `delay_s`, slowly enough that readings keep their order.
+/// The age of a reading varies by ±10 % about `delay_s`, slowly enough that readings keep their order.
 pub(crate) fn sensor_delay(e: &Effect, mut chance: Chance) -> Link {
     let (delay, mut wander) = (e.get("delay_s"), lag(0.1));
     let mut history = History::of(1.2 * delay);
@@ -28,7 +28,8 @@ pub(crate) fn sensor_noise(e: &Effect, mut chance: Chance) -> Link {
     Box::new(move |x, _| x + sigma * chance.hump())
 }
 
-/// Bursts of 1 reading or more, 1.25 on average, all to one side; sizes 0.85 to 1.15 of `size_mm`. `probability` is the share of wild readings.
+/// Bursts of 1 reading or more, 1.25 on average, all to one side; sizes 0.85 to 1.15 of `size_mm`. `probability` is the
+/// share of outliers.
 pub(crate) fn sensor_outliers(e: &Effect, mut chance: Chance) -> Link {
     let (stay, size, mut side) = (0.2, e.get("size_mm"), 0.0);
     let wild = e.get("probability");
@@ -49,7 +50,7 @@ pub(crate) fn sensor_quantisation(e: &Effect) -> Link {
     Box::new(move |x, _| round(x))
 }
 
-/// A sensor of its own clock: a new reading after 0.94 to 1.06 of `hold_s`, which is the mean.
+/// A sensor with a clock of its own: a new reading after 0.94 to 1.06 of `hold_s`, which is the mean.
 pub(crate) fn refresh(e: &Effect, mut chance: Chance) -> Box<dyn FnMut(f64) -> bool> {
     let (hold, mut next) = (e.get("hold_s"), f64::NEG_INFINITY);
     Box::new(move |t| {

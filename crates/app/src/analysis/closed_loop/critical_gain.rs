@@ -1,25 +1,25 @@
-//! The critical gain: the smallest multiple of the loop's proportional gain at which the simulated loop loses stability.
+//! The critical gain: the smallest multiple of the proportional gain at which the simulated loop loses stability.
 //!
 //! ```text
 //! ramp to mid-pipe, step by J = an eighth of the pipe, wait          without noise
 //! lost: in the last third of the wait the ball still swings by J or more, or the flight ended in a fault
 //! ```
 //!
-//! At the critical gain a step of J swings by 2·J for ever; below it the swing decays, above it it grows until the fan's limits
-//! hold it. A loop that hunts across a dead zone, by less than J, has not lost stability.
-//! The gain multiplies proportional, integral and derivative part alike, as `K_p` of the control law does.
+//! At the critical gain a step of J swings by 2·J for ever; below it the swing decays, above it it grows until the
+//! fan's limits bound it. A limit cycle across a dead zone that is smaller than J is not a loss of stability.
+//! Proportional, integral and derivative part are multiplied alike, as `K_p` of the control law does.
 
 use crate::analysis::virtual_flight::Desk;
 use crate::flight::experiment::{Experiment, Limits, Segment};
 use control::waveform::Waveform;
 use plant::{Model, Noise};
 
-/// How much the gain is raised or lowered at a time in the search.
+/// Factor by which the gain is raised or lowered in each step of the search.
 const STRIDE: f64 = std::f64::consts::SQRT_2;
-/// Strides at most: from a sixteenth to 64 times the gain.
+/// Steps at most: from a sixteenth to 64 times the gain.
 const STRIDES_DOWN: u32 = 8;
 const STRIDES_UP: u32 = 12;
-/// Bisections of the last stride: to 1.1 %.
+/// Bisections of the last step: to 1.1 %.
 const BISECTIONS: u32 = 5;
 /// The parts of the flight, seconds.
 const RAMP_S: f64 = 8.0;
@@ -28,8 +28,8 @@ const WAIT_S: f64 = 18.0;
 /// J as a share of the pipe.
 const STEP: f64 = 0.125;
 
-/// The critical gain of `desk`'s controller on `model`, as a multiple of the gain in force. `None`: the loop keeps its stability
-/// up to 64 times its gain, or has none down to a sixteenth, or the controller that flies has no gain.
+/// The critical gain of `desk`'s controller on `model`, as a multiple of the gain in force. `None`: the loop is stable
+/// up to 64 times its gain, or unstable down to a sixteenth, or the active controller has no gain.
 pub(super) fn critical_gain(desk: &Desk, model: &Model) -> Option<f64> {
     let one = desk.with_gain(1.0)?;
     let model = without_chance(model);

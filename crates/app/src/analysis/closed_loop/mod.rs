@@ -1,14 +1,14 @@
-//! The closed loop before and after the mend: how the ball followed the steps of a record, and how it follows them when the
-//! record's own controller flies the believed model and the mended one.
+//! The closed loop before and after the mend: how the ball followed the steps of a record, and how it follows them when
+//! the record's own controller flies the believed model and the mended one.
 //!
 //! ```text
-//! overshoot, peak time, settling to ±5 %      medians over the steps; a step that never settled counts as infinitely slow
+//! overshoot, peak time, settling to ±5 %      medians over the steps; a step that never settled counts as infinite
 //! critical gain                               see `critical_gain`
 //! ```
 //!
-//! The steps are flown in virtual time with the noise of each model, by several seeds where the record is short: noise adds to
-//! the overshoot of a record, and adds as much to that of a simulation. What was added to the control as an excitation is in no
-//! log and is not flown. Definitions of the figures: see [`super::step_response`].
+//! The steps are flown in virtual time with the noise of each model, with several seeds where the record is short:
+//! noise adds as much to the overshoot of a simulation as to that of a record. An excitation that was added to the
+//! control is in no log and is not flown. Definitions of the metrics: see [`super::step_response`].
 
 mod critical_gain;
 mod stretch;
@@ -23,7 +23,7 @@ use plant::Model;
 use rayon::prelude::*;
 use stretch::Stretch;
 
-/// Simulated seconds that are enough for medians, and flights at most.
+/// Simulated seconds that are enough for medians, and the largest number of flights.
 const ENOUGH_S: f64 = 240.0;
 const MOST_SEEDS: u64 = 4;
 
@@ -35,8 +35,8 @@ struct Figures {
     settling_s: Option<f64>,
 }
 
-/// Measures logs of one rig, and the two models where the controller that flew each is known; the critical gain is that of the
-/// last. No `mended` model: nothing was mended.
+/// Measures logs of one rig, and the two models where the controller of each log is known; the critical gain is that of
+/// the last log. No `mended` model: nothing was mended.
 #[must_use]
 pub fn measure(logs: &[LoadedLog], tables: &Tables, belief: &Model, mended: Option<&Model>) -> ClosedLoop {
     let desks: Vec<Option<Desk>> = logs.iter().map(|log| Desk::that_flew(log, tables)).collect();
@@ -67,7 +67,8 @@ const fn compared([recorded, nominal, mended]: [Option<f64>; 3]) -> Compared {
     Compared { recorded, nominal, mended }
 }
 
-/// The figures of `model` on the steps of each record, flown by its own controller. A loop that lost the ball has none.
+/// The step metrics of `model` on the steps of each record, flown by its own controller. A loop that lost the ball has
+/// none.
 fn fly(records: &[(&Desk, &Stretch)], model: &Model) -> Figures {
     let total_s: f64 = records.iter().map(|(_, stretch)| stretch.duration_s()).sum();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
@@ -93,7 +94,8 @@ impl Figures {
     }
 }
 
-/// The median, where what never came is later than everything. `None`: it came in half of the cases at most, or there are none.
+/// The median, where a missing value counts as infinite. `None`: at least half of the values are missing, or there are
+/// none.
 fn median(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::INFINITY)).collect();
     values.sort_by(f64::total_cmp);

@@ -1,7 +1,7 @@
-//! The stretch of a record whose steps are looked at, and the programme that flies its setpoints again.
+//! The part of a record whose steps are analysed, and the programme that flies its setpoints again.
 //!
-//! It begins with the first setpoint and ends where the controller is switched off, where it or its gains were changed in flight
-//! (the config knows only the first ones), or after five minutes, which is enough for medians.
+//! It begins with the first setpoint and ends where the controller is switched off, where it or its gains were changed
+//! in flight (the config has only the first ones), or after five minutes, which is enough for medians.
 
 use crate::analysis::step_response::Moment;
 use crate::analysis::virtual_flight::Desk;
@@ -10,11 +10,11 @@ use crate::log::reader::LoadedLog;
 use control::waveform::{MAX_STEPS, Waveform};
 use plant::Model;
 
-/// The longest stretch, seconds.
+/// The longest part, seconds.
 const LONGEST_S: f64 = 300.0;
-/// A ball higher than this share of the pipe did not just take off.
+/// A ball below this share of the pipe lies on the bottom.
 const LYING: f64 = 0.1;
-/// How long a simulated ball has to come to where the record begins, seconds.
+/// Time for the simulated ball to reach the position at which the record begins, seconds.
 const LEAD_S: f64 = 12.0;
 
 /// Rows under control.
@@ -22,12 +22,12 @@ pub(super) struct Stretch {
     moments: Vec<Moment>,
     start_s: f64,
     end_s: f64,
-    /// Where the ball was at first, mm.
+    /// Position of the ball at the start, mm.
     first_mm: f64,
 }
 
 impl Stretch {
-    /// The stretch of a log. `None`: it has no setpoint or no reading there.
+    /// The part of a log. `None`: it has no setpoint or no reading there.
     pub(super) fn of(log: &LoadedLog) -> Option<Self> {
         let changes = |text: &str| text.starts_with("gains ") || text.starts_with("controller ");
         let retuned = log.events.iter().find(|e| changes(&e.text) && e.text.ends_with("accepted"));
@@ -50,7 +50,8 @@ impl Stretch {
         self.end_s - self.start_s
     }
 
-    /// The setpoints as a programme for `desk`, cycle by cycle, and how long the simulated ball is led to where the record begins.
+    /// The setpoints as a programme for `desk`, cycle by cycle, and the time in which the simulated ball is brought to
+    /// where the record begins.
     pub(super) fn programme(&self, desk: &Desk, model: &Model) -> (Experiment, f64) {
         let (bottom_mm, top_mm) = model.ends_mm();
         let lies = self.first_mm < bottom_mm + LYING * (top_mm - bottom_mm);

@@ -1,4 +1,4 @@
-//! What the figures of the closed loop promise.
+//! Tests of the closed-loop metrics.
 
 use super::critical_gain::critical_gain;
 use super::median;
@@ -99,8 +99,8 @@ fn a_log_that_holds_its_config_is_flown_by_that_and_not_by_the_one_at_hand() {
 
 #[test]
 fn the_critical_gain_is_that_of_the_characteristic_equation() {
-    // P control with period T of K/(s(s + a)): the held duty and the cycle's own time delay the loop by about T/2, so that
-    // at the critical gain the phase is −π/2 − atan(ω/a) − ω·T/2 = −π and kp·K = ω·√(ω² + a²).
+    // P control with period T of K/(s(s + a)): the held duty and the cycle's own time delay the loop by about T/2, so
+    // that at the critical gain the phase is −π/2 − atan(ω/a) − ω·T/2 = −π and kp·K = ω·√(ω² + a²).
     let (gain, drag, period_s) = (254.6, 4.0, 0.1);
     let model = Model {
         gain_mm_per_s2_per_percent: gain,

@@ -1,4 +1,4 @@
-//! What the stages before the plant promise.
+//! Tests of the stages before the plant.
 
 use super::{Upstream, upstream};
 use crate::analysis::closed_loop::tests::{log, project};
@@ -9,7 +9,7 @@ use crate::flight::vocabulary::Cycle;
 use crate::log::header::About;
 use crate::log::reader::{LoadedLog, sample};
 
-/// A flight of the believed rig by the project's controller, whose log says that it was flown by `header`.
+/// A flight of the believed rig by the project's controller, whose log holds `header` as its config.
 fn flight(header: &Tables, spoil: impl Fn(usize, &mut Cycle)) -> LoadedLog {
     let tables = project();
     let mut programme = Experiment::of_reference(tables.reference.as_ref().unwrap());
@@ -65,7 +65,7 @@ fn a_law_that_was_retuned_in_flight_is_followed_up_to_there() {
 
 #[test]
 fn cycles_that_begin_late_are_a_gap_of_timing() {
-    // Each third cycle of the simulated flight was punctual; the log is told that its deadline was 15 ms before.
+    // Each third cycle of the simulated flight was punctual; its deadline in the log is moved to 15 ms before.
     let stages = found(&flight(&project(), |k, cycle| cycle.lateness_s += if k % 3 == 0 { 0.015 } else { 0.0 }));
     assert!(matches!(&stages[..], [Upstream { name: "timing", .. }]), "{stages:?}");
     assert!(stages[0].finding.contains("15.0 ms"), "{}", stages[0].finding);

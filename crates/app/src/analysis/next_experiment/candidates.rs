@@ -1,7 +1,8 @@
-//! The list of experiments: what a rig can be asked without harm, scaled to its pipe, its limits and its fan.
+//! The list of experiments that are safe on a rig, scaled to its pipe, its limits and its fan.
 //!
-//! Every one begins with take-off and settling at mid-pipe, keeps the controller on, and turns the fan off when the ball comes
-//! near the top. A lower limit would end a flight by noise, while the ball slowly rises past it. Excitations are sized so that an open-loop ball would move by 6 % of the pipe during one bit:
+//! Every one begins with take-off and settling at mid-pipe, keeps the controller on, and turns the fan off when the
+//! ball comes near the top. A lower limit would end a flight by noise, while the ball slowly rises past it. Excitations
+//! are sized so that a ball in open loop would move by 6 % of the pipe during one bit:
 //!
 //! ```text
 //! x = K·u·T²/2      u: percent of duty, T: seconds of a bit
@@ -14,12 +15,12 @@ use control::waveform::Waveform;
 
 /// Take-off and settling, seconds.
 const SETTLE_S: f64 = 8.0;
-/// How much of the pipe is used, and where the fan is turned off.
+/// The part of the pipe that is used, and the height where the fan is turned off.
 const USED: (f64, f64) = (0.2, 0.8);
 const TOP: f64 = 0.95;
 /// How far one bit of an excitation may move the ball, as a share of the pipe.
 const BIT_MOVES: f64 = 0.06;
-/// The largest excitation as a share of the room between hover and the limits of the duty.
+/// The largest excitation as a share of the range between hover and the limits of the duty.
 const ROOM: f64 = 0.5;
 
 /// An experiment of the list.
@@ -27,9 +28,9 @@ const ROOM: f64 = 0.5;
 pub struct Candidate {
     /// Its short name.
     pub name: &'static str,
-    /// What it shows, in a sentence.
+    /// What it shows, in one sentence.
     pub why: &'static str,
-    /// What is flown.
+    /// The experiment.
     pub experiment: Experiment,
 }
 
@@ -67,7 +68,7 @@ impl Scale {
         [self.of_setpoints(), self.of_heights(), self.of_excitations()].concat()
     }
 
-    /// Moves about mid-pipe.
+    /// Setpoint changes about mid-pipe.
     fn of_setpoints(&self) -> Vec<Candidate> {
         let square = |share: f64, period_s| {
             let (low, high) = (self.at(0.5 - share / 2.0), self.at(0.5 + share / 2.0));
@@ -101,7 +102,7 @@ impl Scale {
         ]
     }
 
-    /// Moves along the pipe.
+    /// Setpoint changes along the pipe.
     fn of_heights(&self) -> Vec<Candidate> {
         let steps = |shares: &[f64], each_s: f64| {
             let values = shares.iter().map(|share| self.at(*share)).collect();
@@ -128,7 +129,7 @@ impl Scale {
         ]
     }
 
-    /// Duty shaken beneath the controller.
+    /// Excitations of the duty under closed loop.
     fn of_excitations(&self) -> Vec<Candidate> {
         let shaken = |bit_s: f64| {
             let size = self.excitation(bit_s);
@@ -172,7 +173,7 @@ impl Scale {
         Waveform::Constant { value: self.at(0.5) }
     }
 
-    /// Half of the swing of an excitation whose bits last `bit_s`, percent of duty.
+    /// Amplitude of an excitation whose bits last `bit_s`, percent of duty.
     fn excitation(&self, bit_s: f64) -> f64 {
         let moves_mm = BIT_MOVES * self.way;
         let percent = (2.0 * moves_mm / (self.gain * bit_s * bit_s)).min(ROOM * self.room_percent).min(MOST_PERCENT);
@@ -180,10 +181,10 @@ impl Scale {
     }
 }
 
-/// No experiment adds more to the control value, percent of duty.
+/// Largest excitation of the control value, percent of duty.
 const MOST_PERCENT: f64 = 20.0;
 
-/// To a tenth of a millimetre: a file that a person reads.
+/// Rounds to a tenth of a millimetre, for a readable file.
 fn tenth(mm: f64) -> f64 {
     (10.0 * mm).round() / 10.0
 }

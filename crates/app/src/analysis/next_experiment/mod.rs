@@ -1,16 +1,16 @@
-//! The next experiment: which safe flight would settle what this record leaves open.
+//! The next experiment: the safe flight that would decide between the models that this record leaves open.
 //!
 //! ```text
-//! nats(A, B) = ln p(record | A) − ln p(record | B), per minute of free flight      the record flown, in closed loop, on rig A
+//! nats(A, B) = ln p(record | A) − ln p(record | B), per minute of free flight      record: in closed loop on rig A
 //! score      = min over pairs of rivals of min( nats(A, B), nats(B, A) )
 //! ```
 //!
-//! Rivals are models that explain the record alike. Each experiment of a list ([`mod@candidates`]) is flown in virtual time on each of
-//! them by the controller at hand ([`Desk`]); one that would bring the ball to an end of its way, or the duty to its limits, under
-//! any rival is not safe and is dropped. The best few are scored again with each rival's numbers moved to suit the record of the
-//! other, because the next diagnosis will fit them too: what a gain can imitate separates nothing.
-//! Source of the score: Box and Hill, "Discrimination among mechanistic models", Technometrics 9 (1967), which uses the same
-//! expectation, a Kullback–Leibler divergence.
+//! Rivals are models that explain the record equally well. Each experiment of a list ([`mod@candidates`]) is flown in
+//! virtual time on each of them by the known controller ([`Desk`]). It is not safe, and dropped, if the ball reaches an
+//! end of the pipe or the duty its limits under any rival. The best few are scored again with each rival's parameters
+//! fitted to the record of the other, because the next diagnosis will fit them too: an effect that a gain can imitate
+//! does not separate the rivals. Source of the score: Box and Hill, "Discrimination among mechanistic models",
+//! Technometrics 9 (1967), which uses the same expectation, a Kullback–Leibler divergence.
 
 pub mod candidates;
 mod open_questions;
@@ -28,27 +28,28 @@ use plant::Model;
 use rayon::prelude::*;
 use score::{Records, fly_all};
 
-/// An experiment that separates by less, nats a minute, separates nothing: it would have to be flown for long to bring the 5 nats
-/// by which the diagnosis names one effect rather than another.
+/// An experiment that separates by less, nats a minute, is of no use: it would have to last long for the 5 nats by
+/// which the diagnosis prefers one effect to another.
 const SEPARATES: f64 = 2.0;
-/// Comparisons of a pair that are made a second time, with the numbers of each rival moved, and experiments among them at least.
+/// Comparisons of a pair that are repeated with the parameters of each rival fitted, and the smallest number of
+/// experiments among them.
 const COMPARISONS: usize = 8;
 const SHORT_LIST: usize = 2;
 
-/// A name of what may act, and the model in which it does.
+/// The name of an effect that may be missing, and the model with it.
 pub type Rival = (&'static str, Model);
 
-/// What can be said about the next flight.
+/// Advice on the next flight.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Advice {
     /// The experiment, if one helps.
     pub experiment: Option<NextExperiment>,
-    /// What no experiment of the list settles, and what would, in sentences.
+    /// In sentences: the questions that no experiment of the list decides, and what would decide them.
     pub findings: Vec<String>,
 }
 
-/// What to fly next after `found`, which a diagnosis of `recording` with `belief` has found. `desk`: the controller at hand, if
-/// one is known.
+/// The next flight after `found`, which is the diagnosis of `recording` with `belief`. `desk`: the controller, if it is
+/// known.
 #[must_use]
 pub fn advise(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, belief: &Model) -> Advice {
     let mut advice = next_flight(found, recording, desk, belief);
@@ -76,7 +77,7 @@ fn next_flight(found: &Diagnosis, recording: &Recording, desk: Option<Desk>, bel
     Advice { experiment, findings: Vec::new() }
 }
 
-/// The experiment between models that explain the record alike, and what none of them settles.
+/// The experiment that separates models that explain the record equally well, and the questions that none decides.
 #[must_use]
 pub fn between(rivals: &[Rival], desk: &Desk, recording: &Recording) -> Advice {
     let apart: Vec<Rival> = rivals.iter().filter(|rival| !rivals::is_second_twin(rival, rivals)).cloned().collect();
@@ -96,17 +97,17 @@ pub fn between(rivals: &[Rival], desk: &Desk, recording: &Recording) -> Advice {
     Advice { experiment, findings }
 }
 
-/// Every pair of so many rivals.
+/// All pairs of `count` rivals.
 fn all_pairs(count: usize) -> Vec<(usize, usize)> {
     (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect()
 }
 
-/// The first of so many with each of the others.
+/// The pairs of the first rival with each of the others.
 fn with_the_first(count: usize) -> Vec<(usize, usize)> {
     (1..count).map(|b| (0, b)).collect()
 }
 
-/// The experiment that separates most of the `pairs` of `rivals`, and of those the one that separates them best.
+/// The experiment that separates most of the `pairs` of `rivals`, and of those the one with the highest score.
 fn choose(rivals: &[Rival], pairs: &[(usize, usize)], desk: &Desk) -> Option<NextExperiment> {
     let mut flown: Vec<(Candidate, Records, (usize, f64))> = candidates(desk, rivals)
         .into_par_iter()
@@ -139,13 +140,13 @@ fn choose(rivals: &[Rival], pairs: &[(usize, usize)], desk: &Desk) -> Option<Nex
     })
 }
 
-/// The experiment as a file, with what it is for above it.
+/// The experiment as a file, with its purpose as a comment at the top.
 fn file(candidate: &Candidate) -> String {
     let toml = toml::to_string(&candidate.experiment).unwrap_or_default();
     format!("# {}\n{toml}", candidate.why)
 }
 
-/// How long an experiment lasts before it counts: take-off and settling, seconds.
+/// Take-off and settling before an experiment begins, seconds.
 fn settle_s(experiment: &Experiment) -> f64 {
     experiment.segments.first().map_or(0.0, |first| first.duration_s)
 }

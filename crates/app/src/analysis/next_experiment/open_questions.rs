@@ -1,16 +1,17 @@
-//! What a record leaves open for want of excitation, and the models that stand in for what may be missing.
+//! What a record leaves open for lack of excitation, and the models that represent possible missing effects.
 
 use super::Rival;
 use diagnose::{Diagnosis, Recording, Verdict, in_free_flight};
 use plant::{Effects, Entry, Model};
 
-/// A record shorter than this in free flight, seconds, or whose ball stays within this share of its way, is thin.
+/// A record has little information if its free flight is shorter than this, seconds, or the ball moves by less than
+/// this share of its travel.
 const SHORT_S: f64 = 30.0;
 const NARROW: f64 = 0.1;
-/// The name of the belief among its stand-ins.
+/// The name of the belief among the alternatives.
 pub(super) const AS_BELIEVED: &str = "the model as believed";
 
-/// What is open, in a sentence; `None` where another flight would not say more than this one.
+/// The open question, in a sentence; `None` where another flight would add no information.
 pub(super) fn question(found: &Diagnosis, recording: &Recording, belief: &Model) -> Option<String> {
     let open = matches!(found.verdict, Verdict::InsufficientData | Verdict::NoGap | Verdict::Unexplained);
     let counts = in_free_flight(belief, recording);
@@ -31,7 +32,7 @@ pub(super) fn question(found: &Diagnosis, recording: &Recording, belief: &Model)
     })
 }
 
-/// The belief, and the belief with one effect each that a flight should be able to show.
+/// The belief, and the belief with one more effect each, which a flight should be able to show.
 pub(super) fn stand_ins(belief: &Model) -> Vec<Rival> {
     let with = |entry: &&'static Entry| {
         let mut model = belief.clone();

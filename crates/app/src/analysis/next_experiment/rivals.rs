@@ -1,17 +1,18 @@
-//! Who the rivals are, which of them no flight can part, and which further signal would.
+//! The rivals, those that no flight can separate, and the further signal that would.
 //!
-//! A delay of the duty and a delay of the reading shift the same readings by the same time: exact twins on these two signals. In
-//! general a recorded fan speed cuts the path between the actuator and the rest, and a second position sensor cuts it before
-//! the sensor, so that two effects on different sides of a cut are told apart there.
+//! A delay of the duty and a delay of the reading shift the same readings by the same time: they are not identifiable
+//! from these two signals. In general a recorded fan speed divides the path between the actuator and the rest, and a
+//! second position sensor divides it before the sensor, so that two effects on different sides become distinguishable.
 
 use super::Rival;
 use diagnose::{Diagnosis, Recording};
 use plant::{Effects, Late, Stage};
 
-/// Rivals that are looked at, at most; every pair of them is flown against each other.
+/// Largest number of rivals; every pair of them is compared.
 const MOST: usize = 3;
 
-/// The models that explain the record alike, for the first effect that could not be told from others. Empty: there is none.
+/// The models that explain the record equally well, for the first effect that is not distinguishable from others.
+/// Empty: there is none.
 pub(super) fn of(found: &Diagnosis) -> Vec<Rival> {
     let Some(named) = found.effects.iter().find(|named| !named.rivals.is_empty()) else { return Vec::new() };
     let winner = (named.candidate.entry.name, found.mended.model.clone());
@@ -19,7 +20,7 @@ pub(super) fn of(found: &Diagnosis) -> Vec<Rival> {
     std::iter::once(winner).chain(others.take(MOST - 1)).collect()
 }
 
-/// Which effects the recorded speed of the fan has told from their like, a sentence each.
+/// In a sentence each: the effects that became distinguishable by the recorded speed of the fan.
 pub(super) fn what_was_settled(found: &Diagnosis, recording: &Recording) -> Vec<String> {
     let named = found.effects.iter().filter(|_| recording.has_fan_speed());
     let settled = named.filter_map(|named| {
@@ -33,22 +34,23 @@ pub(super) fn what_was_settled(found: &Diagnosis, recording: &Recording) -> Vec<
     settled.collect()
 }
 
-/// Effects that no flight tells from this one by duty and position: of two dead times, one shifts the same readings by the same time as
-/// the other.
+/// Effects that are not distinguishable from this one by duty and position in any flight: of two dead times, each
+/// shifts the same readings by the same time.
 fn exact_twins(name: &str) -> &'static [&'static str] {
     let entry = Effects::entry(name).filter(|entry| entry.acts.late == Some(Late::DeadTime));
     entry.map_or(&[], |entry| entry.twins)
 }
 
-/// Whether this rival is a twin of one that comes before it.
+/// Whether this rival is not distinguishable from one that comes before it.
 pub(super) fn is_second_twin((name, _): &Rival, rivals: &[Rival]) -> bool {
     let before = rivals.iter().take_while(|(other, _)| other != name);
     before.into_iter().any(|(other, _)| exact_twins(name).contains(other))
 }
 
-/// Which further signal tells apart what no flight does, in a sentence. `left`: the names that the next experiment leaves open.
+/// The further signal that separates what no flight does, in a sentence. `left`: the names that the next experiment
+/// leaves open.
 pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], recording: &Recording) -> Option<String> {
-    // A name is open as long as it has a rival that is not told from it; a twin is open with its twin.
+    // A name is open as long as one of its rivals is not separated from it; this includes its exact twins.
     let twin = |name: &&'static str| exact_twins(name).iter().any(|twin| left.contains(twin));
     let names: Vec<&'static str> =
         rivals.iter().map(|(name, _)| *name).filter(|name| left.contains(name) || twin(name)).collect();

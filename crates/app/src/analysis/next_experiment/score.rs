@@ -1,4 +1,5 @@
-//! How well an experiment separates rivals: flown on each, its record is weighed by all.
+//! How well an experiment separates rivals: it is flown on each, and the likelihood of each record is computed under
+//! all.
 
 use super::candidates::Candidate;
 use super::{Rival, SEPARATES, settle_s};
@@ -9,17 +10,17 @@ use plant::Model;
 
 /// The seed of every flight: experiments are compared on the same noise.
 const SEED: u64 = 1;
-/// A ball nearer to an end than this share of its way has reached it.
+/// A ball nearer to an end than this share of its travel has reached it.
 const AT_END: f64 = 0.02;
-/// Share of cycles whose duty may stand at a limit: single readings do that by noise.
+/// Share of cycles whose duty may be at a limit: noise causes single ones.
 const AT_LIMIT: f64 = 0.01;
-/// Scoring steps by which a rival's numbers are moved to suit another's record: most of the way where both are near.
+/// Scoring steps by which a rival's parameters are fitted to another's record: enough where both are near.
 const STEPS: usize = 2;
 
 /// A pair of names.
 pub(super) type Pair = (&'static str, &'static str);
 
-/// The records of an experiment, one a rival.
+/// The records of an experiment, one per rival.
 pub(super) struct Records(Vec<Recording>);
 
 /// Flies an experiment on every rival. `None`: it is not safe on one of them.
@@ -34,7 +35,7 @@ pub(super) fn fly_all(candidate: &Candidate, rivals: &[Rival], desk: &Desk) -> O
     rivals.iter().map(record).collect::<Option<_>>().map(Records)
 }
 
-/// Whether a flight kept, once it had taken off, the ball from the ends and the duty from its limits.
+/// Whether, after take-off, the ball kept off the ends and the duty off its limits.
 fn is_safe(flown: &Flown, model: &Model, desk: &Desk, settled_s: f64) -> bool {
     let (bottom, top) = model.ends_mm();
     let margin = AT_END * (top - bottom);
@@ -51,8 +52,8 @@ fn is_safe(flown: &Flown, model: &Model, desk: &Desk, settled_s: f64) -> bool {
 }
 
 impl Records {
-    /// Those of the `pairs` that the experiment separates, and by how many nats a minute the least separated of them (of all, where none
-    /// is separated). `moved`: after each rival's numbers have been moved to suit the record.
+    /// The `pairs` that the experiment separates, and the nats a minute of the least separated of them (of all, where
+    /// none is separated). `moved`: after each rival's parameters have been fitted to the record.
     pub(super) fn rank(&self, rivals: &[Rival], pairs: &[(usize, usize)], moved: bool) -> (Vec<Pair>, f64) {
         let score = |&(a, b): &(usize, usize)| {
             let there = nats_per_minute(&self.0[a], &rivals[a], &rivals[b], moved);
@@ -67,7 +68,7 @@ impl Records {
     }
 }
 
-/// How much better `truth` explains its own record than `other` does, nats per minute of free flight.
+/// Log-likelihood of `truth` minus that of `other` on the record of `truth`, nats per minute of free flight.
 fn nats_per_minute(record: &Recording, truth: &Rival, other: &Rival, moved: bool) -> f64 {
     let refit = moved.then_some(STEPS);
     let likelihood = |rival: &Rival| log_likelihood(&rival.1, record, &truth.1, refit);

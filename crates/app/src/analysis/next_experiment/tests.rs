@@ -1,4 +1,4 @@
-//! What the choice of the next experiment promises.
+//! Tests of the choice of the next experiment.
 
 use super::candidates::{Candidate, candidates};
 use super::score::fly_all;

@@ -1,7 +1,9 @@
-//! `airball design critical-gain`: the thesis' table of critical gains, and the third pole that closes its gap.
+//! `airball design critical-gain`: the thesis' table of critical gains, and the third pole that explains the
+//! difference.
 //!
-//! The two-pole models are stable for ever where the rig is not: its fan has a pole. Chosen so that a model's critical gain is the
-//! one measured on the rig, that pole predicts the critical integral time, which was measured as well and not used.
+//! The two-pole models are stable at every gain, and the rig is not: its fan has a pole. That pole is chosen so that
+//! the model's critical gain is the measured one. It then predicts the critical integral time, which was measured as
+//! well and not used.
 
 use super::gains::above_zero;
 use super::{NAME, write};
@@ -54,7 +56,7 @@ fn patch(args: &CriticalGainArgs) -> Result<String> {
     Ok(format!("{origin}[plant.effects.fan_lag]\ntime_constant_s = {lag_s}\n"))
 }
 
-/// How far each model of the thesis is from the rig, in words.
+/// The difference between each model of the thesis and the rig, in words.
 fn gap(table: &Table) -> Vec<String> {
     let rig = table.rows.iter().find(|row| row.model == RIG);
     let (Some(gain), Some(ti_s)) =

@@ -1,4 +1,4 @@
-//! The methods that end in gains.
+//! The methods whose result is gains.
 
 use super::{Ground, NAME};
 use crate::analysis::loop_margins::Closing;
@@ -102,7 +102,7 @@ fn regulator<const N: usize>(
 }
 
 impl Ground {
-    /// The feedback with `gain`, and what the config adds to it.
+    /// The feedback with `gain`, and the config's integral.
     fn feedback<const N: usize>(
         &self,
         a: &SMatrix<f64, N, N>,
@@ -120,7 +120,8 @@ impl Ground {
     }
 }
 
-/// A feedback of position and velocity is a PID whose derivative acts on the measurement; one of the fan's state needs an observer.
+/// A feedback of position and velocity is a PID whose derivative acts on the measurement; one of the fan's state needs
+/// an observer.
 fn conclude(ground: &Ground, args: &DesignArgs, feedback: Feedback) -> Result<()> {
     let closing = match feedback.gain[..] {
         [position_per_mm, velocity_s_per_mm, fan] => {
@@ -163,7 +164,8 @@ pub(super) fn relay(args: &RelayArgs) -> Result<()> {
     ground.conclude(&args.design, Closing::Pid(gains, weights), None)
 }
 
-/// The point that a recorded oscillation shows, its duty's fundamental in place of the relay's height.
+/// The point of the frequency response that a recorded oscillation shows, with the fundamental of its duty for the
+/// relay's amplitude.
 fn point_of(log: &Path, ground: &Ground) -> Result<Point> {
     let loaded = reader::read(log, ground.config.tables.import.as_ref())?;
     let found = oscillation(&loaded.recording).ok_or_else(|| {
@@ -179,7 +181,7 @@ fn point_of(log: &Path, ground: &Ground) -> Result<Point> {
 }
 
 fn point_of_figures(args: &RelayArgs) -> Result<Point> {
-    // clap asks for the three where there is no log; one that is absent is refused as no number.
+    // clap requires the three where there is no log; an absent one is refused as not a number.
     let relay = Relay {
         height: above_zero("--height-percent", args.height_percent.unwrap_or(f64::NAN))?,
         hysteresis_mm: not_below_zero("--hysteresis-mm", args.hysteresis_mm)?,

@@ -1,4 +1,4 @@
-//! `airball design`: gains for the model of a config, and what a loop bears.
+//! `airball design`: gains for the model of a config, and the margins of the loop.
 
 mod critical_gain;
 mod gains;
@@ -18,10 +18,10 @@ use control::design::Linear;
 use control::predistortion::Predistortion;
 use plant::Model;
 
-/// The command that configs and errors are told.
+/// The command's name for configs and errors.
 const NAME: &str = "design";
 
-/// Designs, and says it.
+/// Runs the design and prints it.
 ///
 /// # Errors
 /// A config that is not sound, a design that does not exist, a file that cannot be written.
@@ -37,7 +37,7 @@ pub fn design(command: &DesignCommand) -> Result<()> {
     }
 }
 
-/// What a design starts from.
+/// The inputs of a design.
 struct Ground {
     config: Config,
     model: Model,
@@ -60,12 +60,12 @@ impl Ground {
         Ok(Self { config, model, plant })
     }
 
-    /// Time between samples, seconds, where the config says it.
+    /// Time between samples, seconds, where the config has it.
     fn period_s(&self) -> Option<f64> {
         self.config.tables.r#loop.map(|table| table.period_s)
     }
 
-    /// Assesses the controller, writes what was asked for and says the result.
+    /// Assesses the controller, writes the requested files and prints the result.
     fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
         let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
         let document = Document::of(&of, feedback)?;

@@ -14,12 +14,13 @@ use control::design::riccati::{kalman, sampled_kalman};
 use control::observer::{Gain, Observer};
 use nalgebra::{RowSVector, SMatrix, SVector};
 
-/// Where a config has no observer yet: hover wanders by 0.03 % in a second, and readings beyond 5 sigma are outliers.
+/// Defaults where a config has no observer yet: hover drifts by 0.03 % in a second, and readings beyond 5 sigma are
+/// outliers.
 const DISTURBANCE_PSD_PER_S: f64 = 1e-3;
 const GATE_SIGMA: f64 = 5.0;
 
 impl Ground {
-    /// The observer of this ground's model. What the model does not know is as in the config's `[observer]`.
+    /// The observer of this model. Values that the model does not have are those of the config's `[observer]`.
     pub(super) fn observer(&self) -> Result<Observer> {
         let (plant, noise) = (self.plant, self.model.noise);
         let held = self.config.tables.observer;

@@ -12,7 +12,8 @@ use control::pid::{DerivativeOn, Pid};
 use control::state_feedback::StateFeedback;
 use toml::Value;
 
-/// The patch of a controller. What a design says nothing of, as limits of rates and integrals, stays as the config has it.
+/// The patch of a controller. Keys that a design does not set, such as limits of rates and integrals, keep the config's
+/// values.
 ///
 /// # Errors
 /// Numbers that TOML cannot hold.
@@ -51,7 +52,7 @@ fn pid(gains: &Gains, weights: &Weights) -> Result<String> {
     let law = Pid::new(kp_per_mm, ti_s, td_s, derivative_n, on);
     let tables = controllers(Controllers { active: Some(Kind::Pid), ..Controllers::only_pid(law) });
     let mut patch = toml::Table::try_from(&tables)?;
-    // A weight of 1 is left out of a config; here it must stand against another one.
+    // A weight of 1 is left out of a config; here it must override another one.
     let table = patch.get_mut("controller").and_then(|table| table.get_mut("pid")).and_then(Value::as_table_mut);
     let table = table.ok_or_else(|| anyhow!("the patch has no table of the PID; please report it"))?;
     table.insert("setpoint_weight".into(), Value::Float(weights.setpoint));

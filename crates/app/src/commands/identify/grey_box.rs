@@ -41,7 +41,7 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
     }
     let findings = said(&asked, &findings);
     if let Some(path) = &args.identify.html {
-        // A detrended record has a frame of its own, in which nothing was believed.
+        // A detrended record has its own origin, for which there is no belief.
         let believed = open.is_none().then(|| HeldOut::gap_of(&asked.belief, used));
         page::write(
             path,

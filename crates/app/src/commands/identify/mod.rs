@@ -1,4 +1,4 @@
-//! `airball identify`: a plant from what a rig did.
+//! `airball identify`: a plant model from recorded flights.
 
 mod grey_box;
 mod third_pole;
@@ -14,13 +14,13 @@ use plant::{Effect, Effects, Entry, Model};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// The command that configs and errors are told.
+/// The command's name for configs and errors.
 const NAME: &str = "identify";
 
-/// Identifies, and says it.
+/// Identifies and prints the result.
 ///
 /// # Errors
-/// A config that is not sound, a log that cannot be read or says too little, a file that cannot be written.
+/// A config that is not sound, a log that cannot be read or has too little information, a file that cannot be written.
 pub fn identify(command: &IdentifyCommand) -> Result<()> {
     match command {
         IdentifyCommand::GreyBox(args) => grey_box::grey_box(args),
@@ -29,7 +29,7 @@ pub fn identify(command: &IdentifyCommand) -> Result<()> {
     }
 }
 
-/// Reads logs and the model to begin with.
+/// Reads the logs and the initial model.
 fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
     may_write(args.plot.as_deref(), args.html.as_deref())?;
     let asked = Asked::read(NAME, logs, &args.config.config, &args.config.patch)?;
@@ -42,7 +42,7 @@ fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
     Ok(asked)
 }
 
-/// A patch can add a table and change it, and not take one away.
+/// A patch can add or change a table, and cannot remove one.
 fn has_one_lag(model: &Model) -> Result<()> {
     let excluded = |entry: &Entry| Effects::exclude_each_other(entry.name, FanLag::ENTRY.name);
     match model.effects.present().iter().find(|entry| excluded(entry)) {
@@ -54,22 +54,22 @@ fn has_one_lag(model: &Model) -> Result<()> {
     }
 }
 
-/// What the check of the logs found, each with the log that it is of.
+/// The findings of the check of the logs, each with its log.
 fn said(asked: &Asked, findings: &[FlightFinding]) -> Vec<String> {
     findings.iter().map(|noted| format!("{}: {}", asked.names[noted.flight], noted.finding)).collect()
 }
 
-/// Writes the patch that was asked for.
+/// Writes the requested patch.
 fn write_patch(args: &IdentifyArgs, patch: &str) -> Result<()> {
     args.patch_out.as_ref().map_or(Ok(()), |path| write("patch", path, patch))
 }
 
-/// The config that was begun with, by its name.
+/// The name of the initial config.
 fn config(args: &IdentifyArgs) -> String {
     args.config.config.display().to_string()
 }
 
-/// Says the document where JSON is asked for, and else the words.
+/// Prints the document where JSON is requested, and otherwise the words.
 fn conclude(args: &IdentifyArgs, document: &impl Serialize, words: Vec<String>) -> Result<()> {
     if args.json {
         return say(serde_json::to_string(document)?);

@@ -1,4 +1,4 @@
-//! `airball identify third-pole`: the fan's lag by the critical gain of the rig.
+//! `airball identify third-pole`: the fan's lag from the critical gain of the rig.
 
 use super::{NAME, conclude, config, has_one_lag, may_write, write_patch};
 use crate::analysis::loop_margins::{Closing, Loop};

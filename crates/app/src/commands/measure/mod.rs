@@ -1,4 +1,5 @@
-//! `airball measure`: an experiment flown, its log analysed, what was found said, drawn and written as a patch.
+//! `airball measure`: an experiment is flown, its log is analysed, and the result is printed, drawn and written as a
+//! patch.
 
 mod patch;
 
@@ -19,13 +20,14 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::path::{Path, PathBuf};
 
-/// The command that configs and errors are told.
+/// The command's name for configs and errors.
 const NAME: &str = "measure";
 
-/// Measures, and says it.
+/// Measures and prints the result.
 ///
 /// # Errors
-/// A config that is not sound, a flight that a fault ended, a log that does not say enough, a file that cannot be written.
+/// A config that is not sound, a flight that a fault ended, a log with too little information, a file that cannot be
+/// written.
 pub fn measure(args: &MeasureArgs) -> Result<()> {
     check(args)?;
     may_write(args.flight.plot.as_deref(), args.html.as_deref())?;
@@ -68,7 +70,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     }
 }
 
-/// Refuses flags that say nothing to what is measured.
+/// Refuses flags that have no meaning for the measurement.
 fn check(args: &MeasureArgs) -> Result<(), Usage> {
     if args.patch_out.is_some() && matches!(args.what, Measurement::Steps | Measurement::Square) {
         let why = "step metrics are no numbers of a config, so that there is no patch; leave --patch-out out";
@@ -114,7 +116,7 @@ fn page(
 /// Flies the experiment, with the fan off at its end, and returns the config and the log.
 fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
     let mut plan: Plan = plan(NAME, &args.flight, Some(own(args.what)))?;
-    // What is analysed as one log is written as one.
+    // The log that is analysed must be one file.
     if let Some(log) = &mut plan.config.tables.log {
         log.part_s = None;
     }

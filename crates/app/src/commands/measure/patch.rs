@@ -12,7 +12,7 @@ use plant::Effect;
 use plant::effects::{DeadZone as PlantDeadZone, FanLag};
 use toml::{Table, Value};
 
-/// The slope of a curve about hover is taken over so much to either side, percent.
+/// The slope of a curve about hover is computed over this much to either side, percent.
 const ABOUT_HOVER_PERCENT: f64 = 0.5;
 /// Lags that a fan may have, seconds.
 const LAGS_S: std::ops::Range<f64> = 0.002..1.0;
@@ -36,7 +36,7 @@ pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
         Found::NoiseFloor(floor) => {
             let sensor_mm = floor.sensor_mm.value;
             if let Some(plant) = &tables.plant {
-                // What an effect of the plant adds is measured as well, and stays where it is.
+                // The part of an effect of the plant is measured as well, and is kept.
                 let added_mm = plant.effects.reading_sigma_mm(0.0);
                 set(&["plant", "noise", "sensor_mm"], (sensor_mm.powi(2) - added_mm.powi(2)).max(0.0).sqrt().into());
             }
@@ -68,8 +68,8 @@ fn put(table: &mut Table, path: &[&str], value: Value) {
     }
 }
 
-/// Hover in the middle of the zone, the zone's edges about it: corrected in `[compensation]`, believed in `[plant]`. A zone whose width may be
-/// none is none.
+/// Hover in the middle of the zone, the zone's edges about it: corrected in `[compensation]`, believed in `[plant]`. A
+/// zone whose width is not significantly above 0 counts as none.
 fn of_dead_zone(zone: &DeadZone, tables: &Tables, set: &mut Set<'_>) {
     let (lower, upper) = (zone.lower_duty_percent, zone.upper_duty_percent);
     let hover = (lower.value + upper.value) / 2.0;
@@ -90,8 +90,8 @@ fn of_dead_zone(zone: &DeadZone, tables: &Tables, set: &mut Set<'_>) {
     }
 }
 
-/// The measured curve as predistortion. The control value becomes mm/s², so that all gains of the config are turned into that unit; the
-/// curve holds the dead zone, which is no longer corrected beside it.
+/// The measured curve as predistortion. The control value becomes mm/s², so that all gains of the config are converted
+/// to that unit. The curve includes the dead zone, which is no longer corrected separately.
 fn of_force_curve(zone: &DeadZone, jumps: &Jumps, tables: &Tables, set: &mut Set<'_>) -> Result<()> {
     let mut points: Vec<[f64; 2]> = jumps.jumps.iter().map(|jump| [jump.duty_percent, jump.mm_per_s2.value]).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -138,7 +138,7 @@ fn scale_gains(tables: &Tables, factor: f64, set: &mut Set<'_>) {
         let setpoint = state.and_then(|law| law.setpoint_per_mm);
         times(&["controller", "state_feedback", "setpoint_per_mm"], setpoint, factor);
         times(&["controller", "state_feedback", "velocity_s_per_mm"], state.map(|law| law.velocity_s_per_mm), factor);
-        // The gain on the fan's state is of control value on control value.
+        // The gain on the fan's state has no unit: control value per control value.
         let lqg = all.lqg.as_ref();
         times(&["controller", "lqg", "position_per_mm"], lqg.map(|law| law.position_per_mm), factor);
         times(&["controller", "lqg", "velocity_s_per_mm"], lqg.map(|law| law.velocity_s_per_mm), factor);
@@ -152,8 +152,8 @@ fn scale_gains(tables: &Tables, factor: f64, set: &mut Set<'_>) {
     }
 }
 
-/// The lag of the fan that gives the config's model the measured critical gain, sampled as the loop does it: what the thesis' conclusion
-/// proposes. `None`: no lag does, or there is no model.
+/// The lag of the fan that gives the config's model the measured critical gain, sampled as the loop does it; proposed
+/// in the thesis' conclusion. `None`: no lag does, or there is no model.
 fn lag_of(found: &Critical, tables: &Tables) -> Option<f64> {
     let (model, period_s) = (tables.plant.as_ref()?, tables.r#loop?.period_s);
     let lag_s = fan_lag_s(&model.linear(), found.ti_s, found.kp_per_mm.value, Some(period_s)).ok();

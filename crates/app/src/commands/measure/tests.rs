@@ -1,5 +1,5 @@
-//! The measurements on the simulated rig, chips and all, in virtual time: what the config says lies where the intervals say. How often it
-//! does is counted in `diagnose`, without chips and so in a fraction of the time.
+//! The measurements on the simulated rig with chips, in virtual time: the intervals must contain the config's values.
+//! Their coverage is counted in `diagnose`, without chips and so in a fraction of the time.
 
 use super::own;
 use super::patch::patch;
@@ -106,7 +106,7 @@ fn a_ball_in_the_blind_zone_calibrates_no_scale() {
 
 #[test]
 fn the_critical_gain_is_that_of_the_sampled_loop_of_the_config() {
-    // Without chips the readings have no age, so that the closed form holds.
+    // Without chips the readings have no age, so that the closed form is exact.
     let tables = Tables { rig: None, ..tables() };
     let plant = tables.plant.as_ref().unwrap().linear().sampled(0.02).unwrap();
     let exact = critical_gain(&Gains::pi(1.0, 15.0), &plant).value().unwrap();

@@ -1,4 +1,4 @@
-//! What `load.rs` promises.
+//! Tests of `load.rs`.
 
 use super::{Config, ConfigError};
 use std::path::PathBuf;

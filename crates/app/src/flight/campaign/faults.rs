@@ -1,4 +1,4 @@
-//! The faults of the campaign: what is spoilt, how, at which registers and for how long.
+//! The faults of the campaign: what fails, how, at which registers and for how long.
 
 use crate::config::{Safety, Tables};
 use crate::flight::FAN_FAILURES;
@@ -6,22 +6,23 @@ use hal::emulator::{EmulatedBus, Fault, World};
 
 /// The period of a cycle and of the readings, seconds.
 pub(super) const PERIOD_S: f64 = 0.02;
-/// How late each cycle of a slow processor begins, seconds.
+/// Lateness of each cycle on a slow processor, seconds.
 pub(super) const SLOW_BY_S: f64 = 0.03;
-/// Two cycles of docs/rig.md, and one for the moment in a cycle.
+/// Two cycles of docs/rig.md, and one for the time of the fault within a cycle.
 const CYCLES: f64 = 3.0;
-/// Without an edge for so long the tachometer's speed is 0, seconds.
+/// The tachometer's speed is 0 after this time without an edge, seconds.
 const STANDS_AFTER_S: f64 = 0.25;
 
 pub(super) const SENSOR: u8 = 0x29;
 pub(super) const FAN: u8 = 0x40;
-/// Of the rig that has one.
+/// Address of the second sensor on a rig that has one.
 pub(super) const SECOND: u8 = 0x30;
 
-/// Registers of which a cycle makes use: ready, range status with distance, and interrupt of the sensor; the fan's channel and its off-bit.
+/// Registers that a cycle uses: ready, range status with distance, and interrupt of the sensor; the fan's channel and
+/// its off-bit.
 const REGISTERS: [(u8, u8); 5] = [(SENSOR, 0x13), (SENSOR, 0x14), (SENSOR, 0x0B), (FAN, 0x06), (FAN, 0x09)];
 
-/// What happens to the rig.
+/// A failure of the rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mishap {
     /// The wires of these chips, at this register if there is one.
@@ -30,31 +31,31 @@ pub(super) enum Mishap {
     Power,
     /// The ball leaves the pipe.
     BallLost,
-    /// These sensors see the ball and do not vouch for it: too little light.
+    /// These sensors see the ball and mark their readings as not valid: too little light.
     Doubtful { sensors: &'static [u8] },
     /// The ball jams where it is.
     BallStuck,
-    /// The sensor gives its last reading for ever, as if it were new.
+    /// The sensor repeats its last reading for ever, as if it were new.
     SensorFrozen,
-    /// The fan stops, for want of a supply or because something blocks it.
+    /// The fan stops, for lack of supply or because it is blocked.
     FanStalled,
     /// The tachometer's wire breaks.
     TachometerCut,
-    /// The second sensor reads so much too far.
+    /// The second sensor reads too far by this distance.
     SecondOff { mm: f64 },
-    /// The processor is taken away for so long, once.
+    /// The processor is not available for this time, once.
     Pause { seconds: f64 },
-    /// The processor is taken away in every cycle, for longer than the cycle lasts.
+    /// In every cycle the processor is not available for longer than the period.
     Slow,
 }
 
-/// Of each sensor that there is.
+/// Readings that each sensor marks as not valid.
 pub(super) const DOUBTFUL: Mishap = Mishap::Doubtful { sensors: &[SENSOR, SECOND] };
 
-/// For how long.
+/// Duration of the fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Lasting {
-    /// So many transactions, or cycles where it is no fault of wires.
+    /// This number of transactions, or of cycles where it is not a fault of wires.
     Times(u64),
     /// Until it is repaired after the flight.
     ForEver,
@@ -84,9 +85,9 @@ impl Case {
         }
     }
 
-    /// Seconds from the fault to the end of the flight, where the loop loses its sight or its hands for good: what docs/rig.md
-    /// states, from the config, and a cycle more, because the cycle that it happens in may be past what it spoils. `None`: the
-    /// flight may go on.
+    /// Seconds from the fault to the end of the flight, where sensor or fan is lost for good: the bound of docs/rig.md,
+    /// from the config, and one cycle more, because the cycle of the fault may already be past the affected
+    /// transaction. `None`: the flight may go on.
     pub(super) fn bound_s(&self, tables: &Tables) -> Option<f64> {
         let (safety, rig) = (tables.safety?, tables.rig.as_ref()?);
         let within = |watched_s: f64| Some(watched_s + CYCLES * PERIOD_S);
@@ -95,10 +96,10 @@ impl Case {
                 wires_bound_s(chips, register, fault, &safety)
             }
             Mishap::Wires { .. } => None,
-            // The fan's chip lost its power too, and that shows first.
+            // The fan's chip lost its power too, which is detected first.
             Mishap::Power => Some(f64::from(FAN_FAILURES + 1) * PERIOD_S),
             Mishap::BallLost | Mishap::Doubtful { .. } => within(safety.coast_s),
-            // Of each cycle so much is late, and the next deadline is missed.
+            // Each cycle is late by this much, and the next deadline is missed.
             Mishap::Slow => {
                 let cycle_s = (SLOW_BY_S / PERIOD_S).ceil() * PERIOD_S;
                 Some((safety.stall_s / SLOW_BY_S + CYCLES) * cycle_s)
@@ -106,28 +107,28 @@ impl Case {
             Mishap::Pause { seconds } => within((seconds >= safety.stall_s).then_some(seconds)?),
             Mishap::FanStalled | Mishap::TachometerCut => within(STANDS_AFTER_S + rig.tachometer?.stalled_after_s),
             Mishap::SecondOff { .. } => within(rig.second_sensor?.disagree_s),
-            // As long as the controller is content with what it sees; see `push_bound_s`.
+            // No bound as long as the controller has no error; see `push_bound_s`.
             Mishap::BallStuck | Mishap::SensorFrozen => None,
         }
     }
 
-    /// Seconds for which the controller may push a ball that does not move, or does not seem to.
+    /// Seconds for which the controller may push a ball that does not move, or seems not to.
     pub(super) fn push_bound_s(&self, tables: &Tables) -> Option<f64> {
         let stuck = tables.safety?.stuck?;
         matches!(self.mishap, Mishap::BallStuck | Mishap::SensorFrozen).then_some(stuck.after_s + CYCLES * PERIOD_S)
     }
 }
 
-/// The same of wires that stay broken: whichever shows first of no sight for `coast_s`, writes that fail, and a cycle that hangs
+/// The same for wires that remain broken: the first of no reading for `coast_s`, failed writes, and a cycle that hangs
 /// for `stall_s`.
 fn wires_bound_s(chips: &[u8], register: Option<u8>, fault: Fault, safety: &Safety) -> Option<f64> {
-    // The driver returns the first error it meets, so that a cycle hangs once for each chip.
+    // The driver returns the first error, so that a cycle hangs once for each chip.
     let hangs_s = if let Fault::Timeout { seconds } = fault { seconds * chips.len() as f64 } else { 0.0 };
     let cycle_s = PERIOD_S + hangs_s;
     let says_nothing = matches!(fault, Fault::StuckHigh | Fault::StuckLow);
     let unseen = match (register, fault) {
         (_, Fault::Noise { .. } | Fault::Flips { .. }) => true,
-        // "Ready" that is always set, and an interrupt that is never cleared, show old readings as new.
+        // If "ready" is always set, or the interrupt is never cleared, old readings appear as new.
         (Some(0x13), Fault::StuckHigh) => true,
         (Some(0x0B), _) => says_nothing,
         // The off-bit is not in use.
@@ -154,7 +155,7 @@ fn kinds(seed: u64) -> [Fault; 8] {
     ]
 }
 
-/// The list. `seed` is that of the random bytes.
+/// The list. `seed` is the seed of the random bytes.
 pub(super) fn cases(seed: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     for fault in kinds(seed) {

@@ -1,6 +1,6 @@
-//! The fault campaign: every fault of a list, from a random moment of a flight on, thousands of times. Whatever happens,
-//! the fan never gets more than the safe duty; what takes sight or hands away for good turns it off within the bound
-//! that docs/rig.md states; a fan that is still on is known to be; and the log can be read.
+//! The fault campaign: every fault of a list, from a random moment of a flight on, thousands of times. In every case
+//! the fan never gets more than the safe duty; a permanent loss of sensor or fan control turns the fan off within the
+//! bound of docs/rig.md; a fan that is still on is reported; and the log can be read.
 
 mod faults;
 mod scene;
@@ -70,7 +70,7 @@ struct Flown {
     outcome: Outcome,
     bus: Bus,
     struck_s: f64,
-    /// When the last cycle looked.
+    /// Time of the last cycle's reading.
     ended_s: f64,
     log: Vec<u8>,
 }
@@ -93,7 +93,7 @@ fn fly(tables: &Tables, case: Case, seed: u64) -> Flown {
     let outcome = flight.fly(FLIGHT_S, &AtomicBool::new(false));
     recorder.finish().unwrap();
     let (struck_s, ended_s) = (struck.struck_s.get().unwrap(), struck.looked_s.get());
-    // The rig is not dropped: that would turn the fan off once more, and hide what the flight left.
+    // The rig is not dropped: that would turn the fan off once more, and hide the state that the flight left.
     std::mem::forget(struck);
     Flown { outcome, bus, struck_s, ended_s, log }
 }
@@ -114,7 +114,7 @@ fn check(tables: &Tables, case: Case, seed: u64) {
         let off_s = fan.last().map_or(0.0, |(at_s, _)| at_s - struck_s);
         assert!(still_on || off_s <= bound_s, "{what}: off {off_s} s after the fault, {bound_s} s are allowed");
     }
-    // What a guard does when the bus works again.
+    // The action of a guard when the bus works again.
     bus.repair();
     stop_fan(bus.handle()).unwrap();
     assert_eq!(bus.with_world(|scene| scene.fan_now()), 0.0, "{what}");
@@ -128,7 +128,8 @@ fn check(tables: &Tables, case: Case, seed: u64) {
     assert!(outcome.fault.is_none() || flight.events.iter().any(|event| event.kind == "fault"), "{what}");
 }
 
-/// For how long the controller asked for `percent` or more, with one sign, of a ball that was seen at exactly one place, seconds.
+/// The longest time for which the controller commanded `percent` or more, with one sign, while the position was exactly
+/// constant, seconds.
 fn longest_push_s(cycles: &[Cycle], percent: f64) -> f64 {
     let push = |cycle: &Cycle| {
         let control = cycle.control_percent.filter(|control| control.abs() >= percent)?;
@@ -181,7 +182,7 @@ fn in_thousands_of_flights_no_fault_leaves_the_fan_above_the_safe_duty_or_unknow
 #[test]
 fn a_stuck_ball_and_a_frozen_sensor_that_the_controller_pushes_end_the_flight() {
     let mut tables = tables();
-    // Frozen on its way up, far below the setpoint: the push lasts.
+    // Frozen during the ascent, far below the setpoint: the push lasts.
     let stuck = crate::config::Stuck { control_percent: 1.0, after_s: 1.0 };
     tables.safety = tables.safety.map(|safety| crate::config::Safety { stuck: Some(stuck), ..safety });
     for mishap in [Mishap::BallStuck, Mishap::SensorFrozen] {

@@ -1,4 +1,4 @@
-//! The world of the campaign: the plant behind emulated chips, a ball that can be lost or jam, and a memory of the fan.
+//! The world of the campaign: the plant behind emulated chips, a ball that can be lost or jam, and a record of the fan.
 
 use super::faults::{Case, Mishap, SLOW_BY_S};
 use crate::rig::{Chips, PlantWorld, Rig, Sighting, WorldClock};
@@ -7,12 +7,12 @@ use embedded_hal::i2c::ErrorKind;
 use hal::emulator::{EmulatedBus, EmulatedI2c, World};
 use std::cell::Cell;
 
-/// The plant, as long as nothing happens to it.
+/// The plant before the fault.
 pub(super) struct Scene {
     pub(super) plant: PlantWorld,
     pub(super) mishap: Option<Mishap>,
     last_mm: Option<f64>,
-    /// When the fan changed, and to which fraction.
+    /// Times of the fan's changes, with the new fraction.
     pub(super) fan: Vec<(f64, f64)>,
 }
 
@@ -21,7 +21,7 @@ impl Scene {
         Self { plant, mishap: None, last_mm: None, fan: Vec::new() }
     }
 
-    /// What the fan gets now, 0 to 1.
+    /// The fraction that the fan gets now, 0 to 1.
     pub(super) fn fan_now(&self) -> f64 {
         self.fan.last().map_or(0.0, |(_, fraction)| *fraction)
     }
@@ -70,17 +70,17 @@ impl World for Scene {
 pub(super) type Bus = EmulatedBus<Scene>;
 type Wired = Chips<EmulatedI2c<Scene>, EmulatedI2c<Scene>, WorldClock<Scene>>;
 
-/// The rig, to which the mishap happens at its time.
+/// The rig, with the fault at its time.
 pub(super) struct Struck {
     pub(super) rig: Wired,
     pub(super) bus: Bus,
     pub(super) case: Case,
     pub(super) at_s: f64,
-    /// Transactions from there to the first that is spoilt, so that it may be any of a cycle.
+    /// Transactions from there to the first affected one, so that it may be any of a cycle.
     pub(super) skip: u64,
-    /// When it happened.
+    /// Time of the fault.
     pub(super) struck_s: Cell<Option<f64>>,
-    /// When the latest cycle looked.
+    /// Time of the latest cycle's reading.
     pub(super) looked_s: Cell<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! The campaign of the optional signals: what a tachometer and a second sensor see that a rig without them does not, and what
-//! a flight survives with them.
+//! The campaign of the optional signals: faults that only a rig with tachometer and second sensor detects, and faults
+//! that it survives.
 
 use super::faults::{Case, DOUBTFUL, FAN, Lasting, Mishap, SECOND, SENSOR};
 use super::{check, fly, logged};
@@ -9,7 +9,7 @@ use crate::report::flight::signals::Signals;
 use hal::emulator::Fault;
 use std::path::Path;
 
-/// The project's rig with all that its config shows as comments.
+/// The project's rig with all tables that its config has as comments.
 pub(crate) fn rich() -> Tables {
     let text = include_str!("../../../../../config.toml");
     let shown = text.find("# [rig.tachometer]").unwrap()..text.find("[bus]").unwrap();
@@ -40,7 +40,7 @@ fn a_fan_that_stalls_sensors_that_disagree_and_the_faults_of_any_rig_end_the_fli
     let cases = [
         lasting(Mishap::FanStalled),
         lasting(Mishap::TachometerCut),
-        // The other way a ball near the bottom would be beyond the pipe, which is no ball.
+        // With the other sign a ball near the bottom would be beyond the pipe, which is refused as no ball.
         lasting(Mishap::SecondOff { mm: -60.0 }),
         lasting(Mishap::BallLost),
         lasting(DOUBTFUL),
@@ -88,7 +88,7 @@ fn a_flight_goes_on_by_the_other_sensor_when_one_is_silent_and_says_so_once() {
     }
 }
 
-/// Positions that were flown by after the fault, where a sensor does not vouch for its readings.
+/// Positions that the controller used after the fault, where a sensor marks its readings as not valid.
 fn doubted(case: Case) -> (super::Flown, Vec<Cycle>) {
     let flown = fly(&rich(), case, 3);
     let cycles = logged::parse(Path::new("f.mcap"), &flown.log).unwrap().cycles;
@@ -143,7 +143,7 @@ fn the_log_holds_the_speed_that_belongs_to_the_duty_and_the_position_as_the_seco
     let (rpm, duty) = (mean(|cycle| cycle.fan_rpm.unwrap()), mean(|cycle| cycle.duty_percent));
     assert!((rpm / (2000.0 * duty / 21.4) - 1.0).abs() < 0.01, "{rpm} rpm at {duty} %");
 
-    // Two independent noises of 2.5 mm, and two roundings of a millimetre.
+    // Two independent noises of 2.5 mm, and two roundings to a millimetre.
     let apart = Signals::of(late).second_sensor.unwrap();
     let sigma_mm = (2.0 * 2.5_f64.powi(2) + 2.0 / 12.0).sqrt();
     assert!((apart.sigma_mm / sigma_mm - 1.0).abs() < 0.2, "{apart:?}, expected {sigma_mm} mm");

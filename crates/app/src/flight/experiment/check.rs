@@ -1,4 +1,4 @@
-//! What an experiment may hold: waveforms within the limits of the rig, and no contradictions.
+//! Checks of an experiment: waveforms within the limits of the rig, and no contradictions.
 
 use super::{Experiment, Segment};
 use crate::config::Safety;
@@ -8,10 +8,10 @@ use control::pid::{DerivativeOn, Pid};
 
 /// The largest excitation that may be added to the control value, percent of duty.
 const MAX_EXCITATION_PERCENT: f64 = 20.0;
-/// No pipe is longer, mm.
+/// Longest pipe, mm.
 const LONGEST_PIPE_MM: f64 = 2000.0;
 
-/// What is wrong with a segment.
+/// An error of a segment.
 pub(super) enum Problem {
     /// A number is outside its bounds.
     Range(OutOfRange),
@@ -20,7 +20,7 @@ pub(super) enum Problem {
 }
 
 impl Experiment {
-    /// Checks every number, and that each segment says one thing.
+    /// Checks every number, and that each segment has exactly one kind of command.
     pub(super) fn check(&self, safety: &Safety) -> Result<(), (String, Problem)> {
         if self.segments.is_empty() {
             return Err(("segment".into(), Problem::Message("no [[segment]]: say what the flight shall do")));
@@ -52,7 +52,7 @@ impl Segment {
                 duty.check(0.0, safety.duty_max_percent).map_err(at(".duty_percent"))?;
             }
             (None, None, Some(duty)) => {
-                // Where hover is, the config says; the pilot keeps the sum within the safe duties.
+                // Hover is defined by the config; the pilot keeps the sum within the safe duties.
                 let reach = safety.duty_max_percent;
                 duty.check(-reach, reach).map_err(at(".duty_about_hover_percent"))?;
             }
@@ -77,7 +77,7 @@ impl Segment {
         }
     }
 
-    /// Checks what ends the segment early, and its gains.
+    /// Checks the conditions that end the segment early, and its gains.
     fn check_ends(&self) -> Result<(), OutOfRange> {
         let limit = |key, value: Option<f64>, min| value.map_or(Ok(()), |mm| within(key, mm, min, LONGEST_PIPE_MM));
         limit("until_below_mm", self.until_below_mm, -LONGEST_PIPE_MM)?;

@@ -1,4 +1,4 @@
-//! Experiments: what a flight does over time, as a file that `run` and `simulate` both fly.
+//! Experiments: the programme of a flight over time, as a file that `run` and `simulate` both fly.
 //!
 //! ```toml
 //! title = "Square wave with an excitation"
@@ -12,13 +12,13 @@
 //! setpoint_mm.square = { low = 200.0, high = 400.0, period_s = 20.0 }
 //! excitation_percent.prbs = { low = -0.3, high = 0.3, bit_s = 0.2, order = 7 }
 //!
-//! [[segment]]                                # other gains of the PID; a ball that swings out goes on to the last segment
+//! [[segment]]                                # other gains of the PID; beyond back_off_beyond_mm: the last segment
 //! duration_s = 9.0
 //! setpoint_mm.constant = { value = 340.0 }
 //! gains = { kp_per_mm = 0.03, td_s = 0.0 }
 //! back_off_beyond_mm = 150.0
 //!
-//! [[segment]]                                # open loop: the fan follows the duty, here about hover, until the ball is up
+//! [[segment]]                                # open loop: the fan follows the duty, here about hover
 //! duration_s = 5.0
 //! duty_about_hover_percent.constant = { value = 0.8 }
 //! until_above_mm = 400.0
@@ -36,24 +36,24 @@ use control::waveform::Waveform;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A time that rounding cannot hide, seconds: what is left out ends behind a boundary, not at it.
+/// A time larger than rounding errors, seconds: a skip ends after a boundary, not at it.
 const HAIR_S: f64 = 1e-9;
 
-/// What a flight does over time.
+/// The programme of a flight over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
-    /// What it is for, in a line.
+    /// Its purpose, in a line.
     pub title: String,
-    /// Where the ball may be.
+    /// Limits of the position.
     #[serde(default)]
     pub limits: Limits,
-    /// What happens, one after another.
+    /// The segments, one after another.
     #[serde(rename = "segment")]
     pub segments: Vec<Segment>,
 }
 
-/// The band that the ball must not leave once it has been inside.
+/// The band that the ball must not leave after it has been inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
@@ -63,11 +63,11 @@ pub struct Limits {
     pub position_max_mm: Option<f64>,
 }
 
-/// One stretch of an experiment: a setpoint, or a duty without control.
+/// One part of an experiment: a setpoint, or a duty without control.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
-    /// How long it lasts, seconds. Only the reference of a config lasts for ever (`inf`).
+    /// Its duration, seconds. Only the reference of a config lasts for ever (`inf`).
     pub duration_s: f64,
     /// Setpoint over the segment's own time, mm.
     #[serde(default)]
@@ -81,21 +81,21 @@ pub struct Segment {
     /// Duty without control, percent about the hover of `[compensation]`.
     #[serde(default)]
     pub duty_about_hover_percent: Option<Waveform>,
-    /// The segment is over when the ball is below this, mm.
+    /// The segment ends when the ball is below this, mm.
     #[serde(default)]
     pub until_below_mm: Option<f64>,
-    /// The segment is over when the ball is above this, mm.
+    /// The segment ends when the ball is above this, mm.
     #[serde(default)]
     pub until_above_mm: Option<f64>,
-    /// A ball further from the setpoint than this sends the flight to its last segment, mm.
+    /// If the ball is further from the setpoint than this, the flight continues with its last segment, mm.
     #[serde(default)]
     pub back_off_beyond_mm: Option<f64>,
-    /// Gains of the PID during the segment; what is absent is as in the config.
+    /// Gains of the PID during the segment; absent ones are those of the config.
     #[serde(default)]
     pub gains: Option<GainChange>,
 }
 
-/// What is demanded at one moment.
+/// The command at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Demand {
     /// Hold a position.
@@ -126,7 +126,7 @@ impl Experiment {
         Self::of_file(path, safety, "--experiment FILE")
     }
 
-    /// The same of a file that `flag` names.
+    /// The same for a file that `flag` names.
     fn of_file(path: &Path, safety: &Safety, flag: &'static str) -> Result<Self, ConfigError> {
         let (experiment, place) = parse_file::<Self>(path, flag)?;
         experiment.checked(safety, place)
@@ -159,13 +159,13 @@ impl Experiment {
         Self { title: "reference of the config".into(), limits: Limits::default(), segments: vec![segment] }
     }
 
-    /// How long it lasts, seconds.
+    /// Its duration, seconds.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.segments.iter().map(|segment| segment.duration_s).sum()
     }
 
-    /// What is demanded `t_s` seconds after the start. `None` when it is over.
+    /// The command `t_s` seconds after the start. `None` after its end.
     #[must_use]
     pub fn demand(&self, t_s: f64) -> Option<Demand> {
         self.at(t_s).map(|(segment, start_s)| segment.demand(t_s - start_s))
@@ -183,7 +183,7 @@ impl Experiment {
         self.segments.iter().any(|segment| segment.gains.is_some())
     }
 
-    /// How much of the programme a ball at `position_mm` leaves out, `t_s` seconds after the start, seconds.
+    /// The time of the programme that is skipped for a ball at `position_mm`, `t_s` seconds after the start, seconds.
     #[must_use]
     pub fn left_out_s(&self, t_s: f64, position_mm: f64) -> f64 {
         let Some((segment, start_s)) = self.at(t_s) else { return 0.0 };
@@ -197,7 +197,7 @@ impl Experiment {
         }
     }
 
-    /// The segment that holds at `t_s`, and when it began.
+    /// The segment at `t_s`, and its start.
     fn at(&self, t_s: f64) -> Option<(&Segment, f64)> {
         let mut start_s = 0.0;
         for segment in &self.segments {
@@ -209,7 +209,7 @@ impl Experiment {
         None
     }
 
-    /// The band's end that `position_mm` is beyond, as lower and upper end.
+    /// The limit that `position_mm` exceeds, as lower and upper limit.
     #[must_use]
     pub fn outside_band(&self, position_mm: f64) -> Option<(f64, f64)> {
         let min = self.limits.position_min_mm.unwrap_or(f64::NEG_INFINITY);

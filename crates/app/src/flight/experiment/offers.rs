@@ -1,14 +1,14 @@
-//! Experiments on offer: what may be started in flight, by name.
+//! Experiments that can be started in flight, by name.
 //!
-//! The program brings safe ones along; `[mqtt] experiments` adds files of the rig's own. All are read and checked before
-//! the flight, so that in flight a name is all that is needed.
+//! The program has safe ones of its own; `[mqtt] experiments` adds files of the rig. All are read and checked before
+//! the flight, so that in flight only a name is sent.
 
 use super::Experiment;
 use crate::config::{ConfigError, Safety};
 use crate::flight::name::{LONGEST, Name};
 use std::path::{Path, PathBuf};
 
-/// Those of the program: name of the file in the project, and its text.
+/// The program's own: name of the file in the project, and its text.
 const OWN: [(&str, &str); 4] = [
     ("experiments/steps.toml", include_str!("../../../../../experiments/steps.toml")),
     ("experiments/square.toml", include_str!("../../../../../experiments/square.toml")),
@@ -21,12 +21,12 @@ const OWN: [(&str, &str); 4] = [
 pub struct Offer {
     /// The file's name without its ending.
     pub name: Name,
-    /// What it does.
+    /// The experiment.
     pub experiment: Experiment,
 }
 
-/// All that a rig with these limits offers: the program's own as far as they are safe there, then `files`; a file takes the place of one
-/// of the same name.
+/// All offers of a rig with these limits: the program's own as far as they are safe there, then `files`; a file
+/// replaces an experiment of the same name.
 ///
 /// # Errors
 /// [`ConfigError`] names the file and what is wrong in it.

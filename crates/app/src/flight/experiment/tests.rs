@@ -1,4 +1,4 @@
-//! Experiments as files: what they say, and what is refused.
+//! Tests of experiment files: their meaning, and their refusal.
 
 use super::{Demand, Experiment, Limits, Segment};
 use crate::config::Safety;

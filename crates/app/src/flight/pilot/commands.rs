@@ -1,4 +1,4 @@
-//! What the pilot may be told in flight.
+//! Commands to the pilot in flight.
 
 use super::{Pilot, Still};
 use crate::flight::command::{Command, Refusal};
@@ -8,7 +8,7 @@ use control::check::within;
 use control::controller::Kind;
 
 impl Pilot {
-    /// Takes a command, or says why not.
+    /// Executes a command, or refuses it.
     ///
     /// # Errors
     /// [`Refusal`] names the limit that it would break.
@@ -39,7 +39,7 @@ impl Pilot {
                 }
             }
             Command::Stop => {
-                // What `fly` lifts the ball into later is the programme, not the middle of an experiment.
+                // After a later `fly` the ball takes off into the programme, not into the middle of an experiment.
                 self.end_experiment();
                 self.mode = Mode::Stopped;
             }

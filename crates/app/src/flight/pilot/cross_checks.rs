@@ -1,8 +1,8 @@
-//! What the optional signals say to the pilot: which sensor to believe, what the observer hears besides, and when to stop.
+//! Use of the optional signals by the pilot: choice of the sensor, inputs of the observer, and reasons to stop.
 //!
 //! ```text
-//! one sensor silent for 2.5 periods             fly on by the other, and say so
-//! |first − second| > disagree_mm, disagree_s    stop: which of the two is wrong nobody knows
+//! one sensor silent for 2.5 periods             use the other, and report it
+//! |first − second| > disagree_mm, disagree_s    stop: the wrong one is not known
 //! driven, and no edge for stalled_after_s       stop
 //! ```
 
@@ -12,25 +12,26 @@ use crate::config::{SecondSensor, Tachometer};
 use crate::flight::vocabulary::{Fault, Mode, Which};
 use control::Duty;
 
-/// A fan that gets less need not turn, percent of duty.
+/// Below this duty a fan need not turn, percent.
 const DRIVEN_PERCENT: f64 = 5.0;
 
-/// What the pilot remembers of the signals.
+/// The pilot's memory of the signals.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Watch {
-    /// When each sensor saw the ball last.
+    /// Time of each sensor's last reading of the ball.
     first_s: Option<f64>,
     second_s: Option<f64>,
-    /// Since when the two disagree.
+    /// Start of the disagreement.
     apart_since_s: Option<f64>,
-    /// Since when a driven fan has stood.
+    /// Time since which a driven fan has not turned.
     stands_since_s: Option<f64>,
-    /// Which sensor is silent, if one is, and for how long, seconds.
+    /// The silent sensor, if any, and the length of the silence, seconds.
     silent: Option<(Which, f64)>,
 }
 
 impl Watch {
-    /// What to fly by, and whether it is the second sensor's: only once the first has seen the ball and is silent.
+    /// The reading in use, and whether it is the second sensor's: only after the first has seen the ball and become
+    /// silent.
     fn look(&mut self, time_s: f64, senses: &Senses, missing_s: f64) -> (Seen, bool) {
         let Some(second) = senses.second else { return (senses.ball, false) };
         let see = |last_s: &mut Option<f64>, seen: Seen| {
@@ -40,7 +41,7 @@ impl Watch {
             last_s.map(|last_s| time_s - last_s).filter(|silent_s| *silent_s > missing_s)
         };
         let first_silent_s = see(&mut self.first_s, senses.ball);
-        // One that has never seen the ball is silent from the first sight of the other on.
+        // The silence of a sensor that has never seen the ball counts from the first reading of the other.
         self.second_s = self.second_s.or(self.first_s);
         let second_silent_s = see(&mut self.second_s, second);
         self.silent = match (first_silent_s, second_silent_s) {
@@ -54,7 +55,7 @@ impl Watch {
         }
     }
 
-    /// Two sensors that both see the ball, in two places, for too long.
+    /// Detects that two sensors see the ball at different positions for too long.
     fn disagree(&mut self, time_s: f64, senses: &Senses, limits: &SecondSensor) -> Option<Fault> {
         let (first_mm, second_mm) = senses.ball.position_mm().zip(senses.second?.position_mm())?;
         if (first_mm - second_mm).abs() <= limits.disagree_mm {
@@ -65,7 +66,7 @@ impl Watch {
         (for_s >= limits.disagree_s).then_some(Fault::SensorsDisagree { first_mm, second_mm, for_s })
     }
 
-    /// A fan that got `driven_percent` until now and stands.
+    /// Detects a fan that does not turn although it got `driven_percent` until now.
     fn stalled(&mut self, time_s: f64, rpm: f64, driven_percent: f64, limits: &Tachometer) -> Option<Fault> {
         if rpm > 0.0 || driven_percent < DRIVEN_PERCENT {
             self.stands_since_s = None;
@@ -77,19 +78,19 @@ impl Watch {
 }
 
 impl Pilot {
-    /// A fault with which the flight goes on: one of two sensors is silent.
+    /// A fault that does not end the flight: one of two sensors is silent.
     #[must_use]
     pub fn advisory(&self) -> Option<Fault> {
         self.watch.silent.map(|(which, silent_s)| Fault::OneSensorSilent { which, silent_s })
     }
 
-    /// Which reading to fly by, and whether it is the second sensor's.
+    /// The reading in use, and whether it is the second sensor's.
     pub(super) fn look(&mut self, time_s: f64, senses: &Senses) -> (Seen, bool) {
         let missing_s = self.missing_s();
         self.watch.look(time_s, senses, missing_s)
     }
 
-    /// Tells the observer what is known besides the position that is flown by.
+    /// Passes the other signals to the observer.
     pub(super) fn hear(&mut self, senses: &Senses) {
         if let (Seen::Ball(_), Some(Seen::Ball(second_mm))) = (senses.ball, senses.second) {
             self.orders.regulator.read_second(second_mm);
@@ -101,7 +102,7 @@ impl Pilot {
         }
     }
 
-    /// Stops where the signals contradict each other or the fan does not turn. `duty` has been in force until now.
+    /// Stops if the signals contradict each other or the fan does not turn. `duty` has been in force until now.
     pub(super) fn cross_check(&mut self, time_s: f64, senses: &Senses, duty: Duty) {
         let signals = self.orders.signals;
         let apart = signals.second_sensor.and_then(|limits| self.watch.disagree(time_s, senses, &limits));

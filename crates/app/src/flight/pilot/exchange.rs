@@ -1,4 +1,4 @@
-//! What goes into the pilot and what comes out: orders before the flight, then sight against decision, cycle by cycle.
+//! Inputs and outputs of the pilot: orders before the flight, then readings and decisions, cycle by cycle.
 
 use crate::config::{Loop, Rig, Safety, SecondSensor, Tables, Tachometer};
 use crate::flight::experiment::Experiment;
@@ -9,36 +9,36 @@ use control::observer::{Estimate, Surprise};
 use control::regulator::{Regulator, Unready};
 use hal::BUDGET_US;
 
-/// What the pilot knows before a flight.
+/// The orders before a flight.
 #[derive(Clone, Debug)]
 pub struct Orders {
     /// Estimate and control.
     pub regulator: Regulator,
     /// From control value to duty.
     pub compensation: Compensation,
-    /// What must not be exceeded.
+    /// Limits.
     pub safety: Safety,
-    /// What to do over time.
+    /// The programme over time.
     pub experiment: Experiment,
     /// Time between readings, seconds: the period of the loop or of the sensor, whichever is longer.
     pub reading_period_s: f64,
-    /// What the rig tells besides the position.
+    /// The optional signals of the rig.
     pub signals: Signals,
 }
 
-/// Why a config flies nothing.
+/// Why a config cannot be flown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoOrders {
     /// A table is missing.
     #[error("the config has no table [{0}]")]
     Missing(&'static str),
-    /// The controllers are none.
+    /// The controllers are invalid.
     #[error(transparent)]
     Unready(#[from] Unready),
 }
 
 impl Orders {
-    /// What a config says for a flight of this experiment.
+    /// The orders of a config for a flight of this experiment.
     ///
     /// # Errors
     /// [`NoOrders`]: a table is missing, or the controllers make no regulator.
@@ -54,7 +54,7 @@ impl Orders {
     }
 }
 
-/// Time between readings of a rig's sensor under a loop, seconds: the period of whichever is slower.
+/// Time between readings of a rig's sensor under a loop, seconds: the longer of the two periods.
 #[must_use]
 pub fn reading_period_s(table: &Loop) -> f64 {
     table.period_s.max(1e-6 * f64::from(BUDGET_US))
@@ -65,7 +65,7 @@ pub fn reading_period_s(table: &Loop) -> f64 {
 pub struct Signals {
     /// The fan's speed.
     pub tachometer: Option<Tachometer>,
-    /// Another view of the ball.
+    /// The second sensor.
     pub second_sensor: Option<SecondSensor>,
 }
 
@@ -75,23 +75,23 @@ impl From<&Rig> for Signals {
     }
 }
 
-/// What was seen in one cycle.
+/// A sensor's result in one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen {
     /// The ball, mm above the bottom.
     Ball(f64),
-    /// Nothing new, because of this fault if there is one.
+    /// No new reading, because of this fault if there is one.
     Nothing(Option<Fault>),
 }
 
-/// All that one cycle is told.
+/// All inputs of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Senses {
     /// By the range sensor.
     pub ball: Seen,
     /// By the second one; `None` where there is none.
     pub second: Option<Seen>,
-    /// The fan's speed, rpm; `None` where nobody measures it.
+    /// The fan's speed, rpm; `None` where it is not measured.
     pub fan_rpm: Option<f64>,
 }
 
@@ -102,7 +102,7 @@ impl From<Seen> for Senses {
 }
 
 impl Seen {
-    /// Where the ball is, if it was seen, mm.
+    /// The position of the ball, if it was seen, mm.
     #[must_use]
     pub const fn position_mm(self) -> Option<f64> {
         match self {
@@ -112,14 +112,14 @@ impl Seen {
     }
 }
 
-/// What one cycle does.
+/// The decision of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision {
     /// What the loop is doing.
     pub mode: Mode,
     /// Commanded position, mm.
     pub setpoint_mm: Option<f64>,
-    /// What the control value means in percent of duty about hover.
+    /// The control value in percent of duty about hover.
     pub control_percent: Option<f64>,
     /// The control value itself where predistortion makes it an acceleration, mm/s².
     pub control_mm_per_s2: Option<f64>,
@@ -129,8 +129,8 @@ pub struct Decision {
     pub velocity_mm_per_s: Option<f64>,
     /// The last position seen, mm, by the second sensor while the first is silent.
     pub position_mm: Option<f64>,
-    /// What the observer knows, fan and hover in percent of duty.
+    /// The observer's estimate, fan and hover in percent of duty.
     pub estimate: Option<Estimate>,
-    /// What the reading said to the observer.
+    /// The observer's innovation.
     pub surprise: Option<Surprise>,
 }

@@ -1,4 +1,4 @@
-//! The pilot: decides what the fan does, cycle by cycle. Observe, decide, act is the cycle's; this is *decide*.
+//! The pilot: decides the duty of each cycle. Of observe, decide and act, this is *decide*.
 //!
 //! ```text
 //! waiting ─ first position ─▶ flying / open loop ─ no new position ─▶ coasting ─ too long ─▶ stopped
@@ -6,8 +6,8 @@
 //!                                   └──────────── position again ─────────┘        `fly` ───────┘
 //! ```
 //!
-//! It gets samples and times and returns a duty. It reads no clock, no bus and no file, so that whatever it
-//! does can be tested without a rig.
+//! It gets samples and times and returns a duty. It reads no clock, bus or file, so that it can be tested without a
+//! rig.
 
 mod commands;
 mod cross_checks;
@@ -29,40 +29,40 @@ use cross_checks::Watch;
 use programme::{Programme, Started};
 use stuck_ball::Still;
 
-/// How long readings may be missing before the loop stops trusting the last one, in periods of the readings.
+/// How long readings may be missing before the last one is no longer used, in periods of the readings.
 const MISSING_PERIODS: f64 = 2.5;
-/// The fan has been off for longer than it takes to stop, seconds.
+/// A fan that has been off for this time has stopped, seconds.
 const OFF_S: f64 = 10.0;
-/// How long the first position may take, seconds: a sensor that works and sees a ball needs a hundredth of it.
+/// How long the first position may take, seconds: a working sensor that sees a ball needs a hundredth of it.
 const WAIT_S: f64 = 5.0;
 
-/// Decides, and remembers what it needs for that.
+/// The pilot with its memory.
 #[derive(Clone, Debug)]
 pub struct Pilot {
     orders: Orders,
-    /// What may be started in flight.
+    /// Experiments that can be started in flight.
     offers: Vec<Offer>,
-    /// What was.
+    /// The one that was started.
     started: Option<Started>,
     mode: Mode,
     compensator: Compensator,
-    /// When it last decided.
+    /// Time of the last decision.
     decided_s: Option<f64>,
-    /// Time and place of the last position.
+    /// Time and value of the last position.
     last: Option<(f64, f64)>,
-    /// How far the programme is.
+    /// Progress of the programme.
     programme: Programme,
-    /// When waiting for the first position began.
+    /// Start of the wait for the first position.
     waiting_since_s: Option<f64>,
-    /// A setpoint that was commanded, in force instead of the programme's.
+    /// A commanded setpoint, in force instead of the programme's.
     held_mm: Option<f64>,
     control: f64,
-    /// The control value that acts on the ball, whoever asked for it.
+    /// The control value that acts on the ball, from any source.
     acting: f64,
     been_in_band: bool,
     still: Still,
     watch: Watch,
-    /// The duty that was last decided.
+    /// The last decided duty.
     duty: Duty,
     fault: Option<Fault>,
 }
@@ -108,7 +108,7 @@ impl Pilot {
         self.orders.regulator.controllers().pid
     }
 
-    /// The controller that flies.
+    /// The active controller.
     #[must_use]
     pub const fn controller(&self) -> Kind {
         self.orders.regulator.kind()
@@ -129,7 +129,7 @@ impl Pilot {
         self.fault
     }
 
-    /// How far the cycles may fall behind, seconds.
+    /// Largest delay of the cycles behind their deadlines, seconds.
     #[must_use]
     pub const fn stall_s(&self) -> f64 {
         self.orders.safety.stall_s
@@ -142,7 +142,7 @@ impl Pilot {
             && self.programme.at_s(time_s).is_some_and(|at_s| self.orders.experiment.demand(at_s).is_none())
     }
 
-    /// Decides what the fan does from `time_s` on.
+    /// Decides the duty from `time_s` on.
     pub fn decide(&mut self, time_s: f64, senses: impl Into<Senses>) -> Decision {
         let senses = senses.into();
         let decision = self.decided(time_s, &senses);
@@ -171,7 +171,7 @@ impl Pilot {
             surprise: self.orders.regulator.surprise(),
         };
         if self.mode != Mode::Flying {
-            // What was pushed before says nothing of what comes after.
+            // The record of an earlier push does not apply after this.
             self.still = Still::default();
         }
         match (self.mode, self.demand(time_s)) {
@@ -194,14 +194,14 @@ impl Pilot {
         decision
     }
 
-    /// Takes the reading into the estimate, be it the first sensor's or the one's that stands in for it. Returns the time
-    /// since the one before, if both are there.
+    /// Updates the estimate with the reading, of the first sensor or of its substitute. Returns the time since the
+    /// reading before, if both exist.
     fn observe(&mut self, time_s: f64, seen: Seen, stands_in: bool) -> Option<f64> {
         let Seen::Ball(position_mm) = seen else { return None };
         let gap_s = self.last.map(|(last_s, _)| time_s - last_s);
         self.last = Some((time_s, position_mm));
         if gap_s.is_none_or(|gap_s| gap_s > self.missing_s()) {
-            // After a hole the derivatives would see its whole jump at once.
+            // After a gap the derivatives would include its whole jump at once.
             self.orders.regulator.lose_sight();
         }
         let dt_s = gap_s.unwrap_or(self.orders.reading_period_s).min(self.missing_s());
@@ -213,7 +213,7 @@ impl Pilot {
         Some(dt_s)
     }
 
-    /// What the observer knows, in percent of duty where it counts in control values.
+    /// The observer's estimate, with control values converted to percent of duty.
     fn estimate(&self) -> Option<Estimate> {
         let percent = |control| self.compensator.about_hover(control);
         let estimate = self.orders.regulator.observed()?;
@@ -256,7 +256,7 @@ impl Pilot {
             Some(Demand::Drive { .. }) => Mode::OpenLoop,
             _ => {
                 if self.mode == Mode::OpenLoop {
-                    // The integral still knows hover; the duty of an excitation does not.
+                    // The integral still contains hover; the duty of an excitation does not.
                     self.orders.regulator.forget_derivatives();
                 }
                 Mode::Flying
@@ -269,7 +269,7 @@ impl Pilot {
         Mode::Stopped
     }
 
-    /// The band of an experiment counts from when the ball has been inside it: it starts at the bottom.
+    /// The band of an experiment applies after the ball has been inside it: it starts at the bottom.
     fn left_band(&mut self, position_mm: f64) -> Option<Fault> {
         let outside = self.flown().outside_band(position_mm);
         self.been_in_band |= outside.is_none();
@@ -294,7 +294,7 @@ impl Pilot {
         self.orders.regulator.step(setpoint_mm, dt_s, limits)
     }
 
-    /// Gives the fan what the controller asked for, and the excitation.
+    /// Sets the duty of the controller, and the excitation.
     fn fly(&mut self, decision: &mut Decision, excitation_percent: f64) {
         self.acting = self.compensator.acting(self.control, excitation_percent);
         decision.control_percent = Some(self.compensator.about_hover(self.control) + excitation_percent);
@@ -314,7 +314,7 @@ impl Pilot {
         self.acting = self.compensator.control(Duty::OFF);
     }
 
-    /// Gives the fan a duty that no controller asked for.
+    /// Sets a duty without a controller.
     fn drive(&mut self, percent: f64) -> Duty {
         let duty = self.safe_duty(percent);
         self.acting = self.compensator.control(duty);

@@ -1,5 +1,5 @@
-//! How far the programme is: its own time, from which segments that end early are left out, and the gains that it asks for. While an
-//! experiment that was started in flight is on, the programme goes on in time alone.
+//! Progress of the programme: its own time, with segments that end early skipped, and its gains. During an experiment
+//! that was started in flight, only the time of the programme goes on.
 
 use super::{Pilot, Seen};
 use crate::flight::command::GainChange;
@@ -9,19 +9,19 @@ use crate::flight::name::Name;
 use crate::flight::vocabulary::Mode;
 use control::pid::Pid;
 
-/// Where in its experiment a flight is.
+/// Position of a flight within its experiment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Programme {
-    /// When it began.
+    /// Time of its start.
     began_s: Option<f64>,
-    /// What has been left out of it, seconds.
+    /// Skipped time, seconds.
     left_out_s: f64,
-    /// The gains that it asks for, and those that come back after them.
+    /// The gains that it sets, and those to restore after them.
     gains: Option<(GainChange, Pid)>,
 }
 
 impl Programme {
-    /// The first position is there.
+    /// Starts at the first position.
     pub(super) fn begin(&mut self, time_s: f64) {
         self.began_s.get_or_insert(time_s);
     }
@@ -31,7 +31,7 @@ impl Programme {
         self.began_s.map(|began_s| time_s - began_s + self.left_out_s)
     }
 
-    /// Somebody commanded gains: they are the ones that come back.
+    /// Gains were commanded: these are restored later.
     pub(super) fn keep(&mut self, commanded: Pid) {
         if let Some((_, own)) = &mut self.gains {
             *own = commanded;
@@ -42,9 +42,9 @@ impl Programme {
 /// An experiment that was started in flight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Started {
-    /// Which of those on offer.
+    /// Its index in the offers.
     index: usize,
-    /// Where the programme was.
+    /// The progress of the programme.
     parked: Programme,
 }
 
@@ -56,13 +56,13 @@ impl Pilot {
         self
     }
 
-    /// What may be started in flight.
+    /// The experiments that can be started in flight.
     #[must_use]
     pub fn offers(&self) -> &[Offer] {
         &self.offers
     }
 
-    /// What is flown: the programme, or an experiment that was started.
+    /// The programme, or an experiment that was started.
     pub(super) fn flown(&self) -> &Experiment {
         let started = self.started.and_then(|started| self.offers.get(started.index));
         started.map_or(&self.orders.experiment, |offer| &offer.experiment)
@@ -74,7 +74,7 @@ impl Pilot {
         self.offers.get(self.started?.index).map(|offer| offer.name)
     }
 
-    /// Starts an experiment on offer. Its time begins with the next cycle that has a position.
+    /// Starts an experiment of the offers. Its time begins with the next cycle that has a position.
     pub(super) fn park_programme(&mut self, index: usize) {
         self.give_gains_back();
         self.started = Some(Started { index, parked: self.programme });
@@ -82,7 +82,7 @@ impl Pilot {
         self.been_in_band = false;
     }
 
-    /// Goes back to the programme, if an experiment was started.
+    /// Returns to the programme, if an experiment was started.
     pub(super) fn end_experiment(&mut self) {
         let Some(started) = self.started else { return };
         self.give_gains_back();
@@ -97,7 +97,7 @@ impl Pilot {
         }
     }
 
-    /// Begins what was started in flight, and goes back to the programme when it is over.
+    /// Begins the experiment that was started in flight, and returns to the programme after its end.
     fn follow_experiment(&mut self, time_s: f64) {
         let airborne = !matches!(self.mode, Mode::Waiting | Mode::Stopped);
         let over = self.programme.at_s(time_s).is_some_and(|at_s| self.flown().demand(at_s).is_none());
@@ -109,8 +109,8 @@ impl Pilot {
         }
     }
 
-    /// Leaves out what the ball has ended, and takes the gains that the programme asks for. A setpoint that was commanded is in force
-    /// instead of the programme, which goes on in time alone.
+    /// Skips segments that the ball's position has ended, and sets the gains of the programme. A commanded setpoint is
+    /// in force instead of the programme, of which only the time goes on.
     pub(super) fn follow_programme(&mut self, time_s: f64, seen: Seen) {
         self.follow_experiment(time_s);
         let Some(at_s) = self.programme.at_s(time_s) else { return };
@@ -134,7 +134,7 @@ impl Pilot {
         }
     }
 
-    /// The integral stands: one that took up what the derivative makes of noise would push the ball for T_i.
+    /// The integral is kept: if it absorbed the derivative of noise, it would push the ball for T_i.
     fn change_gains(&mut self, gains: Pid) {
         self.orders.regulator.forget_derivatives();
         self.orders.regulator.retune(gains);

@@ -5,15 +5,15 @@
 //!          for [safety] stuck.after_s
 //! ```
 //!
-//! A free ball cannot do that: on the plant of `config.toml` one per cent about hover moves it at 200 mm/s. It leaves out
-//! a ball that is stuck where the controller is content with it.
+//! A free ball cannot do that: on the plant of `config.toml` one percent about hover moves it at 200 mm/s. A ball that
+//! is stuck where the controller has no error is not detected.
 
 use crate::config::Stuck;
 
-/// A ball whose readings stay within this has not moved, mm: eight times the noise of one reading.
+/// A ball whose readings vary by no more than this has not moved, mm: eight times the noise of one reading.
 const STILL_MM: f64 = 20.0;
 
-/// What is remembered of a push.
+/// Memory of a push.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Still {
     push: Option<Push>,
@@ -28,7 +28,7 @@ struct Push {
 }
 
 impl Still {
-    /// Takes a cycle of closed loop. Returns for how long the ball has been stuck, once that is too long.
+    /// Takes a cycle of closed loop. Returns how long the ball has been stuck, if that is too long.
     pub(super) fn pushed(
         &mut self,
         time_s: f64,

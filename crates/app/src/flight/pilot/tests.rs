@@ -1,4 +1,4 @@
-//! What the pilot promises.
+//! Tests of the pilot.
 
 mod experiments;
 mod signals;
@@ -142,7 +142,7 @@ fn commands_hold_a_setpoint_stop_fly_and_return_to_the_programme() {
     pilot.command(Command::Stop).unwrap();
     assert_eq!(fly(&mut pilot, 0.1, &[Seen::Ball(250.0)]), (Mode::Stopped, 0.0));
     pilot.command(Command::Fly).unwrap();
-    // It lies at the bottom now, below the experiment's band, and takes off through it once more.
+    // The ball lies at the bottom now, below the experiment's band, and takes off through it once more.
     assert_eq!(fly(&mut pilot, 0.12, &[Seen::Ball(0.0), Seen::Ball(1.0)]).0, Mode::Flying);
 }
 
@@ -211,7 +211,7 @@ fn a_ball_that_is_pushed_and_does_not_move_turns_the_fan_off_within_the_time_sta
     let stuck = Some(Stuck { control_percent: 1.0, after_s: 1.0 });
     let mut jammed = pilot(vec![segment(60.0)]);
     jammed.orders.safety.stuck = stuck;
-    // 200 mm below its setpoint: 2 % of control, and noise that would move no ball.
+    // 200 mm below its setpoint: 2 % of control, and noise that alone would move no ball.
     let noise = |k: u32| Seen::Ball(100.0 + 2.5 * f64::from(k * 7 % 5));
     let cycles = (1..=60).find(|k| fly(&mut jammed, T * f64::from(*k), &[noise(*k)]).0 == Mode::Stopped);
     // after_s / period, and the cycle in which the push began.

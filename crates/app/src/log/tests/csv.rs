@@ -1,4 +1,4 @@
-//! Tables as logs; what a table may hold is tested in the crate `rows`.
+//! Tables as logs; the content of tables is tested in the crate `rows`.
 
 use super::{cycles, file};
 use crate::log::{LogError, export, reader};

@@ -1,4 +1,4 @@
-//! A flight that is cut at every byte and has every byte spoilt: no panic, nothing invented, a second lost at most.
+//! A flight that is cut at every byte and has every byte changed: no panic, no invented data, a second lost at most.
 
 use super::{cycles, events, file, header};
 use crate::flight::vocabulary::Cycle;
@@ -10,19 +10,19 @@ use std::path::Path;
 
 /// Three seconds: four chunks.
 const CYCLES: u32 = 160;
-/// A little more than a second: two chunks, few enough bytes to try them all.
+/// A little more than a second: two chunks, few enough bytes to test them all.
 const SHORT: u32 = 60;
 /// A chunk holds a second: 50 cycles, the first one more.
 const ONE_SECOND: usize = 51;
 
-/// What a byte may become: its lowest bit flipped, its highest, all of them, a zero.
+/// Changes of a byte: its lowest bit flipped, its highest, all of them, a zero.
 const SPOILERS: [fn(u8) -> u8; 4] = [|byte| byte ^ 1, |byte| byte ^ 0x80, |byte| !byte, |_| 0];
 
 fn parse(bytes: &[u8]) -> Option<Flight> {
     flight::parse(Path::new("flight.mcap"), bytes).ok()
 }
 
-/// Everything that was read was written, in its order, and completeness is the truth.
+/// Everything that was read was written, in its order, and `complete` is correct.
 fn check(flight: &Flight, flown: &[Cycle], what: &str) {
     let mut rest = flown.iter();
     assert!(flight.cycles.iter().all(|cycle| rest.any(|written| written == cycle)), "{what}: invented a cycle");
@@ -39,7 +39,7 @@ fn check(flight: &Flight, flown: &[Cycle], what: &str) {
     }
 }
 
-/// Spoils every `step`th byte of a flight, one at a time, in each of these ways.
+/// Changes every `step`th byte of a flight, one at a time, in each of these ways.
 fn spoil(count: u32, step: usize, spoilers: &(dyn Fn(usize) -> Vec<fn(u8) -> u8> + Sync)) {
     let (whole, flown) = (file(&cycles(count)), cycles(count));
     (0..whole.len()).into_par_iter().step_by(step).for_each(|place| {
@@ -73,7 +73,7 @@ fn cut(count: u32, step: usize) {
 
 #[test]
 fn every_byte_of_a_short_flight_can_be_spoilt_and_costs_a_second_at_most() {
-    // In each place another way, so that all of them are tried.
+    // A different change at each byte, so that all of them are tested.
     spoil(SHORT, 1, &|place| vec![SPOILERS[place % SPOILERS.len()]]);
 }
 

@@ -1,4 +1,4 @@
-//! Flights as MCAP: whole, cut, damaged, foreign, and anything at all.
+//! Flights as MCAP: complete, cut, damaged, foreign, and arbitrary bytes.
 
 use super::{cycles, events, file, header};
 use crate::flight::outside::Recorder;
@@ -115,7 +115,7 @@ fn a_cut_file_gives_the_cycles_before_the_cut_and_says_so() {
     }
     assert!(counts.is_sorted());
     counts.dedup();
-    // Whole flushed seconds come back one by one, and at last everything although the summary is missing.
+    // Complete flushed seconds become readable one by one, and at last everything although the summary is missing.
     assert!(counts.contains(&51) && counts.contains(&101) && counts.last() == Some(&400), "{counts:?}");
 }
 

@@ -1,15 +1,15 @@
-//! What a key does.
+//! The keys of the monitor.
 
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
-/// What somebody at the terminal wants.
+/// The action of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Deed {
-    /// Leave; the ball flies on.
+    /// Quit; the flight goes on.
     Quit,
-    /// A word for `set/mode`.
+    /// A value of `set/mode`.
     Mode(&'static str),
-    /// Move the setpoint by so much, mm.
+    /// Move the setpoint by this distance, mm.
     Nudge(f64),
 }
 
@@ -18,13 +18,13 @@ impl Deed {
     pub const STOP: Self = Self::Mode("stop");
 }
 
-/// Small and large nudge, mm.
+/// Small and large step of the setpoint, mm.
 const NUDGES: (f64, f64) = (5.0, 50.0);
 
 /// The keys in words, for the bottom line.
 pub const HELP: &str = "↑ ↓ 5 mm   PgUp PgDn 50 mm   space STOP   f fly   p programme   q quit";
 
-/// What the key asks for, if anything.
+/// The action of a key, if any.
 #[must_use]
 pub fn deed(key: KeyEvent) -> Option<Deed> {
     if key.kind == KeyEventKind::Release {

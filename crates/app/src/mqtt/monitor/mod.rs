@@ -1,5 +1,5 @@
-//! `airball monitor`: a rig in a terminal. What is known of it and what a key asks for are here, without a terminal and without a broker;
-//! [`view`] draws it.
+//! `airball monitor`: a rig in a terminal. Its data and the commands of its keys are here, without a terminal and
+//! without a broker; [`view`] draws it.
 
 pub mod keys;
 pub mod view;
@@ -12,39 +12,39 @@ use keys::Deed;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// A rig that is online and says nothing for so long is worth a word.
+/// A rig that is online without a message for this time is reported as silent.
 const SILENT: Duration = Duration::from_secs(2);
-/// States that are kept: a minute of them.
+/// Number of states kept: one minute.
 const KEPT: usize = 600;
 
-/// What is known of a rig.
+/// The known data of a rig.
 #[derive(Clone, Debug, Default)]
 pub struct Monitor {
     /// Its name.
     rig: String,
-    /// Whether the broker answers; with the reason where it does not.
+    /// Whether the broker answers, or the reason why it does not.
     link: Option<Result<(), String>>,
     online: bool,
     about: Option<About>,
     seen: Option<Seen>,
-    /// When the last state came.
+    /// Time of the last state.
     spoke: Option<Instant>,
     /// Time, position, setpoint and duty of the last states; NaN where there is none.
     past: VecDeque<[f64; 4]>,
-    /// A setpoint that was asked for and is not yet in force, mm.
+    /// A commanded setpoint that is not yet in force, mm.
     wanted_mm: Option<f64>,
-    /// What became of the last command, or the last fault that ended a flight.
+    /// The result of the last command, or the last fault that ended a flight.
     word: String,
 }
 
 impl Monitor {
-    /// Nothing is known but the name.
+    /// A monitor that knows only the rig's name.
     #[must_use]
     pub fn of(rig: &str) -> Self {
         Self { rig: rig.to_owned(), ..Self::default() }
     }
 
-    /// Takes what came from the broker.
+    /// Takes a message of the broker.
     pub fn hear(&mut self, heard: Heard) {
         match heard {
             Heard::Connected => self.link = Some(Ok(())),
@@ -82,7 +82,7 @@ impl Monitor {
         self.spoke.is_none_or(|spoke| now.saturating_duration_since(spoke) > SILENT)
     }
 
-    /// The command that a deed sends. `None`: none, or one that cannot be known yet.
+    /// The command of a key's action. `None`: none, or not yet known.
     pub fn command(&mut self, deed: Deed) -> Option<(Quantity, String)> {
         match deed {
             Deed::Quit => None,
@@ -97,7 +97,7 @@ impl Monitor {
         }
     }
 
-    /// A command could not be sent.
+    /// Reports that a command could not be sent.
     pub fn unsent(&mut self, deed: Deed) {
         self.wanted_mm = None;
         let supply = if deed == Deed::STOP { " Switch off the fan's supply." } else { "" };

@@ -1,4 +1,4 @@
-//! What the monitor knows, asks for and draws.
+//! Tests of the monitor's data, commands and screen.
 
 use super::Monitor;
 use super::keys::Deed;

@@ -1,4 +1,5 @@
-//! The monitor's screen: who, the last minute, numbers, faults, keys. Colours are the terminal's own, and never the only sign.
+//! The monitor's screen: the rig, the last minute, numbers, faults, keys. Colours are those of the terminal, and never
+//! the only mark of a state.
 
 use super::Monitor;
 use super::keys::HELP;
@@ -12,12 +13,12 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph, Wrap};
 use std::time::Instant;
 
-/// What the chart spans, seconds.
+/// Time span of the chart, seconds.
 const SPAN_S: f64 = 60.0;
-/// Where the rig has not said how long its pipe is, mm.
+/// Length of the pipe until the rig has sent it, mm.
 const PIPE_MM: f64 = 600.0;
 
-/// Draws all that is known at the moment `now`.
+/// Draws the data at the time `now`.
 pub fn draw(frame: &mut Frame<'_>, monitor: &Monitor, now: Instant) {
     let [top, height, duty, numbers, word, keys] = Layout::vertical([
         Constraint::Length(1),
@@ -50,7 +51,7 @@ fn title(monitor: &Monitor, now: Instant) -> Line<'_> {
     Line::from(vec![name, Span::styled(mode, Style::new().add_modifier(Modifier::REVERSED)), Span::raw("  "), link])
 }
 
-/// The points of one column, where there are any.
+/// The points of one column, if there are any.
 fn points(monitor: &Monitor, column: usize) -> Vec<(f64, f64)> {
     let all = monitor.past.iter().map(|row| (row[0], row[column]));
     all.filter(|(_, value)| value.is_finite()).collect()
@@ -85,7 +86,7 @@ fn draw_duty(frame: &mut Frame<'_>, monitor: &Monitor, area: Rect) {
     frame.render_widget(chart.block(Block::new().title("duty")), area);
 }
 
-/// Numbers, then lateness, then what is wrong now.
+/// Numbers, then lateness, then the present fault.
 fn said(monitor: &Monitor) -> Vec<Line<'_>> {
     let Some(seen) = &monitor.seen else { return vec![Line::from("nothing heard of the rig yet")] };
     let Seen {

@@ -8,7 +8,7 @@ pub const RIG: &str = "the rig";
 /// A line of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Which model.
+    /// The model.
     pub model: String,
     /// The fan's pole, 1/s.
     pub fan_pole_per_s: Option<f64>,

@@ -20,6 +20,6 @@ pub struct Document {
     pub sampled: Vec<f64>,
     /// The observer of the patch.
     pub observer: Observer,
-    /// Its L: position in mm, velocity in mm/s, fan and hover in control values, for every millimetre of surprise.
+    /// Its L: position in mm, velocity in mm/s, fan and hover in control values, per millimetre of innovation.
     pub flown: Vec<f64>,
 }

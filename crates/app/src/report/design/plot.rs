@@ -101,13 +101,13 @@ fn of_step(forms: &[Form]) -> Diagram {
 /// The steps of all forms over the same time, and the setpoint.
 fn step_lines(forms: &[Form]) -> Vec<Line> {
     let closed: Vec<Transfer> = forms.iter().map(|form| form.law.closed(&form.plant)).collect();
-    // Beyond twice the slowest settling there is nothing to see.
+    // Beyond twice the longest settling time nothing changes.
     let settled_s = closed.iter().filter_map(step::figures).map(|figures| figures.settling_s).fold(0.5, f64::max);
     let end_s = 2.0 * settled_s;
     let points = |closed: &Transfer| -> Vec<(f64, f64)> {
         let Some(response) = step::response(closed) else { return vec![] };
         let mut points: Vec<_> = response.take_while(|(time_s, _)| *time_s < end_s).collect();
-        // A response ends where its slowest pole has died away: from there it stands.
+        // A response ends where its slowest pole has decayed; from there it is drawn as constant.
         points.extend(points.last().map(|(_, value)| (end_s, *value)));
         points
     };
@@ -143,7 +143,7 @@ fn of_bode(forms: &[Form], of_magnitude: bool) -> Diagram {
     Diagram { title, abscissa, ordinate, lines, rings, decades: true, ..Diagram::default() }
 }
 
-/// The point of a curve of rising abscissae at `x`; `None` outside.
+/// The value of a curve of rising abscissae at `x`; `None` outside.
 fn interpolated(curve: &[(f64, f64)], x: f64) -> Option<(f64, f64)> {
     let above = curve.partition_point(|point| point.0 <= x);
     let (a, b) = (curve.get(above.checked_sub(1)?)?, curve.get(above)?);
@@ -164,7 +164,7 @@ fn decibels(form: &Form) -> Vec<(f64, f64)> {
     bode(form, |value| 20.0 * magnitude(value).log10())
 }
 
-/// Without the jumps of a whole turn.
+/// Phase in degrees, without the jumps of a whole turn.
 fn degrees(form: &Form) -> Vec<(f64, f64)> {
     let mut points = bode(form, |value| value.im.atan2(value.re).to_degrees());
     let mut last = -180.0;

@@ -14,7 +14,8 @@ pub struct Feedback {
     pub gain: Vec<f64>,
     /// K_r.
     pub setpoint_gain: f64,
-    /// The integral of the config's state feedback, which is kept; `None`: there is none, or the observer finds hover.
+    /// The integral of the config's state feedback, which is kept; `None`: there is none, or the observer estimates
+    /// hover.
     pub integral: Option<Integral>,
 }
 
@@ -23,7 +24,7 @@ pub struct Feedback {
 pub struct Estimated {
     /// As in `[controller.lqg]`.
     pub feedback: Lqg,
-    /// L: what a millimetre of surprise says of position, velocity, fan and hover.
+    /// L: gain of position, velocity, fan and hover per millimetre of innovation.
     pub observer_gain: Vec<f64>,
 }
 
@@ -75,7 +76,7 @@ impl Document {
     }
 }
 
-/// How a line of the table says its figure.
+/// The text of a figure in the table.
 type Figure = fn(&Assessment) -> String;
 
 /// The design in a few lines and a table.
@@ -85,7 +86,7 @@ pub fn words(document: &Document) -> Vec<String> {
     law.chain([table(document)]).collect()
 }
 
-/// The law line by line: what it is, and its numbers.
+/// The law line by line: name and value.
 pub fn law(document: &Document) -> Vec<(&'static str, String)> {
     let mut lines = Vec::new();
     if let Some(feedback) = &document.state_feedback {
@@ -111,7 +112,7 @@ pub fn law(document: &Document) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// What a state feedback does about a hover that is not what was believed.
+/// How a state feedback compensates an error of the believed hover.
 fn hover_is_found(observed: bool, integral: Option<Integral>) -> String {
     match integral {
         _ if observed => "the observer finds hover".into(),
@@ -132,7 +133,7 @@ fn table(document: &Document) -> String {
     table.to_string()
 }
 
-/// What the loop bears: each figure in continuous time and sampled.
+/// Margins and step metrics: each figure in continuous time and sampled.
 pub fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
     let both = |say: Figure| [say(&document.continuous), document.sampled.as_ref().map_or_else(String::new, say)];
     let rows: [(&'static str, Figure); 9] = [
@@ -153,7 +154,7 @@ pub fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
     rows.into_iter().filter(|(name, _)| is_said(name)).map(|(name, say)| (name, both(say))).collect()
 }
 
-/// The critical gains of the models beside the rig.
+/// The critical gains of the models and the rig.
 #[must_use]
 pub fn critical_table(found: &CriticalTable) -> String {
     let at = format!("K_u at T_i = {} s", found.ti_s);

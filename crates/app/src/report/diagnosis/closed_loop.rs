@@ -1,8 +1,8 @@
-//! The closed loop in words: what was recorded, what the believed model does, what the mended one does.
+//! The closed loop in words: the record, the believed model, and the mended one.
 
 use diagnose::{ClosedLoop, Compared};
 
-/// A line on the steps and one on stability, each only where there is something to say.
+/// A line on the steps and one on stability, each only where it is known.
 #[must_use]
 pub fn words(found: &ClosedLoop) -> Vec<String> {
     let mut lines = Vec::new();
@@ -26,7 +26,7 @@ pub fn words(found: &ClosedLoop) -> Vec<String> {
     lines
 }
 
-/// A quantity of those who flew, which are those who have an overshoot; `absent` is said of who has none of it.
+/// A quantity of the flights that have an overshoot; `absent` is the text for a flight without this quantity.
 fn three(of: Compared, flew: Compared, digits: usize, unit: &str, absent: &str) -> String {
     let say = |value: Option<f64>, flew: Option<f64>, who: &str| {
         flew?;

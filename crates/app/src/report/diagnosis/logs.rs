@@ -1,45 +1,46 @@
-//! What a diagnosis says of its logs themselves: how many, how long, and what each cannot answer.
+//! Statements about the logs of a diagnosis: their number, their length, and what each cannot answer.
 
 use crate::analysis::loop_deviations::Upstream;
 use crate::analysis::next_experiment::Advice;
 use diagnose::{Diagnosis, Finding};
 
-/// What is said of the logs themselves.
+/// The logs of a diagnosis.
 #[derive(Clone, Copy, Debug)]
 pub struct Logs<'a> {
     /// Their names.
     pub names: &'a [String],
     /// Their length together, seconds.
     pub duration_s: f64,
-    /// Where the loop of a log, by its number, did otherwise than its config says.
+    /// Deviations of the loop from its config, with the number of the log.
     pub upstream: &'a [(usize, Upstream)],
 }
 
 impl<'a> Logs<'a> {
-    /// How many, and how long together; `None` for a single one.
+    /// Their number and total length; `None` for a single one.
     #[must_use]
     pub fn words(&self) -> Option<String> {
         let count = self.names.len();
         (count > 1).then(|| format!("{count} logs together, {:.1} s", self.duration_s))
     }
 
-    /// The stages before the plant where the loop of a log did otherwise than its config says, and what that is worth, nats.
+    /// The stages before the plant where the loop of a log deviated from its config, with the log-likelihood gain of
+    /// each, nats.
     #[must_use]
     pub fn deviations(&self) -> Vec<(&'static str, f64)> {
         self.upstream.iter().map(|(_, stage)| (stage.name, stage.nats)).collect()
     }
 
-    /// The same in sentences, by name where there are several logs.
+    /// The same in sentences, with the log's name where there are several logs.
     pub fn findings_of_loop(&self) -> impl Iterator<Item = String> {
         self.upstream().map(|(name, stage)| self.named(name, stage.finding.clone()))
     }
 
-    /// A finding behind the name of its log where there are several.
+    /// A finding after the name of its log where there are several.
     fn named(&self, name: &str, finding: String) -> String {
         if self.names.len() > 1 { format!("{name}: {finding}") } else { finding }
     }
 
-    /// Where the loop did otherwise than its config says, and the name of the log.
+    /// Deviations of the loop from its config, with the name of the log.
     pub fn upstream(&self) -> impl Iterator<Item = (&'a str, &'a Upstream)> {
         let names = self.names;
         self.upstream.iter().map(|(number, stage)| (names.get(*number).map_or("", String::as_str), stage))
@@ -52,7 +53,8 @@ pub fn findings<'a>(found: &'a Diagnosis, logs: &Logs<'a>) -> impl Iterator<Item
     found.findings.iter().map(|noted| (names.get(noted.flight).map_or("", String::as_str), &noted.finding))
 }
 
-/// The same in sentences, by name where there are several logs, and what no experiment settles.
+/// The same in sentences, with the log's name where there are several logs, and the questions that no experiment
+/// decides.
 #[must_use]
 pub fn sentences(found: &Diagnosis, advice: &Advice, logs: &Logs<'_>) -> Vec<String> {
     let of_rows = findings(found, logs).map(|(name, finding)| logs.named(name, finding.to_string()));

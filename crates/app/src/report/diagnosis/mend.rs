@@ -1,20 +1,22 @@
-//! How to mend an effect on the rig, in words: those of the catalogue, or, where the rig's compensation is known, its new numbers.
+//! How to correct an effect on the rig, in words: the text of the catalogue, or, where the rig's compensation is known,
+//! its new values.
 //!
 //! ```text
 //! compensation's hover + edge = mended hover + edge of the dead zone      percent of duty
 //! ```
 //!
-//! The duty of a log is the one that the fan got, compensation included: what is found in it is the whole dead zone, and not what a
-//! correction left of it.
+//! The duty of a log is the one that the fan received, compensation included: a dead zone found in it is the whole dead
+//! zone, not the rest that a correction left.
 
 use control::compensation::{Compensation, DeadZoneCorrection};
 use plant::effects::DeadZone;
 use plant::{Effect, Entry, Model};
 
-/// An edge of the correction that is nearer than this to what it should be is right, percent of duty: three steps of a 12-bit chip.
+/// An edge of the correction within this distance of the mended one is right, percent of duty: three steps of a 12-bit
+/// chip.
 const RIGHT_PERCENT: f64 = 0.07;
 
-/// What to do about the effect of `entry`, which `mended` has. `compensation`: what was on when the record was flown.
+/// The correction of the effect of `entry`, which `mended` has. `compensation`: the one of the recorded flight.
 #[must_use]
 pub fn words(entry: &Entry, mended: &Model, compensation: Option<&Compensation>) -> String {
     let zone = mended.effects.get::<DeadZone>().filter(|_| entry.name == DeadZone::ENTRY.name);

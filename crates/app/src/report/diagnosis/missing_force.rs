@@ -1,10 +1,10 @@
-//! The missing force as a table for other programs: CSV, a row a reading.
+//! The missing force as a table for other programs: CSV, one row per reading.
 
 use anyhow::{Result, anyhow};
 use diagnose::MissingForce;
 use std::path::Path;
 
-/// Writes the force, mm/s², with its standard deviation and where the ball and the duty were.
+/// Writes the force, mm/s², with its standard deviation, the position of the ball and the duty.
 ///
 /// # Errors
 /// A file that is there already, or cannot be written.

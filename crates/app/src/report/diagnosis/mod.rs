@@ -1,4 +1,5 @@
-//! A diagnosis: in words, as a picture and as a page. Its document, its sentences and its patch are those of the crate `diagnose`.
+//! A diagnosis: in words, as a picture and as a page. Its document, its sentences and its patch are those of the crate
+//! `diagnose`.
 
 pub mod closed_loop;
 pub mod logs;

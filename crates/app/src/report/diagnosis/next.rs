@@ -1,8 +1,8 @@
-//! What to fly next, in words.
+//! The next flight, in words.
 
 use crate::analysis::next_experiment::Advice;
 
-/// The experiment and what none settles, a line each.
+/// The experiment and the questions that none decides, one line each.
 #[must_use]
 pub fn words(advice: &Advice) -> Vec<String> {
     let experiment = advice.experiment.iter().map(|next| {

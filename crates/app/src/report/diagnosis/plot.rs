@@ -1,31 +1,33 @@
-//! The picture of a diagnosis: free runs before and after the mend, and the missing force over time, duty, height and speed.
+//! The picture of a diagnosis: free runs before and after the mend, and the missing force over time, duty, height and
+//! speed.
 //!
-//! Over duty, height and speed the force is shown as its mean and scatter in places with equally many readings each. The places
-//! where the belief is significantly wrong are shaded; that significance comes from the innovations, never from this force.
+//! Over duty, height and speed the force is shown as its mean and standard deviation in bins with equally many readings
+//! each. The places where the belief is significantly wrong are shaded; that significance comes from the innovations,
+//! never from this force.
 
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, titled, write};
 use diagnose::{MissingForce, Place, Series};
 use std::path::Path;
 
-/// A sheet of diagrams: its size, pixels, where its rows end, and how many moments of the force over time it shows at most.
+/// A sheet of diagrams: its size, pixels, where its rows end, and the largest number of moments of the force over time.
 struct Sheet {
     size: (u32, u32),
     rows: [u32; 2],
     most_moments: usize,
 }
 
-/// A picture of its own, and one for a page of the gallery.
+/// A separate picture, and one for a page of the gallery.
 const WHOLE: Sheet = Sheet { size: (1100, 940), rows: [380, 640], most_moments: usize::MAX };
 const SMALL: Sheet = Sheet { size: (700, 700), rows: [250, 460], most_moments: 500 };
-/// Places over which the force is averaged, and fewest readings in one.
+/// Bins over which the force is averaged, and fewest readings in one.
 const PLACES: usize = 24;
 const FEWEST: usize = 5;
 const UNIT: &str = "missing force, mm/s²";
-/// Points of the force over time at most.
+/// Largest number of points of the force over time.
 const MOST_POINTS: usize = 4000;
 
-/// Draws what a diagnosis found; `places` are those to be shaded.
+/// Draws a diagnosis; `places` are shaded.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
@@ -108,7 +110,7 @@ pub fn over_signals(missing: &[MissingForce], places: &[Place]) -> [Diagram; 3] 
     })
 }
 
-/// Middle of each place, and mean and standard deviation of the force there.
+/// Middle of each bin, and mean and standard deviation of the force there.
 fn means(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let places = points.chunks(points.len().div_ceil(PLACES).max(FEWEST));
@@ -128,7 +130,8 @@ mod tests {
 
     #[test]
     fn the_mean_of_a_place_is_that_of_its_readings_in_the_order_of_the_abscissa() {
-        // 240 readings in 24 places of 10: force 2·x, so that each mean is twice the middle and the scatter that of ten steps.
+        // 240 readings in 24 bins of 10: force 2·x, so that each mean is twice the middle and the deviation that of ten
+        // steps.
         let points = (0..240).rev().map(|k| (f64::from(k), 2.0 * f64::from(k))).collect();
         let found = means(points);
         assert_eq!(found.len(), 24);

@@ -5,10 +5,10 @@ use control::compensation::Compensation;
 use diagnose::{Change, Closed, Diagnosis, Gap, NamedEffect, Place, Verdict};
 use std::fmt::Write;
 
-/// What a record that cannot answer asks for.
+/// The advice after a record with too little information.
 const FLY_ANOTHER: &str = "Fly one with a moving setpoint, at least 30 s in free flight.";
 
-/// The verdict in a sentence, then a line for each thing that was found. `compensation`: what was on in flight.
+/// The result in a sentence, then a line for each finding. `compensation`: the one of the recorded flight.
 #[must_use]
 pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     let mut words = format!("{}.", found.verdict_in_words());
@@ -41,7 +41,7 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     words
 }
 
-/// The line of an effect; below it what it looks like and how to mend it, unless it is not there.
+/// The line of an effect; below it its signature and its correction, unless it is absent.
 fn effect(named: &NamedEffect, found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     let (entry, line) = (named.candidate.entry, found.effect_in_words(named));
     if named.change == Change::Removed {
@@ -51,7 +51,7 @@ fn effect(named: &NamedEffect, found: &Diagnosis, compensation: Option<&Compensa
     format!("{line}\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "")
 }
 
-/// A place as it stands behind "wrong".
+/// A place as written after "wrong".
 fn place_in_words(place: &Place) -> String {
     match place.signal {
         "lag_s" => format!("{:.2} to {:.2} s after the duty moves", place.from, place.to),

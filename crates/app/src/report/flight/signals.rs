@@ -1,16 +1,16 @@
-//! What the optional signals of a flight said, in a line each.
+//! The optional signals of a flight, in a line each.
 
 use crate::flight::vocabulary::Cycle;
 use serde::Serialize;
 use std::fmt;
 
-/// What they said. Absent where the rig has none.
+/// Statistics of the optional signals. Absent where the rig has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Signals {
     /// The fan's speed by its tachometer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fan: Option<FanSpeed>,
-    /// The second sensor beside the first.
+    /// The second sensor compared with the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_sensor: Option<Apart>,
 }
@@ -24,7 +24,7 @@ pub struct FanSpeed {
     pub most_rpm: f64,
 }
 
-/// The second sensor's readings less the first's, where both are fresh.
+/// The second sensor's readings minus the first's, where both are fresh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Apart {
     /// Mean, mm.

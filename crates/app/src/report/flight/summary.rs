@@ -1,4 +1,4 @@
-//! The summary of a flight: a few lines that a person reads at once.
+//! The summary of a flight: a few lines of text.
 
 use super::signals::Signals;
 use crate::analysis::step_response::{Step, steps};
@@ -7,14 +7,14 @@ use crate::flight::vocabulary::Cycle;
 use serde::Serialize;
 use std::fmt;
 
-/// What a flight was like. Numbers are `null` in JSON where the flight has none.
+/// The metrics of a flight. Numbers are `null` in JSON where the flight has none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Name and version of this document.
     pub schema: &'static str,
     /// Length of the flight, seconds.
     pub duration_s: f64,
-    /// Control cycles, and how punctual they were.
+    /// Control cycles, and their lateness.
     #[serde(flatten)]
     pub punctuality: Option<Punctuality>,
     /// Rows of the log.
@@ -33,10 +33,10 @@ pub struct Summary {
     pub rms_error_mm: Option<f64>,
     /// The same, only where a step had settled.
     pub rms_settled_mm: Option<f64>,
-    /// How surprising the readings were to the observer, if there was one.
+    /// The observer's test ratios, if there was an observer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub innovations: Option<Innovations>,
-    /// What the signals besides the position said, if there were any.
+    /// The signals besides the position, if there were any.
     #[serde(flatten)]
     pub signals: Signals,
 }
@@ -46,9 +46,9 @@ pub struct Summary {
 pub struct Innovations {
     /// To 0.5: as expected, percent.
     pub expected_percent: f64,
-    /// To 1.0: worth a look, percent.
+    /// To 1.0: suspicious, percent.
     pub doubtful_percent: f64,
-    /// Above: refused as outliers, percent.
+    /// Above: rejected as outliers, percent.
     pub refused_percent: f64,
 }
 
@@ -75,7 +75,7 @@ impl Innovations {
 }
 
 impl Summary {
-    /// Sums up the cycles of a log. `punctuality` is known only of a flight that has just ended.
+    /// Computes the summary of the cycles of a log. `punctuality` is known only of a flight that has just ended.
     #[must_use]
     pub fn of(cycles: &[Cycle], punctuality: Option<Punctuality>) -> Self {
         let steps = steps(cycles);

@@ -6,9 +6,9 @@ use diagnose::Recording;
 use diagnose::identify::{Estimate, GreyBox, Percent, Poles, ResidualTests, Test};
 use serde::Serialize;
 
-/// Nats by which the third pole must help on what was held out: one more number gains half a nat by chance.
+/// Held-out log-likelihood gain that a third pole needs, nats: by chance one more parameter gains half a nat.
 const WORTH_A_POLE: f64 = 2.0;
-/// A test below this chance says that the model is not right.
+/// A test with a smaller p-value rejects the model.
 const REJECTED: f64 = 0.01;
 
 /// The document that `identify grey-box --json` writes.
@@ -43,7 +43,7 @@ struct HeldOutEntry {
 const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 
 impl<'a> Document<'a> {
-    /// The document of what was found with each number of poles, of which `best` is kept.
+    /// The document of the fits with each number of poles, of which `best` is kept.
     #[must_use]
     pub fn of(found: &'a [GreyBox], best: &GreyBox, open_loop: bool) -> Self {
         let entry = |found: &'a GreyBox| ModelEntry {
@@ -65,26 +65,27 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The plant of fewer poles, unless the others foretell what was held out better by more than chance. `None`: of none.
+/// The plant of fewer poles, unless another forecasts the held-out part significantly better. `None`: there is no
+/// plant.
 #[must_use]
 pub fn better(found: &[GreyBox]) -> Option<&GreyBox> {
     let likelihood = |found: &GreyBox| found.held_out.log_likelihood;
     found.iter().reduce(|best, next| if likelihood(next) > likelihood(best) + WORTH_A_POLE { next } else { best })
 }
 
-/// What the residuals say of a plant.
+/// The result of the residual tests of a plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Residuals {
-    /// Noise.
+    /// White noise.
     Noise,
-    /// They can be foretold from the duty.
+    /// Correlated with earlier duty.
     KnowDuty,
-    /// They can be foretold from those before them.
+    /// Autocorrelated.
     Coloured,
 }
 
 impl Residuals {
-    /// What those of a plant say.
+    /// The result for a plant.
     #[must_use]
     pub fn of(found: &GreyBox) -> Self {
         let rejected = |test: Test| test.p_value < REJECTED;
@@ -96,11 +97,11 @@ impl Residuals {
     }
 }
 
-/// The words of an identification.
+/// An identification in words.
 pub mod words {
     use super::{GreyBox, HORIZONS_S, Percent, Poles, Recording, Residuals, Test, empty, name, said};
 
-    /// How many poles, in words.
+    /// The number of poles, in words.
     #[must_use]
     pub const fn poles(poles: Poles) -> &'static str {
         match poles {
@@ -109,7 +110,7 @@ pub mod words {
         }
     }
 
-    /// What was found with each number of poles, and which is kept.
+    /// The fit with each number of poles, and the one that is kept.
     #[must_use]
     pub fn lines(recording: &Recording, found: &[GreyBox], best: &GreyBox) -> Vec<String> {
         let (seconds, readings) = (recording.duration_s(), recording.readings());
@@ -139,7 +140,7 @@ pub mod words {
         }
     }
 
-    /// What the residuals mean for the plant.
+    /// The meaning of the residuals for the plant.
     #[must_use]
     pub const fn verdict(residuals: Residuals) -> &'static str {
         match residuals {
@@ -173,7 +174,7 @@ pub mod words {
         table.to_string()
     }
 
-    /// A fit beside what noise allows.
+    /// A fit compared with the noise floor.
     pub fn fit(of: &GreyBox, which: impl Fn(&Percent) -> Option<f64>) -> String {
         match (which(&of.held_out.percent), which(&of.held_out.allowed)) {
             (Some(fit), Some(allowed)) => format!("{fit:.1} % ({allowed:.1} % by noise)"),
@@ -181,7 +182,7 @@ pub mod words {
         }
     }
 
-    /// The chance of a test.
+    /// The p-value of a test.
     pub fn chance(test: Test) -> String {
         if test.p_value < 0.001 { "p < 0.001".into() } else { format!("p = {:.3}", test.p_value) }
     }

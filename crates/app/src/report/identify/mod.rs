@@ -1,4 +1,4 @@
-//! What was identified: as words, as a document (`airball.identify/1`), and as a config patch.
+//! An identification: as words, as a document (`airball.identify/1`), and as a config patch.
 
 pub mod grey_box;
 pub mod page;
@@ -15,7 +15,8 @@ use std::fmt::Write;
 const SCHEMA: &str = "airball.identify/1";
 const LAG: &str = "fan_lag.time_constant_s";
 
-/// The estimates as a patch over the config that `start` is the model of. A lag that the config has and the estimates do not is set to 0, which is none.
+/// The estimates as a patch over the config of the model `start`. A lag that the config has and the estimates do not is
+/// set to 0, which means none.
 #[must_use]
 pub fn patch(origin: &str, estimates: &[Estimate], start: &Model) -> String {
     let mut patch = format!("# {origin}; 90 % intervals.\n[plant]\n");
@@ -49,7 +50,7 @@ pub(super) fn said(estimate: &Estimate) -> String {
     format!("{} ({} to {})", digits(estimate.value), end(estimate.low), end(estimate.high))
 }
 
-/// A number of a model in words: name with unit.
+/// A parameter of a model in words: name with unit.
 pub(super) fn name(key: &str) -> &str {
     match key {
         "gain_mm_per_s2_per_percent" => "gain, mm/s² per %",

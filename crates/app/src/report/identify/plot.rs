@@ -1,5 +1,5 @@
-//! The pictures of an identification: simulations beside the record, residual correlations with their band, the plants in frequency; or a sweep
-//! of gains, pulse by pulse.
+//! The pictures of an identification: simulations beside the record, correlations of the residuals with their band,
+//! frequency responses of the plants; or the pulses of a sweep of gains.
 
 use crate::report::kit::palette::{MENDED, NOMINAL, RECORDED, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, write};
@@ -11,14 +11,14 @@ use diagnose::identify::{GreyBox, OfGain, Poles, ResidualTests, Sweep};
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// Size of a picture, pixels, and the part of its height above.
+/// Size of a picture, pixels, and the height of its upper part.
 const SIZE: (u32, u32) = (1100, 800);
 const UPPER: u32 = 420;
 /// Frequencies, powers of ten of rad/s.
 const DECADES: (f64, f64) = (-1.0, 2.0);
 const POINTS: u32 = 300;
 
-/// How a plant of so many poles is named and drawn.
+/// Name and colour of a plant with this number of poles.
 pub const fn look(poles: Poles) -> (&'static str, RGBColor) {
     match poles {
         Poles::Two => ("two poles", NOMINAL),
@@ -26,7 +26,7 @@ pub const fn look(poles: Poles) -> (&'static str, RGBColor) {
     }
 }
 
-/// Draws what was identified with each number of poles from `recording`; the residuals are those of `best`.
+/// Draws the plants with each number of poles from `recording`; the residuals are those of `best`.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
@@ -42,8 +42,8 @@ pub fn grey_box(
     picture(path, &Diagram { title, ..simulations(recording, found) }, &[whiteness, input, plants(found)])
 }
 
-/// Draws a sweep: the mean pulse of the lowest, the middle and the highest gain beside the loop of second order that was read off it, and K_g and
-/// a over the gain.
+/// Draws a sweep: the mean pulse of the lowest, the middle and the highest gain beside the loop of second order that
+/// was computed from it, and K_g and a over the gain.
 ///
 /// # Errors
 /// [`PlotError`] names the file.
@@ -63,7 +63,7 @@ fn picture(path: &Path, above: &Diagram, below: &[Diagram; 3]) -> Result<(), Plo
     write(path, &svg)
 }
 
-/// The record, and simulations of what was held out of it with each number of poles.
+/// The record, and simulations of its held-out part with each number of poles.
 pub fn simulations(recording: &Recording, found: &[GreyBox]) -> Diagram {
     let simulated = |one: &GreyBox| {
         let (label, colour) = look(one.poles);
@@ -73,7 +73,8 @@ pub fn simulations(recording: &Recording, found: &[GreyBox]) -> Diagram {
     Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
 }
 
-/// Correlations of the residuals with those before them and with the duty, at 1, 2, … readings within the band of white noise.
+/// Autocorrelation of the residuals and their correlation with the duty, at lags of 1, 2, … readings, with the band of
+/// white noise.
 pub fn correlations(residuals: &ResidualTests) -> [Diagram; 2] {
     let of = |title: &str, values: &[f64]| {
         let (band, end) = (residuals.band, values.len() as f64 + 0.5);
@@ -97,12 +98,12 @@ pub fn correlations(residuals: &ResidualTests) -> [Diagram; 2] {
     ]
 }
 
-/// The plants with each number of poles, in frequency.
+/// The frequency responses of the plants with each number of poles.
 pub fn plants(found: &[GreyBox]) -> Diagram {
     frequencies(found.iter().map(|one| bode(look(one.poles), one.fit.model.linear())).collect())
 }
 
-/// The plant of a sweep, in frequency.
+/// The frequency response of the plant of a sweep.
 pub fn plant(found: &Sweep) -> Diagram {
     frequencies(vec![bode(look(Poles::Two), Linear::two_poles(found.gain.value, found.drag.value))])
 }
@@ -119,7 +120,7 @@ fn frequencies(lines: Vec<Line>) -> Diagram {
     Diagram { title: "plant".into(), abscissa, ordinate, lines, decades: true, ..Diagram::default() }
 }
 
-/// The mean pulses of the lowest, the middle and the highest gain, and what was read off them.
+/// The mean pulses of the lowest, the middle and the highest gain, and the responses that were computed from them.
 pub fn pulses(found: &Sweep) -> Diagram {
     let last = found.gains.len().saturating_sub(1);
     let mut shown = vec![0, last / 2, last];
@@ -136,7 +137,7 @@ pub fn pulses(found: &Sweep) -> Diagram {
     Diagram { abscissa: "time since the jump, s", ordinate: "share of the jump", lines, ..Diagram::default() }
 }
 
-/// The response of second order that was read off the mean pulse.
+/// The response of second order that was computed from the mean pulse.
 fn response(gain: &OfGain) -> Vec<(f64, f64)> {
     let loops = Transient { damping: gain.damping, omega: gain.omega };
     gain.mean_pulse.iter().map(|(t, _)| (*t, loops.response(*t))).collect()

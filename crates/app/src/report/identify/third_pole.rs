@@ -9,9 +9,9 @@ pub struct Document {
     pub schema: &'static str,
     /// `third_pole`.
     pub method: &'static str,
-    /// What was measured on the rig, percent per mm.
+    /// The critical gain measured on the rig, percent per mm.
     pub critical_gain_per_mm: f64,
-    /// At this integral time, seconds.
+    /// The integral time of that measurement, seconds.
     pub integral_time_s: f64,
     /// Period of the sampled loop, seconds; `null`: continuous.
     pub period_s: Option<f64>,
@@ -19,9 +19,9 @@ pub struct Document {
     pub fan_lag_s: f64,
     /// 1/τ.
     pub fan_pole_per_s: f64,
-    /// τ of the model before, seconds; 0: none.
+    /// τ of the initial model, seconds; 0: none.
     pub lag_before_s: f64,
-    /// What the model now foretells: the critical integral time at half of the critical gain, seconds.
+    /// Prediction of the model with this lag: the critical integral time at half of the critical gain, seconds.
     pub critical_ti_s: Option<f64>,
 }
 
@@ -35,7 +35,7 @@ pub fn patch(found: &Document) -> String {
     )
 }
 
-/// The lag, and what can be measured next to check it.
+/// The lag, and the next measurement that can check it.
 #[must_use]
 pub fn lines(found: &Document) -> Vec<String> {
     let how = found.period_s.map_or_else(|| "continuous".into(), |period_s| format!("sampled every {period_s} s"));

@@ -54,11 +54,11 @@ pub fn lines(found: &Sweep) -> Vec<String> {
     lines
 }
 
-/// What a row of the table says.
+/// The column heads of the table.
 pub const HEADS: [&str; 8] =
     ["K_p, % per mm", "pulses", "overshoot", "peak", "damping", "ω_n, rad/s", "K_g, mm/s² per %", "a, 1/s"];
 
-/// What a gain gives.
+/// The row of a gain.
 pub fn row(gain: &OfGain) -> [String; 8] {
     [
         digits(gain.kp_per_mm),

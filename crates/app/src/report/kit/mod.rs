@@ -1,4 +1,4 @@
-//! What every report is made of: pages, pictures, tables and colours.
+//! The parts of all reports: pages, pictures, tables and colours.
 
 pub mod page;
 pub mod palette;

@@ -1,13 +1,14 @@
-//! The colours of every picture and page: the same ink for the same signal, in a light and in a dark theme.
+//! The colours of every picture and page: the same colour for the same signal, in a light and in a dark theme.
 //!
-//! Recorded is the text's own black, the belief vermilion and the mended model blue: the pair that those who confuse red and green
-//! tell apart best. Source of the hues: Okabe and Ito, "Color universal design", 2008, darkened for the light theme and lightened for
-//! the dark one. Contrast by WCAG 2.2: at least 4.5 to 1, so that a label may have the colour of its line.
+//! Recorded is the text's own black, the belief vermilion and the mended model blue: the pair that people with
+//! red-green colour blindness distinguish best. Source of the hues: Okabe and Ito, "Color universal design", 2008,
+//! darkened for the light theme and lightened for the dark one. Contrast by WCAG 2.2: at least 4.5 to 1, so that a
+//! label may have the colour of its line.
 
 use plotters::style::RGBColor;
 use std::fmt::Write;
 
-/// An ink: its name in style sheets, and its colour on light and on dark ground.
+/// A colour: its name in style sheets, and its value on light and on dark background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ink {
     name: &'static str,
@@ -15,7 +16,7 @@ struct Ink {
     dark: RGBColor,
 }
 
-/// What a picture draws with: `RGBColor` on white; a page takes the theme's colour in its place.
+/// The colours of a picture on white; a page replaces them by the theme's colours.
 pub const SETPOINT: RGBColor = RGBColor(0x6b, 0x70, 0x7b);
 pub const RECORDED: RGBColor = RGBColor(0x1c, 0x20, 0x28);
 pub const NOMINAL: RGBColor = RGBColor(0xb8, 0x4a, 0x00);
@@ -26,7 +27,7 @@ pub const SHADE: RGBColor = RGBColor(0xf0, 0xb4, 0x29);
 pub const TEXT: RGBColor = RGBColor(0x4a, 0x50, 0x5b);
 pub const GRID: RGBColor = RGBColor(0xdd, 0xdf, 0xe3);
 
-/// All inks, and the ground that they are on.
+/// All colours, and the background.
 const INKS: [Ink; 9] = [
     Ink { name: "setpoint", light: SETPOINT, dark: RGBColor(0x9a, 0xa3, 0xb2) },
     Ink { name: "recorded", light: RECORDED, dark: RGBColor(0xf1, 0xf3, 0xf7) },
@@ -38,11 +39,12 @@ const INKS: [Ink; 9] = [
     Ink { name: "axis", light: TEXT, dark: RGBColor(0xb4, 0xbb, 0xc7) },
     Ink { name: "grid", light: GRID, dark: RGBColor(0x34, 0x3a, 0x45) },
 ];
-/// Nothing else has the colour of the stop button, which white letters stand on.
+/// The colour of the stop button, with white letters; nothing else has it.
 const STOP: Ink = Ink { name: "stop", light: RGBColor(0xb3, 0x00, 0x1b), dark: RGBColor(0xb3, 0x00, 0x1b) };
 const GROUND: Ink = Ink { name: "ground", light: RGBColor(0xff, 0xff, 0xff), dark: RGBColor(0x16, 0x19, 0x1f) };
 
-/// The inks as custom properties of a style sheet, by the theme that the reader prefers; on paper always the light one.
+/// The colours as custom properties of a style sheet, by the theme that the reader prefers; on paper always the light
+/// one.
 #[must_use]
 pub fn stylesheet() -> String {
     let properties = |colour: fn(&Ink) -> RGBColor| {
@@ -59,7 +61,7 @@ pub fn stylesheet() -> String {
     )
 }
 
-/// A drawing in which every ink takes the colour of the page's theme.
+/// A drawing in which every colour is replaced by the page's theme colour.
 #[must_use]
 pub fn themed(svg: &str) -> String {
     INKS.iter().fold(svg.to_owned(), |svg, ink| {
@@ -67,13 +69,13 @@ pub fn themed(svg: &str) -> String {
     })
 }
 
-/// The name of an ink in style sheets; that of the text for a colour that is none.
+/// The name of a colour in style sheets; that of the text for an unknown colour.
 #[must_use]
 pub fn name(colour: RGBColor) -> &'static str {
     INKS.iter().find(|ink| ink.light == colour).map_or("axis", |ink| ink.name)
 }
 
-/// As the drawing library writes it.
+/// A colour as the drawing library writes it.
 fn hex(RGBColor(red, green, blue): RGBColor) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }

@@ -1,4 +1,4 @@
-//! The look of every table in words: lines above and below, the first column to the left and the others to the right.
+//! The format of every table in words: lines above and below, the first column to the left and the others to the right.
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Row, Table, TableComponent};

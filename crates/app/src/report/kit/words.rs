@@ -1,4 +1,4 @@
-//! Names and numbers as every report has them.
+//! Names and numbers in the format of all reports.
 
 use plant::Stage;
 

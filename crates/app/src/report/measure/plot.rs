@@ -1,4 +1,4 @@
-//! The picture of a measurement: the flight above, what was found in it below, as SVG.
+//! The picture of a measurement: the flight above, the result below, as SVG.
 
 use crate::analysis::measurement::Found;
 use crate::analysis::step_response::Step;
@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Size of the picture, pixels.
 const SIZE: (u32, u32) = (1100, 800);
-/// How much of a step is shown, seconds.
+/// Visible time of a step, seconds.
 const STEP_S: f64 = 6.0;
 
 /// Draws a measurement.
@@ -35,7 +35,7 @@ pub fn flight(recording: &Recording) -> Diagram {
     Diagram { abscissa: "time, s", ordinate: "position, mm", lines, ..Diagram::default() }
 }
 
-/// What was found in it.
+/// The result.
 pub fn result(recording: &Recording, found: &Found) -> Diagram {
     match found {
         Found::DeadZone { zone, jumps } | Found::ForceCurve { zone, jumps } => forces(zone, jumps),
@@ -45,7 +45,7 @@ pub fn result(recording: &Recording, found: &Found) -> Diagram {
     }
 }
 
-/// Force over duty, each jump a cross, and the lines from the edges.
+/// Force over duty: each jump a cross, and the lines from the edges.
 fn forces(zone: &DeadZone, jumps: &Jumps) -> Diagram {
     let duties = || jumps.jumps.iter().map(|jump| jump.duty_percent);
     let (lowest, highest) = (duties().fold(f64::INFINITY, f64::min), duties().fold(f64::NEG_INFINITY, f64::max));
@@ -66,7 +66,7 @@ fn forces(zone: &DeadZone, jumps: &Jumps) -> Diagram {
     }
 }
 
-/// Growth of the swing over the gain; the critical gain where zero is crossed.
+/// Growth of the oscillation over the gain; the critical gain where it crosses zero.
 fn growths(found: &Critical) -> Diagram {
     let mut points: Vec<(f64, f64)> = found.swings.iter().map(|swing| (swing.kp_per_mm, swing.growth_per_s)).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -106,7 +106,7 @@ fn overlaid(recording: &Recording, steps: &[Step]) -> Diagram {
     }
 }
 
-/// How often each reading was taken, to whole millimetres.
+/// Histogram of the readings, to whole millimetres.
 fn histogram(recording: &Recording) -> Diagram {
     let mut counts = std::collections::BTreeMap::<i64, f64>::new();
     for reading in recording.samples().iter().filter_map(|row| row.position_mm) {

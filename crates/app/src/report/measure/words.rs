@@ -23,9 +23,9 @@ pub struct Document<'a> {
     pub what: String,
     /// What was found.
     pub found: &'a Found,
-    /// The log that it was found in.
+    /// The log.
     pub log: String,
-    /// The same as a config patch.
+    /// The result as a config patch.
     pub config_patch: Option<&'a str>,
 }
 
@@ -38,12 +38,12 @@ pub fn document<'a>(what: Measurement, found: &'a Found, log: &Path, patch: Opti
     Ok(Document { schema: "airball.measure/1", what, found, log: log.display().to_string(), config_patch: patch })
 }
 
-/// A number that was measured, and what the config believes of it.
+/// A measured number, and the config's value.
 pub struct Row {
     pub name: &'static str,
-    /// `None`: it could not be told.
+    /// `None`: it is not identifiable.
     pub measured: Option<Estimate>,
-    /// Places behind the point.
+    /// Decimal places.
     pub digits: usize,
     pub unit: &'static str,
     pub believed: Option<f64>,
@@ -59,7 +59,7 @@ const fn row(
     Row { name, measured, digits, unit, believed }
 }
 
-/// The measurement as a table beside what the config believes, and a line or two.
+/// The measurement as a table with the config's values, and a line or two.
 #[must_use]
 pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
     let rows = rows(found, tables);
@@ -139,7 +139,7 @@ pub fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
     }
 }
 
-/// What the forces stand on.
+/// The assumptions of the forces.
 pub fn given(jumps: &Jumps) -> String {
     format!("The forces are those of a ball with the config's drag, {} 1/s.", jumps.drag_per_s)
 }
@@ -177,7 +177,7 @@ pub fn forces(jumps: &Jumps) -> Rows<6> {
     Rows { heads, rows: sorted.iter().map(row).collect() }
 }
 
-/// The steps that swing.
+/// The steps that oscillate.
 pub fn swings(found: &Critical) -> Rows<4> {
     let row = |swing: &Swing| {
         [
@@ -215,7 +215,7 @@ pub fn settled(steps: &Steps) -> String {
     format!("{} steps, of which {} settled before the next.", steps.steps, steps.settled)
 }
 
-/// What the readings at rest were.
+/// The readings at rest.
 pub fn readings(floor: &NoiseFloor) -> String {
     let NoiseFloor { correlation, resolution_mm, readings, wild, .. } = floor;
     format!(
@@ -223,11 +223,11 @@ pub fn readings(floor: &NoiseFloor) -> String {
     )
 }
 
-/// Why a scale cannot be told.
+/// Why a scale is not identifiable.
 pub const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be told. Mount the sensor at \
                                 least 30 mm above the ball's rest there.";
 
-/// What must hold, and whether it does.
+/// The bands, and whether each is met.
 pub fn bands(found: &Calibration) -> Rows<5> {
     let row = |band: &Band| {
         let verdict = match band {

@@ -1,10 +1,10 @@
-//! The gap as a table that a person reads, with a sentence on what it says.
+//! The gap as a table, with a sentence on its meaning.
 
 use crate::report::kit::table::empty;
 use diagnose::{Gap, Recording};
 use serde::Serialize;
 
-/// A model whose error exceeds the floor by less than this is as good as noise allows.
+/// A model whose error is below this multiple of the noise floor is as good as noise allows.
 pub const AS_GOOD_AS_NOISE: f64 = 1.1;
 
 /// The document that `replay --json` writes.
@@ -25,7 +25,7 @@ impl<'a> ReplayDocument<'a> {
     }
 }
 
-/// The gap as a table: a row a horizon.
+/// The gap as a table: one row per horizon.
 #[must_use]
 pub fn table(gap: &Gap) -> String {
     let mut table = empty(["forecast ahead", "model", "the ball stays put", "noise alone", "model / noise"]);
@@ -38,7 +38,7 @@ pub fn table(gap: &Gap) -> String {
     table.to_string()
 }
 
-/// What the table says, in a sentence that ends in what to do.
+/// The meaning of the table, in a sentence that ends with the next step.
 #[must_use]
 pub fn sentence(gap: &Gap, recording: &Recording) -> String {
     let ahead = gap.horizons_s[2];

@@ -10,16 +10,16 @@ use crate::report::replay::plot::free_runs_of;
 use diagnose::{Finding, FreeRun, Gap, Recording};
 use maud::{Markup, html};
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// The log, by its name.
+    /// The name of the log.
     pub log: &'a str,
-    /// The config that holds the model, by its name.
+    /// The name of the config that holds the model.
     pub config: &'a str,
     /// The rows of the log.
     pub recording: &'a Recording,
-    /// What the check of the record found.
+    /// The findings of the check of the record.
     pub findings: &'a [Finding],
     /// The gap.
     pub gap: &'a Gap,

@@ -21,7 +21,7 @@ fn settled(set: Observer) -> Estimator {
     estimator
 }
 
-/// What the estimate moves by for a surprise of 1, by the first sensor, the second and the fan's speed.
+/// The change of the estimate for an innovation of 1, by the first sensor, the second and the fan's speed.
 fn moves(set: Observer) -> [State; 3] {
     let mut estimator = settled(set);
     let mut moved = |update: fn(&mut Estimator, &State)| {

@@ -1,10 +1,10 @@
-//! The program that is judged, run from outside: `airball diagnose --json` on one case.
+//! The program that is scored, run as a process: `airball diagnose --json` on one case.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Says how many threads a program that uses rayon may have.
+/// Number of threads of a program that uses rayon.
 const THREADS: &str = "RAYON_NUM_THREADS";
 
 /// A built `airball`.
@@ -15,7 +15,7 @@ pub(crate) struct Airball {
 }
 
 impl Airball {
-    /// The program that was named, or the one beside this program. Each run has so many threads.
+    /// The named program, or the one next to this program. Each run has `threads` threads.
     pub(crate) fn find(named: Option<&Path>, threads: usize) -> Result<Self> {
         let beside = || Ok::<_, std::io::Error>(std::env::current_exe()?.with_file_name("airball"));
         let program = named.map_or_else(beside, |named| Ok(named.to_owned()));
@@ -25,7 +25,7 @@ impl Airball {
             "there is no program {}; build it with `cargo build --release --package airball`, or name another with --airball",
             program.display()
         );
-        // A bare name would be looked for in the PATH.
+        // A bare name would be searched in the PATH.
         let program = program.canonicalize().with_context(|| format!("cannot look at {}", program.display()))?;
         Ok(Self { program, threads })
     }

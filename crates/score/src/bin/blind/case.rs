@@ -1,4 +1,4 @@
-//! A case as the judge reads it, apart from what it judges: the record, and what the owner of its rig believes.
+//! A case as the scorer reads it, independent of the scored program: the record, and the belief of its rig's owner.
 
 use anyhow::{Context, Result, ensure};
 use diagnose::Recording;
@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// First bytes of a zstd frame (RFC 8878).
 const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
-/// A record is not larger than this: a small file could otherwise unpack to fill the memory.
+/// Largest size of a record: a small file could otherwise unpack to fill the memory.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// A record and a belief about it.
@@ -22,7 +22,7 @@ pub(crate) struct Case {
     pub(crate) recording: Recording,
 }
 
-/// The tables of a config that the judge needs. Whether the others are sound is a matter of the program that is judged.
+/// The tables of a config that the scorer needs. The scored program checks the others.
 #[derive(Deserialize)]
 struct Belief {
     plant: Model,
@@ -48,7 +48,7 @@ impl Case {
     }
 }
 
-/// The bytes as they were before they were packed, or as they are.
+/// The unpacked bytes, or the bytes themselves if they are not packed.
 fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>> {
     if !bytes.starts_with(&MAGIC) {
         return Ok(Cow::Borrowed(bytes));

@@ -12,7 +12,7 @@ pub(crate) struct Folder {
 }
 
 impl Folder {
-    /// Looks for cases.
+    /// Finds the cases.
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let look = || format!("cannot look into {}; name a folder of cases", path.display());
         let mut records = BTreeMap::new();
@@ -30,7 +30,7 @@ impl Folder {
         Ok(Self { records, path: path.to_owned() })
     }
 
-    /// What the owner of a case's rig believes.
+    /// The belief of the owner of a case's rig.
     pub(crate) fn belief(&self, case: &str) -> PathBuf {
         self.path.join(format!("{case}.toml"))
     }

@@ -1,4 +1,4 @@
-//! `blind`: has `airball` diagnose a folder of withheld cases, and scores the answers once the truth is known.
+//! `blind`: runs `airball` on a folder of withheld cases, and scores the answers when the truth is known.
 
 mod airball;
 mod case;
@@ -30,10 +30,10 @@ fn main() -> ExitCode {
     }
 }
 
-/// Has every case diagnosed, one that cannot be read apart, and says how it went.
+/// Diagnoses every case, except unreadable ones, and prints the result.
 ///
 /// # Errors
-/// A folder without cases, a truth that cannot be read, no program to be judged, a folder that cannot be written, no
+/// A folder without cases, a truth that cannot be read, no program to be scored, a folder that cannot be written, no
 /// case that could be diagnosed.
 fn blind(args: &BlindArgs) -> Result<()> {
     let folder = Folder::open(&args.folder)?;
@@ -54,7 +54,7 @@ fn blind(args: &BlindArgs) -> Result<()> {
     say(page(&document))
 }
 
-/// How often each verdict was given.
+/// Number of answers with each verdict.
 fn count(done: &[Done]) -> BTreeMap<&'static str, usize> {
     let mut counts = BTreeMap::new();
     for answer in done.iter().filter_map(|done| done.answer.as_ref().ok()) {

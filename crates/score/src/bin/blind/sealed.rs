@@ -1,4 +1,4 @@
-//! What was withheld, after its seal was opened: the truth, and what each record could tell at best.
+//! The withheld data, after their publication: the truth, and the bounds of each record.
 
 use crate::output::note;
 use crate::work::Done;
@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// An opened truth.
+/// A published truth.
 pub(crate) struct Sealed {
     truths: Vec<CaseTruth>,
     bounds: BTreeMap<String, Bounds>,
@@ -30,13 +30,13 @@ impl Sealed {
         Ok(Self { truths: opened.cases, bounds })
     }
 
-    /// What is so about a case.
+    /// The truth of a case.
     pub(crate) fn truth(&self, case: &str) -> Option<&CaseTruth> {
         self.truths.iter().find(|truth| truth.case == case)
     }
 
-    /// `count` of the cases whose rig has one effect that its owner does not know of, spread evenly over the set. An
-    /// effect that the belief holds is not taken from the search by leaving its name out.
+    /// `count` of the cases whose rig has one effect that is not in its belief, spread evenly over the set. An effect
+    /// of the belief cannot be removed from the search by leaving its name out.
     pub(crate) fn to_leave_out(&self, count: usize, known: impl Fn(&str) -> bool) -> BTreeMap<String, String> {
         let added =
             |truth: &&CaseTruth| truth.kind == Kind::Single && truth.effects.iter().all(|e| e.change == "added");
@@ -46,7 +46,7 @@ impl Sealed {
         chosen.filter_map(|truth| Some((truth.case.clone(), truth.effects.first()?.name.clone()))).collect()
     }
 
-    /// Truth and answers, case by case. What is in one and not in the other is said and not scored.
+    /// Truth and answers, case by case. A case that is missing on one side is reported and not scored.
     pub(crate) fn joined(mut self, done: Vec<Done>) -> Vec<Case> {
         let answered: BTreeSet<&str> = done.iter().map(|done| done.case.as_str()).collect();
         let missing = self.truths.iter().filter(|truth| !answered.contains(truth.case.as_str())).count();

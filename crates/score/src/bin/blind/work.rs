@@ -1,4 +1,4 @@
-//! The work on a folder of cases: many at a time, one after another written down, with a bar that a person can watch.
+//! The processing of a folder of cases: in parallel, each result written when it is ready, with a progress bar.
 
 use crate::airball::Airball;
 use crate::case::Case;
@@ -14,24 +14,24 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// Where the diagnoses go from whose search the true effect was left out, below those of all cases.
+/// Subfolder of the diagnoses whose search left out the true effect.
 const LEFT_OUT: &str = "left-out";
 
-/// Where answers come from.
+/// The source of the answers.
 enum Source<'a> {
-    /// A folder that a run before wrote.
+    /// A folder of an earlier run.
     Verdicts(&'a Path),
-    /// The program that is judged.
+    /// The program that is scored.
     Program(Airball),
 }
 
-/// What is to be done.
+/// The work to do.
 pub(crate) struct Work<'a> {
     folder: &'a Folder,
     sealed: Option<&'a Sealed>,
-    /// Where answers come from.
+    /// The source of the answers.
     source: Source<'a>,
-    /// Where answers go, if anywhere.
+    /// The folder for the answers, if any.
     out: Option<&'a Path>,
     without: &'a [String],
     /// Cases to be diagnosed again, with the effect that is left out.
@@ -40,19 +40,19 @@ pub(crate) struct Work<'a> {
     jobs: usize,
 }
 
-/// A case that was worked on.
+/// A processed case.
 pub(crate) struct Done {
     /// Its name.
     pub(crate) case: String,
-    /// The answer, or why there is none.
+    /// The answer, or the reason why there is none.
     pub(crate) answer: Result<Answer>,
-    /// The answer of a search without the true effect, if that was asked.
+    /// The answer of a search without the true effect, if requested.
     pub(crate) left_out: Option<Answer>,
     /// The share of the gap that the true effects close.
     pub(crate) closed_of_truth: Option<f64>,
-    /// Nats by which the true model beats its best rival.
+    /// Log-likelihood of the true model minus that of its best rival, nats.
     pub(crate) shown: Option<f64>,
-    /// Length of the pipe that the owner believes in, mm.
+    /// Believed length of the pipe, mm.
     pub(crate) pipe_length_mm: f64,
 }
 
@@ -67,7 +67,7 @@ impl<'a> Work<'a> {
             std::fs::create_dir_all(&made).with_context(context)?;
         }
         let jobs = args.jobs.map_or_else(rayon::current_num_threads, NonZeroUsize::get);
-        // Cases that are worked on at the same time share the threads.
+        // Cases that are processed at the same time share the threads.
         let each = jobs / folder.records.len().clamp(1, jobs);
         let source = match &args.verdicts {
             Some(verdicts) => Source::Verdicts(verdicts),
@@ -76,7 +76,7 @@ impl<'a> Work<'a> {
         Ok(Self { folder, sealed, source, out: args.out.as_deref(), without: &args.without, again, jobs })
     }
 
-    /// Works on all cases. One that cannot be read is said, and the others go on.
+    /// Processes all cases. An unreadable one is reported, and the others are processed.
     pub(crate) fn all(&self) -> Result<Vec<Done>> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build()?;
         let bar = ProgressBar::new(self.folder.records.len() as u64);
@@ -153,7 +153,7 @@ fn file(folder: &Path, case: &str) -> PathBuf {
     folder.join(format!("{case}.json"))
 }
 
-/// Reads an answer, and writes it down where that is wanted.
+/// Reads an answer, and writes it where requested.
 fn noted(document: &[u8], out: Option<PathBuf>) -> Result<Answer> {
     if let Some(file) = out {
         let context = || format!("cannot write {}; check the folder of --out", file.display());

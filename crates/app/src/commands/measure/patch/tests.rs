@@ -1,4 +1,4 @@
-//! What patches say.
+//! Tests of the patches.
 
 use super::{lag_of, patch, scale_gains};
 use crate::analysis::measurement::Found;

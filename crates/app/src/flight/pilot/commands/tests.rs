@@ -1,4 +1,4 @@
-//! Whatever is commanded, in whatever order, the limits of the config hold.
+//! Tests that the limits of the config hold for every sequence of commands.
 
 use crate::config::Tables;
 use crate::flight::command::{Command, GainChange};
@@ -27,7 +27,7 @@ fn pilot(tables: &Tables) -> Pilot {
     })
 }
 
-/// Numbers of every size, and what is no number.
+/// Numbers of every size, infinities and NaN.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>(),

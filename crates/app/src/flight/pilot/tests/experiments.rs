@@ -1,4 +1,4 @@
-//! What the pilot makes of an experiment that is asked for in flight.
+//! Tests of experiments that are started in flight.
 
 use super::{fly, pilot, segment};
 use crate::flight::command::{Command, GainChange, Refusal};

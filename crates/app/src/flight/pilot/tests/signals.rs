@@ -1,4 +1,4 @@
-//! What the pilot makes of a tachometer and a second sensor.
+//! Tests of the pilot with a tachometer and a second sensor.
 
 use super::{T, pilot_holding};
 use crate::config::{SecondSensor, Tachometer};
@@ -17,7 +17,7 @@ fn pilot() -> Pilot {
     pilot
 }
 
-/// Flies by the same senses for so many cycles from `from` on; the cycle in which it stopped, if it did.
+/// Flies with constant senses for `cycles` cycles from `from` on; the cycle in which it stopped, if it did.
 fn fly(pilot: &mut Pilot, from: u32, cycles: u32, senses: Senses) -> Option<u32> {
     (0..cycles).find(|k| pilot.decide(T * f64::from(from + k), senses).mode == Mode::Stopped)
 }

@@ -1,4 +1,5 @@
-//! The page of critical gains: the models of the thesis beside its rig, and with the third pole that closes the gap.
+//! The page of critical gains: the models of the thesis compared with its rig, and with the third pole that explains
+//! it.
 
 use crate::report::design::critical_gain::{RIG, Row, Table};
 use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy, values};
@@ -6,14 +7,14 @@ use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
 use maud::{Markup, html};
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
     /// The critical gains.
     pub found: &'a Table,
-    /// How far each model is from the rig, in words.
+    /// The difference between each model and the rig, in words.
     pub gaps: &'a [String],
-    /// The config that a third pole was chosen for, by its name, and that pole as a patch, where one was asked for.
+    /// The name of the config that the third pole was chosen for, and that pole as a patch, where requested.
     pub patch: Option<(&'a str, &'a str)>,
 }
 

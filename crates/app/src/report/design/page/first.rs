@@ -1,4 +1,4 @@
-//! What is seen first of a design: whether it is stable, what it bears, and its step.
+//! The top of a design's page: whether the loop is stable, its margins, and its step.
 
 use super::{STEP, root_locus};
 use crate::analysis::loop_margins::Assessment;
@@ -9,7 +9,7 @@ use crate::report::kit::page::parts::values;
 use crate::report::kit::plot::Diagram;
 use maud::{Markup, html};
 
-/// The form that flies: sampled, where the period is known.
+/// The form of the loop on the rig: sampled, where the period is known.
 pub(super) fn decisive(document: &Document) -> &Assessment {
     document.sampled.as_ref().unwrap_or(&document.continuous)
 }
@@ -19,12 +19,12 @@ pub(super) fn more_gain(of: &Assessment) -> Option<f64> {
     of.gain_margins.iter().map(|margin| margin.factor).filter(|factor| *factor > 1.0).reduce(f64::min)
 }
 
-/// The factor to which the gain may fall before it does, for loops that need their gain.
+/// The factor to which the gain may fall before the loop loses stability, for conditionally stable loops.
 pub(super) fn less_gain(of: &Assessment) -> Option<f64> {
     of.gain_margins.iter().map(|margin| margin.factor).filter(|factor| *factor < 1.0).reduce(f64::max)
 }
 
-/// The least phase that may be lost, degrees.
+/// The smallest phase margin, degrees.
 pub(super) fn least_phase(of: &Assessment) -> Option<f64> {
     of.phase_margins.iter().map(|margin| margin.phase_deg).reduce(f64::min)
 }
@@ -44,7 +44,7 @@ pub(super) fn answer(of: &Assessment) -> String {
     }
 }
 
-/// What is seen first, below the answer.
+/// The part of the page below the answer.
 pub(super) fn first(document: &Document, drawn: &Diagrams) -> Markup {
     let of = decisive(document);
     html! {
@@ -56,7 +56,8 @@ pub(super) fn first(document: &Document, drawn: &Diagrams) -> Markup {
         div.first {
             (values(&numbers(of)))
             @if of.stable { (step_first(drawn)) }
-            // Where nothing comes to rest, the poles say why; the last locus is that of the loop that flies.
+            // An unstable loop has no step response: its poles are shown instead; the last locus is that of the sampled
+            // loop.
             @else if let Some(locus) = drawn.loci.last() {
                 div.round { (root_locus(locus)) }
             }
@@ -64,7 +65,7 @@ pub(super) fn first(document: &Document, drawn: &Diagrams) -> Markup {
     }
 }
 
-/// What is seen first of a loop. Of one that is not stable, only where it would be.
+/// The first numbers of a loop. Of an unstable loop, only the limits of its stability.
 fn numbers(of: &Assessment) -> Vec<(String, String, String)> {
     let line =
         |name: &str, value: Option<String>, about: &str| value.map(|value| (name.to_owned(), value, about.to_owned()));
@@ -85,12 +86,12 @@ fn numbers(of: &Assessment) -> Vec<(String, String, String)> {
     all.into_iter().flatten().collect()
 }
 
-/// The delay that brings a loop to its edge, seconds.
+/// The delay margin of a loop, seconds.
 pub(super) fn delay_s(of: &Assessment) -> Option<f64> {
     of.phase_margins.iter().map(|margin| margin.delay_s).reduce(f64::min)
 }
 
-/// The heads of the law's lines as a sentence begins.
+/// The head of a line of the law as a sentence begins.
 pub(super) fn spoken(name: &str) -> &str {
     match name {
         "feedback" => "State feedback",
@@ -102,7 +103,7 @@ pub(super) fn spoken(name: &str) -> &str {
     }
 }
 
-/// The step beside what is said first.
+/// The step response beside the first numbers.
 pub fn step_first(drawn: &Diagrams) -> Markup {
     let caption = html! {
         "The step of the setpoint, as a share of it, for a linear plant without noise and without limits of the fan."

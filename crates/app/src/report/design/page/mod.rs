@@ -1,4 +1,4 @@
-//! The page of a design: the law, what its loop bears, its step, its frequencies and its poles.
+//! The page of a design: the law, its margins, its step response, its frequency response and its poles.
 
 pub mod critical;
 mod first;
@@ -18,24 +18,24 @@ use crate::report::kit::words::digits;
 use first::{answer, decisive, delay_s, first, least_phase, less_gain, more_gain, spoken};
 use maud::{Markup, html};
 
-/// A delay margin of fewer periods than this is worth a warning: a late cycle takes one.
+/// A delay margin of fewer periods than this causes a warning: one late cycle uses up a period.
 const FEW_PERIODS: f64 = 2.0;
-/// Margins below which a loop is near its edge: half as much gain again, and a twelfth of a turn.
+/// Margins below which a loop is near its stability limit: a gain factor of 1.5 and 30°.
 const LITTLE_GAIN: f64 = 1.5;
 const LITTLE_PHASE_DEG: f64 = 30.0;
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// The config that holds the model, by its name.
+    /// The name of the config that holds the model.
     pub config: &'a str,
     /// What was designed.
     pub document: &'a Document,
     /// Its loop.
     pub of: &'a Loop,
-    /// It as a patch.
+    /// The design as a patch.
     pub patch: &'a str,
-    /// Effects of the model that the design does not see.
+    /// Effects of the model that the design neglects.
     pub not_linear: &'a [&'a str],
 }
 
@@ -185,7 +185,7 @@ fn law_to_copy(report: &Report<'_>) -> Markup {
         p { "The law as a patch. Later patches win over the config, and the rest of it stays as it is:" }
         dl {
             @for (name, words) in law(report.document) {
-                // A line without a name belongs to the one before.
+                // A line without a name belongs to the line before.
                 @if !name.is_empty() { dt { (spoken(name)) } }
                 dd { (words) }
             }

@@ -1,4 +1,4 @@
-//! The page of an observer: what of a surprise each of its states takes.
+//! The page of an observer: the gain of each of its states on the innovation.
 
 use crate::report::design::observer::Document;
 use crate::report::kit::page::parts::{command, glossary, number, table, three_digits, to_copy, values};
@@ -6,18 +6,18 @@ use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
 use maud::{Markup, html};
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// The config that holds the model, by its name.
+    /// The name of the config that holds the model.
     pub config: &'a str,
     /// What was designed.
     pub document: &'a Document,
-    /// It as a patch.
+    /// The design as a patch.
     pub patch: &'a str,
 }
 
-/// The states of the observer that flies.
+/// The states of the observer of the patch.
 const FLOWN: [&str; 4] = ["position, mm", "velocity, mm/s", "fan, control values", "hover, control values"];
 
 /// The page.
@@ -52,7 +52,7 @@ fn first(document: &Document) -> Markup {
     }
 }
 
-/// The states that fly, and their gains.
+/// The states of the observer of the patch, and their gains.
 fn flown(document: &Document) -> impl Iterator<Item = (&'static str, f64)> + '_ {
     FLOWN.into_iter().zip(document.flown.iter().copied())
 }

@@ -1,6 +1,6 @@
-//! The root locus of a loop: where the poles of the closed loop go as its gain grows.
+//! The root locus of a loop: the poles of the closed loop as functions of its gain.
 //!
-//! Roots come in no order. A branch is followed by taking, at every gain, the pole that is nearest to where it was.
+//! Roots come in no order. At every gain, a branch is continued with the pole that is nearest to its last one.
 
 use super::Form;
 use crate::report::kit::palette::SETPOINT;
@@ -12,15 +12,16 @@ use std::f64::consts::TAU;
 /// Gains of the root locus: from a hundredth of the loop's to a hundred times.
 const LOCUS_DECADES: f64 = 2.0;
 const LOCUS_POINTS: u32 = 600;
-/// Points of a branch nearer than this share of the plane's width are one; further away, the branch has left the plane between them.
+/// Points of a branch nearer than this share of the plane's width are merged.
 const ON_TOP: f64 = 0.002;
 const JUMP: f64 = 0.1;
-/// The plane of s shows so many crossover frequencies to the left: the poles that a step shows.
+/// The plane of s shows so many crossover frequencies to the left: the poles that a step response shows.
 const REACH: f64 = 5.0;
-/// The plane of z: a unit circle that is round in its panel.
+/// The plane of z: its ranges make the unit circle round in the panel.
 const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
 
-/// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open loop's poles, rings at its zeros, dots at the closed loop's poles.
+/// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open
+/// loop's poles, rings at its zeros, dots at the closed loop's poles.
 pub(super) fn locus(form: &Form) -> Diagram {
     let open = form.open();
     let (window, boundary, title, axes) = match form.plant.plane {
@@ -62,7 +63,7 @@ pub(super) fn locus(form: &Form) -> Diagram {
     }
 }
 
-/// The poles of the closed loop over the gain: each branch goes on at the nearest pole of the next gain.
+/// The poles of the closed loop over the gain: each branch continues with the nearest pole of the next gain.
 fn branches(open: &Transfer, place: impl Fn(&Complex<f64>) -> (f64, f64)) -> Vec<Vec<(f64, f64)>> {
     let gain = |k: u32| 10.0_f64.powf(LOCUS_DECADES * (2.0 * f64::from(k) / f64::from(LOCUS_POINTS) - 1.0));
     let mut all: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -80,7 +81,7 @@ fn branches(open: &Transfer, place: impl Fn(&Complex<f64>) -> (f64, f64)) -> Vec
     all
 }
 
-/// A branch as a line: without what is not seen, and without points that are on top of each other.
+/// A branch as a line: without points outside the window, and without points that coincide.
 fn traced(branch: &[(f64, f64)], window: [(f64, f64); 2]) -> Vec<(f64, f64)> {
     let width = window[0].1 - window[0].0;
     let gap = (f64::NAN, f64::NAN);

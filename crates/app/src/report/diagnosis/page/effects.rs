@@ -1,4 +1,4 @@
-//! Which effect it is: those that were named, with their numbers, and every one that was tried.
+//! The effects: those that were selected, with their parameters, and every candidate.
 
 use super::Report;
 use crate::report::diagnosis::mend;
@@ -20,11 +20,11 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
                 "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes " (FIRST_EFFECT) " nats of it, "
                 "a second one " (SECOND_EFFECT) " and " (format!("{:.0} %", 100.0 * SHARE_OF_OMITTED)) " of what the score test still asks for."
             }
-            (tried(report, "Scored on the belief", first))
+            (tried(report, "Tried on the belief", first))
             @for (k, round) in later.iter().enumerate() {
                 details {
                     summary { "Search " (k + 2) ", with what was found before it" }
-                    (tried(report, &format!("Scored in search {}", k + 2), round))
+                    (tried(report, &format!("Tried in search {}", k + 2), round))
                 }
             }
         }
@@ -79,7 +79,7 @@ pub(super) fn ends(interval: &Interval) -> Markup {
     }
 }
 
-/// Why two effects cannot be told apart.
+/// Why two effects are not distinguishable.
 fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     let gain = |of: &str| {
         let rounds = report.found.rounds.iter();

@@ -1,4 +1,4 @@
-//! How far the mend goes: forecasts over their horizon, the closed loop, and the numbers of the model.
+//! The gap before and after the mend: forecasts over their horizon, the closed loop, and the parameters of the model.
 
 use super::Report;
 use super::effects::ends;

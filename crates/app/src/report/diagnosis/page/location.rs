@@ -1,4 +1,4 @@
-//! Where simulator and rig part: by place, by frequency, and by the time since the duty.
+//! Where simulator and rig differ: by place, by frequency, and by the time since the duty.
 
 use super::Report;
 use crate::report::diagnosis::plot::{over_signals, over_time};
@@ -10,7 +10,7 @@ use diagnose::thresholds::SIGNIFICANT;
 use diagnose::{MissingForce, Place, ResidualPlots, Verdict};
 use maud::{Markup, html};
 
-/// A correlation with the duty is worth a word if it is so many times what chance makes at 19 of 20 lags.
+/// A correlation with the duty is mentioned if it is this many times the bound that 19 of 20 lags of white noise keep.
 const STANDS_OUT: f64 = 1.8;
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
@@ -46,7 +46,7 @@ fn over(diagram: &Diagram, places: &[Place]) -> Markup {
     figure(diagram, Size::SMALL, &alt, &html! { "Over " (name) ": " (words) "." })
 }
 
-/// What a series says that never leaves its own uncertainty.
+/// The text for a missing force that is nowhere significant.
 fn flat(missing: &[MissingForce]) -> &'static str {
     if missing.iter().any(|moment| moment.force_mm_per_s2.abs() > moment.sigma_mm_per_s2) {
         return "";
@@ -80,10 +80,10 @@ fn line(label: &'static str, colour: plotters::style::RGBColor, points: &[(f64, 
     Line { label, colour, points: points.to_vec() }
 }
 
-/// Power of the innovations above that of noise, before and after; the band that holds most of it is shaded.
+/// Power of the innovations in excess of noise, before and after; the band with most of it is shaded.
 fn frequency(report: &Report<'_>) -> Markup {
     let [before, after] = &report.picture.left;
-    // Bands of equal octaves are the wider the higher they lie.
+    // The bands are octaves, so that their widths grow with the frequency.
     let excess = |&(hz, power): &(f64, f64)| (power - 1.0) * hz;
     let all: f64 = before.spectrum.iter().map(|band| excess(band).max(0.0)).sum();
     let percent = |left: &ResidualPlots| -> Vec<(f64, f64)> {
@@ -117,14 +117,14 @@ fn frequency(report: &Report<'_>) -> Markup {
     figure(&diagram, Size::HALF, &alt, &html! { (words) })
 }
 
-/// What the duty foretells of the innovations, before and after.
+/// Correlation of the innovations with earlier duty, before and after.
 fn lag([before, after]: &[ResidualPlots; 2], places: &[Place]) -> Markup {
     let lags = &before.after_duty;
     let band = || lags.iter().map(|(lag_s, _)| *lag_s);
     let diagram = Diagram {
         abscissa: "time since the duty, s",
         ordinate: "correlation of misfit and duty",
-        // The band takes the colour of the first line, which is none.
+        // The band takes the colour of the first line, which is empty.
         lines: vec![
             line("", SETPOINT, &[]),
             line("numbers fitted", NOMINAL, lags),

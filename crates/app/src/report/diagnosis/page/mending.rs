@@ -1,4 +1,4 @@
-//! What to do: the patch for the simulator, the mend on the rig, and the next flight.
+//! The actions: the patch for the simulator, the correction on the rig, and the next flight.
 
 use super::Report;
 use crate::analysis::next_experiment::Advice;

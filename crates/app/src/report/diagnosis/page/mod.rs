@@ -1,4 +1,5 @@
-//! The page of a diagnosis, in the order of the questions: what is wrong, where, which effect, how far it is mended, what to do.
+//! The page of a diagnosis, in the order of the questions: what is wrong, where, which effect, how much of the gap is
+//! closed, what to do.
 
 mod effects;
 mod gap;
@@ -19,24 +20,24 @@ use diagnose::{Diagnosis, Series, Verdict};
 use maud::{Markup, html};
 use plant::Model;
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// What was found.
+    /// The diagnosis.
     pub found: &'a Diagnosis,
-    /// What was believed.
+    /// The belief.
     pub belief: &'a Model,
     /// The closed loop before and after.
     pub closed_loop: &'a ClosedLoop,
-    /// What to fly next.
+    /// The next flight.
     pub advice: &'a Advice,
-    /// Of which logs.
+    /// The logs.
     pub logs: &'a Logs<'a>,
-    /// The config that holds the belief, by its name.
+    /// The name of the config that holds the belief.
     pub config: &'a str,
     /// The compensation that was on in flight, if it is known.
     pub compensation: Option<&'a Compensation>,
-    /// What is drawn.
+    /// The data of the picture.
     pub picture: &'a Series,
 }
 

@@ -1,4 +1,5 @@
-//! What is seen first, below the answer: the signal path with the guilty stage marked, the gap before and after, and one picture.
+//! The top of the page, below the answer: the signal path with the wrong stage marked, the gap before and after, and
+//! one picture.
 
 use super::Report;
 use crate::report::diagnosis::plot::runs;
@@ -38,7 +39,7 @@ fn lede(report: &Report<'_>) -> Markup {
     }
 }
 
-/// What lies on the signal path: its name in words, and whether it is a stage, which can be guilty, or a signal.
+/// The elements of the signal path: name in words, and whether it is a stage, which can be wrong, or a signal.
 const PATH: [(&str, bool); 9] = [
     ("setpoint", false),
     ("controller", true),
@@ -79,7 +80,7 @@ fn path(report: &Report<'_>) -> Markup {
     }
 }
 
-/// What is wrong at a guilty stage, in a word or two.
+/// The error at a wrong stage, in a word or two.
 fn blame(report: &Report<'_>, stage: &str) -> String {
     let found = report.found.effects.iter().map(|named| named.candidate.entry.name);
     let own: Vec<String> = found.filter(|name| parts::stage(name) == stage).map(spoken).collect();
@@ -91,7 +92,7 @@ fn blame(report: &Report<'_>, stage: &str) -> String {
     }
 }
 
-/// The effects of a stage that may act instead of those that were named.
+/// The effects of a stage that are not distinguishable from those that were selected.
 fn suspects(report: &Report<'_>, stage: &str) -> Vec<String> {
     let others = report.found.effects.iter().flat_map(|named| &named.indistinguishable_from);
     others.filter(|name| parts::stage(name) == stage).map(|name| spoken(name)).collect()
@@ -108,7 +109,7 @@ fn gap(report: &Report<'_>) -> Markup {
         ("noise alone", "setpoint", floor),
     ];
     if found.effects.is_empty() {
-        // To mend is to fit the numbers, then.
+        // Without a selected effect, the mended model is the belief with fitted parameters.
         rows.remove(1);
     }
     html! {
@@ -124,7 +125,7 @@ fn gap(report: &Report<'_>) -> Markup {
     }
 }
 
-/// Recorded against believed against mended, where the belief errs most.
+/// Recorded, believed and mended positions, where the belief errs most.
 fn held_out(picture: &Series) -> Markup {
     let Some(stretch) = worst(&picture.recording, &picture.nominal) else {
         return html! { p.nothing { "No 10 s of free flight are in this record to draw." } };

@@ -1,4 +1,5 @@
-//! The page of a grey-box identification: the plant, how well it foretells what it was not fitted to, and whether what is left is noise.
+//! The page of a grey-box identification: the plant, how well it forecasts the held-out part, and whether the residuals
+//! are white noise.
 
 use super::{INTERVALS, PATCH, to_believe, value};
 use crate::report::identify::grey_box::{Residuals, words};
@@ -15,20 +16,20 @@ use diagnose::{Gap, Recording};
 use maud::{Markup, html};
 use plant::Model;
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// The logs, by their names.
+    /// The names of the logs.
     pub logs: &'a [String],
-    /// The config that was begun with, by its name.
+    /// The name of the initial config.
     pub config: &'a str,
-    /// What was believed.
+    /// The belief.
     pub belief: &'a Model,
-    /// How far the belief errs on what was held out; `None`: the record was detrended, and the belief is of another frame.
+    /// The gap of the belief on the held-out part; `None`: the record was detrended, and the belief has another origin.
     pub believed: Option<&'a Gap>,
     /// The rows that were used.
     pub recording: &'a Recording,
-    /// What the check of the record found.
+    /// The findings of the check of the record.
     pub findings: &'a [String],
     /// The plant with each number of poles.
     pub found: &'a [GreyBox],
@@ -136,7 +137,7 @@ fn numbers(report: &Report<'_>) -> Markup {
     }
 }
 
-/// What the config says of a number of the plant.
+/// The config's value of a parameter of the plant.
 fn believed(belief: &Model, key: &str) -> Option<f64> {
     match key {
         "gain_mm_per_s2_per_percent" => Some(belief.gain_mm_per_s2_per_percent),

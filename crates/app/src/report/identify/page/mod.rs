@@ -9,14 +9,14 @@ use crate::report::kit::page::parts::to_copy;
 use diagnose::identify::Estimate;
 use maud::{Markup, html};
 
-/// The file that the pages call the patch.
+/// The name of the patch file on the pages.
 const PATCH: &str = "plant.toml";
 
-/// What an interval promises, and on which condition.
+/// The meaning of an interval, and its condition.
 const INTERVALS: (&str, &str) =
     ("intervals", "Intervals hold the value nine times in ten, if the plant is what it is taken for.");
 
-/// The value, and where it lies.
+/// The value and its interval.
 fn value(estimate: &Estimate) -> (String, String) {
     let about = match (estimate.low, estimate.high) {
         (Some(low), Some(high)) => format!("{} to {}", digits(low), digits(high)),
@@ -25,7 +25,7 @@ fn value(estimate: &Estimate) -> (String, String) {
     (digits(estimate.value), about)
 }
 
-/// The patch, and how it is used.
+/// The patch and its use.
 fn to_believe(patch: &str) -> Markup {
     html! {
         p { "What was identified as a patch. Later patches win over the config, and the rest of it stays as it is:" }

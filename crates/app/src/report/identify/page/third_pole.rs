@@ -1,4 +1,5 @@
-//! The page of a third pole: the fan's lag by the critical gain of the rig, and the loop that it foretells at half of that gain.
+//! The page of a third pole: the fan's lag from the critical gain of the rig, and the loop that it predicts at half of
+//! that gain.
 
 use super::{PATCH, to_believe};
 use crate::analysis::loop_margins::Loop;
@@ -10,14 +11,14 @@ use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, PageError, Section};
 use maud::{Markup, html};
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// The config that holds the model, by its name.
+    /// The name of the config that holds the model.
     pub config: &'a str,
     /// What was found.
     pub found: &'a Document,
-    /// The loop of half the critical gain.
+    /// The loop at half of the critical gain.
     pub half: &'a Loop,
     /// The lag as a patch.
     pub patch: &'a str,

@@ -15,16 +15,16 @@ use diagnose::identify::Sweep;
 use maud::{Markup, html};
 use plant::Model;
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// The logs, by their names.
+    /// The names of the logs.
     pub logs: &'a [String],
-    /// The config that was begun with, by its name.
+    /// The name of the initial config.
     pub config: &'a str,
-    /// What was believed.
+    /// The belief.
     pub belief: &'a Model,
-    /// Their rows.
+    /// The rows of the logs.
     pub recording: &'a Recording,
     /// What was found.
     pub found: &'a Sweep,
@@ -55,7 +55,7 @@ pub fn page(report: &Report<'_>) -> String {
     Page { kind: "identification", from, answer: &answer, first: first(report), sections, record: &record }.render()
 }
 
-/// Gains whose overshoot is seen.
+/// Number of gains with a visible overshoot.
 fn visible(found: &Sweep) -> usize {
     found.gains.iter().filter(|gain| gain.peak_s.is_some()).count()
 }

@@ -1,9 +1,9 @@
-//! A diagram in a page: drawn for a wide and for a narrow screen, in the theme's colours, with its words for those who do not see it.
+//! A diagram in a page: drawn for a wide and for a narrow screen, in the theme's colours, with an alternative text.
 
 use crate::report::kit::plot::{Diagram, shapes};
 use maud::{Markup, PreEscaped, html};
 
-/// How large a figure is drawn, pixels: on a wide screen, and on a phone where that differs.
+/// Size of a figure, pixels: on a wide screen, and on a phone where that differs.
 #[derive(Clone, Copy)]
 pub struct Size {
     wide: (u32, u32),
@@ -13,17 +13,17 @@ pub struct Size {
 impl Size {
     /// Across the page.
     pub const WIDE: Self = Self { wide: (960, 270), narrow: Some((360, 260)) };
-    /// Beside what is said first.
+    /// Beside the first numbers.
     pub const FIRST: Self = Self { wide: (720, 310), narrow: Some((360, 280)) };
     /// One of several in a row.
     pub const SMALL: Self = Self { wide: (360, 240), narrow: None };
     /// One of two in a row.
     pub const HALF: Self = Self { wide: (548, 260), narrow: Some((360, 250)) };
-    /// A plane in which a circle is round, one of two in a row.
+    /// A plane with equal scales, one of two in a row.
     pub const PLANE: Self = Self { wide: (548, 470), narrow: Some((360, 312)) };
 }
 
-/// A figure with its caption. `alt` says what is to be seen in it.
+/// A figure with its caption. `alt` is its alternative text.
 pub fn figure(diagram: &Diagram, size: Size, alt: &str, caption: &Markup) -> Markup {
     html! {
         figure {
@@ -46,7 +46,7 @@ pub fn picture(diagram: &Diagram, size: Size, alt: &str) -> Markup {
 }
 
 fn drawing(diagram: &Diagram, size: (u32, u32), class: &str, alt: &str) -> Markup {
-    // A page says in words what a file says in a title.
+    // A page has words for what a file has as a title.
     match shapes(size, diagram) {
         Ok((view, shapes)) => html! {
             svg class=(class) viewBox=(view) role="img" aria-label=(alt) { (PreEscaped(shapes)) }

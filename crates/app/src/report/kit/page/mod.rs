@@ -1,7 +1,7 @@
-//! A report as one page: no file beside it, no network, readable without its script.
+//! A report as one page: no other file, no network, readable without its script.
 //!
-//! The library of templates escapes whatever is put into a page, and a policy in the page's head allows no script but its own, by its
-//! hash: names of files and configs from strangers stay words.
+//! The template library escapes all inserted text, and a policy in the page's head allows only its own script, by its
+//! hash. Names of files and configs from others therefore cannot act as markup or script.
 
 pub mod figure;
 pub mod parts;
@@ -22,7 +22,8 @@ const SCRIPT: &str = include_str!("../../../../assets/page.js");
 pub const CHART_STYLE: &str = include_str!("../../../../assets/uplot/uPlot.min.css");
 pub const CHART_SCRIPT: &str = include_str!("../../../../assets/uplot/uPlot.iife.min.js");
 
-/// How a page begins, and who made it: nothing else is replaced by one. The latter stands in the first so many bytes.
+/// How a page begins, and the mark of its program: only such a file is replaced. The mark stands in the first so many
+/// bytes.
 const BEGINNING: &str = "<!DOCTYPE html>";
 const MAKER: &str = "<meta name=\"generator\" content=\"airball ";
 const WITHIN: u64 = 2048;
@@ -38,7 +39,7 @@ pub enum PageError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// Something that is no page of this program has this name.
+    /// A file of this name exists and is not a page of this program.
     #[error("{} exists and is no page that airball wrote; it is kept: give the page another name", path.display())]
     Taken {
         /// The file.
@@ -49,7 +50,8 @@ pub enum PageError {
     Draw(#[from] super::plot::PlotError),
 }
 
-/// Refuses a name for a page that something else has: a config, a log, somebody's own page. An older page of this program may be replaced.
+/// Refuses a page's name that another file has: a config, a log, somebody's own page. An older page of this program may
+/// be replaced.
 ///
 /// # Errors
 /// [`PageError::Taken`] names the file.
@@ -71,12 +73,12 @@ pub fn write(path: &Path, page: &str) -> Result<(), PageError> {
     std::fs::write(path, page).map_err(|source| PageError::Write { path: path.to_owned(), source })
 }
 
-/// A part of a page with a heading, by which it is listed.
+/// A part of a page with a heading for the table of contents.
 pub struct Section {
     pub id: &'static str,
     pub heading: &'static str,
     pub body: Markup,
-    /// Whether the heading stands at the side, as it does beside a column of words.
+    /// Whether the heading is beside the body, as with a column of words.
     pub beside: bool,
 }
 
@@ -92,15 +94,15 @@ impl Section {
     }
 }
 
-/// What a page shows.
+/// The content of a page.
 pub struct Page<'a> {
-    /// What the page is of, in a word or two.
+    /// The subject of the page, in a word or two.
     pub kind: &'static str,
-    /// What it was made from: logs, config.
+    /// Its sources: logs, config.
     pub from: Vec<String>,
     /// The answer, in a sentence: the page's heading and title.
     pub answer: &'a str,
-    /// What is seen first, below the answer.
+    /// The part below the answer.
     pub first: Markup,
     pub sections: Vec<Section>,
     pub record: &'a Record,
@@ -127,7 +129,7 @@ impl Page<'_> {
                     header.top { (self.top()) }
                     main #main { (self.main()) }
                     footer { (footer()) }
-                    // Inside a script nothing is markup but `<`, which the record writes in another way.
+                    // Inside a script only `<` can begin markup, which the record writes as an escape.
                     script type="application/json" id="series" { (PreEscaped(self.record.json())) }
                     script { (PreEscaped(script)) }
                 }
@@ -169,7 +171,7 @@ fn footer() -> Markup {
     }
 }
 
-/// No script but this one, nothing from anywhere else.
+/// A policy that allows this script only, and no resource from elsewhere.
 fn policy(script: &str) -> String {
     let hash = hash_of(script);
     format!(
@@ -177,7 +179,7 @@ fn policy(script: &str) -> String {
     )
 }
 
-/// As a policy names a script.
+/// The hash of a script as a policy writes it.
 pub fn hash_of(script: &str) -> String {
     BASE64_STANDARD.encode(Sha256::digest(script.as_bytes()))
 }

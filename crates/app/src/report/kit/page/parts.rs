@@ -1,13 +1,13 @@
-//! What pages are made of: tables, bars, text to copy, numbers.
+//! The elements of pages: tables, bars, text to copy, numbers.
 
 use crate::report::kit::words::NAMES;
 use maud::{Markup, html};
 use plant::Effects;
 
-/// A table with more rows than this is folded away.
+/// A table with more rows than this is collapsed.
 const LONG: usize = 16;
 
-/// A table: what it shows, the heads of its columns, and rows that begin with their own head.
+/// A table: caption, column heads, and rows that begin with their own head.
 pub fn table(caption: &str, heads: &[&str], rows: &[(Markup, Vec<Markup>)]) -> Markup {
     html! {
         section.scroll tabindex="0" aria-label=(caption) {
@@ -24,7 +24,7 @@ pub fn table(caption: &str, heads: &[&str], rows: &[(Markup, Vec<Markup>)]) -> M
     }
 }
 
-/// A table of words whose first column is its rows' heads; a long one is folded away.
+/// A table of words whose first column holds the row heads; a long one is collapsed.
 pub fn words<const N: usize>(caption: &str, heads: &[&str; N], rows: &[[String; N]]) -> Markup {
     let row = |row: &[String; N]| {
         let mut cells = row.iter().map(|cell| html! { (minus(cell)) });
@@ -38,7 +38,7 @@ pub fn words<const N: usize>(caption: &str, heads: &[&str; N], rows: &[[String; 
     }
 }
 
-/// Bars beside each other: what they are, and for each its name, the ink that it is drawn with, and its length if it has one.
+/// Bars beside each other: caption, and for each its name, its colour, and its length if it has one.
 pub fn bars(caption: &str, unit: &str, bars: &[(&str, &str, Option<f64>)], mark: Option<f64>) -> Markup {
     let longest = bars.iter().filter_map(|bar| bar.2).chain(mark).fold(1e-9, f64::max);
     let percent = |value: f64| format!("{:.1}", 100.0 * value / longest);
@@ -66,7 +66,7 @@ pub fn bars(caption: &str, unit: &str, bars: &[(&str, &str, Option<f64>)], mark:
     }
 }
 
-/// Numbers that are seen first: what each is, its value, and what is to be known about it.
+/// The first numbers of a page: name, value, and explanation of each.
 pub fn values(all: &[(String, String, String)]) -> Markup {
     html! {
         div.gap {
@@ -82,7 +82,7 @@ pub fn values(all: &[(String, String, String)]) -> Markup {
     }
 }
 
-/// What the check of a record found, or that it found nothing.
+/// The findings of the check of a record, or that there are none.
 pub fn findings(all: &[String]) -> Markup {
     html! {
         @if all.is_empty() {
@@ -93,13 +93,13 @@ pub fn findings(all: &[String]) -> Markup {
     }
 }
 
-/// Words with a capital, as a sentence begins.
+/// Words with a capital, as at the start of a sentence.
 pub fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Words whose numbers have a minus sign, which is longer than a hyphen; hyphens within words stay.
+/// Words whose numbers have a minus sign instead of a hyphen; hyphens within words are kept.
 pub fn minus(words: &str) -> String {
     let mut before = ' ';
     let mut letters = words.chars().peekable();
@@ -112,19 +112,19 @@ pub fn minus(words: &str) -> String {
     signed
 }
 
-/// A command to type. It may be broken between its words: broken after a hyphen, a flag would read as two.
+/// A command line. It may break between its words only: after a hyphen, a flag would read as two.
 pub fn command(line: &str) -> Markup {
     html! {
         code.typed { @for (k, word) in line.split(' ').enumerate() { @if k > 0 { " " } span { (word) } } }
     }
 }
 
-/// Words that stand on a page, and what they mean.
+/// Terms on a page, and their meaning.
 pub fn glossary(all: &[(&str, &str)]) -> Markup {
     html! { dl { @for (word, meaning) in all { dt { (word) } dd { (meaning) } } } }
 }
 
-/// Text to be copied into a file, with the name that it should have.
+/// Text to copy into a file, with the file's name.
 pub fn to_copy(id: &str, name: &str, text: &str) -> Markup {
     html! {
         div.code {
@@ -134,29 +134,29 @@ pub fn to_copy(id: &str, name: &str, text: &str) -> Markup {
     }
 }
 
-/// Half of the smallest number that six places show.
+/// Half of the smallest number that six decimal places show.
 const SMALLEST: f64 = 5e-7;
 
-/// A number with so many places; a dash where there is none.
+/// A number with this many decimal places; a dash where there is none.
 pub fn number(value: Option<f64>, places: usize) -> String {
     let text = |value: f64| format!("{value:.places$}");
     let is_zero = |value: f64| text(value.abs()) == text(0.0);
     value.map_or_else(|| "–".into(), |value| minus(&text(if is_zero(value) { 0.0 } else { value })))
 }
 
-/// A number with as many places as a reader needs: three digits that count.
+/// A number with three significant digits.
 pub fn three_digits(value: f64) -> String {
     number(Some(value), places(value))
 }
 
-/// The places that leave a number three digits that count; none of 0.
+/// The decimal places for three significant digits; none for 0.
 pub fn places(value: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
     let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
     if value.abs() < SMALLEST { 0 } else { places }
 }
 
-/// A chance in words that do not promise certainty.
+/// A probability in words that do not promise certainty.
 pub fn chance(chance: f64) -> String {
     match 100.0 * chance {
         percent if percent > 99.0 => "more than 99 %".into(),

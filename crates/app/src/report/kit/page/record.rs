@@ -1,4 +1,4 @@
-//! The whole record: as pictures without a script, and as numbers for the charts that zoom.
+//! The whole record: as pictures without a script, and as data for the charts that zoom.
 
 use super::figure::{Size, picture};
 use crate::report::kit::plot::{Diagram, Line};
@@ -6,10 +6,10 @@ use maud::{Markup, html};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Rows that a chart zooms into at most: 3 MB are enough for a page.
+/// Largest number of rows for a chart that zooms: 3 MB are enough for a page.
 const MOST_ROWS: usize = 12_000;
 
-/// Diagrams over one time, below each other.
+/// Diagrams over the same time, below each other.
 #[derive(Default)]
 pub struct Record {
     pub diagrams: Vec<Diagram>,
@@ -28,7 +28,7 @@ pub fn how_to_zoom() -> Markup {
 #[derive(Serialize)]
 struct Chart {
     ordinate: &'static str,
-    /// Places behind the point of every value.
+    /// Decimal places of every value.
     places: usize,
     times: Vec<f64>,
     lines: Vec<Column>,
@@ -39,7 +39,7 @@ struct Chart {
 struct Column {
     label: &'static str,
     ink: String,
-    /// Whether the line goes on where it has no value.
+    /// Whether the line is continuous across missing values.
     whole: bool,
     values: Vec<Option<f64>>,
 }
@@ -69,7 +69,7 @@ impl Chart {
         let places = places(diagram);
         #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a few places")]
         let unit = 10_f64.powi(places as i32);
-        // A line without a point would only have a name.
+        // A line without a point would only appear in the key.
         let lines: Vec<&Line> = diagram.lines.iter().filter(|line| line.points.iter().any(|p| is_there(&p))).collect();
         let mut rows: BTreeMap<i64, Vec<Option<f64>>> = BTreeMap::new();
         for (number, line) in lines.iter().enumerate() {
@@ -101,7 +101,7 @@ fn is_there(point: &&(f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
-/// So many that a ten-thousandth of what is seen can be told, and a hundredth of a millimetre.
+/// Enough decimal places for a ten-thousandth of the visible range, and at least two.
 fn places(diagram: &Diagram) -> usize {
     let values = || diagram.lines.iter().flat_map(|line| &line.points).filter(is_there).map(|point| point.1);
     let span = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
@@ -130,7 +130,7 @@ mod tests {
         let charts: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert_eq!(charts[0]["times"], serde_json::json!([0.0, 0.02, 0.04]));
         assert_eq!(charts[0]["lines"][0]["values"], serde_json::json!([1.0, 2.0, null]));
-        // The script bridges what was not read, and leaves open what a model does not forecast.
+        // The script bridges missing readings, and leaves gaps between the forecasts of a model.
         assert_eq!([&charts[0]["lines"][0]["whole"], &charts[0]["lines"][1]["whole"]], [true, false]);
         assert_eq!(charts[0]["lines"][1]["values"], serde_json::json!([null, 2.5, 3.0]));
         assert_eq!(charts[0]["lines"][1]["ink"], "mended");

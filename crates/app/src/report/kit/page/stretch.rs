@@ -1,11 +1,11 @@
-//! The stretch of a record that is shown first: where a model errs most.
+//! The part of a record that is shown first: where a model errs most.
 
 use diagnose::{Forecast, FreeRun, Recording};
 
-/// Free runs in it at most.
+/// Largest number of free runs in it.
 const RUNS: usize = 3;
 
-/// The time of the free runs, one after another in one flight, in which they err most, seconds. `None`: there is no free run.
+/// The time of the consecutive free runs of one flight with the largest error, seconds. `None`: there is no free run.
 pub fn worst(recording: &Recording, all: &[FreeRun]) -> Option<(f64, f64)> {
     let samples = recording.samples();
     let square = |run: &FreeRun| -> f64 {

@@ -28,7 +28,7 @@ fn the_only_script_that_may_run_is_that_of_the_page() {
     // Inside an attribute, quotes are written as entities.
     assert!(page.contains(&policy(script)), "{}", policy(script));
     assert!(policy(script).starts_with("default-src 'none'"));
-    // As OpenSSL has it: printf 'alert(1)' | openssl dgst -sha256 -binary | base64
+    // Expected value by OpenSSL: printf 'alert(1)' | openssl dgst -sha256 -binary | base64
     assert!(policy("alert(1)").contains("'sha256-bhHHL3z2vDgxUt0W3dWQOrprscmda2Y5pLsLg4GF+pI='"));
 }
 

@@ -1,22 +1,22 @@
-//! Which line is which: named at their ends, or in a key above the diagram.
+//! The names of lines: at their ends, or in a key above the diagram.
 
 use super::PlotError;
 use super::panel::{Area, Chart, FINE, LETTERS, Line, ROW, failed, fine, is_there, letters, steps};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// How wide a letter is on average beside its height.
+/// Average width of a letter as a share of its height.
 const LETTER_WIDTH: f64 = 0.53;
 /// Length of a line in the key, pixels.
 const SAMPLE: u32 = 13;
 
-/// The lines that are named; of several of one name the first.
+/// The lines with a name; of several with the same name the first.
 pub(super) fn key(lines: &[Line]) -> Vec<&Line> {
     let first = |at: usize| lines[..at].iter().all(|before| before.label != lines[at].label);
     (0..lines.len()).filter(|at| !lines[*at].label.is_empty() && first(*at)).map(|at| &lines[at]).collect()
 }
 
-/// Names each line at its right end, pushed apart where they meet.
+/// Writes each name at the right end of its line; names that would overlap are moved apart.
 pub(super) fn name_ends(area: &Area<'_>, chart: &Chart<'_, '_>, lines: &[&Line]) -> Result<(), PlotError> {
     let end = |line: &&&Line| line.points.iter().rev().find(|(t, y)| is_there(*t, *y)).copied();
     let mut ends: Vec<(i32, &Line)> =
@@ -34,7 +34,7 @@ pub(super) fn name_ends(area: &Area<'_>, chart: &Chart<'_, '_>, lines: &[&Line])
     Ok(())
 }
 
-/// Names the lines above the diagram: at the right of the ordinate's row, or in a row of their own.
+/// Writes the names above the diagram: at the right of the ordinate's row, or in a row of their own.
 pub(super) fn draw_key(area: &Area<'_>, lines: &[&Line], rows: u32, wide: bool) -> Result<(), PlotError> {
     let one = |line: &&Line| f64::from(SAMPLE) + 4.0 + width(line.label) + 11.0;
     let all: f64 = lines.iter().map(one).sum();
@@ -50,7 +50,7 @@ pub(super) fn draw_key(area: &Area<'_>, lines: &[&Line], rows: u32, wide: bool) 
     Ok(())
 }
 
-/// How wide words are about, pixels.
+/// Approximate width of words, pixels.
 pub(super) fn width(words: &str) -> f64 {
     LETTER_WIDTH * f64::from(LETTERS) * words.chars().count() as f64
 }

@@ -11,7 +11,7 @@ use diagnose::{FreeRun, Recording};
 use plotters::style::RGBColor;
 use std::path::{Path, PathBuf};
 
-/// Size of a picture of a flight, pixels, and the part of its height that shows the position.
+/// Size of a picture of a flight, pixels, and the height of the part that shows the position.
 pub const SIZE: (u32, u32) = (1100, 620);
 const POSITION_PERCENT: u32 = 68;
 
@@ -26,7 +26,7 @@ pub enum PlotError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// Something that is no picture has this name.
+    /// A file of this name exists and is not a picture.
     #[error("{} exists and is no SVG picture; it is kept: give --plot another name", path.display())]
     Taken {
         /// The file.
@@ -40,7 +40,7 @@ pub enum PlotError {
     Nothing,
 }
 
-/// Refuses a name for a picture that something else has: a config, a log, a record. An older picture may be replaced.
+/// Refuses a picture's name that another file has: a config, a log, a record. An older picture may be replaced.
 ///
 /// # Errors
 /// [`PlotError::Taken`] names the file.
@@ -101,7 +101,7 @@ pub fn draw(path: &Path, size: (u32, u32), title: &str, position: Vec<Line>, dut
     write(path, &svg)
 }
 
-/// Writes a picture, unless something that is none has its name.
+/// Writes a picture, unless another kind of file has its name.
 pub fn write(path: &Path, svg: &str) -> Result<(), PlotError> {
     may_write(path)?;
     std::fs::write(path, svg).map_err(|source| PlotError::Write { path: path.to_owned(), source })

@@ -1,6 +1,7 @@
-//! One diagram: lines over an abscissa, its shaded places and its key, on axes that say their units.
+//! One diagram: lines over an abscissa, its shaded places and its key, on axes with units.
 //!
-//! The library counts whole pixels, which makes steps of a slow line: everything is drawn [`FINE`] times larger and shown smaller.
+//! The library rounds to whole pixels, which turns a slow line into steps: everything is drawn [`FINE`] times larger
+//! and shown smaller.
 
 use super::PlotError;
 use super::legend::{draw_key, key, name_ends, width};
@@ -11,26 +12,26 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::ops::Range;
 
-/// Steps of the drawing to a pixel.
+/// Drawing steps per pixel.
 pub(super) const FINE: u32 = 8;
 /// Heights of letters, pixels.
 pub(super) const LETTERS: u32 = 12;
 const TITLE: u32 = 16;
-/// The library divides every size of letters by this.
+/// Factor by which the library divides every letter size.
 const LIBRARY: f64 = 1.24;
-/// Rooms about a diagram, pixels: a row of words, the labels of the axes.
+/// Margins about a diagram, pixels: a row of words, the labels of the axes.
 pub(super) const ROW: u32 = 22;
 const LEFT: u32 = 52;
 const BELOW: u32 = 40;
-/// Half of a label at the right end of an axis reaches beyond it, pixels.
+/// Half of the last label extends beyond the right end of an axis, pixels.
 const HALF_A_LABEL: f64 = 20.0;
-/// From one label of an axis to the next, pixels.
+/// Distance between two labels of an axis, pixels.
 const BETWEEN: (u32, u32) = (90, 42);
 /// A key has its own row in a diagram that is narrower than this, pixels.
 const NARROW: u32 = 620;
-/// Points to a pixel that a line is drawn with at most: more cannot be seen.
+/// Largest number of points of a line per pixel: more are not visible.
 const MOST_POINTS_A_PIXEL: usize = 2;
-/// More crosses than this touch each other on a phone.
+/// With more crosses than this, they overlap on a phone.
 const CROWDED: usize = 40;
 
 /// A line of a picture.
@@ -55,13 +56,13 @@ pub struct Diagram {
     pub dots: Vec<(f64, f64)>,
     /// Outline of a band about the first line.
     pub band: Vec<(f64, f64)>,
-    /// Stretches of the abscissa to be pointed out.
+    /// Parts of the abscissa to be highlighted.
     pub shaded: Vec<(f64, f64)>,
     /// A value to compare the lines with.
     pub base: Option<f64>,
-    /// What of the plane is shown, from and to; `None`: all that is drawn.
+    /// The visible range of the plane; `None`: all data.
     pub window: Option<[(f64, f64); 2]>,
-    /// Whether the abscissa is log₂ of what its labels should say.
+    /// Whether the abscissa is log₂ of its labels' values.
     pub octaves: bool,
     /// The same with log₁₀, labelled at whole powers.
     pub decades: bool,
@@ -70,17 +71,17 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// What of it lies within a stretch of the abscissa.
+    /// The part of the diagram within a range of the abscissa.
     pub fn within(mut self, (from, to): (f64, f64)) -> Self {
         for line in &mut self.lines {
-            // NaN, which breaks a line, stays.
+            // NaN, which breaks a line, is kept.
             line.points.retain(|(t, _)| !(*t < from || *t > to));
         }
         self
     }
 }
 
-/// Where pictures are drawn, [`FINE`] steps to a pixel.
+/// The drawing area, [`FINE`] steps to a pixel.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
@@ -94,7 +95,8 @@ pub fn drawn(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Result<(), PlotEr
     Ok(svg.replacen(&fine, &format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1), 1))
 }
 
-/// The shapes of a diagram of `size` pixels without its title on no ground, and the box that they are in: for a page, which brings the colours.
+/// The shapes of a diagram of `size` pixels without title and background, and their bounding box: for a page, which
+/// sets the colours.
 pub fn shapes(size: (u32, u32), of: &Diagram) -> Result<(String, String), PlotError> {
     let svg = drawing(size, |area| titled(area, "", of))?;
     let inner = svg.split_once('>').map_or("", |(_, rest)| rest).trim_end().trim_end_matches("</svg>");
@@ -116,7 +118,7 @@ pub fn panel(area: &Area<'_>, of: &Diagram) -> Result<(), PlotError> {
     titled(area, &of.title, of)
 }
 
-/// Draws one diagram below another title.
+/// Draws one diagram below a title.
 pub fn titled(area: &Area<'_>, title: &str, of: &Diagram) -> Result<(), PlotError> {
     let key = key(&of.lines);
     let wide = area.dim_in_pixel().0 >= FINE * NARROW;
@@ -145,7 +147,7 @@ pub fn titled(area: &Area<'_>, title: &str, of: &Diagram) -> Result<(), PlotErro
     words(area, of.ordinate, (8, titles * ROW + 4), LETTERS)
 }
 
-/// What lies under the lines: shaded places, and the band about the first line.
+/// The background of the lines: shaded places, and the band about the first line.
 fn grounds(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
     let (times, values) = (chart.x_range(), chart.y_range());
     let shade = |&(from, to): &(f64, f64)| {
@@ -193,14 +195,14 @@ fn axes(chart: &mut Chart<'_, '_>, of: &Diagram, (width, height): (u32, u32)) ->
 
 fn lines(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
     let pixels = chart.plotting_area().dim_in_pixel().0 / FINE;
-    // Below the lines, which many crosses would hide; where they are crowded, in less ink.
+    // Below the lines, which many crosses would hide; where there are many, smaller ones.
     let (size, width) = if of.marks.len() > CROWDED { (3, FINE) } else { (6, 2 * FINE) };
     let cross = |at: &(f64, f64)| Cross::new(*at, fine(size), NOMINAL.stroke_width(width));
     chart.draw_series(of.marks.iter().map(cross)).map_err(failed)?;
     for line in &of.lines {
         let all = line.points.len();
         for piece in line.points.split(|(t, y)| !is_there(*t, *y)) {
-            // A piece may have as much of the width as it has of the points.
+            // The limit of points for a piece is in proportion to its share of the points.
             let most = MOST_POINTS_A_PIXEL * pixels as usize * piece.len() / all.max(1);
             let style = line.colour.stroke_width(FINE * 7 / 4);
             chart.draw_series(LineSeries::new(thinned(piece, most), style)).map_err(failed)?;
@@ -220,7 +222,7 @@ pub(super) fn letters(size: u32, colour: RGBColor) -> TextStyle<'static> {
     ("sans-serif", f64::from(size * FINE) * LIBRARY).into_font().color(&colour)
 }
 
-/// A number with as many places as labels need that are a tenth of `span` apart.
+/// A number with as many decimal places as labels at a tenth of `span` need.
 fn number(value: f64, span: f64) -> String {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
     let places = (1.0 - span.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
@@ -233,7 +235,7 @@ pub(super) fn is_there(t: f64, y: f64) -> bool {
     t.is_finite() && y.is_finite()
 }
 
-/// What the axes span.
+/// The ranges of the axes.
 fn ranges(of: &Diagram) -> Result<(Range<f64>, Range<f64>), PlotError> {
     if let Some([times, values]) = of.window {
         return Ok((times.0..times.1, values.0..values.1));
@@ -258,7 +260,7 @@ fn range(values: impl Iterator<Item = f64>) -> Result<Range<f64>, PlotError> {
     if low <= high { Ok(low..high.max(low + 1e-9)) } else { Err(PlotError::Nothing) }
 }
 
-/// Pixels in steps of the drawing.
+/// Pixels in drawing steps.
 pub(super) fn fine(pixels: u32) -> i32 {
     i32::try_from(pixels * FINE).unwrap_or(i32::MAX)
 }

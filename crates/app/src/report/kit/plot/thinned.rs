@@ -1,7 +1,7 @@
-//! A line with no more points than can be seen.
+//! A line with no more points than are visible.
 
-/// A line with about `most` points: the lowest and the highest of each stretch, so that no peak is lost. A line that turns back, as a circle
-/// does, stays as it is.
+/// A line with about `most` points: the minimum and the maximum of each part, so that no peak is lost. A line whose
+/// abscissa turns back, as that of a circle, is not changed.
 pub(super) fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     if points.len() <= most.max(2) || !points.is_sorted_by_key(|point| point.0) {
         return points.to_vec();

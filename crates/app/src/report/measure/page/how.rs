@@ -1,4 +1,4 @@
-//! How a measurement was got: jump by jump, step by step, band by band.
+//! Details of a measurement: jump by jump, step by step, band by band.
 
 use crate::analysis::measurement::{Calibration, Found, Steps};
 use crate::analysis::step_response::Step;

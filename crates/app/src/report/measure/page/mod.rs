@@ -1,4 +1,4 @@
-//! The page of a measurement: the result, how it was got, the patch, and the flight.
+//! The page of a measurement: the result, its details, the patch, and the flight.
 
 mod how;
 mod said;
@@ -15,16 +15,16 @@ use crate::report::kit::plot::{Diagram, duty};
 use diagnose::Recording;
 use maud::{Markup, html};
 
-/// Everything that the page tells.
+/// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// What was measured, in the command's word.
+    /// The measurement, by the command's name of it.
     pub what: &'a str,
-    /// The log, by its name.
+    /// The name of the log.
     pub log: &'a str,
-    /// The config that was in force, by its name.
+    /// The name of the config that was in force.
     pub config: &'a str,
-    /// What it believes.
+    /// The content of that config.
     pub tables: &'a Tables,
     /// The rows of the log.
     pub recording: &'a Recording,
@@ -34,14 +34,14 @@ pub struct Report<'a> {
     pub patch: Patch<'a>,
 }
 
-/// What was found, for the config.
+/// The result as a patch.
 #[derive(Clone, Copy)]
 pub enum Patch<'a> {
     /// As a patch.
     Made(&'a str),
-    /// A config holds no such number, or the one it holds cannot be told from what was measured.
+    /// A config holds no such number, or the config's value is not significantly different from the measured one.
     None,
-    /// Not as a patch: why.
+    /// No patch, with the reason.
     Refused(&'a str),
 }
 

@@ -1,4 +1,4 @@
-//! What a measurement says, in words: the answer, what its figure shows, what to do next.
+//! A measurement in words: the answer, the caption of its figure, the next step.
 
 use super::Report;
 use crate::analysis::measurement::{Calibration, Found, Steps};
@@ -8,7 +8,7 @@ use diagnose::measure::critical::Critical;
 use diagnose::measure::dead_zone::DeadZone;
 use maud::{Markup, html};
 
-/// The file that the page calls the patch.
+/// The name of the patch file on the page.
 pub(super) const PATCH: &str = "measured.toml";
 
 /// The answer in a sentence.
@@ -80,7 +80,7 @@ pub(super) fn lede(found: &Found) -> String {
     }
 }
 
-/// What the figure shows.
+/// The caption of the figure.
 pub(super) const fn figure(found: &Found) -> &'static str {
     match found {
         Found::DeadZone { .. } | Found::ForceCurve { .. } => {
@@ -94,7 +94,7 @@ pub(super) const fn figure(found: &Found) -> &'static str {
     }
 }
 
-/// What the numbers stand on.
+/// The assumptions of the numbers.
 pub(super) fn beside(found: &Found) -> Vec<String> {
     match found {
         Found::DeadZone { jumps, .. } | Found::ForceCurve { jumps, .. } => vec![given(jumps)],
@@ -147,13 +147,13 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
     }
 }
 
-/// A file's name as a shell reads it, where it is plain; else a word for it.
+/// A file's name as the shell reads it, where it has no special characters; else a placeholder.
 fn shell_word(name: &str) -> &str {
     let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
     if name.chars().all(plain) { name } else { "LOG" }
 }
 
-/// Words on the page.
+/// Terms on the page.
 pub(super) fn words(found: &Found) -> Vec<(&'static str, &'static str)> {
     let own: &[(&str, &str)] = match found {
         Found::DeadZone { .. } | Found::ForceCurve { .. } => &[

@@ -9,7 +9,8 @@
 //!
 //! w is the fan's contribution, in units of the control value; d is the error of hover, in the same units. Without a
 //! fan lag w = u. D and X are divided differences of the exponential, so that equal poles, as in the thesis' G_c, are
-//! no special case. Source: the thesis, section 3.1; Higham, *Functions of Matrices*, section 10.7 (the φ functions).
+//! no special case.
+//! Source: the thesis, section 3.1; Higham, *Functions of Matrices*, section 10.7 (the φ functions).
 
 use crate::check::{OutOfRange, within};
 use libm::{exp, expm1, fabs};

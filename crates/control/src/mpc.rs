@@ -9,7 +9,8 @@
 //! x₀, v₀ and u₀ are deviations of equal weight; P is the cost of the unlimited optimum from the horizon on, so that
 //! plans which reach no limit are LQR. The error of hover shifts the target and the limits: no error remains at rest.
 //! The states are eliminated (N unknowns), and a plan that violates a limit is corrected in [`STEPS`] steps of
-//! `box_qp.rs`. Source: Maciejowski, *Predictive Control with Constraints*, chapters 2 and 3.
+//! `box_qp.rs`.
+//! Source: Maciejowski, *Predictive Control with Constraints*, chapters 2 and 3.
 
 use crate::believed::{Believed, Transition};
 use crate::box_qp::BoxQp;

@@ -11,8 +11,8 @@
 //! The steady-state filter costs a tenth of the time and is right while readings come on time; the time-varying one
 //! uses the age of its estimate. Without a reading both only predict. Several consecutive outliers are not outliers:
 //! the filter then restarts from the reading. x·x neglects a quarter of a·t, and the share of the wandering hover in x
-//! and v over one step is left out. Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of
-//! PX4's estimator.
+//! and v over one step is left out.
+//! Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
 
 mod steady;
 

@@ -7,7 +7,8 @@
 //!
 //! XSHUT low is the second sensor's reset: it loses its address with all else. Register 0x8A holds the address until
 //! then, or until the power fails. The first sensor ends where it was, so that a rig without a second one finds it
-//! there. Source: ST, AN4846 "Using multiple VL53L0X in a single design".
+//! there.
+//! Source: ST, AN4846 "Using multiple VL53L0X in a single design".
 
 use crate::clock::Clock;
 use crate::range_sensor::{ADDRESS, RESET_ALLOWED_S, reset};

@@ -4,8 +4,9 @@
 //! duty(t − delay) → as the fan takes it = u      dw/dt = (u − w)/τ      τ: inertia of the fan
 //! ```
 //!
-//! Effects that act before hover is taken away, and the inertia of the fan, move the rotor; the others lie between
-//! rotor and force. Leaves out that a real fan's speed is never quite a straight line of its duty.
+//! Effects that act before hover is subtracted, and the inertia of the fan, change the rotor's speed; the others act
+//! between rotor and force.
+//! Leaves out that a real fan's speed is not exactly proportional to its duty.
 
 use crate::actuator::Actuator;
 use crate::model::Model;

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! It is slower where the sensor's noise would move the duty by more than a fifth of its range. Such a crossover loses
-//! 20° of phase to the lags; the integral only has to find hover. Source: loop shaping, Åström & Murray, *Feedback
-//! Systems*, "Frequency Domain Design".
+//! 20° of phase to the lags; the integral only has to find hover.
+//! Source: loop shaping, Åström & Murray, *Feedback Systems*, "Frequency Domain Design".
 
 use crate::config::{Loop, Rig, Safety, Tables};
 use crate::flight::Flight;

@@ -7,8 +7,8 @@
 //!
 //! A file that was cut short ends within a record. A chunk that does not match its checksum is skipped, and so is a
 //! compressed one that was cut and cannot be checked; the chunks after a damaged one are read. Lengths beyond the end
-//! of the file are never accepted: the bytes may be arbitrary. Source: the MCAP format specification,
-//! <https://mcap.dev/spec>.
+//! of the file are never accepted: the bytes may be arbitrary.
+//! Source: the MCAP format specification, <https://mcap.dev/spec>.
 
 use mcap::{
     MAGIC, McapError, McapResult, parse_record,

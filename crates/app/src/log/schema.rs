@@ -2,8 +2,8 @@
 //!
 //! Foxglove's reader of JSON channels accepts properties with one plain `type` only: a list of types, a `$ref` or a
 //! `oneOf` of words makes it refuse the whole channel; it accepts an object of plain properties and a list of numbers.
-//! So an optional quantity is a plain number that may be absent, and a word is a string with an `enum`. Source:
-//! `parseJsonSchema.ts` of Foxglove Studio, package `mcap-support`.
+//! So an optional quantity is a plain number that may be absent, and a word is a string with an `enum`.
+//! Source: `parseJsonSchema.ts` of Foxglove Studio, package `mcap-support`.
 
 use schemars::{JsonSchema, Schema, generate::SchemaSettings, transform::transform_subschemas};
 use serde_json::{Value, json};

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Feedback of position and filtered velocity is the PID with T_d = k₂/k₁, c = 0 and b = K_r/k₁ (0 with the integral in
-//! place of K_r·r). Source: the thesis, section 4.1; the recursions of [`crate::pid`] and [`crate::filter`].
+//! place of K_r·r).
+//! Source: the thesis, section 4.1; the recursions of [`crate::pid`] and [`crate::filter`].
 
 use super::polynomial::Polynomial;
 use super::transfer::{Plane, Transfer};

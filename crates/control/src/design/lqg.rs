@@ -9,8 +9,9 @@
 //!
 //! x̂ holds position, velocity and fan, and what hover lacks where the observer looks for it: K = [k₁, k₂, k₃, k₃ + 1].
 //! The sampled law is the one that flies, with the steady gain of [`crate::observer`] and a reading that is used at
-//! once. Source: Åström & Wittenmark, *Computer-Controlled Systems*, "Output feedback"; det(x·I − M + L·K) = χ(M)·(1 +
-//! K·(x·I − M)⁻¹·L).
+//! once.
+//! Source: Åström & Wittenmark, *Computer-Controlled Systems*, "Output feedback";
+//! det(x·I − M + L·K) = χ(M)·(1 + K·(x·I − M)⁻¹·L).
 
 use super::ackermann::characteristic;
 use super::error::DesignError;

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Crossings are looked for on a grid of 400 frequencies a decade and refined by bisection; two crossings closer than
-//! half a percent may be missed. They are margins of a loop that is stable; say so before you trust them. Source:
-//! Åström & Murray, *Feedback Systems*, "Stability Margins".
+//! half a percent may be missed. They are margins only if the loop is stable; check that first.
+//! Source: Åström & Murray, *Feedback Systems*, "Stability Margins".
 
 use super::polynomial::magnitude;
 use super::transfer::{Plane, Transfer};

@@ -1,7 +1,8 @@
 //! Design: from a linear plant to the gains of a controller, and from a loop to its margins.
 //!
-//! [`plant`] → [`law`] (PID, or [`lqg`]) → loop: [`margins`], [`critical`], [`step`] [`plant`] → gains: [`placement`]
-//! (PID), [`ackermann`] and [`riccati`] (state feedback, observer), [`relay`] (PID from an oscillation)
+//! - [`plant`] → [`law`] (PID, or [`lqg`]) → loop: [`margins`], [`critical`], [`step`]
+//! - [`plant`] → gains: [`placement`] (PID), [`ackermann`] and [`riccati`] (state feedback, observer), [`relay`] (PID
+//!   from an oscillation)
 //!
 //! Everything is done with small polynomials and small matrices on the stack, in continuous time (s) and for the
 //! sampled loop (δ = z − 1). Control value in percent of duty about hover (or mm/s² where the fan is linearised),

@@ -11,8 +11,8 @@
 //!
 //! T_i = K_p/K_i, T_d = K_d/K_p. With the setpoint's weight b = 1/(p·T_i) the zero b + 1/(T_i·s) cancels the slow pole
 //! p, so that a step does not creep to its end behind an overshoot; at most 1. The derivative's filter, lags of the
-//! sensor, delays and the sampling are not in the equations; look at the margins of the loop with them. Source: Åström
-//! & Hägglund, *Advanced PID Control*, "Pole placement".
+//! sensor, delays and the sampling are not in the equations; look at the margins of the loop with them.
+//! Source: Åström & Hägglund, *Advanced PID Control*, "Pole placement".
 
 use super::error::DesignError;
 use super::law::Gains;

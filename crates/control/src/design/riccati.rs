@@ -10,8 +10,9 @@
 //! The doubling starts at A, G, Q of the sampled equation; the continuous one is brought to that form by Cayley's
 //! transform with γ. It converges quadratically. The filter is the regulator of Aᵀ and Cᵀ, with the noises W and V in
 //! place of the weights. A state that decays on its own needs neither weight nor noise; one that does not needs it, or
-//! there is no solution. Source: Chu, Fan & Lin, "A structure-preserving doubling algorithm for continuous-time
-//! algebraic Riccati equations", *Linear Algebra and its Applications* 396, 2005.
+//! there is no solution.
+//! Source: Chu, Fan & Lin, "A structure-preserving doubling algorithm for continuous-time algebraic Riccati equations",
+//! *Linear Algebra and its Applications* 396, 2005.
 //!
 //! Erratum: the thesis prints W = 3·I and V = 5 for its observer, which give L = [1.0013, 0.2013]; its L = [0.449,
 //! 0.0508] belongs to W = 0.1·V·I.

@@ -8,7 +8,8 @@
 //!
 //! Sampled loops are moved in companion form from sample to sample. Continuous ones are brought to companion form, with
 //! time counted in the geometric mean of their time constants so that its entries are near 1, and moved exactly from
-//! point to point. Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
+//! point to point.
+//! Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
 
 use super::discretise::{Discrete, discretise};
 use super::polynomial::{CAPACITY, Polynomial};

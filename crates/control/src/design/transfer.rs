@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Slow poles of a sampled loop crowd at z = 1, where polynomials in z lose their digits; in δ they crowd at 0 and keep
-//! them. Source: Middleton & Goodwin, *Digital Control and Estimation*, for δ.
+//! them.
+//! Source: Middleton & Goodwin, *Digital Control and Estimation*, for δ.
 
 use super::polynomial::{Polynomial, Roots};
 use libm::{log1p, sin};

@@ -9,8 +9,9 @@
 //! virtual time on each of them by the known controller ([`Desk`]). It is not safe, and dropped, if the ball reaches an
 //! end of the pipe or the duty its limits under any rival. The best few are scored again with each rival's parameters
 //! fitted to the record of the other, because the next diagnosis will fit them too: an effect that a gain can imitate
-//! does not separate the rivals. Source of the score: Box and Hill, "Discrimination among mechanistic models",
-//! Technometrics 9 (1967), which uses the same expectation, a Kullback–Leibler divergence.
+//! does not separate the rivals.
+//! Source of the score: Box and Hill, "Discrimination among mechanistic models", Technometrics 9 (1967), which uses the
+//! same expectation, a Kullback–Leibler divergence.
 
 pub mod candidates;
 mod open_questions;

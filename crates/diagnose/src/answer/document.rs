@@ -189,7 +189,8 @@ impl Diagnosis {
     }
 
     fn with_ends(&self, parameter: Parameter, value: f64, known: Option<&(Parameter, f64, f64)>) -> Interval {
-        let at_bound = self.bounds.active(parameter, &self.mended.model);
+        let answers = self.verdict != Verdict::InsufficientData;
+        let at_bound = self.bounds.active(parameter, &self.mended.model).filter(|_| answers);
         let ends = known.filter(|(_, low, high)| (high - low).is_finite());
         Interval { value, low: ends.map(|ends| ends.1), high: ends.map(|ends| ends.2), at_bound }
     }

@@ -98,7 +98,7 @@ pub struct Estimate {
 
 /// The innovation of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surprise {
+pub struct Innovation {
     /// Reading minus expectation, mm.
     pub innovation_mm: f64,
     /// Its square over that of the gate: to 0.5 as expected, to 1.0 suspicious, above 1.0 rejected.
@@ -226,13 +226,13 @@ impl Estimator {
     }
 
     /// Takes a reading of the position, unless it is an outlier. The first one only sets the position.
-    pub fn update(&mut self, position_mm: f64) -> Option<Surprise> {
+    pub fn update(&mut self, position_mm: f64) -> Option<Innovation> {
         self.take(position_mm, self.set.reading_variance(), self.steady.first)
     }
 
     /// The same of the second sensor, after the first one's where both came. Without `second_sensor_mm` as if it were
     /// the first.
-    pub fn update_second(&mut self, position_mm: f64) -> Option<Surprise> {
+    pub fn update_second(&mut self, position_mm: f64) -> Option<Innovation> {
         match (self.set.second_variance(), self.steady.second) {
             (Some(variance), Some(weight)) => self.take(position_mm, variance, weight),
             _ => self.update(position_mm),
@@ -257,7 +257,7 @@ impl Estimator {
     }
 
     /// Takes a position of variance `variance`, with this weight in steady state.
-    fn take(&mut self, position_mm: f64, variance: f64, weight: Weight) -> Option<Surprise> {
+    fn take(&mut self, position_mm: f64, variance: f64, weight: Weight) -> Option<Innovation> {
         if !self.seen {
             self.start(position_mm);
             return None;
@@ -283,7 +283,7 @@ impl Estimator {
                 }
             }
         }
-        Some(Surprise { innovation_mm, test_ratio })
+        Some(Innovation { innovation_mm, test_ratio })
     }
 
     /// Discards the position, but not the error of hover: the next reading sets the position.

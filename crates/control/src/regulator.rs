@@ -23,7 +23,7 @@ use crate::feed_forward::Way;
 use crate::filter::DerivativeFilter;
 use crate::inputs::{Inputs, Reference};
 use crate::mpc::Planner;
-use crate::observer::{Estimate, Estimator, Observer, Surprise};
+use crate::observer::{Estimate, Estimator, Innovation, Observer};
 use crate::pid::{Pid, PidState};
 use libm::{exp, fabs};
 
@@ -50,7 +50,7 @@ pub struct Regulator {
     velocity: DerivativeFilter,
     /// The last reading, and its velocity by the filter.
     filtered: Option<Estimate>,
-    surprise: Option<Surprise>,
+    innovation: Option<Innovation>,
     setpoint_mm: Option<f64>,
     /// The states of the controllers.
     pid: PidState,
@@ -93,7 +93,7 @@ impl Regulator {
             planner,
             velocity: DerivativeFilter::default(),
             filtered: None,
-            surprise: None,
+            innovation: None,
             setpoint_mm: None,
             pid: PidState::default(),
             integral: 0.0,
@@ -129,8 +129,8 @@ impl Regulator {
 
     /// The innovation of the last reading. `None` where there was no reading or is no observer.
     #[must_use]
-    pub const fn surprise(&self) -> Option<Surprise> {
-        self.surprise
+    pub const fn innovation(&self) -> Option<Innovation> {
+        self.innovation
     }
 
     /// Changes to another controller from the next step on. `false`: there is none of this kind.
@@ -181,7 +181,7 @@ impl Regulator {
 
     /// Lets `dt_s` pass, in which `acting` was the control value.
     pub fn pass(&mut self, acting: f64, dt_s: f64) {
-        self.surprise = None;
+        self.innovation = None;
         if let Some(estimator) = &mut self.estimator {
             estimator.predict(if fabs(acting) <= STRONGEST { acting } else { 0.0 }, sensible(dt_s));
         }

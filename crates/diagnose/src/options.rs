@@ -4,11 +4,13 @@ use std::fmt;
 use std::sync::Arc;
 
 /// Options of a search.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Effects that the search must not consider, as if they were not in the catalogue.
     pub without: Vec<String>,
     /// The receiver of progress reports.
+    #[serde(skip)]
     pub progress: Progress,
 }
 

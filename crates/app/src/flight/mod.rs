@@ -178,8 +178,8 @@ impl<'a, R: Rig> Flight<'a, R> {
             estimated_position_mm: decision.estimate.map(|estimate| estimate.position_mm),
             estimated_fan_percent: decision.estimate.map(|estimate| estimate.fan),
             estimated_disturbance_percent: decision.estimate.map(|estimate| estimate.disturbance),
-            innovation_mm: decision.surprise.map(|surprise| surprise.innovation_mm),
-            innovation_test_ratio: decision.surprise.map(|surprise| surprise.test_ratio),
+            innovation_mm: decision.innovation.map(|innovation| innovation.innovation_mm),
+            innovation_test_ratio: decision.innovation.map(|innovation| innovation.test_ratio),
         };
         self.last_cycle_s = woke_s;
         self.record(&cycle, before, senses.ball);

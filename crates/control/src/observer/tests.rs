@@ -58,13 +58,13 @@ fn errors(set: Observer, missing: impl Fn(u32) -> bool, jitter: f64) -> (f64, f6
         let dt = T * (1.0 + jitter * (f64::from(truth.random.next_u32()) / f64::from(u32::MAX) - 0.5));
         let reading = truth.step(&set.believed, control(k), dt);
         estimator.predict(control(k), dt);
-        let surprise = if missing(k) { None } else { estimator.update(reading) };
+        let innovation = if missing(k) { None } else { estimator.update(reading) };
         if k > 200 {
             let now = estimator.estimate().unwrap();
             x += (now.position_mm - truth.state[0]).powi(2);
             v += (now.velocity_mm_per_s - truth.state[1]).powi(2);
-            if let Some(surprise) = surprise {
-                ratio += surprise.test_ratio;
+            if let Some(innovation) = innovation {
+                ratio += innovation.test_ratio;
                 count += 1.0;
             }
         }
@@ -190,8 +190,8 @@ fn an_outlier_is_refused_and_leaves_no_trace_but_a_moved_ball_is_believed_in_the
         }
         estimator.predict(0.0, T);
         let before = estimator.estimate();
-        let surprise = estimator.update(320.0).unwrap();
-        assert!(surprise.test_ratio > 1.0 && (surprise.innovation_mm - 70.0).abs() < 1e-6, "{surprise:?}");
+        let innovation = estimator.update(320.0).unwrap();
+        assert!(innovation.test_ratio > 1.0 && (innovation.innovation_mm - 70.0).abs() < 1e-6, "{innovation:?}");
         assert_eq!(estimator.estimate(), before);
         for _ in 0..10 {
             estimator.predict(0.0, T);

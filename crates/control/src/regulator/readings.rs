@@ -8,7 +8,7 @@ impl Regulator {
     /// Takes a reading, `dt_s` after the last one.
     pub fn read(&mut self, position_mm: f64, dt_s: f64) {
         if self.filter(position_mm, dt_s) {
-            self.surprise = self.estimator.as_mut().and_then(|estimator| estimator.update(position_mm));
+            self.innovation = self.estimator.as_mut().and_then(|estimator| estimator.update(position_mm));
         }
     }
 
@@ -24,7 +24,7 @@ impl Regulator {
     /// Takes a reading of the second sensor in place of one of the first, `dt_s` after the last of either.
     pub fn stand_in(&mut self, position_mm: f64, dt_s: f64) {
         if self.filter(position_mm, dt_s) {
-            self.surprise = self.estimator.as_mut().and_then(|estimator| estimator.update_second(position_mm));
+            self.innovation = self.estimator.as_mut().and_then(|estimator| estimator.update_second(position_mm));
         }
     }
 

@@ -265,7 +265,7 @@ fn a_second_sensor_of_which_nothing_is_known_stands_in_like_the_first_and_says_n
         first.read(position_mm, T);
         second.stand_in(position_mm, T);
     }
-    assert_eq!((first.observed(), first.surprise()), (second.observed(), second.surprise()));
+    assert_eq!((first.observed(), first.innovation()), (second.observed(), second.innovation()));
     first.read_second(400.0);
     assert_eq!(first.observed(), second.observed());
 }

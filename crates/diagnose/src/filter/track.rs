@@ -102,7 +102,7 @@ impl<'a> Track<'a> {
 
     /// The innovation of every reading but the first.
     #[must_use]
-    pub(crate) fn into_surprises(self) -> Vec<Innovation> {
+    pub(crate) fn into_innovations(self) -> Vec<Innovation> {
         self.innovations
     }
 

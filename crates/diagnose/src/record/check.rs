@@ -27,7 +27,8 @@ const ELSEWHERE: f64 = 0.1;
 const SLOWEST_S: f64 = 1.0;
 
 /// A finding about a record that its reader should know.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, thiserror::Error)]
+#[serde(rename_all = "snake_case")]
 pub enum Finding {
     /// The duty hardly moves.
     #[error(

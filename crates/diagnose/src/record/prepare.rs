@@ -14,7 +14,7 @@ use plant::{Changes, Model};
 use std::borrow::Cow;
 
 /// A finding, and the flight that it is about, counted from 0 in the order in which they were given.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct FlightFinding {
     /// The flight.
     pub flight: usize,

@@ -133,7 +133,7 @@ pub(crate) fn rows(model: &Model, recording: &Recording, folds: &Folds) -> Vec<R
             [samples[row].duty_percent, position, velocity, since_start_s]
         })
         .collect();
-    let known = before.into_iter().zip(track.into_surprises()).filter(|(_, s)| folds.counts(s.row));
+    let known = before.into_iter().zip(track.into_innovations()).filter(|(_, s)| folds.counts(s.row));
     known
         .map(|(known, s)| Row { row: s.row, time_s: samples[s.row].time_s, known, standardised: s.standardised })
         .collect()

@@ -96,7 +96,7 @@ impl Figures {
 
 /// The median, where a missing value counts as infinite. `None`: at least half of the values are missing, or there are
 /// none.
-fn median(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+pub fn median(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::INFINITY)).collect();
     values.sort_by(f64::total_cmp);
     let (upper, lower) = (values.get(values.len() / 2)?, values.get(values.len().checked_sub(1)? / 2)?);

@@ -5,7 +5,7 @@ use crate::flight::experiment::Experiment;
 use crate::flight::vocabulary::{Fault, Mode};
 use control::Duty;
 use control::compensation::Compensation;
-use control::observer::{Estimate, Surprise};
+use control::observer::{Estimate, Innovation};
 use control::regulator::{Regulator, Unready};
 use hal::BUDGET_US;
 
@@ -132,5 +132,5 @@ pub struct Decision {
     /// The observer's estimate, fan and hover in percent of duty.
     pub estimate: Option<Estimate>,
     /// The observer's innovation.
-    pub surprise: Option<Surprise>,
+    pub innovation: Option<Innovation>,
 }

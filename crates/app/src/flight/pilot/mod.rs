@@ -168,7 +168,7 @@ impl Pilot {
             velocity_mm_per_s: self.orders.regulator.velocity_mm_per_s(),
             position_mm: self.last.map(|(_, mm)| mm),
             estimate: self.estimate(),
-            surprise: self.orders.regulator.surprise(),
+            innovation: self.orders.regulator.innovation(),
         };
         if self.mode != Mode::Flying {
             // The record of an earlier push does not apply after this.

@@ -1,6 +1,7 @@
 //! The summary of a flight: a few lines of text.
 
 use super::signals::Signals;
+use crate::analysis::closed_loop::median;
 use crate::analysis::step_response::{Step, steps};
 use crate::flight::deadline::Punctuality;
 use crate::flight::vocabulary::Cycle;
@@ -88,9 +89,9 @@ impl Summary {
             punctuality,
             logged_cycles: cycles.len(),
             fresh_percent: 100.0 * fresh as f64 / cycles.len().max(1) as f64,
-            overshoot_percent: median(steps.iter().map(|step| step.overshoot_percent).collect()),
+            overshoot_percent: median(steps.iter().map(|step| Some(step.overshoot_percent))),
             unsettled: steps.len() - settled.len(),
-            settling_s: median(settled),
+            settling_s: median(settled.into_iter().map(Some)),
             rms_error_mm: rms(cycles.iter().filter_map(error)),
             rms_settled_mm: rms(cycles.iter().filter(|cycle| is_settled(cycle, &steps)).filter_map(error)),
             innovations: Innovations::of(cycles.iter().filter_map(|cycle| cycle.innovation_test_ratio)),
@@ -108,13 +109,6 @@ fn error(cycle: &Cycle) -> Option<f64> {
 fn is_settled(cycle: &Cycle, steps: &[Step]) -> bool {
     let current = steps.iter().rev().find(|step| step.time_s <= cycle.time_s);
     current.is_some_and(|step| step.settling_s.is_some_and(|settling_s| cycle.time_s >= step.time_s + settling_s))
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    let upper = *values.get(middle)?;
-    Some(if values.len().is_multiple_of(2) { (values[middle - 1] + upper) / 2.0 } else { upper })
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {

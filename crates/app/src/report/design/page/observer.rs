@@ -40,11 +40,11 @@ pub fn page(report: &Report<'_>) -> String {
 
 fn first(document: &Document) -> Markup {
     let numbers: Vec<(String, String, String)> = flown(document)
-        .map(|(state, gain)| (state.to_owned(), three_digits(gain), "for each mm of surprise".to_owned()))
+        .map(|(state, gain)| (state.to_owned(), three_digits(gain), "for each mm of innovation".to_owned()))
         .collect();
     html! {
         p.lede {
-            "A steady-state Kalman filter: at every reading the states move by their gains times the surprise, which is the reading minus what was "
+            "A steady-state Kalman filter: at every reading the states move by their gains times the innovation, which is the reading minus what was "
             "expected of it."
         }
         h2.unseen { "The gains that fly" }
@@ -103,6 +103,6 @@ fn next() -> Markup {
 
 const WORDS: [(&str, &str); 3] = [
     ("observer", "What estimates velocity, fan and hover from readings of the position and the duties that were sent."),
-    ("surprise", "A reading minus what was expected of it; the field says innovation."),
-    ("L", "The observer's gain: how far each state moves for each millimetre of surprise."),
+    ("innovation", "A reading minus its forecast from the readings before it."),
+    ("L", "The observer's gain: how far each state moves for each millimetre of innovation."),
 ];

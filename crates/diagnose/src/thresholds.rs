@@ -6,23 +6,23 @@
 //! again. How often the numbers together are right on rigs whose equations the diagnosis does not know is the proof
 //! page's matter (`docs/blind.md`).
 //!
-//! Likelihoods are in nats. Numbers that belong to one step alone, and decide no answer, stand at the head of that
-//! step.
+//! A number without an origin beside it was chosen by hand, and no rate of it was measured. Likelihoods are in nats.
+//! Numbers that belong to one step alone, and decide no answer, stand at the head of that step.
 
 // Is there enough to answer?
 
-/// Readings in free flight that a diagnosis and an identification need. Chosen: five parameters and their noise need
-/// some tens of readings each. No false alarms: it silences, and blames nothing.
+/// Readings in free flight that a diagnosis and an identification need. Chosen by hand; no rate was measured. It can
+/// only withhold an answer.
 pub const ENOUGH_READINGS: usize = 300;
-/// Readings that count in full; of a longer record each counts for less. Chosen: no model is exact, and with readings
-/// enough any is found wrong; 6000 are 110 s at 55 Hz, the longest of the project's own experiments.
+/// Readings that count in full; of a longer record each counts for less. No model is exact, and with readings enough
+/// any is found wrong. The number was chosen by hand.
 pub(crate) const LONG: f64 = 6000.0;
 /// Mean square of the standardised innovations below which they are rounding. A fitted noise leaves 1.
 pub(crate) const QUIET: f64 = 0.05;
 
 // Which candidates are fitted in full?
 
-/// Gain at the screening that a full fit takes. Chosen: below half of what a name takes.
+/// Gain at the screening that a full fit takes. Chosen by hand: half of what a name takes.
 pub(crate) const SCREENED: f64 = 2.5;
 /// How many candidates are fitted in full, and how far behind the best they may be at the screening: nats, and a share
 /// of its gain.
@@ -36,7 +36,7 @@ pub(crate) const OTHER_NOISE: f64 = 50.0;
 
 // Which effect is named?
 
-/// Gains this close are equivalent. Chosen: Akaike's rule of thumb, by which a difference of 2 is weak support.
+/// Gains this close are equivalent. Chosen by hand; no rate was measured.
 pub(crate) const EQUIVALENT: f64 = 2.0;
 /// What a parameter gains by chance on the rows that it is fitted to and loses on others, together. Akaike (1974).
 pub(crate) const COST_OF_A_PARAMETER: f64 = 1.0;

@@ -83,8 +83,8 @@ pub struct Acts<E: 'static> {
     pub holds: Option<fn(&E) -> StaleSamples>,
     /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
     pub is_linear: bool,
-    /// Its lag or delay, seconds.
-    pub late_s: Option<fn(&E) -> f64>,
+    /// The time constant of a lag, seconds.
+    pub lag_s: Option<fn(&E) -> f64>,
     /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a
     /// design.
     pub linearise: Option<fn(&E, &mut Linear)>,
@@ -115,7 +115,7 @@ impl<E> Acts<E> {
         rounds: None,
         holds: None,
         is_linear: false,
-        late_s: None,
+        lag_s: None,
         linearise: None,
         can_show: None,
     };
@@ -123,11 +123,12 @@ impl<E> Acts<E> {
     /// The same without its types.
     #[must_use]
     pub const fn summary(&self) -> Summary {
-        let lag = self.follows.is_some() || self.senses.is_some();
-        let late = match (self.late_s.is_some(), lag) {
-            (false, _) => None,
-            (true, true) => Some(Late::Lag),
-            (true, false) => Some(Late::DeadTime),
+        let late = if self.lag_s.is_some() {
+            Some(Late::Lag)
+        } else if self.delays_duty.is_some() || self.delays_reading.is_some() {
+            Some(Late::DeadTime)
+        } else {
+            None
         };
         let changes = if self.outliers.is_some() || self.rounds.is_some() || self.holds.is_some() {
             Changes::Density
@@ -149,11 +150,11 @@ impl<E> Acts<E> {
     const fn slots(&self) -> u16 {
         (self.plays.is_some() as u16)
             | (self.follows.is_some() as u16) << 1
-            | (self.coloured_force.is_some() as u16) << 2
+            | (self.coloured_force.is_some() as u16) * COLOURED_FORCE
             | (self.friction.is_some() as u16) << 3
             | (self.ends.is_some() as u16) << 4
             | (self.senses.is_some() as u16) << 5
-            | (self.outliers.is_some() as u16) << 6
+            | (self.outliers.is_some() as u16) * OUTLIERS
             | (self.rounds.is_some() as u16) << 7
             | (self.holds.is_some() as u16) << 8
     }
@@ -163,6 +164,10 @@ impl<E> Acts<E> {
         self.delays_duty.is_some() || self.on_duty.is_some() || self.follows.is_some()
     }
 }
+
+/// The bits of the slots that are asked for by themselves.
+const COLOURED_FORCE: u16 = 1 << 2;
+const OUTLIERS: u16 = 1 << 6;
 
 /// What an effect changes of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,6 +187,21 @@ pub enum Late {
     DeadTime,
     /// A lag, which smooths the signal that it delays.
     Lag,
+}
+
+impl Late {
+    /// Why a record does not tell such an effect of the duty from one of the reading.
+    #[must_use]
+    pub const fn why_twins(self) -> &'static str {
+        match self {
+            Self::DeadTime => {
+                "a duty that acts late and a reading that is late shift the same readings by the same time"
+            }
+            Self::Lag => {
+                "a lag before the ball and one behind it turn the same duty into the same readings, but for the colour of the noise"
+            }
+        }
+    }
 }
 
 /// What an effect does to the signal path, without its types.
@@ -211,12 +231,12 @@ impl Summary {
     /// Whether it draws random numbers.
     #[must_use]
     pub const fn is_random(&self) -> bool {
-        matches!(self.changes, Changes::Scatter) || self.slots & (1 << 6) != 0
+        matches!(self.changes, Changes::Scatter) || self.slots & OUTLIERS != 0
     }
 
     /// Whether it is a random force of the air, which can follow any force that a model lacks.
     #[must_use]
     pub const fn follows_any_force(&self) -> bool {
-        self.slots & (1 << 2) != 0
+        self.slots & COLOURED_FORCE != 0
     }
 }

@@ -159,8 +159,6 @@ pub struct Entry {
     pub form: Form,
     /// Effects that look the same in duty and position whatever is flown, or nearly so.
     pub twins: &'static [&'static str],
-    /// The reason: what both do to the readings.
-    pub twin_because: &'static str,
     /// The simpler effect that it is a generalisation of.
     pub contains: Option<&'static str>,
     /// Two of its parameters of which the difference is known far better than each.
@@ -192,7 +190,6 @@ impl Entry {
         start: Start::Sizes,
         form: Form::Usual,
         twins: &[],
-        twin_because: "",
         contains: None,
         difference: None,
         represents_its_stage: None,

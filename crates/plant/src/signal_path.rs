@@ -242,7 +242,14 @@ impl Effects {
     /// How late an effect makes things, seconds; 0 where it is off or no lag and no delay.
     #[must_use]
     pub fn late_s(&self, effect_name: &str) -> f64 {
-        fold!(self, late_s, 0.0, |sum, act, effect| if name(effect) == effect_name { sum + act(effect) } else { sum })
+        let mut sum = 0.0;
+        for_each_effect!(self, effect => if name(effect) == effect_name {
+            let acts = acts(effect);
+            for act in [acts.delays_duty, acts.delays_reading, acts.lag_s].into_iter().flatten() {
+                sum += act(effect);
+            }
+        });
+        sum
     }
 
     /// Adds what these effects do to a linear plant.

@@ -37,7 +37,6 @@ impl Effect for FanLag {
         sizes: &[&[0.05], &[0.2]],
         form: Form::Approximate,
         twins: &["sensor_lag"],
-        twin_because: "a lag before the ball and one behind it turn the same duty into the same readings, but for the colour of the noise",
         in_a_log: "the ball answers late to every change of duty, and oscillates at gains that the simulator calls safe",
         mend: "a lighter rotor or a fan with active braking; in the controller, more derivative action or less gain",
         told_from: &[
@@ -60,7 +59,7 @@ impl Effect for FanLag {
     const ACTS: Acts<Self> = Acts {
         follows: Some(Self::after),
         is_linear: true,
-        late_s: Some(|lag| lag.time_constant_s),
+        lag_s: Some(|lag| lag.time_constant_s),
         linearise: Some(|lag, plant| plant.fan_lag_s = lag.time_constant_s),
         ..Acts::NONE
     };

@@ -27,7 +27,6 @@ impl Effect for SensorDelay {
         params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.03], &[0.1]],
         twins: &["transport_delay"],
-        twin_because: "a duty that acts late and a reading that is late shift the same readings by the same time",
         in_a_log: "everything that the duty does shows a fixed time late, and the loop oscillates at gains called safe",
         mend: "a shorter timing budget, reading right after the measurement is ready; a filter that predicts over the delay",
         told_from: &[
@@ -49,7 +48,6 @@ impl Effect for SensorDelay {
 
     const ACTS: Acts<Self> = Acts {
         delays_reading: Some(|delay| delay.delay_s),
-        late_s: Some(|delay| delay.delay_s),
         linearise: Some(|delay, plant| plant.delay_s += delay.delay_s),
         ..Acts::NONE
     };

@@ -38,7 +38,6 @@ impl Effect for SensorLag {
         sizes: &[&[0.03], &[0.1]],
         form: Form::Approximate,
         twins: &["fan_lag"],
-        twin_because: "a lag before the ball and one behind it turn the same duty into the same readings, but for the colour of the noise",
         in_a_log: "the reading turns round after the ball does, and its noise is no larger for it",
         mend: "a shorter timing budget, less averaging in the sensor; a Kalman filter that knows the lag",
         told_from: &[
@@ -61,7 +60,7 @@ impl Effect for SensorLag {
     const ACTS: Acts<Self> = Acts {
         senses: Some(Self::after),
         is_linear: true,
-        late_s: Some(|lag| lag.time_constant_s),
+        lag_s: Some(|lag| lag.time_constant_s),
         linearise: Some(|lag, plant| plant.sensor_lag_s = lag.time_constant_s),
         ..Acts::NONE
     };

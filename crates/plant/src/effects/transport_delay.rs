@@ -28,7 +28,6 @@ impl Effect for TransportDelay {
         params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.03], &[0.1]],
         twins: &["sensor_delay"],
-        twin_because: "a duty that acts late and a reading that is late shift the same readings by the same time",
         represents_its_stage: Some(1),
         in_a_log: "nothing happens for a fixed time after every change of duty, then the answer is as it should be",
         mend: "write the duty right after the reading, raise the PWM frequency, shorten the way from fan to ball; or less gain",
@@ -47,7 +46,6 @@ impl Effect for TransportDelay {
 
     const ACTS: Acts<Self> = Acts {
         delays_duty: Some(|delay| delay.delay_s),
-        late_s: Some(|delay| delay.delay_s),
         linearise: Some(|delay, plant| plant.delay_s += delay.delay_s),
         ..Acts::NONE
     };

@@ -90,8 +90,9 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     };
     let gains = gain(name).zip(gain(other));
     let nats = gains.map_or(String::new(), |(a, b)| format!(": {a:.1} and {b:.1} nats"));
-    match Effects::entry(name).filter(|entry| entry.twins.contains(&other)) {
-        Some(entry) => format!("{}{nats}", entry.twin_because),
+    let twins = Effects::entry(name).filter(|entry| entry.twins.contains(&other));
+    match twins.and_then(|entry| entry.acts.late) {
+        Some(late) => format!("{}{nats}", late.why_twins()),
         None => format!(
             "both explain the held-out stretches nearly alike{nats}; within {INDISTINGUISHABLE} nats chance may choose"
         ),

@@ -150,11 +150,11 @@ impl<E> Acts<E> {
     const fn slots(&self) -> u16 {
         (self.plays.is_some() as u16)
             | (self.follows.is_some() as u16) << 1
-            | (self.coloured_force.is_some() as u16) * COLOURED_FORCE
+            | ((self.coloured_force.is_some() as u16) * COLOURED_FORCE)
             | (self.friction.is_some() as u16) << 3
             | (self.ends.is_some() as u16) << 4
             | (self.senses.is_some() as u16) << 5
-            | (self.outliers.is_some() as u16) * OUTLIERS
+            | ((self.outliers.is_some() as u16) * OUTLIERS)
             | (self.rounds.is_some() as u16) << 7
             | (self.holds.is_some() as u16) << 8
     }

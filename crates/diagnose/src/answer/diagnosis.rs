@@ -149,8 +149,7 @@ fn impossible(bounds: &Bounds, fits: [&Fit; 2]) -> Option<Finding> {
 
 /// The finding for fewer readings than a diagnosis needs.
 fn too_few(recording: &Recording, folds: &Folds) -> Option<Finding> {
-    let rows = recording.samples().iter().enumerate();
-    let readings = rows.filter(|(row, sample)| sample.position_mm.is_some() && folds.counts(*row)).count();
+    let readings = folds.readings(recording);
     (readings < ENOUGH_READINGS).then_some(Finding::TooFew { readings, needed: ENOUGH_READINGS })
 }
 
@@ -183,8 +182,7 @@ fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>
     [tallies(belief, recording, &|row| folds.stretch(row)), refitted, mended]
 }
 
-/// Whether the fitted base parameters lower the error at 1 s by more than 5 % of the noise floor and by more than 0.5
-/// mm.
+/// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.
 fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
     match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
         (Some(nominal), Some(refitted), Some(floor)) => {

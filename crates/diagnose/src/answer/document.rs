@@ -161,9 +161,11 @@ impl Diagnosis {
     /// Gain, drag and hover by their keys of the config: believed and mended.
     #[must_use]
     pub fn base_parameters(&self, belief: &Model) -> BTreeMap<&'static str, ParameterEntry> {
+        let known = self.intervals();
         let entry = |parameter: Parameter| {
-            let nominal = parameter.value(belief).unwrap_or(f64::NAN);
-            ParameterEntry { nominal, interval: self.interval(parameter) }
+            let of = |model| parameter.value(model).unwrap_or(f64::NAN);
+            let found = known.iter().find(|(other, ..)| *other == parameter);
+            ParameterEntry { nominal: of(belief), interval: self.with_ends(parameter, of(&self.mended.model), found) }
         };
         [Parameter::Gain, Parameter::Drag, Parameter::Hover].into_iter().map(|one| (one.key(), entry(one))).collect()
     }
@@ -180,12 +182,6 @@ impl Diagnosis {
             (param.name, self.with_ends(parameter, *value, found))
         });
         parameters.collect()
-    }
-
-    fn interval(&self, parameter: Parameter) -> Interval {
-        let known = self.intervals();
-        let value = parameter.value(&self.mended.model).unwrap_or(f64::NAN);
-        self.with_ends(parameter, value, known.iter().find(|(other, ..)| *other == parameter))
     }
 
     fn with_ends(&self, parameter: Parameter, value: f64, known: Option<&(Parameter, f64, f64)>) -> Interval {

@@ -87,8 +87,7 @@ impl GreyBox {
     /// [`TooLittle`]: the record is too short.
     pub fn identify(start: &Model, recording: &Recording, poles: Poles) -> Result<Self, TooLittle> {
         let folds = Folds::new(start, recording);
-        let counts = recording.samples().iter().enumerate();
-        let readings = counts.filter(|(row, s)| s.position_mm.is_some() && folds.counts(*row)).count();
+        let readings = folds.readings(recording);
         if readings < ENOUGH_READINGS {
             return Err(TooLittle::Readings { readings });
         }

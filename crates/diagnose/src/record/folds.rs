@@ -59,6 +59,13 @@ impl Folds {
         self.stretch(row).map(|stretch| stretch % Self::COUNT)
     }
 
+    /// How many rows that count hold a reading.
+    #[must_use]
+    pub(crate) fn readings(&self, recording: &Recording) -> usize {
+        let rows = recording.samples().iter().enumerate();
+        rows.filter(|(row, sample)| sample.position_mm.is_some() && self.counts(*row)).count()
+    }
+
     /// Whether a row counts.
     #[must_use]
     pub fn counts(&self, row: usize) -> bool {

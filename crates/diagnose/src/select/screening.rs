@@ -5,7 +5,7 @@ use crate::fit::estimate::{Fit, LogLikByFold};
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
 use crate::select::initial_values::{Starts, starts};
 use crate::select::search::Search;
-use plant::{Changes, Entry, Model, Start as StartRule};
+use plant::{Changes, Entry, Model, Start};
 use rayon::prelude::*;
 use std::{iter, ptr};
 
@@ -22,7 +22,7 @@ const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
 const FIRST: [Parameter; 4] = [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::AirNoise];
 
 /// Initial values of the fit of an effect, and their log-likelihood by fold.
-struct Start {
+struct InitialPoint {
     /// Index of the initial base parameters, see [`places_to_start`].
     place: usize,
     /// Whether these values follow from the belief.
@@ -85,22 +85,22 @@ pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, entry: &Entry) -> Option
 /// A few scoring steps of the most important parameters from the best of these initial values; the best result.
 fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Option<Screened> {
     let rated = rated(search, so_far, entry, all);
-    let worth = |start: &Start| start.by_fold.iter().sum::<f64>();
+    let worth = |start: &InitialPoint| start.by_fold.iter().sum::<f64>();
     // A recorded fan speed determines the timing sharply: the maxima are narrow, and the rating cannot tell which is
     // near.
     let narrow = search.problem.recording.has_fan_speed();
-    let as_good = |start: &&Start| narrow || worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
-    let mut from: Vec<&Start> = rated.iter().take(STARTS).filter(as_good).collect();
+    let as_good = |start: &&InitialPoint| narrow || worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
+    let mut from: Vec<&InitialPoint> = rated.iter().take(STARTS).filter(as_good).collect();
     // The best of other base parameters, and the values that follow from the belief there, rate lower but may end
     // higher.
-    let elsewhere = |start: &&Start| rated.first().is_some_and(|best| best.place != start.place);
-    let as_believed = |start: &&Start| start.place > 0 && start.as_believed;
+    let elsewhere = |start: &&InitialPoint| rated.first().is_some_and(|best| best.place != start.place);
+    let as_believed = |start: &&InitialPoint| start.place > 0 && start.as_believed;
     for other in [rated.iter().find(elsewhere), rated.iter().find(as_believed)].into_iter().flatten() {
         if !from.iter().any(|start| ptr::eq(*start, other)) {
             from.push(other);
         }
     }
-    let screened = from.into_iter().map(|Start { place, model: start, parameters, .. }| {
+    let screened = from.into_iter().map(|InitialPoint { place, model: start, parameters, .. }| {
         let own = parameters.iter().filter(|parameter| !so_far.parameters.contains(parameter));
         let few: Vec<Parameter> = FIRST.into_iter().chain(own.copied()).collect();
         let (model, total) = search.problem.fit_briefly(start, &few, STEPS);
@@ -119,7 +119,7 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -
 }
 
 /// The initial values of the effect, rated by log-likelihood, the best first.
-fn rated(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Vec<Start> {
+fn rated(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Vec<InitialPoint> {
     let rated = all.values.par_iter().enumerate().flat_map_iter(|(at, values)| {
         let as_believed = at >= all.usual;
         let start = added(so_far, entry, values);
@@ -128,10 +128,10 @@ fn rated(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Vec<
         let parameters = start.map(|(_, parameters)| parameters).unwrap_or_default();
         models.into_iter().enumerate().map(move |(place, model)| {
             let by_fold = search.problem.by_fold(&model);
-            Start { place, as_believed, model, parameters: parameters.clone(), by_fold }
+            InitialPoint { place, as_believed, model, parameters: parameters.clone(), by_fold }
         })
     });
-    let mut rated: Vec<Start> = rated.collect();
+    let mut rated: Vec<InitialPoint> = rated.collect();
     rated.sort_by(|a, b| b.by_fold.iter().sum::<f64>().total_cmp(&a.by_fold.iter().sum()));
     rated
 }
@@ -152,7 +152,7 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
         }
     }
     let places = iter::once(model.clone()).chain(search.is_far(so_far).then_some(believed));
-    if effect.start == StartRule::DutyOverHeight {
+    if effect.start == Start::DutyOverHeight {
         return places.map(|model| balanced_where_it_flew(search, model)).collect();
     }
     places.collect()

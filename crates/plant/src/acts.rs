@@ -83,8 +83,8 @@ pub struct Acts<E: 'static> {
     pub holds: Option<fn(&E) -> StaleSamples>,
     /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
     pub is_linear: bool,
-    /// The time constant of a lag, seconds.
-    pub lag_s: Option<fn(&E) -> f64>,
+    /// The time constants of a lag, up and down, seconds.
+    pub lag_s: Option<fn(&E) -> [f64; 2]>,
     /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a
     /// design.
     pub linearise: Option<fn(&E, &mut Linear)>,

@@ -196,6 +196,5 @@ fn gentle_pid(model: &Model, omega: f64) -> Pid {
 
 /// Total lag from duty to ball, seconds: lags, delays and the loop's own period.
 fn slowness_s(model: &Model, period_s: f64) -> f64 {
-    let late_s: f64 = model.effects.present().iter().map(|entry| model.effects.late_s(entry.name)).sum();
-    late_s + model.effects.hold().map_or(0.0, |stale| stale.hold_s) + 1.5 * period_s
+    model.effects.latest_s() + model.effects.hold().map_or(0.0, |stale| stale.hold_s) + 1.5 * period_s
 }

@@ -52,7 +52,7 @@ impl Effect for SpinAsymmetry {
 
     const ACTS: Acts<Self> = Acts {
         follows: Some(Self::after),
-        lag_s: Some(|spin| (spin.up_s + spin.down_s) / 2.0),
+        lag_s: Some(|spin| [spin.up_s, spin.down_s]),
         linearise: Some(|spin, plant| plant.fan_lag_s = (spin.up_s + spin.down_s) / 2.0),
         ..Acts::NONE
     };

@@ -87,6 +87,17 @@ fn two_lags_of_one_fan_are_refused() {
 }
 
 #[test]
+fn a_lag_of_two_time_constants_is_late_by_their_mean_and_at_most_by_the_longer() {
+    let mut effects = Effects::default();
+    for (name, values) in [("spin_asymmetry", &[0.1, 0.3][..]), ("sensor_delay", &[0.04]), ("dead_zone", &[-0.1, 0.1])]
+    {
+        effects.set(name, values);
+    }
+    assert!((effects.late_s("spin_asymmetry") - 0.2).abs() < 1e-15 && effects.late_s("dead_zone") == 0.0);
+    assert!((effects.latest_s() - 0.34).abs() < 1e-15, "{}", effects.latest_s());
+}
+
+#[test]
 fn the_physics_of_every_effect_is_the_head_of_its_module_with_an_equation() {
     for entry in Effects::CATALOGUE {
         let physics = Effects::physics(entry.name).unwrap();

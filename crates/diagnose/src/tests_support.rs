@@ -1,6 +1,6 @@
 //! Flights for tests: a square wave of duty about hover, with weak position feedback that keeps the ball off the ends.
 
-use crate::{Recording, Sample};
+use diagnose::{Recording, Sample};
 use plant::{Effects, Model, Noise, Simulator};
 
 /// A model with a fan lag, a long pipe and the noise of a real rig.

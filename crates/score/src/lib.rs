@@ -31,6 +31,7 @@ mod truth;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
+#[path = "../../diagnose/src/tests_support.rs"]
 mod tests_support;
 
 pub use answer::{Answer, Interval, NamedEffect};

@@ -27,7 +27,7 @@ const STEPS: usize = 15;
 /// The same while the slope is steep: from a believed noise far too large, a step reduces it by a factor of e at most.
 const MOST_STEPS: usize = 60;
 /// The fit ends after a step that gains less than this, nats.
-const GAIN_ENOUGH: f64 = 0.05;
+pub(crate) const GAIN_ENOUGH: f64 = 0.05;
 /// A step that gains more than this, nats on a record of usual length, is on a steep slope, and the fit continues.
 const STEEP: f64 = 20.0;
 /// Information below which the record does not determine a parameter.
@@ -35,12 +35,9 @@ const NOTHING_TOLD: f64 = 1e-6;
 /// Length of the finite differences, in scaled parameters.
 const DIFFERENCE: f64 = 0.01;
 /// A step is shortened this many times, and further while it is predicted to gain this many nats.
-const SHORTER: usize = 6;
+pub(crate) const SHORTER: usize = 6;
 const PROMISING: f64 = 1.0;
 const SHORTEST: usize = 14;
-
-/// Log-likelihood by fold, nats.
-pub(crate) type LogLikByFold = [f64; Folds::COUNT];
 
 /// A model fitted to a recording.
 #[derive(Clone, Debug)]
@@ -53,19 +50,19 @@ pub struct Fit {
     pub innovations: Vec<Innovation>,
     /// ln prior at the maximum, up to a constant.
     pub log_prior: f64,
-    slope: Derivatives,
+    pub(crate) slope: Derivatives,
 }
 
 /// Gradient and information of the likelihood fold by fold, and of the prior.
 #[derive(Clone, Debug)]
-struct Derivatives {
+pub(crate) struct Derivatives {
     folds: Vec<(DVector<f64>, DMatrix<f64>)>,
     prior: (DVector<f64>, DMatrix<f64>),
 }
 
 impl Derivatives {
     /// Sums over all folds but `left_out`.
-    fn total(&self, left_out: Option<usize>) -> (DVector<f64>, DMatrix<f64>) {
+    pub(crate) fn total(&self, left_out: Option<usize>) -> (DVector<f64>, DMatrix<f64>) {
         let kept = self.folds.iter().enumerate().filter(|(fold, _)| Some(*fold) != left_out);
         kept.fold(self.prior.clone(), |(g, h), (_, (gradient, information))| (g + gradient, h + information))
     }
@@ -166,7 +163,7 @@ impl Problem<'_> {
     }
 
     /// The model with every parameter moved along `direction`, within its bounds.
-    fn moved(&self, model: &Model, parameters: &[Parameter], direction: &DVector<f64>) -> Model {
+    pub(crate) fn moved(&self, model: &Model, parameters: &[Parameter], direction: &DVector<f64>) -> Model {
         let step = |model: Model, (parameter, by): (&Parameter, &f64)| parameter.stepped(&model, *by);
         let moved = parameters.iter().zip(direction.iter()).fold(model.clone(), step);
         self.bounds().clamped(moved, parameters)
@@ -208,66 +205,9 @@ impl Problem<'_> {
         (best, None)
     }
 
-    /// The models fitted without each fold in turn: one scoring step from the fit to all folds.
-    #[must_use]
-    pub fn without_each_fold(&self, fit: &Fit) -> Vec<Model> {
-        (0..Folds::COUNT).map(|fold| self.without(fit, fold).0).collect()
-    }
-
-    /// The held-out log-likelihood of each fold, under the model that was fitted without it, nats.
-    #[must_use]
-    pub fn held_out(&self, fit: &Fit) -> LogLikByFold {
-        std::array::from_fn(|fold| self.without(fit, fold).1[fold])
-    }
-
-    /// The model fitted without a fold, and the log-likelihood of each fold under it. A parameter of an added effect
-    /// that the other folds do not determine returns to its neutral value; otherwise the fold that alone determines it
-    /// would not be held out.
-    fn without(&self, fit: &Fit, fold: usize) -> (Model, LogLikByFold) {
-        let kept = |worth: &LogLikByFold| worth.iter().sum::<f64>() - worth[fold];
-        let here = self.of_each_fold(&fit.innovations);
-        let before = kept(&here) + fit.log_prior;
-        let (mut gradient, mut information) = fit.slope.total(Some(fold));
-        let mut slack = GAIN_ENOUGH;
-        for (i, parameter) in fit.parameters.iter().enumerate() {
-            let Some(off) = parameter.distance_from_neutral(&fit.model, self.belief) else { continue };
-            gradient[i] -= off;
-            information[(i, i)] += 1.0;
-            slack += 0.5 * off * off;
-        }
-        let Some(mut direction) = information.cholesky().map(|factor| factor.solve(&gradient)) else {
-            return (fit.model.clone(), here);
-        };
-        for _ in 0..SHORTER {
-            let model = self.moved(&fit.model, &fit.parameters, &direction);
-            let there = self.by_fold(&model);
-            if kept(&there) + self.log_prior(&fit.parameters, &model) > before - slack {
-                return (model, there);
-            }
-            direction /= 4.0;
-        }
-        (fit.model.clone(), here)
-    }
-
     /// ln prior of `parameters` in `model`, up to a constant; 0 without a prior.
     pub(crate) fn log_prior(&self, parameters: &[Parameter], model: &Model) -> f64 {
         if self.prior == Prior::Belief { prior(parameters, model, self.belief) } else { 0.0 }
-    }
-
-    /// The log-likelihood of each fold under `model`, without a fit, nats.
-    #[must_use]
-    pub fn by_fold(&self, model: &Model) -> LogLikByFold {
-        self.of_each_fold(&innovations(model, self.recording))
-    }
-
-    fn of_each_fold(&self, innovations: &[Innovation]) -> LogLikByFold {
-        let mut worth = LogLikByFold::default();
-        for s in innovations {
-            if let Some(fold) = self.folds.of(s.row) {
-                worth[fold] += s.log_density;
-            }
-        }
-        worth
     }
 
     fn point(&self, model: Model, parameters: &[Parameter]) -> Point {

@@ -2,6 +2,7 @@
 
 pub(crate) mod bounds;
 pub(crate) mod estimate;
+pub(crate) mod held_out;
 pub(crate) mod intervals;
 pub(crate) mod lag_form;
 pub(crate) mod log_likelihood;

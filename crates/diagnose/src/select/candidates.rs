@@ -12,7 +12,8 @@
 //! Akaike's nat per parameter, is due to chance. Every effect is screened first ([`mod@crate::select::screening`]); the
 //! most promising ones are fitted in full.
 
-use crate::fit::estimate::{Fit, LogLikByFold};
+use crate::fit::estimate::Fit;
+use crate::fit::held_out::LogLikByFold;
 use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
 use crate::select::screening::{Screened, screen};

@@ -1,7 +1,8 @@
 //! Screening of an effect: its initial values are rated as they are, then a few scoring steps are made from the best
 //! ones. More steps follow while the gradient is steep.
 
-use crate::fit::estimate::{Fit, LogLikByFold};
+use crate::fit::estimate::Fit;
+use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
 use crate::select::initial_values::{Starts, starts};
 use crate::select::search::Search;

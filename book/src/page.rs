@@ -3,7 +3,7 @@
 use crate::gallery::Exhibit;
 use airball::book::{advice_words, chance, number, spoken, stage, words};
 use diagnose::Verdict;
-use plant::{Effects, Entry, Neighbour, Neutral, Param};
+use plant::{Effects, Entry, Neutral, Param, Similar};
 use std::fmt::Write;
 
 /// The first line of every page: only a page with it may be replaced.
@@ -60,7 +60,7 @@ pub(crate) fn page(exhibit: &Exhibit) -> String {
         format!("Stage: {}. Config table: `[plant.effects.{key}]`.\n\n{}", stage(key), numbers(exhibit)),
         format!("## In a log\n\n{}.\n\n{}", capital(exhibit.entry.in_a_log), pictures(key, &name)),
         format!("## What a diagnosis says\n\n{}", diagnosis(exhibit)),
-        format!("## Its neighbours\n\n{}\n\n{}", told_from(&exhibit.entry), competitors(exhibit)),
+        format!("## Its neighbours\n\n{}\n\n{}", similar(&exhibit.entry), competitors(exhibit)),
         format!("## To mend it\n\n{}", mend(exhibit)),
     ];
     sections.join("\n\n") + "\n"
@@ -95,10 +95,10 @@ fn diagnosis(exhibit: &Exhibit) -> String {
 }
 
 /// Effects that are similar to this one, and how they are distinguished.
-fn told_from(entry: &Entry) -> String {
+fn similar(entry: &Entry) -> String {
     let mut text = String::from("What it is easily taken for, and how to tell:\n");
-    for Neighbour { name, told_by } in entry.told_from {
-        let _ = write!(text, "\n- {}: {told_by}.", link(name, entry.name));
+    for Similar { name, distinguished_by } in entry.similar {
+        let _ = write!(text, "\n- {}: {distinguished_by}.", link(name, entry.name));
     }
     text
 }

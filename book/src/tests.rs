@@ -28,8 +28,8 @@ fn a_page_has_the_equations_the_numbers_the_answer_and_the_mend_of_its_effect() 
     for part in ["u' = u − upper", "| `lower_percent` | -0.4 | -10 to 0 | 0 |", "**dead zone**", entry.mend] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    let first = entry.told_from[0];
-    let told = text.find(&format!("- [wall friction](wall_friction.md): {}.", first.told_by));
+    let first = entry.similar[0];
+    let told = text.find(&format!("- [wall friction](wall_friction.md): {}.", first.distinguished_by));
     assert!(told.is_some() && told < text.find("| effect | stage | gain, nats |"), "{text}");
     assert!(page::list(&[exhibit]).contains("| [dead zone](dead_zone.md) | actuator |"));
 }

@@ -82,7 +82,7 @@ const LEAKY_PIPE: &str = r#"//! Leaky pipe: above one height the air pulls the b
 //! Source: made for a test.
 
 use crate::acts::{Acts, Ball};
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Similar, Neutral, Param, Scale, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// A pull that sets in at a height.
@@ -106,7 +106,7 @@ impl Effect for LeakyPipe {
         sizes: &[&[5.0, 300.0], &[10.0, 250.0]],
         in_a_log: "the ball needs more duty above one height and not below it",
         mend: "seal the pipe above that height, or look for what leans on it",
-        told_from: &[Neighbour { name: "height_dependent_flow", told_by: "below one height nothing changes: hold several heights on either side" }],
+        similar: &[Similar { name: "height_dependent_flow", distinguished_by: "below one height nothing changes: hold several heights on either side" }],
         ..Entry::PLAIN
     };
 

@@ -72,11 +72,11 @@ pub enum Scale {
 
 /// An effect that is similar to another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Neighbour {
+pub struct Similar {
     /// The other effect's name.
     pub name: &'static str,
     /// How a log shows that it is not the other one, and what to fly for it.
-    pub told_by: &'static str,
+    pub distinguished_by: &'static str,
 }
 
 /// The initial values of the search for an effect.
@@ -174,7 +174,7 @@ pub struct Entry {
     /// How to correct it on a rig.
     pub mend: &'static str,
     /// Similar effects, the most similar first.
-    pub told_from: &'static [Neighbour],
+    pub similar: &'static [Similar],
     /// What it does to the signal path; the catalogue fills it in from [`Effect::ACTS`].
     pub acts: Summary,
 }
@@ -196,7 +196,7 @@ impl Entry {
         shown_at: None,
         in_a_log: "",
         mend: "",
-        told_from: &[],
+        similar: &[],
         acts: Summary::NONE,
     };
 

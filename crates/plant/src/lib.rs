@@ -31,7 +31,7 @@ mod unsound;
 
 pub use acts::{Acts, Ball, Changes, Follows, Late, Readings, Senses, Summary};
 pub use actuator::Actuator;
-pub use effect::{Difference, Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start};
+pub use effect::{Difference, Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start};
 pub use effects::Effects;
 pub use model::{Model, Noise};
 pub use motion::Motion;

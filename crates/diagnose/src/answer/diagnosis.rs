@@ -282,7 +282,7 @@ mod tests {
             let found = diagnose(&model(), &with_weak_supply(0.5, seed), &Options::default());
             assert_eq!(found.verdict, Verdict::Unexplained, "seed {seed}: {:?}", found.effects);
             assert!(
-                found.misfit.outdone_effect.is_some() && found.effects[0].probability < 0.2,
+                found.misfit.rejected_effect.is_some() && found.effects[0].probability < 0.2,
                 "seed {seed}: {:?}",
                 found.misfit
             );

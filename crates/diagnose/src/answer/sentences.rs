@@ -80,12 +80,12 @@ impl Diagnosis {
         let events: Vec<String> =
             events.take(MOST_TERMS).map(|event| format!("{} (z = {:.1})", event.words, event.z)).collect();
         let events = (!events.is_empty()).then(|| events.join(", "));
-        let restless = (misfit.air_ratio > AIR_RATIO)
+        let air = (misfit.air_ratio > AIR_RATIO)
             .then(|| format!("noise of the air {:.1} times as strong as believed", misfit.air_ratio));
-        let form: Vec<String> = known.into_iter().chain(events).chain(restless).collect();
+        let form: Vec<String> = known.into_iter().chain(events).chain(air).collect();
         let acts = stage_in_words(misfit).unwrap_or_default();
         let without =
-            misfit.outdone_effect.map_or(String::new(), |name| format!(" without {name}, which explains less,"));
+            misfit.rejected_effect.map_or(String::new(), |name| format!(" without {name}, which explains less,"));
         (!form.is_empty()).then(|| format!("what is left{without} looks like {}{acts}", form.join(", and ")))
     }
 

@@ -61,10 +61,10 @@ impl Diagnosis {
 
     /// The named effects of a stage, without the rejected one.
     fn found_at(&self, stage: Stage) -> impl Iterator<Item = &NamedEffect> {
-        let doubted = self.misfit.outdone_effect;
+        let rejected = self.misfit.rejected_effect;
         self.effects.iter().filter(move |named| {
             let entry = named.candidate.entry;
-            entry.stage == stage && doubted != Some(entry.name)
+            entry.stage == stage && rejected != Some(entry.name)
         })
     }
 

@@ -89,9 +89,9 @@ mod tests {
         let none = Closed::of(&belief, &belief).unwrap();
         assert!(none.value == 0.0 && none.low == 0.0 && none.high == 0.0, "{none:?}");
         // Errors below the noise floor leave no gap to close.
-        let mut restless = model();
-        restless.noise.acceleration_psd_mm2_per_s3 *= 4.0;
-        let restless = by_stretch(&restless);
-        assert_eq!(Closed::of(&restless, &restless), None);
+        let mut turbulent = model();
+        turbulent.noise.acceleration_psd_mm2_per_s3 *= 4.0;
+        let turbulent = by_stretch(&turbulent);
+        assert_eq!(Closed::of(&turbulent, &turbulent), None);
     }
 }

@@ -45,7 +45,7 @@ pub struct Misfit {
     /// Nats allowed for the form of the effects found, which the catalogue only approximates.
     pub form_allowance: f64,
     /// The effect that was rejected because the omitted terms without it explain more than it does, or `None`.
-    pub outdone_effect: Option<&'static str>,
+    pub rejected_effect: Option<&'static str>,
     /// Whether an effect was named.
     #[serde(skip)]
     pub(crate) beside_named_effect: bool,
@@ -95,7 +95,7 @@ impl Misfit {
             events: events.nats,
             event_terms: events.terms,
             bursts,
-            outdone_effect: None,
+            rejected_effect: None,
             beside_named_effect: explained.is_some(),
             coarse: is_coarse(&fit.model),
             air_growth: long.sqrt() * air_growth,
@@ -216,9 +216,9 @@ mod tests {
     fn a_missing_lag_and_a_restless_air_are_left_over() {
         let without = Model { effects: Effects::default(), ..model() };
         assert!(residue(&without, &model(), 1).is_significant());
-        let mut restless = model();
-        restless.noise.acceleration_psd_mm2_per_s3 *= 3.0;
-        let left = residue(&model(), &restless, 1);
+        let mut turbulent = model();
+        turbulent.noise.acceleration_psd_mm2_per_s3 *= 3.0;
+        let left = residue(&model(), &turbulent, 1);
         assert!(left.is_significant() && (2.0..4.5).contains(&left.air_ratio), "{left:?}");
     }
 }

@@ -50,23 +50,23 @@ impl Misfit {
             || self.mean_by_place > ALONE
             || self.variance_by_place > UNEVEN_VARIANCE
             || self.spectral_line > ALONE
-            || self.restless() > ALONE;
+            || self.air_growth_nats() > ALONE;
         (shape && !self.coarse) || self.omitted_is_significant() || self.events_are_significant()
     }
 
     fn only_all_are_significant(&self) -> bool {
         // A named effect explains a part of most statistics, so that their sum tells no more than each alone.
-        !self.coarse && !self.beside_named_effect && !self.one_is_significant() && self.together() > TOGETHER
+        !self.coarse && !self.beside_named_effect && !self.one_is_significant() && self.joint_nats() > TOGETHER
     }
 
     fn omitted_is_significant(&self) -> bool {
         let limit = if self.form_allowance > 0.0 { OMITTED_BESIDE_NAME } else { ALONE };
-        self.outdone_effect.is_some()
-            || self.of_its_own(self.omitted) > if self.coarse { OMITTED_COARSE } else { limit }
+        self.rejected_effect.is_some()
+            || self.beyond_allowance(self.omitted) > if self.coarse { OMITTED_COARSE } else { limit }
     }
 
     fn events_are_significant(&self) -> bool {
-        self.of_its_own(self.events) > if self.coarse { OMITTED_COARSE } else { EVENTS }
+        self.beyond_allowance(self.events) > if self.coarse { OMITTED_COARSE } else { EVENTS }
     }
 
     /// Nats of the omitted terms if every reading had full weight.
@@ -77,29 +77,29 @@ impl Misfit {
     /// This misfit with the rejected effect `name`, if its omitted terms explain more than the `gain` of that effect.
     /// The terms are corrected for the choice among hundreds, and the true form of what is missing would have beaten
     /// them.
-    pub(crate) fn outdone(self, name: &'static str, gain: f64) -> Option<Self> {
-        let outdone = self.of_its_own(self.omitted) / self.weight > gain;
-        (outdone && !self.coarse).then_some(Self { outdone_effect: Some(name), ..self })
+    pub(crate) fn beaten_by_omitted(self, name: &'static str, gain: f64) -> Option<Self> {
+        let beaten = self.beyond_allowance(self.omitted) / self.weight > gain;
+        (beaten && !self.coarse).then_some(Self { rejected_effect: Some(name), ..self })
     }
 
     fn has_part_in_it(&self, nats: f64) -> bool {
-        self.only_all_are_significant() && self.of_its_own(nats) > REPORTED
+        self.only_all_are_significant() && self.beyond_allowance(nats) > REPORTED
     }
 
     /// Σ −ln p of all statistics.
-    pub(crate) fn together(&self) -> f64 {
-        let asked = [self.omitted, self.events].map(|nats| self.of_its_own(nats));
-        let seen = [self.spectral_line, self.mean_by_place, self.restless()];
-        asked.iter().chain(&seen).map(|nats| nats.max(0.0)).sum()
+    pub(crate) fn joint_nats(&self) -> f64 {
+        let scored = [self.omitted, self.events].map(|nats| self.beyond_allowance(nats));
+        let seen = [self.spectral_line, self.mean_by_place, self.air_growth_nats()];
+        scored.iter().chain(&seen).map(|nats| nats.max(0.0)).sum()
     }
 
     /// Nats beyond the allowance for the form of the effects found.
-    fn of_its_own(&self, nats: f64) -> f64 {
+    fn beyond_allowance(&self, nats: f64) -> f64 {
         nats - self.form_allowance
     }
 
     /// −ln of the probability of such a growth of the air's noise.
-    pub(crate) fn restless(&self) -> f64 {
+    pub(crate) fn air_growth_nats(&self) -> f64 {
         let nats = -(0.5 * libm::erfc(self.air_growth / std::f64::consts::SQRT_2)).max(f64::MIN_POSITIVE).ln();
         if self.air_ratio > AIR_RATIO { nats } else { nats.min(AIR_AS_GUESSED) }
     }
@@ -123,7 +123,7 @@ mod tests {
     use plant::Stage;
 
     #[test]
-    fn a_little_said_by_many_is_left_over_and_as_much_said_by_one_is_chance() {
+    fn many_small_deviations_are_significant_and_one_as_large_is_chance() {
         let one = Misfit { omitted: 10.0, ..Misfit::default() };
         let many = Misfit { events: 1.0, spectral_line: 2.0, mean_by_place: 2.0, ..one.clone() };
         assert!(!one.is_significant() && !one.omitted_is_reported());
@@ -136,14 +136,14 @@ mod tests {
     #[test]
     fn terms_that_say_more_than_a_name_are_left_instead_of_it_and_cells_say_nothing() {
         let left = Misfit { omitted: 5.0, weight: 0.5, ..Misfit::default() };
-        assert!(left.clone().outdone("hover_drift", 11.0).is_none() && !left.is_significant());
-        let instead = left.clone().outdone("hover_drift", 9.0).unwrap();
+        assert!(left.clone().beaten_by_omitted("hover_drift", 11.0).is_none() && !left.is_significant());
+        let instead = left.clone().beaten_by_omitted("hover_drift", 9.0).unwrap();
         assert!(
-            instead.is_significant() && instead.omitted_is_reported() && instead.outdone_effect == Some("hover_drift")
+            instead.is_significant() && instead.omitted_is_reported() && instead.rejected_effect == Some("hover_drift")
         );
         // The allowance for the form of earlier effects is subtracted.
-        assert!(Misfit { form_allowance: 1.0, ..left.clone() }.outdone("hover_drift", 9.0).is_none());
-        assert!(Misfit { coarse: true, ..left }.outdone("hover_drift", 9.0).is_none());
+        assert!(Misfit { form_allowance: 1.0, ..left.clone() }.beaten_by_omitted("hover_drift", 9.0).is_none());
+        assert!(Misfit { coarse: true, ..left }.beaten_by_omitted("hover_drift", 9.0).is_none());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! e = a(step·round(duty/step)) − a(duty), through the fan lag       force that the quantisation adds
-//! z²(step)                                                          its score: see `score_test::Beside`
+//! z²(step)                                                          its score: see `score_test::ProjectedInnovations`
 //! next step = step + step²/(16·ū)              moves an edge at the usual duty ū by a sixteenth of a step
 //! ```
 //!
@@ -11,7 +11,7 @@
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::record::commanded::commanded;
-use crate::residual::score_test::{Beside, Walk};
+use crate::residual::score_test::{FilterRun, ProjectedInnovations};
 use plant::{Entry, Model};
 use rayon::prelude::*;
 
@@ -27,8 +27,8 @@ const CLOSER: [f64; 5] = [-0.4, -0.2, 0.0, 0.2, 0.4];
 /// The steps with the highest scores given `fit`, percent of duty, and the number of steps that were tested.
 pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f64>, usize) {
     let samples = problem.recording.samples();
-    let walk = Walk::of(problem, fit.clone(), &|row| problem.folds.counts(row));
-    let (beside, rows) = (Beside::of(&walk), walk.rows_on_the_way(problem.recording));
+    let run = FilterRun::of(problem, fit.clone(), &|row| problem.folds.counts(row));
+    let (projected, rows) = (ProjectedInnovations::of(&run), run.rows_on_the_way(problem.recording));
     let lag_s = fit.model.linear().fan_lag_s;
     // The rows before each reading include the delay of the duty already.
     let model = Model { effects: fit.model.effects.without_duty_delay(), ..fit.model.clone() };
@@ -38,7 +38,7 @@ pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f6
         coarse.effects.set(effect.name, &[step_percent]);
         let coarse = commanded(&coarse, problem.recording);
         let mut late = 0.0;
-        beside.score(|at, dt| {
+        projected.score(|at, dt| {
             let added = rows[at].clone().map(|row| coarse[row] - fine[row]).sum::<f64>() / rows[at].len().max(1) as f64;
             late += (added - late) * if lag_s > 0.0 { -(-dt / lag_s).exp_m1() } else { 1.0 };
             late

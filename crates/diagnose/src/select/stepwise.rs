@@ -89,7 +89,7 @@ pub(crate) fn is_random_force(entry: &Entry) -> bool {
 fn stepwise_search(search: &Search<'_>, refitted: &Fit) -> Selection {
     let mut fit = refitted.clone();
     let (mut effects, mut rounds, mut on_the_way): (Vec<NamedEffect>, _, _) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut misfit, mut outdone) = (None, None);
+    let (mut misfit, mut beaten) = (None, None);
     // On a long record even a small misfit gains more than chance does, because no model is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
     while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_SEARCHES {
@@ -101,7 +101,7 @@ fn stepwise_search(search: &Search<'_>, refitted: &Fit) -> Selection {
             misfit = Some(left);
             break;
         }
-        outdone = left.outdone(named.candidate.entry.name, named.candidate.held_out_gain);
+        beaten = left.beaten_by_omitted(named.candidate.entry.name, named.candidate.held_out_gain);
         on_the_way.push(std::mem::replace(&mut fit, named.candidate.fit.clone()));
         if named.candidate.entry.acts.changes != Changes::Path {
             fit = with_other_sizes(search, fit);
@@ -113,8 +113,8 @@ fn stepwise_search(search: &Search<'_>, refitted: &Fit) -> Selection {
         backward_eliminate(search, &mut effects, &mut fit);
     }
     let last = effects.last().map(|named| named.candidate.entry.name);
-    let outdone = outdone.filter(|left| last == left.outdone_effect);
-    let misfit = misfit.or(outdone).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));
+    let beaten = beaten.filter(|left| last == left.rejected_effect);
+    let misfit = misfit.or(beaten).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));
     add_changes(search, &mut effects, &mut fit);
     Selection { effects, rounds, fit, misfit, on_the_way }
 }

@@ -11,7 +11,7 @@
 //! Source: the thesis, section 3.2.1, whose rig has 21.1 to 21.7 % about a hover of 21.4 %.
 
 use crate::acts::Acts;
-use crate::effect::{Difference, Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Difference, Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// No force between the edges; outside, force is measured from the edge.
@@ -38,18 +38,18 @@ impl Effect for DeadZone {
         represents_its_stage: Some(0),
         in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop hunts",
         mend: "correct it in [compensation.dead_zone] with the same two numbers, or fan and driver with finer steps",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "wall_friction",
-                told_by: "within the zone a moving ball drifts on, where friction stops it dead and holds it: fly a slow ramp of duty through hover",
+                distinguished_by: "within the zone a moving ball drifts on, where friction stops it dead and holds it: fly a slow ramp of duty through hover",
             },
-            Neighbour {
+            Similar {
                 name: "hysteresis",
-                told_by: "the flat place stays at hover, and a slow ramp down takes the same way back as the ramp up; play moves with each reversal",
+                distinguished_by: "the flat place stays at hover, and a slow ramp down takes the same way back as the ramp up; play moves with each reversal",
             },
-            Neighbour {
+            Similar {
                 name: "duty_quantisation",
-                told_by: "one flat place, at hover; steps of duty come again and again: fly a slow ramp over several percent",
+                distinguished_by: "one flat place, at hover; steps of duty come again and again: fly a slow ramp over several percent",
             },
         ],
         ..Entry::PLAIN

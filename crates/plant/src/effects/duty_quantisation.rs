@@ -8,7 +8,7 @@
 //! Source: the thesis, section 3.2.2: the force has steps of about 0.8 % of duty, whatever drives the fan.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use crate::rounding::rounded;
 use serde::{Deserialize, Serialize};
 
@@ -29,14 +29,14 @@ impl Effect for DutyQuantisation {
         start: Start::DutySteps,
         in_a_log: "the force jumps at certain duties and is flat between them, and the loop cycles between two of its levels",
         mend: "dither the duty so that its mean falls between the steps, or take a driver with finer steps",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "dead_zone",
-                told_by: "the force is flat again and again, every step of duty; a dead zone is one flat place, at hover: fly a slow ramp of duty",
+                distinguished_by: "the force is flat again and again, every step of duty; a dead zone is one flat place, at hover: fly a slow ramp of duty",
             },
-            Neighbour {
+            Similar {
                 name: "hysteresis",
-                told_by: "the force hangs on the duty alone: a slow ramp up and the same ramp down meet the jumps at the same duties",
+                distinguished_by: "the force hangs on the duty alone: a slow ramp up and the same ramp down meet the jumps at the same duties",
             },
         ],
         ..Entry::PLAIN

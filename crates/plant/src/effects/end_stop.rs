@@ -11,7 +11,7 @@
 
 use crate::acts::Acts;
 use crate::effect::{
-    Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order, within_bounds,
+    Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start, values_in_order, within_bounds,
 };
 use crate::unsound::Unsound;
 use serde::{Deserialize, Serialize};
@@ -50,14 +50,14 @@ impl Effect for EndStop {
         shown_at: Some(&[150.0, 440.0, 0.6]),
         in_a_log: "the position never passes a certain height, and the speed turns round there",
         mend: "keep the setpoints away from the ends ([safety]); a soft pad at the end that is hit",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "saturation",
-                told_by: "the ball is held at one height whatever the duty, and moves as believed elsewhere; a limited force is short at any height",
+                distinguished_by: "the ball is held at one height whatever the duty, and moves as believed elsewhere; a limited force is short at any height",
             },
-            Neighbour {
+            Similar {
                 name: "height_dependent_flow",
-                told_by: "nothing is missing until the ball touches, and then its speed turns round: hold heights far from the ends as well",
+                distinguished_by: "nothing is missing until the ball touches, and then its speed turns round: hold heights far from the ends as well",
             },
         ],
         ..Entry::PLAIN

@@ -9,7 +9,7 @@
 //! τ = 1/3.896 s.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use crate::effects::Effects;
 use crate::lag::decay;
 use serde::{Deserialize, Serialize};
@@ -39,18 +39,18 @@ impl Effect for FanLag {
         twins: &["sensor_lag"],
         in_a_log: "the ball answers late to every change of duty, and oscillates at gains that the simulator calls safe",
         mend: "a lighter rotor or a fan with active braking; in the controller, more derivative action or less gain",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "transport_delay",
-                told_by: "the answer to a step of duty begins at once and grows; after a dead time it is whole at once: fly steps of duty",
+                distinguished_by: "the answer to a step of duty begins at once and grows; after a dead time it is whole at once: fly steps of duty",
             },
-            Neighbour {
+            Similar {
                 name: "sensor_lag",
-                told_by: "duty and position hardly tell: a recorded fan speed lags here and not there, a second sensor is late here as well",
+                distinguished_by: "duty and position hardly tell: a recorded fan speed lags here and not there, a second sensor is late here as well",
             },
-            Neighbour {
+            Similar {
                 name: "spin_asymmetry",
-                told_by: "rises and falls of duty take equally long: fly equal steps up and down",
+                distinguished_by: "rises and falls of duty take equally long: fly equal steps up and down",
             },
         ],
         ..Entry::PLAIN

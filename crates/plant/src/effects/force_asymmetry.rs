@@ -10,7 +10,7 @@
 //! Source: the thesis, section 3.2.2: 3.7 % of duty above standstill its fan gives 978 mm/s², 3.7 % below −805.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use libm::sqrt;
 use serde::{Deserialize, Serialize};
 
@@ -31,18 +31,18 @@ impl Effect for ForceAsymmetry {
         sizes: &[&[1.15], &[0.85]],
         in_a_log: "equal steps of duty up and down from hover move the ball by different distances",
         mend: "invert the measured force curve between controller and fan (predistortion)",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "thrust_curve",
-                told_by: "small steps up and down differ in the same proportion as large ones: fly pairs of steps of several sizes",
+                distinguished_by: "small steps up and down differ in the same proportion as large ones: fly pairs of steps of several sizes",
             },
-            Neighbour {
+            Similar {
                 name: "saturation",
-                told_by: "small steps differ already; a limit on one side leaves them alone: fly pairs of steps of several sizes",
+                distinguished_by: "small steps differ already; a limit on one side leaves them alone: fly pairs of steps of several sizes",
             },
-            Neighbour {
+            Similar {
                 name: "spin_asymmetry",
-                told_by: "a step that is held long ends in another force up than down; with unequal spinning only the way there differs",
+                distinguished_by: "a step that is held long ends in another force up than down; with unequal spinning only the way there differs",
             },
         ],
         ..Entry::PLAIN

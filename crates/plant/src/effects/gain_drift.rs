@@ -8,7 +8,7 @@
 //! Source: supply voltage and air density enter the gain as factors; a battery falls about linearly.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The gain grows or falls linearly with time.
@@ -36,9 +36,9 @@ impl Effect for GainDrift {
         shown_at: Some(&[-0.006]),
         in_a_log: "the same step of duty moves the ball further, or less far, late in the log than early",
         mend: "regulate the fan's supply, let the rig warm up first, or identify the gain again before a flight",
-        told_from: &[Neighbour {
+        similar: &[Similar {
             name: "hover_drift",
-            told_by: "the duty that holds the ball stays, its steps move the ball more or less: fly the same steps about hover early and late",
+            distinguished_by: "the duty that holds the ball stays, its steps move the ball more or less: fly the same steps about hover early and late",
         }],
         ..Entry::PLAIN
     };

@@ -9,7 +9,7 @@
 //! Source: leaks and wall drag take pressure along the pipe, Bernoulli's equation with losses.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, within_bounds};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, within_bounds};
 use crate::unsound::Unsound;
 use control::check::within;
 use serde::{Deserialize, Serialize};
@@ -41,14 +41,14 @@ impl Effect for HeightDependentFlow {
         represents_its_stage: Some(3),
         in_a_log: "the duty that holds the ball depends on the height, and a released ball drifts back to one height",
         mend: "seal the pipe and its joints; identify hover at the height of the flight; an integral term in the controller",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "hover_drift",
-                told_by: "the duty that holds the ball is the same at each visit to one height: hold several heights, the first again at the end",
+                distinguished_by: "the duty that holds the ball is the same at each visit to one height: hold several heights, the first again at the end",
             },
-            Neighbour {
+            Similar {
                 name: "end_stop",
-                told_by: "the pull grows evenly along the pipe; an end acts at its height alone: hold several heights far from the ends",
+                distinguished_by: "the pull grows evenly along the pipe; an end acts at its height alone: hold several heights far from the ends",
             },
         ],
         ..Entry::PLAIN

@@ -8,7 +8,7 @@
 //! Source: motor temperature and supply voltage shift the speed at a given duty.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The duty at hover grows or falls linearly with time.
@@ -30,18 +30,18 @@ impl Effect for HoverDrift {
         shown_at: Some(&[0.006]),
         in_a_log: "the mean duty of a held ball climbs or falls over the log, and an open-loop flight bends away",
         mend: "let the rig warm up first, regulate the fan's supply, and give the controller an integral term",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "gain_drift",
-                told_by: "the duty that holds the ball moves, its steps about that duty do what they did: fly the same steps early and late",
+                distinguished_by: "the duty that holds the ball moves, its steps about that duty do what they did: fly the same steps early and late",
             },
-            Neighbour {
+            Similar {
                 name: "height_dependent_flow",
-                told_by: "the duty that holds the ball differs between two visits to one height: come back to the first height at the end",
+                distinguished_by: "the duty that holds the ball differs between two visits to one height: come back to the first height at the end",
             },
-            Neighbour {
+            Similar {
                 name: "turbulence",
-                told_by: "it goes one way at one pace through the whole log; turbulence comes back: hold one height for minutes",
+                distinguished_by: "it goes one way at one pace through the whole log; turbulence comes back: hold one height for minutes",
             },
         ],
         ..Entry::PLAIN

@@ -10,7 +10,7 @@
 //! Source: the play operator, Krasnosel'skii and Pokrovskii, *Systems with Hysteresis*, chapter 1.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The force follows the duty only when it has pushed through the play.
@@ -37,18 +37,18 @@ impl Effect for Hysteresis {
         form: Form::Approximate,
         in_a_log: "the same duty holds the ball or lifts it, by where the duty came from; small reversals of duty do nothing",
         mend: "a fan driver that regulates the speed by the tachometer; dither wider than the play",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "dead_zone",
-                told_by: "the flat place follows each reversal of the duty, wherever it is: ramp the duty slowly up and down, and compare the two ways",
+                distinguished_by: "the flat place follows each reversal of the duty, wherever it is: ramp the duty slowly up and down, and compare the two ways",
             },
-            Neighbour {
+            Similar {
                 name: "wall_friction",
-                told_by: "what is lost hangs on the way of the duty: reverse it while the ball moves on, and at first nothing happens; friction lets it act",
+                distinguished_by: "what is lost hangs on the way of the duty: reverse it while the ball moves on, and at first nothing happens; friction lets it act",
             },
-            Neighbour {
+            Similar {
                 name: "fan_lag",
-                told_by: "the force stays behind by the same duty however slowly that moves; a lag vanishes in a slow ramp",
+                distinguished_by: "the force stays behind by the same duty however slowly that moves; a lag vanishes in a slow ramp",
             },
         ],
         ..Entry::PLAIN

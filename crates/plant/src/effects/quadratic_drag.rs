@@ -9,7 +9,7 @@
 //! Source: the thesis, equation 3.1.1.3, the square of its relative speed.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Drag that grows with the square of the speed.
@@ -34,18 +34,18 @@ impl Effect for QuadraticDrag {
         sizes: &[&[0.002], &[0.006]],
         in_a_log: "slow moves fit the drag, fast ones are braked harder than the simulator says",
         mend: "nothing to mend: it is the physics of a sphere. Limit the speed of the setpoint, or put it into the simulator",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "saturation",
-                told_by: "what is missing grows with the speed, also at small duties: compare a slow and a fast passage at the same duty",
+                distinguished_by: "what is missing grows with the speed, also at small duties: compare a slow and a fast passage at the same duty",
             },
-            Neighbour {
+            Similar {
                 name: "wall_friction",
-                told_by: "a slow ball is braked hardly at all and never held; friction takes the same at any speed: fly a slow ramp and large steps",
+                distinguished_by: "a slow ball is braked hardly at all and never held; friction takes the same at any speed: fly a slow ramp and large steps",
             },
-            Neighbour {
+            Similar {
                 name: "thrust_curve",
-                told_by: "it brakes both ways alike and only once the ball is fast; a bend pushes from the first moment: fly steps up and down",
+                distinguished_by: "it brakes both ways alike and only once the ball is fast; a bend pushes from the first moment: fly steps up and down",
             },
         ],
         ..Entry::PLAIN

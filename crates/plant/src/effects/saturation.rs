@@ -9,7 +9,7 @@
 //! Source: the thesis, figure 3.2.5: about −800 and +1100 mm/s², where the table of its predistortion ends too.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The commanded acceleration stays within limits.
@@ -34,18 +34,18 @@ impl Effect for Saturation {
         start: Start::CommandedRange,
         in_a_log: "beyond some duty the ball climbs or falls no faster, and large steps overshoot where small ones do not",
         mend: "keep the controller within the limits, with anti-windup and slower setpoints; or a stronger fan",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "quadratic_drag",
-                told_by: "the force is short right after a large step, while the ball is still slow; drag is short only once it is fast",
+                distinguished_by: "the force is short right after a large step, while the ball is still slow; drag is short only once it is fast",
             },
-            Neighbour {
+            Similar {
                 name: "thrust_curve",
-                told_by: "steps within the limits fit on both sides; a bend shows in every step, the more the larger it is",
+                distinguished_by: "steps within the limits fit on both sides; a bend shows in every step, the more the larger it is",
             },
-            Neighbour {
+            Similar {
                 name: "force_asymmetry",
-                told_by: "small steps up and down fit the same gain: fly pairs of steps of several sizes",
+                distinguished_by: "small steps up and down fit the same gain: fly pairs of steps of several sizes",
             },
         ],
         ..Entry::PLAIN

@@ -8,7 +8,7 @@
 //! Source: a VL53L0X gives the mean over its timing budget, 20 ms at least, after the budget has passed.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The reading is where the ball was a fixed time ago.
@@ -29,18 +29,18 @@ impl Effect for SensorDelay {
         twins: &["transport_delay"],
         in_a_log: "everything that the duty does shows a fixed time late, and the loop oscillates at gains called safe",
         mend: "a shorter timing budget, reading right after the measurement is ready; a filter that predicts over the delay",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "transport_delay",
-                told_by: "duty and position alone cannot tell: a second sensor shows the ball earlier than this one; a late duty is late for both",
+                distinguished_by: "duty and position alone cannot tell: a second sensor shows the ball earlier than this one; a late duty is late for both",
             },
-            Neighbour {
+            Similar {
                 name: "sensor_lag",
-                told_by: "fast reversals come late but whole; a lag makes them smaller and rounder: move the ball back and forth fast",
+                distinguished_by: "fast reversals come late but whole; a lag makes them smaller and rounder: move the ball back and forth fast",
             },
-            Neighbour {
+            Similar {
                 name: "stale_samples",
-                told_by: "every reading is equally old and none repeats while the ball moves: look at neighbouring readings of a fast ball",
+                distinguished_by: "every reading is equally old and none repeats while the ball moves: look at neighbouring readings of a fast ball",
             },
         ],
         ..Entry::PLAIN

@@ -11,7 +11,7 @@
 //! Source: Hochbruck and Ostermann, *Exponential Integrators*, Acta Numerica 19 (2010).
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use libm::expm1;
 use serde::{Deserialize, Serialize};
 
@@ -40,18 +40,18 @@ impl Effect for SensorLag {
         twins: &["fan_lag"],
         in_a_log: "the reading turns round after the ball does, and its noise is no larger for it",
         mend: "a shorter timing budget, less averaging in the sensor; a Kalman filter that knows the lag",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "sensor_delay",
-                told_by: "fast reversals come out smaller and rounder; a delay shifts them whole: move the ball back and forth fast",
+                distinguished_by: "fast reversals come out smaller and rounder; a delay shifts them whole: move the ball back and forth fast",
             },
-            Neighbour {
+            Similar {
                 name: "fan_lag",
-                told_by: "duty and position hardly tell: a second sensor is ahead of this one, and a recorded fan speed follows the duty as believed",
+                distinguished_by: "duty and position hardly tell: a second sensor is ahead of this one, and a recorded fan speed follows the duty as believed",
             },
-            Neighbour {
+            Similar {
                 name: "stale_samples",
-                told_by: "the reading changes with every cycle and never jumps to where the ball is: look at neighbouring readings of a fast ball",
+                distinguished_by: "the reading changes with every cycle and never jumps to where the ball is: look at neighbouring readings of a fast ball",
             },
         ],
         ..Entry::PLAIN

@@ -9,7 +9,7 @@
 //! Source: independent errors add in quadrature; a VL53L0X on a public rig has 2.5 to 3.5 mm.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use libm::hypot;
 use serde::{Deserialize, Serialize};
 
@@ -29,18 +29,18 @@ impl Effect for SensorNoise {
         sizes: &[&[1.5], &[4.0]],
         in_a_log: "readings of a ball at rest scatter more than configured, from one reading to the next",
         mend: "a longer timing budget, a white ball, less ambient light; a stronger filter in the controller",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "turbulence",
-                told_by: "it is there with the ball at rest and the fan off, and neighbouring readings do not agree: `airball measure noise-floor`",
+                distinguished_by: "it is there with the ball at rest and the fan off, and neighbouring readings do not agree: `airball measure noise-floor`",
             },
-            Neighbour {
+            Similar {
                 name: "sensor_quantisation",
-                told_by: "a ball at rest gives many values, not one or two of a grid: `airball measure noise-floor`",
+                distinguished_by: "a ball at rest gives many values, not one or two of a grid: `airball measure noise-floor`",
             },
-            Neighbour {
+            Similar {
                 name: "sensor_outliers",
-                told_by: "every reading scatters a little; outliers are few and far among readings as believed: look at a ball at rest",
+                distinguished_by: "every reading scatters a little; outliers are few and far among readings as believed: look at a ball at rest",
             },
         ],
         ..Entry::PLAIN

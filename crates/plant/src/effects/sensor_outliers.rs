@@ -9,7 +9,7 @@
 //! Source: a time-of-flight sensor sees the wall or a second path instead of the ball.
 
 use crate::acts::{Acts, Readings};
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Some readings are off by a fixed amount, up or down.
@@ -35,14 +35,14 @@ impl Effect for SensorOutliers {
         shown_at: Some(&[0.02, 60.0]),
         in_a_log: "single readings jump away and back faster than a ball can move, and the duty answers with spikes",
         mend: "narrow the sensor's view, darken the pipe; refuse readings that no ball could have reached",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "sensor_noise",
-                told_by: "most readings scatter as believed and a few lie far off, all as far: look at a ball at rest",
+                distinguished_by: "most readings scatter as believed and a few lie far off, all as far: look at a ball at rest",
             },
-            Neighbour {
+            Similar {
                 name: "turbulence",
-                told_by: "the next reading is back where the ball was: nothing that pushes a ball is gone after one reading",
+                distinguished_by: "the next reading is back where the ball was: nothing that pushes a ball is gone after one reading",
             },
         ],
         ..Entry::PLAIN

@@ -8,7 +8,7 @@
 //! Source: a VL53L0X reports whole millimetres; other sensors, and logs that were rounded, are coarser.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// A reading is the nearest multiple of a step.
@@ -28,14 +28,14 @@ impl Effect for SensorQuantisation {
         start: Start::ReadingStep,
         in_a_log: "only certain positions occur, and the speed from one reading to the next is zero or a jump",
         mend: "a sensor or a log format with finer steps; a filter in place of bare differences",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "sensor_noise",
-                told_by: "only multiples of a step occur, and a ball at rest gives one or two of them: `airball measure noise-floor`",
+                distinguished_by: "only multiples of a step occur, and a ball at rest gives one or two of them: `airball measure noise-floor`",
             },
-            Neighbour {
+            Similar {
                 name: "stale_samples",
-                told_by: "a value lasts until the ball has gone a step, so that a fast ball repeats none; a stale one lasts until the clock says so",
+                distinguished_by: "a value lasts until the ball has gone a step, so that a fast ball repeats none; a stale one lasts until the clock says so",
             },
         ],
         ..Entry::PLAIN

@@ -9,7 +9,7 @@
 //! Source: motor torque spins the rotor up, only drag slows it down.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use crate::lag::decay;
 use serde::{Deserialize, Serialize};
 
@@ -37,14 +37,14 @@ impl Effect for SpinAsymmetry {
         shown_at: Some(&[0.15, 0.40]),
         in_a_log: "the ball answers a rise of duty sooner than a fall, and rides higher when the duty moves fast about hover",
         mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); less gain for moves down",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "fan_lag",
-                told_by: "a fall of duty takes longer than a rise: fly equal steps up and down; a fast square wave about hover lifts the ball",
+                distinguished_by: "a fall of duty takes longer than a rise: fly equal steps up and down; a fast square wave about hover lifts the ball",
             },
-            Neighbour {
+            Similar {
                 name: "force_asymmetry",
-                told_by: "steps that are held long end in equal forces up and down: hold each for several time constants of the fan",
+                distinguished_by: "steps that are held long end in equal forces up and down: hold each for several time constants of the fan",
             },
         ],
         ..Entry::PLAIN

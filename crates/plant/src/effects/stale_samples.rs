@@ -8,7 +8,7 @@
 //! Source: a VL53L0X keeps its last range until the next timing budget has passed.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use libm::floor;
 use serde::{Deserialize, Serialize};
 
@@ -32,18 +32,18 @@ impl Effect for StaleSamples {
         start: Start::ReadingHold,
         in_a_log: "readings repeat to the last digit, several in a row, while the ball moves",
         mend: "a shorter timing budget, or a longer period of the loop; use only readings that are marked as fresh",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "sensor_lag",
-                told_by: "the reading stands and then jumps to where the ball is; a lag never jumps: look at neighbouring readings of a fast ball",
+                distinguished_by: "the reading stands and then jumps to where the ball is; a lag never jumps: look at neighbouring readings of a fast ball",
             },
-            Neighbour {
+            Similar {
                 name: "sensor_quantisation",
-                told_by: "values repeat for a fixed time, also of a fast ball, and any value occurs: move the ball fast and slowly",
+                distinguished_by: "values repeat for a fixed time, also of a fast ball, and any value occurs: move the ball fast and slowly",
             },
-            Neighbour {
+            Similar {
                 name: "sensor_delay",
-                told_by: "the age of the reading grows until it is refreshed, which repeats show; a delay is one age without repeats",
+                distinguished_by: "the age of the reading grows until it is refreshed, which repeats show; a delay is one age without repeats",
             },
         ],
         ..Entry::PLAIN

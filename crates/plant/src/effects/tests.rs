@@ -22,12 +22,12 @@ fn the_catalogue_follows_the_signal_path_and_explains_every_entry() {
 #[test]
 fn every_effect_has_neighbours_of_the_catalogue_and_is_told_from_each() {
     for entry in Effects::CATALOGUE {
-        assert!((1..=3).contains(&entry.told_from.len()), "{} has {}", entry.name, entry.told_from.len());
-        for (k, neighbour) in entry.told_from.iter().enumerate() {
+        assert!((1..=3).contains(&entry.similar.len()), "{} has {}", entry.name, entry.similar.len());
+        for (k, neighbour) in entry.similar.iter().enumerate() {
             let pair = format!("{} beside {}", entry.name, neighbour.name);
             assert!(neighbour.name != entry.name && Effects::entry(neighbour.name).is_some(), "{pair}");
-            assert!(entry.told_from[..k].iter().all(|other| other.name != neighbour.name), "{pair}: twice");
-            assert!(neighbour.told_by.len() > 40 && !neighbour.told_by.ends_with('.'), "{pair}");
+            assert!(entry.similar[..k].iter().all(|other| other.name != neighbour.name), "{pair}: twice");
+            assert!(neighbour.distinguished_by.len() > 40 && !neighbour.distinguished_by.ends_with('.'), "{pair}");
         }
     }
 }

@@ -10,7 +10,7 @@
 //! Source: affinity laws of fans, thrust ∝ speed².
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Form, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The force is a parabola of the duty about hover, held beyond its vertex.
@@ -39,18 +39,18 @@ impl Effect for ThrustCurve {
         represents_its_stage: Some(2),
         in_a_log: "small steps of duty fit the gain, large ones overshoot it on one side and fall short on the other",
         mend: "invert the measured force curve between controller and fan (predistortion)",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "force_asymmetry",
-                told_by: "the smaller the steps, the more equal are up and down; here they become equal: fly pairs of steps of several sizes",
+                distinguished_by: "the smaller the steps, the more equal are up and down; here they become equal: fly pairs of steps of several sizes",
             },
-            Neighbour {
+            Similar {
                 name: "saturation",
-                told_by: "the curve bends from hover on; a limit leaves it straight as far as its edge and flat beyond: fly steps of several sizes",
+                distinguished_by: "the curve bends from hover on; a limit leaves it straight as far as its edge and flat beyond: fly steps of several sizes",
             },
-            Neighbour {
+            Similar {
                 name: "quadratic_drag",
-                told_by: "the error is there right after a step, while the ball is still slow, and differs between up and down",
+                distinguished_by: "the error is there right after a step, while the ball is still slow, and differs between up and down",
             },
         ],
         ..Entry::PLAIN

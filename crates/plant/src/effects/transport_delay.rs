@@ -9,7 +9,7 @@
 //! Source: PWM period, driver and the way of the air from fan to ball, as one dead time.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The duty acts a fixed time after it was written.
@@ -31,14 +31,14 @@ impl Effect for TransportDelay {
         represents_its_stage: Some(1),
         in_a_log: "nothing happens for a fixed time after every change of duty, then the answer is as it should be",
         mend: "write the duty right after the reading, raise the PWM frequency, shorten the way from fan to ball; or less gain",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "sensor_delay",
-                told_by: "duty and position alone cannot tell: a second sensor shows the ball late as well here, and on time there",
+                distinguished_by: "duty and position alone cannot tell: a second sensor shows the ball late as well here, and on time there",
             },
-            Neighbour {
+            Similar {
                 name: "fan_lag",
-                told_by: "the answer to a step of duty begins after a pause and is whole at once; a lag begins at once and grows: fly steps",
+                distinguished_by: "the answer to a step of duty begins after a pause and is whole at once; a lag begins at once and grows: fly steps",
             },
         ],
         ..Entry::PLAIN

@@ -10,7 +10,7 @@
 //! Gillespie's, Phys. Rev. E 54 (1996).
 
 use crate::acts::{Acts, Readings};
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use crate::effects::Effects;
 use crate::lag;
 use libm::sqrt;
@@ -38,14 +38,14 @@ impl Effect for Turbulence {
         start: Start::Values(&[&[25.0, 0.3], &[40.0, 1.0]]),
         in_a_log: "the ball wanders slowly and never twice the same way, whatever the duty, height, speed or time",
         mend: "a flow straightener above the fan (a bundle of straws), a smoother inlet, no draught in the room",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "sensor_noise",
-                told_by: "the ball really moves, and neighbouring readings agree: with the fan off and the ball at rest, only noise of the sensor is left",
+                distinguished_by: "the ball really moves, and neighbouring readings agree: with the fan off and the ball at rest, only noise of the sensor is left",
             },
-            Neighbour {
+            Similar {
                 name: "hover_drift",
-                told_by: "it turns back and is another in the next flight: repeat the flight, and a ramp repeats only if the rig drifts",
+                distinguished_by: "it turns back and is another in the next flight: repeat the flight, and a ramp repeats only if the rig drifts",
             },
         ],
         ..Entry::PLAIN

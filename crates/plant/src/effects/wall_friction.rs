@@ -10,7 +10,7 @@
 //! Meas., Control 107 (1985); without its band of low speed, because the instant of standstill is solved for.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neighbour, Neutral, Param, Scale, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// Dry friction against the pipe.
@@ -36,18 +36,18 @@ impl Effect for WallFriction {
         start: Start::Values(&[&[8.0], &[20.0], &[50.0]]),
         in_a_log: "the ball stands still while the duty changes, then breaks away with a jump; it stops dead at reversals",
         mend: "set the pipe upright, clean pipe and ball, earth them against static charge; dither the duty",
-        told_from: &[
-            Neighbour {
+        similar: &[
+            Similar {
                 name: "dead_zone",
-                told_by: "a ball that rests is held and one that moves is stopped dead; in a dead zone it drifts on: fly a slow ramp through hover",
+                distinguished_by: "a ball that rests is held and one that moves is stopped dead; in a dead zone it drifts on: fly a slow ramp through hover",
             },
-            Neighbour {
+            Similar {
                 name: "hysteresis",
-                told_by: "it hangs on the way of the ball: while the ball moves on, a reversal of the duty acts at once; play swallows it",
+                distinguished_by: "it hangs on the way of the ball: while the ball moves on, a reversal of the duty acts at once; play swallows it",
             },
-            Neighbour {
+            Similar {
                 name: "quadratic_drag",
-                told_by: "slow moves suffer most, and reversals stop; drag leaves slow moves alone: fly a slow ramp and large steps",
+                distinguished_by: "slow moves suffer most, and reversals stop; drag leaves slow moves alone: fly a slow ramp and large steps",
             },
         ],
         ..Entry::PLAIN

@@ -25,15 +25,15 @@ mod scores;
 mod sensitivities;
 mod terms;
 
-pub(crate) use projection::Beside;
-pub(crate) use sensitivities::Walk;
+pub(crate) use projection::ProjectedInnovations;
+pub(crate) use sensitivities::FilterRun;
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::thresholds::UNEVEN_SPREAD;
 use moments::Moments;
 use plant::Stage;
 use rayon::prelude::*;
-use scores::{Asked, Scores};
+use scores::{Scores, SelectedTerm};
 use serde::Serialize;
 use terms::Term;
 
@@ -53,7 +53,7 @@ pub struct Omitted {
 }
 
 /// The terms with the largest joint score, largest first.
-pub(crate) struct Question {
+pub(crate) struct JointScore {
     /// −ln of the probability of so large a score, corrected for the choice among all terms.
     pub(crate) nats: f64,
     /// The terms.
@@ -63,9 +63,9 @@ pub(crate) struct Question {
 /// The result of the score test.
 pub(crate) struct Found {
     /// Omitted terms.
-    pub(crate) terms: Question,
+    pub(crate) terms: JointScore,
     /// Events at single moments.
-    pub(crate) moments: Question,
+    pub(crate) moments: JointScore,
     /// How much the residual force comes in bursts, standard deviations.
     pub(crate) bursts: f64,
 }
@@ -73,17 +73,17 @@ pub(crate) struct Found {
 /// Tests the innovations for omitted terms and events. `weight`: weight of each reading, at most 1.
 pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) -> bool + Sync), weight: f64) -> Found {
     let (forces, shifts, spreads) = (terms::forces(), terms::shifts(), terms::spreads());
-    let walk = |share: f64| Walk::of(problem, quieter(fit, share), judged);
-    let as_fitted = walk(1.0);
+    let run = |share: f64| FilterRun::of(problem, quieter(fit, share), judged);
+    let as_fitted = run(1.0);
     let mut levels = vec![Level::of(&as_fitted, &forces, &shifts)];
     let (spread, variance) = as_fitted.spreads(&spreads);
     // The steps of a coarse sensor make the innovations' variance uneven, because the filter assumes normal states.
     let coarse = fit.model.effects.reading_step_mm().is_some();
-    let spread = if coarse { Vec::new() } else { spread.asked(variance, weight, 0.0) };
+    let spread = if coarse { Vec::new() } else { spread.selected(variance, weight, 0.0) };
     let pushed = Moments::of(&fit.model, &as_fitted.steps);
     let (moments, bursts) = (pushed.events_found(&as_fitted.steps, weight), pushed.bursts(weight));
     drop(as_fitted);
-    levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&walk(*share), &forces, &shifts)));
+    levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&run(*share), &forces, &shifts)));
     let best = levels.iter().map(|level| level.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
     let said = |kind: &str, term: &Term| (format!("{kind} {}", term.words), term.stage);
     let in_motion = |at: usize| match forces.get(at) {
@@ -93,12 +93,12 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
     let in_spread = |at: usize| said("noise that changes with", &spreads[at]);
     let of_level = |level: Level| {
         let behind = best - level.log_likelihood;
-        together(&level.motions.asked(1.0, weight, behind), in_motion)
+        joint_score(&level.motions.selected(1.0, weight, behind), in_motion)
     };
-    let mut spread = together(&spread, in_spread);
+    let mut spread = joint_score(&spread, in_spread);
     spread.nats -= UNEVEN_SPREAD;
     let all = levels.into_iter().map(of_level).chain([spread]);
-    let nothing = Question { nats: 0.0, terms: Vec::new() };
+    let nothing = JointScore { nats: 0.0, terms: Vec::new() };
     let terms = all.fold(nothing, |most, other| if other.nats > most.nats { other } else { most });
     Found { terms, moments, bursts }
 }
@@ -113,14 +113,14 @@ fn quieter(fit: &Fit, share: f64) -> Fit {
 }
 
 /// The first terms, as many as maximise the nats together, each with its words and stage.
-fn together(asked: &[Asked], said: impl Fn(usize) -> (String, Option<Stage>)) -> Question {
-    let most = (0..asked.len()).max_by(|a, b| asked[*a].nats.total_cmp(&asked[*b].nats));
-    let Some(most) = most else { return Question { nats: 0.0, terms: Vec::new() } };
-    let omitted = |asked: &Asked| {
-        let (words, stage) = said(asked.term);
-        Omitted { words, z: asked.z, stage }
+fn joint_score(selected: &[SelectedTerm], said: impl Fn(usize) -> (String, Option<Stage>)) -> JointScore {
+    let most = (0..selected.len()).max_by(|a, b| selected[*a].nats.total_cmp(&selected[*b].nats));
+    let Some(most) = most else { return JointScore { nats: 0.0, terms: Vec::new() } };
+    let omitted = |selected: &SelectedTerm| {
+        let (words, stage) = said(selected.term);
+        Omitted { words, z: selected.z, stage }
     };
-    Question { nats: asked[most].nats, terms: asked[..=most].iter().map(omitted).collect() }
+    JointScore { nats: selected[most].nats, terms: selected[..=most].iter().map(omitted).collect() }
 }
 
 /// A filter run with a factor on the air's noise: its scores, and ln p of the readings with the effect of the fitted
@@ -131,9 +131,9 @@ struct Level {
 }
 
 impl Level {
-    fn of(walk: &Walk, forces: &[Term], shifts: &[Term]) -> Self {
-        let mut motions = walk.motions(forces, shifts);
-        let judged = walk.steps.iter().filter(|step| step.judged);
+    fn of(run: &FilterRun, forces: &[Term], shifts: &[Term]) -> Self {
+        let mut motions = run.motions(forces, shifts);
+        let judged = run.steps.iter().filter(|step| step.judged);
         let log_likelihood = judged.map(|step| step.innovation.log_density).sum::<f64>() + motions.settle();
         Self { motions, log_likelihood }
     }
@@ -142,7 +142,7 @@ impl Level {
 #[cfg(test)]
 mod tests {
     use super::sensitivities::DIFFERENCE;
-    use super::{Found, Question, omitted};
+    use super::{Found, JointScore, omitted};
     use crate::filter::ekf::Sensitivity;
     use crate::filter::track::segments;
     use crate::fit::estimate::Problem;
@@ -222,39 +222,39 @@ mod tests {
     }
 
     /// Nats and words of the terms and of the events.
-    fn asked(recording: &Recording) -> [(f64, Vec<String>); 2] {
+    fn joint_scores(recording: &Recording) -> [(f64, Vec<String>); 2] {
         let Found { terms, moments, .. } = found(recording);
-        let words = |question: &Question| question.terms.iter().map(|term| term.words.clone()).collect();
+        let words = |joint_score: &JointScore| joint_score.terms.iter().map(|term| term.words.clone()).collect();
         [(terms.nats, words(&terms)), (moments.nats, words(&moments))]
     }
 
     #[test]
-    fn a_ripple_of_height_is_asked_for_and_nothing_where_there_is_none() {
-        let [(nats, words), _] = asked(&with_force(|mm, _| 60.0 * (mm / 14.0).sin(), 1));
+    fn a_ripple_of_height_is_found_and_nothing_where_there_is_none() {
+        let [(nats, words), _] = joint_scores(&with_force(|mm, _| 60.0 * (mm / 14.0).sin(), 1));
         let of_height = words.iter().any(|words| words.contains("wave of height"));
         assert!(nats > 10.0 && of_height, "{nats} nats for {words:?}");
         for seed in 0..10 {
-            for (nats, words) in asked(&with_force(|_, _| 0.0, seed)) {
+            for (nats, words) in joint_scores(&with_force(|_, _| 0.0, seed)) {
                 assert!(nats < 6.5, "seed {seed}: {nats} nats for {words:?}");
             }
         }
     }
 
     #[test]
-    fn a_gain_that_swings_is_asked_for_by_its_period() {
-        let [(nats, words), _] = asked(&with_swing_of_gain());
+    fn a_gain_that_swings_is_found_by_its_period() {
+        let [(nats, words), _] = joint_scores(&with_swing_of_gain());
         let by_period = words.iter().any(|words| words.contains("u times") && words.contains(" 10 periods"));
         assert!(nats > 12.0 && by_period, "{nats} nats for {words:?}");
     }
 
     #[test]
-    fn most_of_what_is_asked_for_acts_at_the_stage_that_is_wrong() {
-        let most = |question: &Question, stage: Stage| {
+    fn most_of_what_is_found_acts_at_the_stage_that_is_wrong() {
+        let most = |joint_score: &JointScore, stage: Stage| {
             let nats = |own: bool| -> f64 {
-                let terms = question.terms.iter().filter(|term| !own || term.stage == Some(stage));
+                let terms = joint_score.terms.iter().filter(|term| !own || term.stage == Some(stage));
                 terms.map(|term| term.z * term.z).sum()
             };
-            assert!(nats(true) > 0.5 * nats(false), "{stage:?}: {:?}", question.terms);
+            assert!(nats(true) > 0.5 * nats(false), "{stage:?}: {:?}", joint_score.terms);
         };
         most(&found(&with_force(|mm, _| 60.0 * (mm / 14.0).sin(), 1)).terms, Stage::Air);
         most(&found(&with_swing_of_gain()).terms, Stage::Actuator);
@@ -274,19 +274,19 @@ mod tests {
     }
 
     #[test]
-    fn what_has_made_the_air_seem_restless_is_asked_for_all_the_same() {
+    fn what_has_made_the_air_seem_turbulent_is_found_all_the_same() {
         // With the air's noise as fitted the score is 32 nats.
-        let [(nats, words), _] = asked(&with_force(|mm, _| 90.0 * (mm / 14.0).sin(), 1));
+        let [(nats, words), _] = joint_scores(&with_force(|mm, _| 90.0 * (mm / 14.0).sin(), 1));
         assert!(nats > 45.0, "{nats} nats for {words:?}");
     }
 
     #[test]
     fn pushes_and_slips_are_found_when_they_happen() {
         let push = |_, time_s: f64| if (40.0..40.4).contains(&time_s) { 400.0 } else { 0.0 };
-        let [_, (nats, words)] = asked(&with_force(push, 3));
+        let [_, (nats, words)] = joint_scores(&with_force(push, 3));
         let when = |words: &[String], at: &str| words.iter().any(|words| words.contains(at));
         assert!(nats > 8.0 && (when(&words, "push") && when(&words, "at 40.")), "{nats} nats for {words:?}");
-        let [_, (nats, words)] = asked(&with_slip());
+        let [_, (nats, words)] = joint_scores(&with_slip());
         assert!(nats > 8.0 && when(&words, "slipped at 50."), "{nats} nats for {words:?}");
     }
 
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn the_small_one_of_two_lags_is_not_asked_for_as_it_is_the_form_of_the_other() {
+    fn the_small_one_of_two_lags_is_not_found_as_it_is_the_form_of_the_other() {
         for seed in 0..3 {
             let nats = of_two_lags(0.02, seed);
             assert!(nats < 6.5, "seed {seed}: {nats} nats for the form");

@@ -10,7 +10,7 @@
 
 use super::bursts::bursts;
 use super::sensitivities::Step;
-use super::{Omitted, Question};
+use super::{JointScore, Omitted};
 use crate::filter::ekf::Sensitivity;
 use crate::stats::chi_square::ln_chance;
 use plant::{Model, Stage};
@@ -90,9 +90,9 @@ impl Moments {
     }
 
     /// The events with the smallest joint probability. `weight`: weight of each reading, at most 1.
-    pub(super) fn events_found(&self, steps: &[Step], weight: f64) -> Question {
+    pub(super) fn events_found(&self, steps: &[Step], weight: f64) -> JointScore {
         let rated = self.rated(weight);
-        let looks = looks(steps);
+        let tests = independent_tests(steps);
         let (mut times_s, mut terms, mut total, mut ways) = (Vec::<f64>::new(), Vec::new(), 0.0, 0.0);
         let mut most = (0.0, 0);
         for (k, shape, z) in rated {
@@ -101,7 +101,7 @@ impl Moments {
                 continue;
             }
             total += z * z;
-            ways += ((looks - terms.len() as f64).max(1.0) / (terms.len() as f64 + 1.0)).ln();
+            ways += ((tests - terms.len() as f64).max(1.0) / (terms.len() as f64 + 1.0)).ln();
             times_s.push(time_s);
             terms.push(Omitted { words: shape.words(time_s), z, stage: Some(shape.stage()) });
             let nats = -ln_chance(total.max(f64::MIN_POSITIVE), terms.len()) - ways;
@@ -113,7 +113,7 @@ impl Moments {
             }
         }
         terms.truncate(most.1);
-        Question { nats: most.0, terms }
+        JointScore { nats: most.0, terms }
     }
 
     /// How much force comes in bursts, standard deviations: the largest value over the lengths of pulses.
@@ -136,7 +136,7 @@ impl Moments {
 }
 
 /// Effective number of independent tests.
-fn looks(steps: &[Step]) -> f64 {
+fn independent_tests(steps: &[Step]) -> f64 {
     let judged_s: f64 = steps.iter().filter(|step| step.judged).filter_map(|step| step.dt).sum();
     SHAPES.iter().map(|shape| judged_s / shape.other_s()).sum()
 }
@@ -149,9 +149,9 @@ fn score(model: &Model, steps: &[Step], shape: Shape) -> f64 {
         let Some(dt) = step.dt.filter(|_| since_s < REACH_S) else { break };
         let (push, shift_mm) = shape.after(since_s);
         let moved_mm = nudged.go(model, &step.leg, (dt, push, shift_mm), &step.innovation);
-        let moved = step.says() * moved_mm / step.innovation.variance_mm2.sqrt();
+        let moved = step.root_weight() * moved_mm / step.innovation.variance_mm2.sqrt();
         if step.judged && moved.is_finite() {
-            product += moved * step.innovation.standardised / step.says();
+            product += moved * step.innovation.standardised / step.root_weight();
             square += moved * moved;
         }
         since_s += dt;

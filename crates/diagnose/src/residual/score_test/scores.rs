@@ -13,7 +13,7 @@ use crate::stats::chi_square::ln_chance;
 use nalgebra::{DMatrix, DVector};
 
 /// Share of its square that a column must keep when others are swept out. Below that it is collinear with them.
-pub(super) const OF_ITS_OWN: f64 = 1e-3;
+pub(super) const LEAST_INDEPENDENT: f64 = 1e-3;
 /// Largest number of selected terms.
 const MOST: usize = 6;
 
@@ -29,7 +29,7 @@ pub(super) struct Scores {
 
 /// A selected term.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Asked {
+pub(super) struct SelectedTerm {
     /// Its index among the terms.
     pub(super) term: usize,
     /// Its score given the terms before it, standard deviations.
@@ -64,7 +64,7 @@ impl Scores {
         self.before = self.gram.diagonal();
         let mut explained = 0.0;
         for j in 0..self.first() {
-            if self.is_its_own(j) {
+            if self.is_independent(j) {
                 explained += 0.5 * self.by[j].powi(2) / self.gram[(j, j)];
                 self.sweep(j);
             }
@@ -73,31 +73,31 @@ impl Scores {
     }
 
     /// Whether a column is independent of those swept out.
-    fn is_its_own(&self, j: usize) -> bool {
-        self.gram[(j, j)] > OF_ITS_OWN * self.before[j]
+    fn is_independent(&self, j: usize) -> bool {
+        self.gram[(j, j)] > LEAST_INDEPENDENT * self.before[j]
     }
 
     /// Forward selection of terms, after [`Scores::settle`]. `variance` of the innovations; `weight`: weight of each
     /// row; `behind`: nats that the terms must gain first.
-    pub(super) fn asked(mut self, variance: f64, weight: f64, behind: f64) -> Vec<Asked> {
-        let mut left: Vec<usize> = (self.first()..self.by.len()).filter(|j| self.is_its_own(*j)).collect();
+    pub(super) fn selected(mut self, variance: f64, weight: f64, behind: f64) -> Vec<SelectedTerm> {
+        let mut left: Vec<usize> = (self.first()..self.by.len()).filter(|j| self.is_independent(*j)).collect();
         let terms = left.len() as f64;
-        let (mut asked, mut total, mut ways) = (Vec::new(), -2.0 * weight * behind, 0.0);
-        while asked.len() < MOST {
+        let (mut selected, mut total, mut ways) = (Vec::new(), -2.0 * weight * behind, 0.0);
+        while selected.len() < MOST {
             let z = |j: usize| self.by[j] / (variance * self.gram[(j, j)]).sqrt();
             let Some(j) = left.iter().copied().max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs())) else { break };
-            let (z, m) = (z(j) * weight.sqrt(), asked.len());
+            let (z, m) = (z(j) * weight.sqrt(), selected.len());
             total += z * z;
             ways += ((terms - m as f64) / (m as f64 + 1.0)).ln();
-            asked.push(Asked {
+            selected.push(SelectedTerm {
                 term: j - self.first(),
                 z,
                 nats: -ln_chance(total.max(f64::MIN_POSITIVE), m + 1) - ways,
             });
             self.sweep(j);
-            left.retain(|other| *other != j && self.is_its_own(*other));
+            left.retain(|other| *other != j && self.is_independent(*other));
         }
-        asked
+        selected
     }
 
     /// Sweeps column `j` out of all others.
@@ -117,7 +117,7 @@ mod tests {
 
     /// Rows of independent normal terms. The innovation has `shares` of the first terms and unit noise. Column 0 is a
     /// parameter.
-    fn asked(shares: &[f64], seed: u64) -> Vec<super::Asked> {
+    fn selected(shares: &[f64], seed: u64) -> Vec<super::SelectedTerm> {
         let (terms, mut normal) = (40, Normal::new(seed, 3));
         let mut scores = Scores::new(1, 0, terms - 1);
         for _ in 0..2000 {
@@ -126,26 +126,26 @@ mod tests {
             scores.add(&row, e);
         }
         scores.settle();
-        scores.asked(1.0, 1.0, 0.0)
+        scores.selected(1.0, 1.0, 0.0)
     }
 
     #[test]
     fn nothing_is_asked_for_by_noise_nor_for_what_the_model_can_do_itself() {
         for seed in 0..40 {
-            let most = asked(&[0.5], seed).iter().map(|asked| asked.nats).fold(0.0, f64::max);
+            let most = selected(&[0.5], seed).iter().map(|selected| selected.nats).fold(0.0, f64::max);
             assert!(most < 6.0, "seed {seed}: {most} nats");
         }
     }
 
     #[test]
     fn two_terms_that_act_are_asked_for_with_the_scores_of_their_shares() {
-        let asked = asked(&[0.5, 0.2, -0.15], 1);
-        let found: Vec<usize> = asked.iter().take(2).map(|asked| asked.term).collect();
+        let selected = selected(&[0.5, 0.2, -0.15], 1);
+        let found: Vec<usize> = selected.iter().take(2).map(|selected| selected.term).collect();
         assert_eq!(found, [0, 1]);
         // z = share·√rows.
-        assert!((asked[0].z - 0.2 * 2000_f64.sqrt()).abs() < 4.0, "{}", asked[0].z);
-        assert!((asked[1].z + 0.15 * 2000_f64.sqrt()).abs() < 4.0, "{}", asked[1].z);
-        assert!(asked[1].nats > asked[0].nats && asked[0].nats > 20.0);
+        assert!((selected[0].z - 0.2 * 2000_f64.sqrt()).abs() < 4.0, "{}", selected[0].z);
+        assert!((selected[1].z + 0.15 * 2000_f64.sqrt()).abs() < 4.0, "{}", selected[1].z);
+        assert!(selected[1].nats > selected[0].nats && selected[0].nats > 20.0);
     }
 
     #[test]
@@ -161,7 +161,7 @@ mod tests {
                 scores.add(&row, e);
             }
             scores.settle();
-            scores.asked(1.0, 1.0, 0.0).first().map_or(0.0, |asked| asked.nats)
+            scores.selected(1.0, 1.0, 0.0).first().map_or(0.0, |selected| selected.nats)
         };
         for seed in 0..20 {
             assert!(most(1.0, seed) < 6.0, "seed {seed}: {} nats", most(1.0, seed));

@@ -16,12 +16,12 @@ use std::ops::Range;
 /// Step of the numerical derivatives, in the scales of the fitted parameters.
 pub(super) const DIFFERENCE: f64 = 0.01;
 /// A reading with less weight than this is left out.
-const SAYS_NOTHING: f64 = 1e-3;
+const LEAST_WEIGHT: f64 = 1e-3;
 /// Longest time step of the regressors between two readings, seconds.
 const GAP_S: f64 = 1.0;
 
 /// A filter run along a record: the regressors before each reading, and its innovation.
-pub(crate) struct Walk {
+pub(crate) struct FilterRun {
     pub(super) fit: Fit,
     pub(super) steps: Vec<Step>,
     /// For each fitted parameter: sensitivity of each expected reading, standard deviations.
@@ -44,16 +44,16 @@ pub(super) struct Step {
 
 impl Step {
     /// The square root of the weight of the reading.
-    pub(super) fn says(&self) -> f64 {
-        self.innovation.weight.max(SAYS_NOTHING).sqrt()
+    pub(super) fn root_weight(&self) -> f64 {
+        self.innovation.weight.max(LEAST_WEIGHT).sqrt()
     }
 
-    pub(super) fn says_something(&self) -> bool {
-        self.innovation.weight > SAYS_NOTHING
+    pub(super) fn has_weight(&self) -> bool {
+        self.innovation.weight > LEAST_WEIGHT
     }
 }
 
-impl Walk {
+impl FilterRun {
     /// Runs the filter of `fit` along the record. Only rows that are `judged` are scored.
     pub(crate) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
         let way = segments(&fit.model, problem.recording);
@@ -83,19 +83,19 @@ impl Walk {
                 nudged.fill(Sensitivity::zero());
                 continue;
             };
-            let (innovation, says) = (&step.innovation, step.says());
+            let (innovation, root_weight) = (&step.innovation, step.root_weight());
             let deviation = innovation.variance_mm2.sqrt();
             for (at, (nudged, term)) in nudged.iter_mut().zip(forces.iter().chain(shifts)).enumerate() {
                 let value = (term.of)(&step.known);
                 let (push, shift_mm) = if at < forces.len() { (value, 0.0) } else { (0.0, value) };
                 let moved_mm = nudged.go(&self.fit.model, &step.leg, (dt, push, shift_mm), innovation);
-                row[before + at] = says * moved_mm / deviation;
+                row[before + at] = root_weight * moved_mm / deviation;
             }
             for (at, own) in self.own.iter().chain(&self.forms).enumerate() {
-                row[at] = says * own[k];
+                row[at] = root_weight * own[k];
             }
-            if step.judged && step.says_something() && row.iter().all(|value| value.is_finite()) {
-                scores.add(&row, innovation.standardised / says);
+            if step.judged && step.has_weight() && row.iter().all(|value| value.is_finite()) {
+                scores.add(&row, innovation.standardised / root_weight);
             }
         }
         scores
@@ -120,7 +120,7 @@ impl Walk {
     /// Scores of spreads given a constant noise level, and the variance of the variable they are scores of.
     pub(super) fn spreads(&self, terms: &[Term]) -> (Scores, f64) {
         let mut scores = Scores::new(1, 0, terms.len());
-        let judged = || self.steps.iter().filter(|step| step.judged && step.says_something());
+        let judged = || self.steps.iter().filter(|step| step.judged && step.has_weight());
         // The cube root of a square is nearly normal, so that a few large squares are not taken for a spread.
         let size = |step: &Step| step.innovation.standardised.abs().powf(2.0 / 3.0);
         let count = judged().count().max(1) as f64;

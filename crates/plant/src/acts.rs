@@ -3,13 +3,16 @@
 //!
 //! ```text
 //! duty → delays_duty → on_duty → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
-//!   → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds → holds → reading
+//!   → force, coloured_force, friction, ends (own_states) → senses → delays_reading → spreads → outliers → rounds
+//!   → holds → reading
 //! ```
 //!
 //! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion
 //! follow from it. Places with one owner at most are slots: two effects that fill the same one exclude each other.
 
-use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction};
+use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence};
+use crate::friction::DryFriction;
+use crate::motion::OWN_STATES;
 use control::design::Linear;
 
 /// What a record and its model let expect of the readings: the input of the check whether an effect can show in them.
@@ -21,15 +24,43 @@ pub struct Readings {
     pub period_s: f64,
 }
 
-/// Height and velocity of the ball, and the pipe that it is in: what a force may depend on.
+/// What a force or the rate of an own state may depend on: the state of the plant at an
+/// instant, its input, and the base parameters of the model.
 #[derive(Clone, Copy, Debug)]
-pub struct Ball {
-    /// Height, mm.
+pub struct Conditions {
+    /// Time since the start of the flight, seconds.
+    pub time_s: f64,
+    /// Height of the ball, mm.
     pub position_mm: f64,
-    /// Velocity, mm/s, upward.
+    /// Velocity of the ball, mm/s, upward.
     pub velocity_mm_per_s: f64,
+    /// The acceleration that the duty commands, mm/s² about hover: that of the fan's air once its inertia is overcome.
+    pub commanded_mm_per_s2: f64,
+    /// The acceleration that the fan's air gives to a ball at rest, mm/s² about hover.
+    pub fan_mm_per_s2: f64,
+    /// The own states of the effect that has some; see [`Acts::own_states`].
+    pub own: [f64; OWN_STATES],
+    /// The model's gain, mm/s² per percent.
+    pub gain_mm_per_s2_per_percent: f64,
+    /// The model's linear drag, 1/s.
+    pub drag_per_s: f64,
+    /// The model's duty at hover, percent.
+    pub hover_duty_percent: f64,
     /// Length of the pipe, mm.
     pub pipe_length_mm: f64,
+}
+
+/// The own states of an effect of type `E`: what it remembers.
+#[derive(Debug)]
+pub struct OwnStates<E: 'static> {
+    /// Their number, at most [`OWN_STATES`].
+    pub count: usize,
+    /// Their derivatives by time, each in its unit per second.
+    pub rates: fn(&E, &Conditions) -> [f64; OWN_STATES],
+    /// Their values where the conditions have been constant for ever.
+    pub settled: fn(&E, &Conditions) -> [f64; OWN_STATES],
+    /// Their standard deviations before the first reading.
+    pub spread: fn(&E, &Conditions) -> [f64; OWN_STATES],
 }
 
 /// The fan's acceleration from a constant command, from what it was, and from the seconds since; see [`Acts::follows`].
@@ -60,12 +91,14 @@ pub struct Acts<E: 'static> {
     /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command
     /// (first).
     pub follows: Option<Follows<E>>,
+    /// Slot. States of its own, for `force`.
+    pub own_states: Option<OwnStates<E>>,
     /// The acceleration that it adds to the ball, mm/s².
-    pub force: Option<fn(&E, &Ball) -> f64>,
+    pub force: Option<fn(&E, &Conditions) -> f64>,
     /// Slot. The random force of the air.
     pub coloured_force: Option<fn(&E) -> Turbulence>,
     /// Slot. Dry friction.
-    pub friction: Option<fn(&E) -> WallFriction>,
+    pub friction: Option<fn(&E) -> DryFriction>,
     /// Slot. The ends of the ball's way.
     pub ends: Option<fn(&E) -> EndStop>,
     /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle
@@ -81,7 +114,8 @@ pub struct Acts<E: 'static> {
     pub rounds: Option<fn(&E) -> f64>,
     /// Slot. Readings that are held.
     pub holds: Option<fn(&E) -> StaleSamples>,
-    /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
+    /// Whether `follows`, `force` and the rates of `own_states` are linear in the state, so that their derivatives are
+    /// the same everywhere.
     pub is_linear: bool,
     /// The time constants of a lag, up and down, seconds.
     pub lag_s: Option<fn(&E) -> [f64; 2]>,
@@ -104,6 +138,7 @@ impl<E> Acts<E> {
         gain_by_time: None,
         limits: None,
         follows: None,
+        own_states: None,
         force: None,
         coloured_force: None,
         friction: None,
@@ -157,6 +192,7 @@ impl<E> Acts<E> {
             | ((self.outliers.is_some() as u16) * OUTLIERS)
             | (self.rounds.is_some() as u16) << 7
             | (self.holds.is_some() as u16) << 8
+            | (self.own_states.is_some() as u16) << 9
     }
 
     /// Whether it acts between the duty and the speed of the rotor.

@@ -11,6 +11,7 @@ mod height_dependent_flow;
 mod hover_drift;
 mod hysteresis;
 mod quadratic_drag;
+mod relative_airflow;
 mod saturation;
 mod sensor_delay;
 mod sensor_lag;
@@ -19,6 +20,7 @@ mod sensor_outliers;
 mod sensor_quantisation;
 mod spin_asymmetry;
 mod stale_samples;
+mod supply_sag;
 mod thrust_curve;
 mod transport_delay;
 mod turbulence;
@@ -130,11 +132,13 @@ catalogue! {
     force_asymmetry: ForceAsymmetry,
     thrust_curve: ThrustCurve,
     saturation: Saturation,
+    supply_sag: SupplySag,
     fan_lag: FanLag,
     spin_asymmetry: SpinAsymmetry,
     gain_drift: GainDrift,
     hover_drift: HoverDrift,
     height_dependent_flow: HeightDependentFlow,
+    relative_airflow: RelativeAirflow,
     turbulence: Turbulence,
     quadratic_drag: QuadraticDrag,
     wall_friction: WallFriction,

@@ -6,28 +6,41 @@
 //! A: acceleration by the fan's air about hover, behind its lag    w: turbulence    a: linear drag
 //! ```
 //!
-//! A, w and the sensor's lag have closed forms, exact for any step; y and v take an RK4 step under them.
+//! A, w and the sensor's lag have closed forms, exact for any step; y, v and the own states of an effect take an RK4
+//! step under them.
 //! Linear about hover: v_f − v_eq and v are small beside v_eq.
 //! Source: the thesis, equations 3.1.1.8 and 3.1.1.10 with K_g = gain.
 
-use crate::acts::Ball;
+use crate::acts::Conditions;
 use crate::model::Model;
-use crate::motion::Motion;
+use crate::motion::{Input, Motion, OWN_STATES};
 use crate::rk4;
 
 /// What drives the ball during a step: a constant command.
 #[derive(Clone, Copy)]
 pub(crate) struct Flow<'a> {
     pub(crate) model: &'a Model,
-    /// Commanded acceleration, mm/s².
-    pub(crate) commanded: f64,
+    /// The command, and the time at the start of the step.
+    pub(crate) input: Input,
+}
+
+/// What drives the ball at one instant of a step.
+#[derive(Clone, Copy)]
+struct Drive {
+    /// The acceleration by everything that depends on neither height nor velocity, mm/s².
+    force: f64,
+    /// The part of it by the fan, mm/s².
+    fan: f64,
+    /// Seconds since the start of the flight.
+    time_s: f64,
 }
 
 impl Flow<'_> {
     /// The acceleration of a ball that nothing touches, mm/s².
     pub(crate) fn net(&self, motion: &Motion) -> f64 {
-        let force = self.fan(motion, 0.0) + motion.turbulence_mm_per_s2;
-        self.acceleration(motion.position_mm, motion.velocity_mm_per_s, force)
+        let fan = self.fan(motion, 0.0);
+        let drive = Drive { force: fan + motion.turbulence_mm_per_s2, fan, time_s: self.input.time_s };
+        self.acceleration([motion.position_mm, motion.velocity_mm_per_s], motion.own, drive)
     }
 
     /// `dt_s` of free motion; `friction` is the acceleration that friction adds.
@@ -38,10 +51,11 @@ impl Flow<'_> {
         let (fan, turbulence) = (self.fans(motion, dt_s), self.turbulences(motion, dt_s));
         let force = std::array::from_fn(|i| fan[i] + turbulence[i] + friction);
         let effects = &self.model.effects;
-        let [position_mm, velocity_mm_per_s] = if !effects.has_force() {
-            rk4::step(|x, force| [x[1], force - self.model.drag_per_s * x[1]], &[y, v], force, dt_s)
+        let ([position_mm, velocity_mm_per_s], own) = if !effects.has_force() && !effects.has_own_states() {
+            let rate = |x: &[f64; 2], force: f64| [x[1], force - self.model.drag_per_s * x[1]];
+            (rk4::step(rate, &[y, v], force, dt_s), motion.own)
         } else {
-            rk4::step(|x, force| [x[1], self.acceleration(x[0], x[1], force)], &[y, v], force, dt_s)
+            self.under_effects(motion, force, fan, dt_s)
         };
         Motion {
             position_mm,
@@ -52,7 +66,36 @@ impl Flow<'_> {
                 let middle = f64::midpoint(y, position_mm) + dt_s / 8.0 * (v - velocity_mm_per_s);
                 effects.sensed(motion.sensed_mm, [y, middle, position_mm], dt_s)
             },
+            own,
         }
+    }
+
+    /// Position and velocity, and the own states, after `dt_s` under forces that depend on them.
+    #[inline(always)]
+    fn under_effects(
+        &self,
+        motion: &Motion,
+        force: [f64; 3],
+        fan: [f64; 3],
+        dt_s: f64,
+    ) -> ([f64; 2], [f64; OWN_STATES]) {
+        let start = [motion.position_mm, motion.velocity_mm_per_s];
+        let drives = std::array::from_fn(|i| {
+            #[expect(clippy::cast_precision_loss, reason = "0, 1 or 2")]
+            let time_s = self.input.time_s + 0.5 * i as f64 * dt_s;
+            Drive { force: force[i], fan: fan[i], time_s }
+        });
+        if !self.model.effects.has_own_states() {
+            let rate = |x: &[f64; 2], drive: Drive| [x[1], self.acceleration(*x, motion.own, drive)];
+            return (rk4::step(rate, &start, drives, dt_s), motion.own);
+        }
+        let rate = |x: &[f64; 2 + OWN_STATES], drive: Drive| {
+            let [y, v, p, q] = *x;
+            let [dp, dq] = self.model.effects.own_rates(&self.conditions([y, v], [p, q], drive));
+            [v, self.acceleration([y, v], [p, q], drive), dp, dq]
+        };
+        let [y, v, p, q] = rk4::step(rate, &[start[0], start[1], motion.own[0], motion.own[1]], drives, dt_s);
+        ([y, v], [p, q])
     }
 
     /// `dt_s` of everything but the ball, which is held where it is.
@@ -64,17 +107,45 @@ impl Flow<'_> {
             fan_mm_per_s2: self.fan(motion, dt_s),
             turbulence_mm_per_s2: self.turbulences(motion, dt_s)[2],
             sensed_mm: self.model.effects.sensed(motion.sensed_mm, [y; 3], dt_s),
+            own: self.own_while_held(motion, dt_s),
         }
     }
 
-    fn acceleration(&self, y: f64, v: f64, force: f64) -> f64 {
-        let ball = Ball { position_mm: y, velocity_mm_per_s: v, pipe_length_mm: self.model.pipe_length_mm };
-        self.model.effects.accelerated(force - self.model.drag_per_s * v, &ball)
+    /// The own states after `dt_s` with the ball held where it is.
+    fn own_while_held(&self, motion: &Motion, dt_s: f64) -> [f64; OWN_STATES] {
+        if !self.model.effects.has_own_states() {
+            return motion.own;
+        }
+        let drives = [0.0, dt_s / 2.0, dt_s].map(|t| {
+            let fan = self.fan(motion, t);
+            Drive { force: fan, fan, time_s: self.input.time_s + t }
+        });
+        let rate = |own: &[f64; OWN_STATES], drive: Drive| {
+            self.model.effects.own_rates(&self.conditions([motion.position_mm, 0.0], *own, drive))
+        };
+        rk4::step(rate, &motion.own, drives, dt_s)
+    }
+
+    fn acceleration(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> f64 {
+        let linear = drive.force - self.model.drag_per_s * v;
+        self.model.effects.accelerated(linear, &self.conditions([y, v], own, drive))
+    }
+
+    fn conditions(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> Conditions {
+        Conditions {
+            time_s: drive.time_s,
+            position_mm: y,
+            velocity_mm_per_s: v,
+            commanded_mm_per_s2: self.input.commanded_mm_per_s2,
+            fan_mm_per_s2: drive.fan,
+            own,
+            ..self.model.conditions()
+        }
     }
 
     /// The fan's acceleration after `dt_s`.
     fn fan(&self, motion: &Motion, dt_s: f64) -> f64 {
-        self.model.effects.fan(self.commanded, motion.fan_mm_per_s2, dt_s)
+        self.model.effects.fan(self.input.commanded_mm_per_s2, motion.fan_mm_per_s2, dt_s)
     }
 
     /// The fan's acceleration at the start, the middle and the end of `dt_s`.
@@ -82,7 +153,7 @@ impl Flow<'_> {
         if self.model.effects.has_fan_state() {
             [0.0, dt_s / 2.0, dt_s].map(|t| self.fan(motion, t))
         } else {
-            [self.commanded; 3]
+            [self.input.commanded_mm_per_s2; 3]
         }
     }
 

@@ -7,10 +7,10 @@
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, section II.1.
 
 /// Advances dx/dt = `rate(x, force)` by `dt_s`, with the force at the start, the middle and the end.
-pub(crate) fn step<const N: usize>(
-    rate: impl Fn(&[f64; N], f64) -> [f64; N],
+pub(crate) fn step<const N: usize, F: Copy>(
+    rate: impl Fn(&[f64; N], F) -> [f64; N],
     x: &[f64; N],
-    [start, middle, end]: [f64; 3],
+    [start, middle, end]: [F; 3],
     dt_s: f64,
 ) -> [f64; N] {
     let along = |k: &[f64; N], h: f64| std::array::from_fn(|i| x[i] + h * k[i]);

@@ -1,8 +1,10 @@
 //! The effects that are on, combined place by place along the signal path. Nothing here depends on a single effect.
 
-use crate::acts::{Acts, Ball, Readings};
+use crate::acts::{Acts, Conditions, Readings};
 use crate::effect::{Effect, Stage};
-use crate::effects::{Effects, EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction, for_each_effect};
+use crate::effects::{Effects, EndStop, SensorOutliers, StaleSamples, Turbulence, for_each_effect};
+use crate::friction::DryFriction;
+use crate::motion::OWN_STATES;
 use control::design::Linear;
 
 /// What the type of an effect does. A constant, so that a place where it does nothing costs nothing.
@@ -138,13 +140,42 @@ impl Effects {
     /// The acceleration, mm/s², of a ball that is `acceleration` without these effects: what acts on the ball, then the
     /// air.
     #[inline(always)]
-    pub(crate) fn accelerated(&self, acceleration: f64, ball: &Ball) -> f64 {
+    pub(crate) fn accelerated(&self, acceleration: f64, conditions: &Conditions) -> f64 {
         let sum = fold!(self, force, acceleration, |sum, act, effect| {
-            if matches!(stage(effect), Stage::Air) { sum } else { sum + act(effect, ball) }
+            if matches!(stage(effect), Stage::Air) { sum } else { sum + act(effect, conditions) }
         });
         fold!(self, force, sum, |sum, act, effect| {
-            if matches!(stage(effect), Stage::Air) { sum + act(effect, ball) } else { sum }
+            if matches!(stage(effect), Stage::Air) { sum + act(effect, conditions) } else { sum }
         })
+    }
+
+    /// The derivatives of the own states.
+    #[inline(always)]
+    pub(crate) fn own_rates(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
+        fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.rates)(effect, conditions))
+    }
+
+    /// The own states where the conditions have been constant for ever.
+    pub(crate) fn own_settled(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
+        fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.settled)(effect, conditions))
+    }
+
+    /// Their standard deviations before the first reading.
+    pub(crate) fn own_spread(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
+        fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.spread)(effect, conditions))
+    }
+
+    /// The number of own states.
+    #[inline(always)]
+    #[must_use]
+    pub fn own_states(&self) -> usize {
+        fold!(self, own_states, 0, |_none, own, _effect| own.count)
+    }
+
+    /// Whether an effect has states of its own.
+    #[inline(always)]
+    pub(crate) fn has_own_states(&self) -> bool {
+        any!(self, own_states)
     }
 
     /// Whether a force depends on height or velocity.
@@ -163,7 +194,7 @@ impl Effects {
     /// Dry friction.
     #[inline(always)]
     #[must_use]
-    pub fn friction(&self) -> Option<WallFriction> {
+    pub fn friction(&self) -> Option<DryFriction> {
         slot!(self, friction, |act, effect| act(effect))
     }
 
@@ -180,7 +211,8 @@ impl Effects {
         let mut linear = self.friction().is_none();
         for_each_effect!(self, effect => {
             let acts = acts(effect);
-            linear &= acts.is_linear || (acts.follows.is_none() && acts.force.is_none());
+            let moves = acts.follows.is_some() || acts.force.is_some() || acts.own_states.is_some();
+            linear &= acts.is_linear || !moves;
         });
         linear
     }

@@ -26,7 +26,7 @@ impl Effect {
 }
 
 /// Stage and name of everything in the catalogue, along the signal path.
-pub(crate) const CATALOGUE: [(&str, &str); 22] = [
+pub(crate) const CATALOGUE: [(&str, &str); 24] = [
     ("actuator", "transport_delay"),
     ("actuator", "duty_quantisation"),
     ("actuator", "dead_zone"),
@@ -34,11 +34,13 @@ pub(crate) const CATALOGUE: [(&str, &str); 22] = [
     ("actuator", "force_asymmetry"),
     ("actuator", "thrust_curve"),
     ("actuator", "saturation"),
+    ("actuator", "supply_sag"),
     ("actuator", "fan_lag"),
     ("actuator", "spin_asymmetry"),
     ("actuator", "gain_drift"),
     ("actuator", "hover_drift"),
     ("air", "height_dependent_flow"),
+    ("air", "relative_airflow"),
     ("air", "turbulence"),
     ("ball", "quadratic_drag"),
     ("ball", "wall_friction"),
@@ -52,10 +54,9 @@ pub(crate) const CATALOGUE: [(&str, &str); 22] = [
 ];
 
 /// Stage and name of the effects outside the catalogue.
-pub(crate) const OUTSIDE: [(&str, &str); 13] = [
+pub(crate) const OUTSIDE: [(&str, &str); 12] = [
     ("actuator", "late_writes"),
     ("actuator", "stuck_driver"),
-    ("actuator", "supply_sag"),
     ("actuator", "supply_ripple"),
     ("actuator", "duty_dependent_lag"),
     ("actuator", "pipe_resonance"),
@@ -117,6 +118,7 @@ fn inside_draw(name: &'static str, c: &mut Chance, reach: Reach) -> Effect {
             let (low, high) = (c.scale(70.0, 350.0), c.scale(70.0, 350.0));
             vec![("lower_mm_per_s2", -low), ("upper_mm_per_s2", high)]
         }
+        "supply_sag" => vec![("share", c.scale(0.15, 0.7)), ("recovery_s", c.scale(0.8, 4.0))],
         "fan_lag" => vec![("time_constant_s", c.scale(0.06, 0.3))],
         "spin_asymmetry" => {
             let up = c.scale(0.06, 0.2);
@@ -125,6 +127,7 @@ fn inside_draw(name: &'static str, c: &mut Chance, reach: Reach) -> Effect {
         "gain_drift" => vec![("fraction_per_s", c.sign() * c.scale(0.18, 0.65) / reach.seconds)],
         "hover_drift" => vec![("percent_per_s", c.sign() * c.scale(0.12, 1.2) / reach.seconds)],
         "height_dependent_flow" => vec![("gradient_per_s2", c.scale(0.2, 2.2)), ("centre_mm", 300.0)],
+        "relative_airflow" => vec![("inverse_speed_s_per_mm", c.scale(6e-4, 3e-3))],
         "turbulence" => vec![("sigma_mm_per_s2", c.scale(15.0, 60.0)), ("correlation_s", c.scale(0.2, 1.5))],
         "quadratic_drag" => vec![("coefficient_per_mm", c.scale(0.005, 0.04))],
         "wall_friction" => vec![("acceleration_mm_per_s2", c.scale(8.0, 60.0))],
@@ -147,7 +150,6 @@ fn outside_draw(name: &'static str, c: &mut Chance, reach: Reach) -> Effect {
     let parameters: &[(&'static str, f64)] = &match name {
         "late_writes" => vec![("up_to_s", c.between(0.15, 0.3))],
         "stuck_driver" => vec![("every_s", c.between(4.0, 9.0)), ("for_s", c.between(0.6, 1.1))],
-        "supply_sag" => vec![("fraction", c.between(0.6, 0.85)), ("recovery_s", c.between(1.5, 4.0))],
         "supply_ripple" => vec![("fraction", c.between(0.45, 0.8)), ("period_s", c.between(7.0, 25.0))],
         "duty_dependent_lag" => {
             vec![("at_hover_s", c.between(0.15, 0.3)), ("halves_per_percent", c.between(0.25, 0.6))]

@@ -11,7 +11,7 @@
 
 use crate::catalogue::Effect;
 use crate::chance::{Chance, Source};
-use crate::forms::{Force, Link, STEP_S, curves, forces, memory, outside, sensor};
+use crate::forms::{Force, Link, STEP_S, Stream, curves, forces, memory, outside, sensor};
 use serde::Serialize;
 
 /// Standard deviation of one reading, mm.
@@ -65,6 +65,7 @@ pub(crate) struct Rig {
     step: i64,
     drag: f64,
     actuator: Vec<Link>,
+    stream: Option<Stream>,
     forces: Vec<Force>,
     air: Chance,
     wind: f64,
@@ -90,6 +91,7 @@ impl Rig {
             step: -(before_s / STEP_S).round() as i64,
             drag: parts.base.drag_per_s,
             actuator: actuator(parts, source),
+            stream: parts.effect("relative_airflow").map(|e| forces::relative_airflow(e, parts.base.drag_per_s)),
             forces: parts.effects.iter().filter_map(|effect| force(effect, source)).collect(),
             air: source.stream("air"),
             wind: 0.0,
@@ -122,7 +124,8 @@ impl Rig {
     pub(crate) fn push(&mut self) -> f64 {
         let (t, x, v) = (self.time(), self.x, self.v);
         let commanded = self.actuator.iter_mut().fold(self.duty, |signal, link| link(signal, t));
-        commanded + self.forces.iter_mut().map(|force| force(x, v, t)).sum::<f64>()
+        let stream = self.stream.as_ref().map_or(0.0, |stream| stream(commanded, v));
+        commanded + stream + self.forces.iter_mut().map(|force| force(x, v, t)).sum::<f64>()
     }
 
     /// Ends a step of the sensor. Returns its signal, mm, before the noise of a reading.
@@ -163,7 +166,7 @@ fn actuator(parts: &Parts, source: &Source) -> Vec<Link> {
             "transport_delay" => memory::transport_delay(e),
             "duty_quantisation" => memory::duty_quantisation(e),
             "hover_drift" => curves::hover_drift(e, seconds),
-            "supply_sag" => outside::supply_sag(e),
+            "supply_sag" => memory::supply_sag(e, hover),
             "hysteresis" => memory::hysteresis(e),
             "dead_zone" => curves::dead_zone(e),
             "thrust_curve" => curves::thrust_curve(e, hover),

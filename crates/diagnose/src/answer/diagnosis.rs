@@ -277,10 +277,18 @@ mod tests {
     }
 
     #[test]
-    fn a_weak_supply_is_not_called_by_the_effect_that_half_follows_it() {
+    fn a_weak_supply_is_named_though_it_gives_way_above_hover_alone() {
+        let found = diagnose(&model(), &with_weak_supply(0.5, 0), &Options::default());
+        let names: Vec<&str> = found.effects.iter().map(|named| named.candidate.entry.name).collect();
+        assert_eq!((found.verdict, names), (Verdict::Effect, vec!["supply_sag"]));
+    }
+
+    #[test]
+    fn a_force_that_the_search_lacks_is_not_called_by_the_effect_that_half_follows_it() {
+        let options = Options { without: vec!["supply_sag".to_owned()], ..Options::default() };
         for seed in [0, 1, 3] {
-            let found = diagnose(&model(), &with_weak_supply(0.5, seed), &Options::default());
-            assert_eq!(found.verdict, Verdict::Unexplained, "seed {seed}: {:?}", found.effects);
+            let found = diagnose(&model(), &with_weak_supply(0.5, seed), &options);
+            assert_eq!(found.verdict, Verdict::Unexplained, "seed {seed}");
             assert!(
                 found.misfit.rejected_effect.is_some() && found.effects[0].probability < 0.2,
                 "seed {seed}: {:?}",

@@ -55,7 +55,7 @@ impl Effect for HeightDependentFlow {
     };
 
     const ACTS: Acts<Self> = Acts {
-        force: Some(|flow, ball| flow.lift(ball.position_mm, ball.pipe_length_mm)),
+        force: Some(|flow, now| flow.lift(now.position_mm, now.pipe_length_mm)),
         is_linear: true,
         linearise: Some(|flow, plant| plant.gradient_per_s2 = flow.gradient_per_s2),
         ..Acts::NONE

@@ -51,7 +51,7 @@ impl Effect for QuadraticDrag {
         ..Entry::PLAIN
     };
 
-    const ACTS: Acts<Self> = Acts { force: Some(|drag, ball| drag.acceleration(ball.velocity_mm_per_s)), ..Acts::NONE };
+    const ACTS: Acts<Self> = Acts { force: Some(|drag, now| drag.acceleration(now.velocity_mm_per_s)), ..Acts::NONE };
 
     values_in_order!(coefficient_per_mm);
 }

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! The first two terms of the curve about hover: c = 1/(2·hover) is a thrust that grows with the square of the
-//! duty. Leaves out everything of third order and above.
+//! duty. Leaves out everything of third order and above. It is the static part of air whose speed goes with the duty; how
+//! that air brakes a ball that moves is `relative_airflow`.
 //! Source: affinity laws of fans, thrust ∝ speed².
 
 use crate::acts::Acts;
@@ -49,8 +50,8 @@ impl Effect for ThrustCurve {
                 distinguished_by: "the curve bends from hover on; a limit leaves it straight as far as its edge and flat beyond: fly steps of several sizes",
             },
             Similar {
-                name: "quadratic_drag",
-                distinguished_by: "the error is there right after a step, while the ball is still slow, and differs between up and down",
+                name: "relative_airflow",
+                distinguished_by: "a ball at rest feels it too, and the drag is the same at every duty: fly large steps of duty, and let the ball move fast at small and at large duties",
             },
         ],
         ..Entry::PLAIN

@@ -1,6 +1,6 @@
 //! Forces on the ball from air, pipe and ends.
 
-use super::{Force, STEP_S, lag};
+use super::{Force, STEP_S, Stream, lag};
 use crate::catalogue::Effect;
 use crate::chance::Chance;
 
@@ -8,6 +8,19 @@ use crate::chance::Chance;
 pub(crate) fn height_dependent_flow(e: &Effect) -> Force {
     let (gradient, centre, length) = (e.get("gradient_per_s2"), e.get("centre_mm"), 900.0);
     Box::new(move |x, _, _| gradient * length * (-(x - centre) / length).exp_m1())
+}
+
+/// Air past the ball whose force goes with the power 1.9 of its speed, as between laminar flow and turbulent: with
+/// w = speed of the air past the ball, 1 at hover, drag/(1.9·q)·(w·|w|^0.9 − 1). The air's speed is what gives the fan's
+/// acceleration to a ball at rest. `inverse_speed_s_per_mm` is q. Returned without the linear part of a rig.
+pub(crate) fn relative_airflow(e: &Effect, drag: f64) -> Stream {
+    let (q, power) = (e.get("inverse_speed_s_per_mm"), 1.9);
+    let size = drag / (power * q);
+    Box::new(move |lift, v| {
+        let air = (1.0 + lift / size).max(0.0).powf(1.0 / power);
+        let past = air - q * v;
+        size * (past.signum() * past.abs().powf(power) - 1.0) - (lift - drag * v)
+    })
 }
 
 /// Noise through two equal lags. `sigma_mm_per_s2` is its standard deviation, `correlation_s` the area under its

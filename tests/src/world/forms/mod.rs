@@ -20,6 +20,9 @@ pub(crate) type Link = Box<dyn FnMut(f64, f64) -> f64>;
 /// A force on the ball: height in mm, speed in mm/s, time in s; acceleration out, mm/s².
 pub(crate) type Force = Box<dyn FnMut(f64, f64, f64) -> f64>;
 
+/// What the stream of air adds: the acceleration of the fan's air at rest in mm/s², speed in mm/s; acceleration out.
+pub(crate) type Stream = Box<dyn Fn(f64, f64) -> f64>;
+
 /// The last values of a signal, one a step.
 pub(crate) struct History {
     values: VecDeque<f64>,

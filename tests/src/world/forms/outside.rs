@@ -39,12 +39,6 @@ pub(crate) fn stuck_driver(e: &Effect, mut chance: Chance) -> Link {
     })
 }
 
-/// A weak supply: duty above hover loses up to `fraction` of its thrust, which recovers over `recovery_s`.
-pub(crate) fn supply_sag(e: &Effect) -> Link {
-    let (fraction, recovery, mut sag) = (e.get("fraction"), e.get("recovery_s"), 0.0);
-    Box::new(move |u, _| u - follow(&mut sag, fraction * u.max(0.0), recovery))
-}
-
 /// The gain oscillates by `fraction` to either side with `period_s`, for instance by a room's heating.
 pub(crate) fn supply_ripple(e: &Effect, mut chance: Chance) -> Link {
     let (fraction, rate, phase) = (e.get("fraction"), TAU / e.get("period_s"), chance.between(0.0, TAU));

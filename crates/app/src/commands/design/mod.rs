@@ -11,7 +11,7 @@ use crate::cli::{DesignArgs, DesignCommand};
 use crate::config::Config;
 use crate::report::design::page::{Report, page as html};
 use crate::report::design::plot;
-use crate::report::design::words::{Document, Feedback, words};
+use crate::report::design::words::{AtDuty, Document, Feedback, words};
 use crate::report::kit::page;
 use anyhow::Result;
 use control::design::Linear;
@@ -65,10 +65,16 @@ impl Ground {
         self.config.tables.r#loop.map(|table| table.period_s)
     }
 
+    /// The plant at the lowest duty that the config allows, at hover and at the highest.
+    fn over_duties(&self) -> Vec<AtDuty> {
+        let Some(safety) = self.config.tables.safety.as_ref() else { return Vec::new() };
+        AtDuty::over(&self.model, &[safety.duty_min_percent, self.model.hover_duty_percent, safety.duty_max_percent])
+    }
+
     /// Assesses the controller, writes the requested files and prints the result.
     fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
         let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
-        let document = Document::of(&of, feedback)?;
+        let document = Document { over_duties: self.over_duties(), ..Document::of(&of, feedback)? };
         let patch = || patch::of(&closing, document.state_feedback.as_ref());
         if let Some(path) = &args.patch_out {
             write("patch", path, &patch()?)?;

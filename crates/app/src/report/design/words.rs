@@ -5,7 +5,11 @@ use crate::analysis::loop_margins::{Assessment, Closing, Loop, Pid, Plant};
 use crate::report::kit::table::empty;
 use control::design::DesignError;
 use control::state_feedback::{Integral, Lqg};
+use plant::Model;
 use serde::Serialize;
+
+/// Gains and drags that differ by a smaller share are the same: far less than any margin of a design notices.
+const SAME: f64 = 1e-3;
 
 /// A state feedback u = K_r·r − K·x.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,6 +51,39 @@ pub struct Document {
     pub period_s: Option<f64>,
     /// Sampled as the firmware does it.
     pub sampled: Option<Assessment>,
+    /// Gain and drag at the lowest duty of a flight, at hover and at the highest, where an effect moves them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub over_duties: Vec<AtDuty>,
+}
+
+/// The plant about one duty.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AtDuty {
+    /// The duty, percent.
+    pub duty_percent: f64,
+    /// Acceleration per percent of duty there, mm/s² per percent.
+    pub gain_mm_per_s2_per_percent: f64,
+    /// Linear drag there, 1/s.
+    pub drag_per_s: f64,
+}
+
+impl AtDuty {
+    /// The plant about each of these duties at mid-pipe; none if gain and drag are the same at all of them.
+    #[must_use]
+    pub fn over(model: &Model, duties_percent: &[f64]) -> Vec<Self> {
+        let at = |duty_percent: &f64| {
+            let slopes = model.slopes_at(model.pipe_length_mm / 2.0, *duty_percent);
+            let plant::Slopes { gain_mm_per_s2_per_percent, drag_per_s, .. } = slopes;
+            Self { duty_percent: *duty_percent, gain_mm_per_s2_per_percent, drag_per_s }
+        };
+        let all: Vec<Self> = duties_percent.iter().map(at).collect();
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME * b.abs();
+        let constant = |one: &Self| {
+            same(one.gain_mm_per_s2_per_percent, model.gain_mm_per_s2_per_percent)
+                && same(one.drag_per_s, model.drag_per_s)
+        };
+        if all.iter().all(constant) { Vec::new() } else { all }
+    }
 }
 
 impl Document {
@@ -72,6 +109,7 @@ impl Document {
             continuous: of.continuous()?,
             period_s: of.period_s,
             sampled: of.sampled()?,
+            over_duties: Vec::new(),
         })
     }
 }
@@ -108,6 +146,18 @@ pub fn law(document: &Document) -> Vec<(&'static str, String)> {
         lines.push(("lqg", format!("{position_per_mm:.6} per mm, {velocity_s_per_mm:.6} s per mm, fan {fan:.4}")));
         let gain: Vec<String> = observer_gain.iter().map(|l| format!("{l:.6}")).collect();
         lines.push(("observer", format!("L = [{}] a reading: position, velocity, fan, hover", gain.join(", "))));
+    }
+    if !document.over_duties.is_empty() {
+        let list = |value: fn(&AtDuty) -> String| document.over_duties.iter().map(value).collect::<Vec<_>>().join(", ");
+        lines.push((
+            "duties",
+            format!(
+                "at {} % the gain is {} mm/s² per percent and the drag {} 1/s",
+                list(|at| format!("{:.1}", at.duty_percent)),
+                list(|at| format!("{:.0}", at.gain_mm_per_s2_per_percent)),
+                list(|at| format!("{:.2}", at.drag_per_s)),
+            ),
+        ));
     }
     lines
 }
@@ -180,4 +230,34 @@ fn list(items: impl Iterator<Item = String>) -> String {
 
 fn said(value: Option<f64>, digits: usize, unit: &str, absent: &str) -> String {
     value.map_or_else(|| absent.to_owned(), |value| format!("{value:.digits$}{unit}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::AtDuty;
+    use plant::effects::RelativeAirflow;
+    use plant::{Effects, Model, Noise};
+
+    fn model(effects: Effects) -> Model {
+        Model {
+            gain_mm_per_s2_per_percent: 200.0,
+            drag_per_s: 2.0,
+            hover_duty_percent: 20.0,
+            pipe_length_mm: 600.0,
+            noise: Noise { sensor_mm: 2.0, acceleration_psd_mm2_per_s3: 360.0 },
+            effects,
+        }
+    }
+
+    #[test]
+    fn the_drag_at_each_duty_is_that_of_the_air_there_and_a_linear_plant_has_nothing_to_say() {
+        assert_eq!(AtDuty::over(&model(Effects::default()), &[10.0, 20.0, 30.0]), []);
+        let air = RelativeAirflow { inverse_speed_s_per_mm: 1e-3 };
+        let model = model(Effects { relative_airflow: Some(air), ..Effects::default() });
+        // Drag a·√(1 + 2·q·A/a) with A = gain·(duty − hover): 2·√1, 2·√3.
+        for (at, drag) in AtDuty::over(&model, &[20.0, 30.0]).iter().zip([2.0, 2.0 * 3.0_f64.sqrt()]) {
+            assert!((at.drag_per_s - drag).abs() < 1e-5, "{at:?}, exact {drag}");
+            assert!((at.gain_mm_per_s2_per_percent - 200.0).abs() < 1e-5, "{at:?}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ use nalgebra::SMatrix;
 use plant::{Model, Motion};
 
 /// Steps of the central differences: small compared with the motion of a flight, large compared with rounding errors.
-const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3];
+const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3, 1e-3, 1e-3];
 /// Number of cached step lengths: a clock of whole milliseconds has few.
 const STEPS_KNOWN: usize = 16;
 
@@ -41,63 +41,108 @@ impl PropagationCache {
         Self { linear: model.effects.motion_is_linear(), known: Vec::new(), next: 0 }
     }
 
-    pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> Propagation {
-        if !self.linear {
-            return compute();
-        }
-        if let Some((_, propagation)) = self.known.iter().find(|(known, _)| *known == dt) {
-            return *propagation;
-        }
-        let propagation = compute();
-        if self.known.len() < STEPS_KNOWN {
+    pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> &Propagation {
+        let same = if self.linear { self.known.iter().position(|(known, _)| *known == dt) } else { None };
+        let at = same.unwrap_or_else(|| self.keep(dt, compute()));
+        &self.known[at].1
+    }
+
+    /// Keeps a new one, and returns its place.
+    fn keep(&mut self, dt: f64, propagation: Propagation) -> usize {
+        if self.known.len() < if self.linear { STEPS_KNOWN } else { 1 } {
             self.known.push((dt, propagation));
-        } else {
-            self.known[self.next] = (dt, propagation);
-            self.next = (self.next + 1) % STEPS_KNOWN;
+            return self.known.len() - 1;
         }
-        propagation
+        let at = self.next;
+        self.known[at] = (dt, propagation);
+        self.next = (at + 1) % self.known.len();
+        at
     }
 }
 
-/// P ← Φ·P·Φᵀ + Q, for the active states of `model` alone: the covariance of the others is never used. Most models have
-/// two active states of five, and this product takes most of the time of a search.
-pub(super) fn predict_covariance(model: &Model, (transition, noise): &Propagation, covariance: &Square) -> Square {
-    let mut own = [0; STATES];
-    let mut count = 0;
-    for (i, _) in active_states(model).iter().enumerate().filter(|(_, active)| **active) {
-        own[count] = i;
-        count += 1;
+/// The active states of a model; the others follow from them or from the command. Most models have two of seven, and
+/// the products of the covariance take most of the time of a search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Active {
+    own: [usize; STATES],
+    count: usize,
+}
+
+impl Active {
+    pub(super) fn of(model: &Model) -> Self {
+        let (mut own, mut count) = ([0; STATES], 0);
+        for (i, _) in active_states(model).iter().enumerate().filter(|(_, active)| **active) {
+            own[count] = i;
+            count += 1;
+        }
+        Self { own, count }
     }
-    let [a, b, c, d, e] = own;
-    match count {
-        2 => predict_covariance_in([a, b], transition, noise, covariance),
-        3 => predict_covariance_in([a, b, c], transition, noise, covariance),
-        4 => predict_covariance_in([a, b, c, d], transition, noise, covariance),
-        _ => predict_covariance_in([a, b, c, d, e], transition, noise, covariance),
+
+    /// Their indices.
+    #[inline(always)]
+    pub(super) fn indices(&self) -> &[usize] {
+        &self.own[..self.count]
+    }
+
+    /// P ← Φ·P·Φᵀ + Q. The covariance of the other states is never used.
+    pub(super) fn predict(&self, (transition, noise): &Propagation, covariance: &mut Square) {
+        let [a, b, c, d, e, f, g] = self.own;
+        match self.count {
+            2 => predict_in([a, b], transition, noise, covariance),
+            3 => predict_in([a, b, c], transition, noise, covariance),
+            4 => predict_in([a, b, c, d], transition, noise, covariance),
+            5 => predict_in([a, b, c, d, e], transition, noise, covariance),
+            6 => predict_in([a, b, c, d, e, f], transition, noise, covariance),
+            _ => predict_in([a, b, c, d, e, f, g], transition, noise, covariance),
+        }
+    }
+
+    /// P ← P − t·tᵀ·share.
+    #[inline]
+    pub(super) fn reduce(&self, covariance: &mut Square, towards: &State, share: f64) {
+        for &i in self.indices() {
+            for &j in self.indices() {
+                covariance[(i, j)] -= towards[i] * towards[j] * share;
+            }
+        }
+    }
+
+    /// Φ·δ.
+    #[inline]
+    pub(super) fn transfer(&self, transition: &Square, change: &State) -> State {
+        let [a, b, c, ..] = self.own;
+        match self.count {
+            2 => transfer_in([a, b], transition, change),
+            3 => transfer_in([a, b, c], transition, change),
+            _ => transition * change,
+        }
     }
 }
 
-fn predict_covariance_in<const N: usize>(
-    own: [usize; N],
-    transition: &Square,
-    noise: &Square,
-    covariance: &Square,
-) -> Square {
+#[inline(always)]
+fn transfer_in<const N: usize>(own: [usize; N], transition: &Square, change: &State) -> State {
+    let mut moved = State::zeros();
+    for i in own {
+        moved[i] = own.iter().map(|j| transition[(i, *j)] * change[*j]).sum();
+    }
+    moved
+}
+
+#[inline(always)]
+fn predict_in<const N: usize>(own: [usize; N], transition: &Square, noise: &Square, covariance: &mut Square) {
     let of = |all: &Square| SMatrix::<f64, N, N>::from_fn(|i, j| all[(own[i], own[j])]);
     let transition = of(transition);
     let known = transition * of(covariance) * transition.transpose() + of(noise);
-    let mut all = Square::zeros();
     for (i, at) in own.iter().enumerate() {
         for (j, and) in own.iter().enumerate() {
-            all[(*at, *and)] = flush_tiny(known[(i, j)]);
+            covariance[(*at, *and)] = flush_tiny(known[(i, j)]);
         }
     }
-    all
 }
 
 /// The process noise of a step with this transition matrix.
 pub(super) fn process_noise(model: &Model, transition: &Square, dt: f64) -> Square {
-    let first = State::from([0.0, 1.0, 0.0, 0.0, 0.0]);
+    let first = State::from_fn(|i, _| f64::from(u8::from(i == 1)));
     let last = transition * first;
     let middle = (first + last) / 2.0;
     let outer = |g: State| g * g.transpose();
@@ -117,13 +162,25 @@ pub(super) fn vector(motion: &Motion) -> State {
         motion.fan_mm_per_s2,
         motion.turbulence_mm_per_s2,
         motion.sensed_mm,
+        motion.own[0],
+        motion.own[1],
     ])
+}
+
+/// The motion of a state vector.
+pub(super) fn motion_of(state: &State) -> Motion {
+    let [position_mm, velocity_mm_per_s, fan_mm_per_s2, turbulence_mm_per_s2, sensed_mm, first, second] =
+        (*state).into();
+    let own = [first, second];
+    Motion { position_mm, velocity_mm_per_s, fan_mm_per_s2, turbulence_mm_per_s2, sensed_mm, own }
 }
 
 /// Which states are active in this model; the others follow from them or from the command.
 pub(super) fn active_states(model: &Model) -> [bool; STATES] {
     let effects = &model.effects;
-    [true, true, effects.has_fan_state(), effects.coloured_force().is_some(), effects.has_sensor_state()]
+    let own = effects.own_states();
+    let (fan, air, sensor) = (effects.has_fan_state(), effects.coloured_force().is_some(), effects.has_sensor_state());
+    [true, true, fan, air, sensor, own > 0, own > 1]
 }
 
 /// ∂flow/∂x at `motion` by central differences, for the active states of this model.
@@ -131,15 +188,9 @@ pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion
     let mut transition = Square::zeros();
     for (i, _) in active_states(model).iter().enumerate().filter(|(_, active)| **active) {
         let nudged = |by: f64| {
-            let mut nudged = *motion;
-            match i {
-                0 => nudged.position_mm += by,
-                1 => nudged.velocity_mm_per_s += by,
-                2 => nudged.fan_mm_per_s2 += by,
-                3 => nudged.turbulence_mm_per_s2 += by,
-                _ => nudged.sensed_mm += by,
-            }
-            vector(&flow(&nudged))
+            let mut nudged = vector(motion);
+            nudged[i] += by;
+            vector(&flow(&motion_of(&nudged)))
         };
         transition.set_column(i, &((nudged(NUDGE[i]) - nudged(-NUDGE[i])) / (2.0 * NUDGE[i])));
     }
@@ -148,9 +199,9 @@ pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion
 
 #[cfg(test)]
 mod tests {
-    use super::{PropagationCache, Square, active_states, derivative, predict_covariance, vector};
+    use super::{Active, PropagationCache, Square, active_states, derivative, motion_of, vector};
     use crate::tests_support::model;
-    use plant::{Effects, Model, Motion};
+    use plant::{Effects, Input, Model, Motion};
 
     /// A test matrix without symmetry, with entries of both signs.
     fn any(seed: f64) -> Square {
@@ -160,13 +211,12 @@ mod tests {
     /// The transition matrix of a step by central differences of the motion, with other steps than those under test.
     fn by_differences(model: &Model, commanded: f64, motion: &Motion, dt: f64) -> Square {
         let column = |i: usize| {
-            let by = [1e-2, 1e-1, 1.0, 1.0, 1e-2][i];
+            let by = [1e-2, 1e-1, 1.0, 1.0, 1e-2, 1e-2, 1e-2][i];
             let at = |sign: f64| {
                 let mut state = vector(motion);
                 state[i] += sign * by;
-                let [position_mm, velocity_mm_per_s, fan_mm_per_s2, turbulence_mm_per_s2, sensed_mm] = state.into();
-                let there = Motion { position_mm, velocity_mm_per_s, fan_mm_per_s2, turbulence_mm_per_s2, sensed_mm };
-                vector(&there.step_in_endless_pipe(model, commanded, dt))
+                let there = motion_of(&state);
+                vector(&there.step_in_endless_pipe(model, Input::of(commanded), dt))
             };
             (at(1.0) - at(-1.0)) / (2.0 * by)
         };
@@ -183,6 +233,7 @@ mod tests {
             fan_mm_per_s2,
             turbulence_mm_per_s2: 40.0,
             sensed_mm: position_mm - 3.0,
+            own: [70.0, -20.0],
         };
         // The fan below the command and above it, the ball low and rising, high and falling.
         let states = [state(180.0, 150.0, 100.0), state(430.0, -220.0, 500.0)];
@@ -196,8 +247,8 @@ mod tests {
             // What is cached at the first state must hold at the second.
             let mut cache = PropagationCache::of(&model);
             for motion in &states {
-                let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, commanded, dt);
-                let (transition, _) = cache.propagation(dt, || (derivative(&model, flow, motion), Square::zeros()));
+                let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, Input::of(commanded), dt);
+                let (transition, _) = *cache.propagation(dt, || (derivative(&model, flow, motion), Square::zeros()));
                 let expected = by_differences(&model, commanded, motion, dt);
                 let off = (transition - expected).abs().max();
                 assert!(off < 1e-5, "{}: {off}: {transition} for {expected}", entry.name);
@@ -218,19 +269,22 @@ mod tests {
             let of_own = |m: Square| Square::from_fn(|i, j| if is_own(i) && is_own(j) { m[(i, j)] } else { 0.0 });
             let [transition, noise, before] = [1.0, 2.0, 3.0].map(|seed| of_own(any(seed)));
             let whole = transition * before * transition.transpose() + noise;
-            let predict_covariance = predict_covariance(&model, &(transition, noise), &before);
-            assert!((predict_covariance - whole).abs().max() < 1e-14, "{predict_covariance} for {whole}");
+            let mut after = before;
+            Active::of(&model).predict(&(transition, noise), &mut after);
+            assert!((after - whole).abs().max() < 1e-14, "{after} for {whole}");
             // The entries of the other states must not be used.
-            let spoilt = Square::from_fn(|i, j| if is_own(i) && is_own(j) { before[(i, j)] } else { f64::NAN });
-            assert_eq!(super::predict_covariance(&model, &(transition, noise), &spoilt), predict_covariance);
+            let mut spoilt = Square::from_fn(|i, j| if is_own(i) && is_own(j) { before[(i, j)] } else { f64::NAN });
+            Active::of(&model).predict(&(transition, noise), &mut spoilt);
+            assert_eq!(of_own(spoilt), after);
         }
     }
 
     #[test]
     fn doubt_that_fades_becomes_none_and_no_number_too_small_for_the_processor() {
-        let (mut doubt, halve) = (any(1.0), Square::identity() * 0.5);
+        let own = |m: Square| Square::from_fn(|i, j| if i < 3 && j < 3 { m[(i, j)] } else { 0.0 });
+        let (mut doubt, halve) = (own(any(1.0)), Square::identity() * 0.5);
         for _ in 0..600 {
-            doubt = predict_covariance(&model(), &(halve, Square::zeros()), &doubt);
+            Active::of(&model()).predict(&(halve, Square::zeros()), &mut doubt);
             assert!(doubt.iter().all(|number| *number == 0.0 || number.is_normal()), "{doubt}");
         }
         assert_eq!(doubt, Square::zeros());

@@ -1,7 +1,7 @@
 //! A model's extended Kalman filter along a recording.
 //!
 //! ```text
-//! state x = (y, v, A, w, s)                         see `plant::Motion`
+//! state x = (y, v, A, w, s, own states)             see `plant::Motion`
 //! x ← motion(x, command), P ← Φ·P·Φᵀ + Q            Φ and Q: see `covariance`
 //! reading = y, or s behind a sensor's lag
 //! ```
@@ -17,16 +17,16 @@ mod smoother;
 
 use crate::record::reading_variance::reading_variance;
 pub(crate) use covariance::PropagationCache;
-use covariance::{active_states, derivative, predict_covariance, process_noise, vector};
+use covariance::{Active, active_states, derivative, motion_of, process_noise, vector};
 use fast_duty::{DutyAveraging, DutyBlock};
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
 
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
 use nalgebra::{SMatrix, SVector};
-use plant::{Actuator, Model, Motion};
+use plant::{Actuator, Input, Model, Motion, OWN_STATES};
 
-const STATES: usize = 5;
+const STATES: usize = 5 + OWN_STATES;
 type State = SVector<f64, STATES>;
 type Square = SMatrix<f64, STATES, STATES>;
 
@@ -52,6 +52,7 @@ pub(crate) struct Ekf<'a> {
     writes: &'a [Write],
     state: State,
     covariance: Square,
+    active: Active,
     actuator: Actuator,
     /// Time of the filter since the start of the flight, seconds.
     time_s: f64,
@@ -85,6 +86,7 @@ impl<'a> Ekf<'a> {
             writes,
             state,
             covariance,
+            active: Active::of(model),
             actuator: Actuator::new(model, first_duty),
             time_s: time_s.min(0.0),
             next_write: 0,
@@ -147,7 +149,7 @@ impl<'a> Ekf<'a> {
             };
         let towards = self.covariance.column(seen_state(self.model)).into_owned();
         self.state += towards * (standardised / variance.sqrt());
-        self.covariance -= towards * towards.transpose() * (weight / variance);
+        self.active.reduce(&mut self.covariance, &towards, weight / variance);
         self.wild_run = if innovation.weight < 0.5 && reading.coarse.is_none() { self.wild_run + 1 } else { 0 };
         innovation
     }
@@ -166,7 +168,7 @@ impl<'a> Ekf<'a> {
         let innovation = Innovation::of(reading, self.state[0], variance);
         let towards = self.covariance.column(0).into_owned();
         self.state += towards * (innovation.standardised / variance.sqrt());
-        self.covariance -= towards * towards.transpose() * (innovation.weight / variance);
+        self.active.reduce(&mut self.covariance, &towards, innovation.weight / variance);
         innovation
     }
 
@@ -237,32 +239,26 @@ impl<'a> Ekf<'a> {
     }
 
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
-        let x = &self.state;
-        let motion = Motion {
-            position_mm: x[0],
-            velocity_mm_per_s: x[1],
-            fan_mm_per_s2: x[2],
-            turbulence_mm_per_s2: x[3],
-            sensed_mm: x[4],
-        };
+        let motion = motion_of(&self.state);
+        let input = Input { commanded_mm_per_s2: commanded, time_s: self.time_s };
         let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
         // An end of the pipe stops the ball but does not reduce the uncertainty: the covariance grows as in an endless
         // pipe.
-        let endless = |nudged: &Motion| {
-            let friction = self.model.effects.friction().map(|friction| friction.acceleration_mm_per_s2);
-            match friction.filter(|friction| roughness > KNOWN * friction * dt) {
-                Some(friction) => {
-                    let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction * dt));
-                    nudged.slide(self.model, commanded, mean_friction(friction, nudged.velocity_mm_per_s, smooth), dt)
-                }
-                None => nudged.step_in_endless_pipe(self.model, commanded, dt),
+        let endless = |nudged: &Motion| match self
+            .model
+            .effects
+            .friction()
+            .filter(|friction| roughness > KNOWN * friction.mean() * dt)
+        {
+            Some(friction) => {
+                let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction.mean() * dt));
+                let direction = mean_direction(nudged.velocity_mm_per_s, smooth);
+                nudged.slide(self.model, input, friction.expected(direction), dt)
             }
+            None => nudged.step_in_endless_pipe(self.model, input, dt),
         };
-        let next = if self.model.effects.friction().is_some() {
-            endless(&motion)
-        } else {
-            motion.step(self.model, commanded, dt)
-        };
+        let next =
+            if self.model.effects.friction().is_some() { endless(&motion) } else { motion.step(self.model, input, dt) };
         let propagation = known.propagation(dt, || {
             let transition = derivative(self.model, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
@@ -271,14 +267,15 @@ impl<'a> Ekf<'a> {
             back.go(&propagation.0);
         }
         self.state = vector(&next);
-        self.covariance = predict_covariance(self.model, &propagation, &self.covariance);
+        self.active.predict(propagation, &mut self.covariance);
+        self.time_s += dt;
     }
 }
 
-/// Expected acceleration by friction of a ball whose velocity has the standard deviation `roughness`, mm/s²: −f·E
-/// sign(v). Without it a filter would take a slow ball for a stopped one, with too small a covariance.
-fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
-    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
+/// The expected direction of a velocity that has the standard deviation `roughness`, −1 to 1: E sign(v). Without it a
+/// filter would take a slow ball for a stopped one, with too small a covariance.
+fn mean_direction(velocity: f64, roughness: f64) -> f64 {
+    libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
 }
 
 /// The time of the reading of `row`, seconds since the start of the flight. `None`: there is no such row.
@@ -299,8 +296,9 @@ fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> (State, Square) {
     };
     let air = effects.coloured_force().map_or(0.0, |force| force.sigma_mm_per_s2);
     let sensed = if effects.has_sensor_state() { model.pipe_length_mm } else { 0.0 };
-    let deviations = State::from([model.pipe_length_mm, VELOCITY_PRIOR_MM_PER_S, fan, air, sensed]);
-    let state = State::from([reading_mm, 0.0, commanded, 0.0, reading_mm]);
+    let [first, second] = model.own_spread();
+    let deviations = State::from([model.pipe_length_mm, VELOCITY_PRIOR_MM_PER_S, fan, air, sensed, first, second]);
+    let state = vector(&model.at_rest(reading_mm, commanded));
     (state, Square::from_diagonal(&deviations.component_mul(&deviations)))
 }
 

@@ -10,7 +10,7 @@
 //! the sensed position without a lag, are left out of the inverse.
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
-use super::covariance::flush_tiny;
+use super::covariance::{Active, flush_tiny};
 use super::{Ekf, Square, State, active_states, seen_state};
 use crate::filter::innovation::Innovation;
 use plant::Model;
@@ -54,6 +54,9 @@ pub(crate) struct Segment {
     transition: Square,
     /// Covariance of the states with the reading: the gain times the innovation's variance.
     towards: State,
+    active: Active,
+    /// The index of the state that the reading measures.
+    seen: usize,
     /// Filtered position and velocity after the reading, mm and mm/s.
     pub(crate) known: (f64, f64),
 }
@@ -88,8 +91,10 @@ impl Ekf<'_> {
     /// The segment up to the last reading. `None`: this filter keeps no memory for the smoother.
     pub(crate) fn leg(&self) -> Option<Segment> {
         let (transition, (_, expected)) = &self.back.as_ref()?.leg;
-        let towards = expected.column(seen_state(self.model)).into_owned();
-        Some(Segment { time_s: self.time_s, transition: *transition, towards, known: self.position_and_velocity() })
+        let seen = seen_state(self.model);
+        let (towards, known) = (expected.column(seen).into_owned(), self.position_and_velocity());
+        let (time_s, transition, active) = (self.time_s, *transition, self.active);
+        Some(Segment { time_s, transition, towards, active, seen, known })
     }
 
     /// The same for the smoother.
@@ -111,21 +116,17 @@ impl Sensitivity {
 
     /// Propagates over `leg`, `dt` seconds long, with a constant force, mm/s², and a shift of its reading, mm. Returns
     /// the change of the expected reading, mm, then applies the update with the weight of `taken`.
-    pub(crate) fn go(
-        &mut self,
-        model: &Model,
-        leg: &Segment,
-        (dt, push, shift_mm): (f64, f64, f64),
-        taken: &Innovation,
-    ) -> f64 {
-        let seen = seen_state(model);
+    pub(crate) fn go(&mut self, leg: &Segment, (dt, push, shift_mm): (f64, f64, f64), taken: &Innovation) -> f64 {
         // Trapezoidal rule for the effect of the changed velocity at the end of the segment.
-        let mut pushed = leg.transition.column(1) * (0.5 * dt * push);
-        pushed[1] += 0.5 * dt * push;
-        self.0 = leg.transition * self.0 + pushed;
-        let moved_mm = self.0[seen] + shift_mm;
-        self.0 -= leg.towards * (taken.weight * moved_mm / taken.variance_mm2);
-        self.0.apply(|moved| *moved = flush_tiny(*moved));
+        let mut before = self.0;
+        before[1] += 0.5 * dt * push;
+        self.0 = leg.active.transfer(&leg.transition, &before);
+        self.0[1] += 0.5 * dt * push;
+        let moved_mm = self.0[leg.seen] + shift_mm;
+        let taken = taken.weight * moved_mm / taken.variance_mm2;
+        for &i in leg.active.indices() {
+            self.0[i] = flush_tiny(self.0[i] - leg.towards[i] * taken);
+        }
         moved_mm
     }
 }

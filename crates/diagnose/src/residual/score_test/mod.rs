@@ -80,7 +80,7 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
     // The steps of a coarse sensor make the innovations' variance uneven, because the filter assumes normal states.
     let coarse = fit.model.effects.reading_step_mm().is_some();
     let spread = if coarse { Vec::new() } else { spread.selected(variance, weight, 0.0) };
-    let pushed = Moments::of(&fit.model, &as_fitted.steps);
+    let pushed = Moments::of(&as_fitted.steps);
     let (moments, bursts) = (pushed.events_found(&as_fitted.steps, weight), pushed.bursts(weight));
     drop(as_fitted);
     levels.par_extend(QUIETER.par_iter().map(|share| Level::of(&run(*share), &forces, &shifts)));
@@ -164,7 +164,7 @@ mod tests {
         let (mut nudged, mut before_s) = (Sensitivity::zero(), 0.0);
         let (mut product, mut square) = (0.0, 0.0);
         for ((taken, leg), (moved, _)) in here.iter().zip(&there).skip(1) {
-            let by_push = nudged.go(&own, leg, (leg.time_s - before_s, push, 0.0), taken);
+            let by_push = nudged.go(leg, (leg.time_s - before_s, push, 0.0), taken);
             before_s = leg.time_s;
             let by_hover = moved.expected_mm - taken.expected_mm;
             // The ball takes off from the bottom, where a force has no effect; the filter forgets that later.

@@ -13,7 +13,7 @@ use super::sensitivities::Step;
 use super::{JointScore, Omitted};
 use crate::filter::ekf::Sensitivity;
 use crate::stats::chi_square::ln_chance;
-use plant::{Model, Stage};
+use plant::Stage;
 use rayon::prelude::*;
 
 /// Reach: how long after a moment its effect is evaluated, seconds.
@@ -82,10 +82,10 @@ pub(super) struct Moments {
 
 impl Moments {
     /// Scores every shape at every moment that is judged.
-    pub(super) fn of(model: &Model, steps: &[Step]) -> Self {
+    pub(super) fn of(steps: &[Step]) -> Self {
         let every = steps.len() / MOST_STARTS + 1;
         let starts: Vec<usize> = (0..steps.len()).step_by(every).filter(|k| steps[*k].judged).collect();
-        let scores = starts.par_iter().map(|k| SHAPES.map(|shape| score(model, &steps[*k..], shape))).collect();
+        let scores = starts.par_iter().map(|k| SHAPES.map(|shape| score(&steps[*k..], shape))).collect();
         Self { starts, scores }
     }
 
@@ -142,13 +142,13 @@ fn independent_tests(steps: &[Step]) -> f64 {
 }
 
 /// The score of a shape that begins at the first of these steps, standard deviations.
-fn score(model: &Model, steps: &[Step], shape: Shape) -> f64 {
+fn score(steps: &[Step], shape: Shape) -> f64 {
     let mut nudged = Sensitivity::zero();
     let (mut since_s, mut product, mut square) = (0.0, 0.0, 0.0);
     for step in steps {
         let Some(dt) = step.dt.filter(|_| since_s < REACH_S) else { break };
         let (push, shift_mm) = shape.after(since_s);
-        let moved_mm = nudged.go(model, &step.leg, (dt, push, shift_mm), &step.innovation);
+        let moved_mm = nudged.go(&step.leg, (dt, push, shift_mm), &step.innovation);
         let moved = step.root_weight() * moved_mm / step.innovation.variance_mm2.sqrt();
         if step.judged && moved.is_finite() {
             product += moved * step.innovation.standardised / step.root_weight();

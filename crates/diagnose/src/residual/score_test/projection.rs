@@ -48,7 +48,7 @@ impl<'a> ProjectedInnovations<'a> {
                 nudged = Sensitivity::zero();
                 return 0.0;
             };
-            let moved_mm = nudged.go(&self.run.fit.model, &step.leg, (dt, push(k, dt), 0.0), &step.innovation);
+            let moved_mm = nudged.go(&step.leg, (dt, push(k, dt), 0.0), &step.innovation);
             if counts(step) { step.root_weight() * moved_mm / step.innovation.variance_mm2.sqrt() } else { 0.0 }
         });
         let column: Vec<f64> = column.collect();

@@ -88,7 +88,7 @@ impl FilterRun {
             for (at, (nudged, term)) in nudged.iter_mut().zip(forces.iter().chain(shifts)).enumerate() {
                 let value = (term.of)(&step.known);
                 let (push, shift_mm) = if at < forces.len() { (value, 0.0) } else { (0.0, value) };
-                let moved_mm = nudged.go(&self.fit.model, &step.leg, (dt, push, shift_mm), innovation);
+                let moved_mm = nudged.go(&step.leg, (dt, push, shift_mm), innovation);
                 row[before + at] = root_weight * moved_mm / deviation;
             }
             for (at, own) in self.own.iter().chain(&self.forms).enumerate() {

@@ -10,8 +10,7 @@
 //! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion
 //! follow from it. Places with one owner at most are slots: two effects that fill the same one exclude each other.
 
-use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence};
-use crate::friction::DryFriction;
+use crate::effects::{EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction};
 use crate::motion::OWN_STATES;
 use control::design::Linear;
 
@@ -24,18 +23,14 @@ pub struct Readings {
     pub period_s: f64,
 }
 
-/// What a force or the rate of an own state may depend on: the state of the plant at an
-/// instant, its input, and the base parameters of the model.
+/// What a force or the rate of an own state may depend on: the state of the plant at an instant, and the base
+/// parameters of the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions {
-    /// Time since the start of the flight, seconds.
-    pub time_s: f64,
     /// Height of the ball, mm.
     pub position_mm: f64,
     /// Velocity of the ball, mm/s, upward.
     pub velocity_mm_per_s: f64,
-    /// The acceleration that the duty commands, mm/s² about hover: that of the fan's air once its inertia is overcome.
-    pub commanded_mm_per_s2: f64,
     /// The acceleration that the fan's air gives to a ball at rest, mm/s² about hover.
     pub fan_mm_per_s2: f64,
     /// The own states of the effect that has some; see [`Acts::own_states`].
@@ -98,7 +93,7 @@ pub struct Acts<E: 'static> {
     /// Slot. The random force of the air.
     pub coloured_force: Option<fn(&E) -> Turbulence>,
     /// Slot. Dry friction.
-    pub friction: Option<fn(&E) -> DryFriction>,
+    pub friction: Option<fn(&E) -> WallFriction>,
     /// Slot. The ends of the ball's way.
     pub ends: Option<fn(&E) -> EndStop>,
     /// Slot. The sensed position, mm, so many seconds (third) after it was this (first) on a path through start, middle

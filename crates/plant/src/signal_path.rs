@@ -2,8 +2,7 @@
 
 use crate::acts::{Acts, Conditions, Readings};
 use crate::effect::{Effect, Stage};
-use crate::effects::{Effects, EndStop, SensorOutliers, StaleSamples, Turbulence, for_each_effect};
-use crate::friction::DryFriction;
+use crate::effects::{Effects, EndStop, SensorOutliers, StaleSamples, Turbulence, WallFriction, for_each_effect};
 use crate::motion::OWN_STATES;
 use control::design::Linear;
 
@@ -194,7 +193,7 @@ impl Effects {
     /// Dry friction.
     #[inline(always)]
     #[must_use]
-    pub fn friction(&self) -> Option<DryFriction> {
+    pub fn friction(&self) -> Option<WallFriction> {
         slot!(self, friction, |act, effect| act(effect))
     }
 

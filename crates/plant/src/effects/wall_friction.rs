@@ -11,7 +11,6 @@
 
 use crate::acts::Acts;
 use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
-use crate::friction::DryFriction;
 use serde::{Deserialize, Serialize};
 
 /// Dry friction against the pipe.
@@ -54,8 +53,21 @@ impl Effect for WallFriction {
         ..Entry::PLAIN
     };
 
-    const ACTS: Acts<Self> =
-        Acts { friction: Some(|friction| DryFriction::even(friction.acceleration_mm_per_s2)), ..Acts::NONE };
+    const ACTS: Acts<Self> = Acts { friction: Some(|friction| *friction), ..Acts::NONE };
 
     values_in_order!(acceleration_mm_per_s2);
+}
+
+impl WallFriction {
+    /// Whether a ball at rest stays there under the acceleration `net`, mm/s².
+    #[must_use]
+    pub fn holds(&self, net: f64) -> bool {
+        net.abs() <= self.acceleration_mm_per_s2
+    }
+
+    /// The acceleration that friction adds to a ball that slides `direction` (+1 up, −1 down), mm/s².
+    #[must_use]
+    pub fn acceleration(&self, direction: f64) -> f64 {
+        -self.acceleration_mm_per_s2 * direction
+    }
 }

@@ -24,7 +24,7 @@ pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, Smoother
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
 use nalgebra::{SMatrix, SVector};
-use plant::{Actuator, Input, Model, Motion, OWN_STATES};
+use plant::{Actuator, Model, Motion, OWN_STATES};
 
 const STATES: usize = 5 + OWN_STATES;
 type State = SVector<f64, STATES>;
@@ -240,25 +240,24 @@ impl<'a> Ekf<'a> {
 
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
         let motion = motion_of(&self.state);
-        let input = Input { commanded_mm_per_s2: commanded, time_s: self.time_s };
         let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
         // An end of the pipe stops the ball but does not reduce the uncertainty: the covariance grows as in an endless
         // pipe.
-        let endless = |nudged: &Motion| match self
-            .model
-            .effects
-            .friction()
-            .filter(|friction| roughness > KNOWN * friction.mean() * dt)
-        {
-            Some(friction) => {
-                let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction.mean() * dt));
-                let direction = mean_direction(nudged.velocity_mm_per_s, smooth);
-                nudged.slide(self.model, input, friction.expected(direction), dt)
+        let endless = |nudged: &Motion| {
+            let friction = self.model.effects.friction().map(|friction| friction.acceleration_mm_per_s2);
+            match friction.filter(|friction| roughness > KNOWN * friction * dt) {
+                Some(friction) => {
+                    let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction * dt));
+                    nudged.slide(self.model, commanded, mean_friction(friction, nudged.velocity_mm_per_s, smooth), dt)
+                }
+                None => nudged.step_in_endless_pipe(self.model, commanded, dt),
             }
-            None => nudged.step_in_endless_pipe(self.model, input, dt),
         };
-        let next =
-            if self.model.effects.friction().is_some() { endless(&motion) } else { motion.step(self.model, input, dt) };
+        let next = if self.model.effects.friction().is_some() {
+            endless(&motion)
+        } else {
+            motion.step(self.model, commanded, dt)
+        };
         let propagation = known.propagation(dt, || {
             let transition = derivative(self.model, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
@@ -268,14 +267,13 @@ impl<'a> Ekf<'a> {
         }
         self.state = vector(&next);
         self.active.predict(propagation, &mut self.covariance);
-        self.time_s += dt;
     }
 }
 
-/// The expected direction of a velocity that has the standard deviation `roughness`, −1 to 1: E sign(v). Without it a
-/// filter would take a slow ball for a stopped one, with too small a covariance.
-fn mean_direction(velocity: f64, roughness: f64) -> f64 {
-    libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
+/// Expected acceleration by friction of a ball whose velocity has the standard deviation `roughness`, mm/s²: −f·E
+/// sign(v). Without it a filter would take a slow ball for a stopped one, with too small a covariance.
+fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
+    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
 }
 
 /// The time of the reading of `row`, seconds since the start of the flight. `None`: there is no such row.

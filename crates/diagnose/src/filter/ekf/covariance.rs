@@ -47,17 +47,38 @@ impl PropagationCache {
         &self.known[at].1
     }
 
-    /// Keeps a new one, and returns its place.
+    /// Keeps a new one in the place of the oldest, and returns its place. Where the motion is not linear, none is used
+    /// again, and one place is enough.
     fn keep(&mut self, dt: f64, propagation: Propagation) -> usize {
-        if self.known.len() < if self.linear { STEPS_KNOWN } else { 1 } {
-            self.known.push((dt, propagation));
-            return self.known.len() - 1;
-        }
+        let places = if self.linear { STEPS_KNOWN } else { 1 };
         let at = self.next;
-        self.known[at] = (dt, propagation);
-        self.next = (at + 1) % self.known.len();
+        self.next = (at + 1) % places;
+        if at < self.known.len() {
+            self.known[at] = (dt, propagation);
+        } else {
+            self.known.push((dt, propagation));
+        }
         at
     }
+}
+
+/// Evaluates an expression with the indices of the active states as an array, whose length the compiler then knows.
+macro_rules! in_active {
+    ($active:expr, $own:ident => $body:expr) => {{
+        let [a, b, c, d, e, f, g] = $active.own;
+        match $active.count {
+            2 => in_active!($own = [a, b] => $body),
+            3 => in_active!($own = [a, b, c] => $body),
+            4 => in_active!($own = [a, b, c, d] => $body),
+            5 => in_active!($own = [a, b, c, d, e] => $body),
+            6 => in_active!($own = [a, b, c, d, e, f] => $body),
+            _ => in_active!($own = [a, b, c, d, e, f, g] => $body),
+        }
+    }};
+    ($own:ident = $indices:expr => $body:expr) => {{
+        let $own = $indices;
+        $body
+    }};
 }
 
 /// The active states of a model; the others follow from them or from the command. Most models have two of seven, and
@@ -70,15 +91,19 @@ pub(super) struct Active {
 
 impl Active {
     pub(super) fn of(model: &Model) -> Self {
+        let effects = &model.effects;
+        let (fan, sensor) = (effects.has_fan_state(), effects.has_sensor_state());
+        let (air, number) = (effects.coloured_force().is_some(), effects.own_states());
+        let active = [true, true, fan, air, sensor, number > 0, number > 1];
         let (mut own, mut count) = ([0; STATES], 0);
-        for (i, _) in active_states(model).iter().enumerate().filter(|(_, active)| **active) {
+        for (i, _) in active.iter().enumerate().filter(|(_, active)| **active) {
             own[count] = i;
             count += 1;
         }
         Self { own, count }
     }
 
-    /// Their indices.
+    /// Their indices, ascending.
     #[inline(always)]
     pub(super) fn indices(&self) -> &[usize] {
         &self.own[..self.count]
@@ -86,15 +111,7 @@ impl Active {
 
     /// P ← Φ·P·Φᵀ + Q. The covariance of the other states is never used.
     pub(super) fn predict(&self, (transition, noise): &Propagation, covariance: &mut Square) {
-        let [a, b, c, d, e, f, g] = self.own;
-        match self.count {
-            2 => predict_in([a, b], transition, noise, covariance),
-            3 => predict_in([a, b, c], transition, noise, covariance),
-            4 => predict_in([a, b, c, d], transition, noise, covariance),
-            5 => predict_in([a, b, c, d, e], transition, noise, covariance),
-            6 => predict_in([a, b, c, d, e, f], transition, noise, covariance),
-            _ => predict_in([a, b, c, d, e, f, g], transition, noise, covariance),
-        }
+        in_active!(self, own => predict_in(own, transition, noise, covariance));
     }
 
     /// P ← P − t·tᵀ·share.
@@ -110,12 +127,7 @@ impl Active {
     /// Φ·δ.
     #[inline]
     pub(super) fn transfer(&self, transition: &Square, change: &State) -> State {
-        let [a, b, c, ..] = self.own;
-        match self.count {
-            2 => transfer_in([a, b], transition, change),
-            3 => transfer_in([a, b, c], transition, change),
-            _ => transition * change,
-        }
+        in_active!(self, own => transfer_in(own, transition, change))
     }
 }
 
@@ -175,18 +187,10 @@ pub(super) fn motion_of(state: &State) -> Motion {
     Motion { position_mm, velocity_mm_per_s, fan_mm_per_s2, turbulence_mm_per_s2, sensed_mm, own }
 }
 
-/// Which states are active in this model; the others follow from them or from the command.
-pub(super) fn active_states(model: &Model) -> [bool; STATES] {
-    let effects = &model.effects;
-    let own = effects.own_states();
-    let (fan, air, sensor) = (effects.has_fan_state(), effects.coloured_force().is_some(), effects.has_sensor_state());
-    [true, true, fan, air, sensor, own > 0, own > 1]
-}
-
-/// ∂flow/∂x at `motion` by central differences, for the active states of this model.
-pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
+/// ∂flow/∂x at `motion` by central differences, for the active states.
+pub(super) fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
     let mut transition = Square::zeros();
-    for (i, _) in active_states(model).iter().enumerate().filter(|(_, active)| **active) {
+    for &i in active.indices() {
         let nudged = |by: f64| {
             let mut nudged = vector(motion);
             nudged[i] += by;
@@ -199,7 +203,7 @@ pub(super) fn derivative(model: &Model, flow: impl Fn(&Motion) -> Motion, motion
 
 #[cfg(test)]
 mod tests {
-    use super::{Active, PropagationCache, Square, active_states, derivative, motion_of, vector};
+    use super::{Active, PropagationCache, Square, derivative, motion_of, vector};
     use crate::tests_support::model;
     use plant::{Effects, Model, Motion};
 
@@ -220,8 +224,8 @@ mod tests {
             };
             (at(1.0) - at(-1.0)) / (2.0 * by)
         };
-        let active = active_states(model);
-        Square::from_fn(|i, j| if active[j] { column(j)[i] } else { 0.0 })
+        let active = Active::of(model);
+        Square::from_fn(|i, j| if active.indices().contains(&j) { column(j)[i] } else { 0.0 })
     }
 
     #[test]
@@ -248,7 +252,8 @@ mod tests {
             let mut cache = PropagationCache::of(&model);
             for motion in &states {
                 let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, commanded, dt);
-                let (transition, _) = *cache.propagation(dt, || (derivative(&model, flow, motion), Square::zeros()));
+                let (transition, _) =
+                    *cache.propagation(dt, || (derivative(&Active::of(&model), flow, motion), Square::zeros()));
                 let expected = by_differences(&model, commanded, motion, dt);
                 let off = (transition - expected).abs().max();
                 assert!(off < 1e-5, "{}: {off}: {transition} for {expected}", entry.name);
@@ -257,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn doubt_grows_as_the_whole_product_says_in_the_states_that_are_remembered() {
+    fn the_covariance_of_the_active_states_is_that_of_the_whole_product() {
         let none = Model { effects: Effects::default(), ..model() };
         let mut all = model();
         all.effects.set("turbulence", &[300.0, 0.5]);
@@ -280,13 +285,13 @@ mod tests {
     }
 
     #[test]
-    fn doubt_that_fades_becomes_none_and_no_number_too_small_for_the_processor() {
+    fn a_covariance_that_decays_becomes_zero_and_no_subnormal_number() {
         let own = |m: Square| Square::from_fn(|i, j| if i < 3 && j < 3 { m[(i, j)] } else { 0.0 });
-        let (mut doubt, halve) = (own(any(1.0)), Square::identity() * 0.5);
+        let (mut covariance, halve) = (own(any(1.0)), Square::identity() * 0.5);
         for _ in 0..600 {
-            Active::of(&model()).predict(&(halve, Square::zeros()), &mut doubt);
-            assert!(doubt.iter().all(|number| *number == 0.0 || number.is_normal()), "{doubt}");
+            Active::of(&model()).predict(&(halve, Square::zeros()), &mut covariance);
+            assert!(covariance.iter().all(|number| *number == 0.0 || number.is_normal()), "{covariance}");
         }
-        assert_eq!(doubt, Square::zeros());
+        assert_eq!(covariance, Square::zeros());
     }
 }

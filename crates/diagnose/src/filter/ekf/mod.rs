@@ -17,7 +17,7 @@ mod smoother;
 
 use crate::record::reading_variance::reading_variance;
 pub(crate) use covariance::PropagationCache;
-use covariance::{Active, active_states, derivative, motion_of, process_noise, vector};
+use covariance::{Active, derivative, motion_of, process_noise, vector};
 use fast_duty::{DutyAveraging, DutyBlock};
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
 
@@ -52,6 +52,7 @@ pub(crate) struct Ekf<'a> {
     writes: &'a [Write],
     state: State,
     covariance: Square,
+    /// The states that this model has.
     active: Active,
     actuator: Actuator,
     /// Time of the filter since the start of the flight, seconds.
@@ -259,7 +260,7 @@ impl<'a> Ekf<'a> {
             motion.step(self.model, commanded, dt)
         };
         let propagation = known.propagation(dt, || {
-            let transition = derivative(self.model, endless, &motion);
+            let transition = derivative(&self.active, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
         });
         if let Some(back) = &mut self.back {

@@ -11,7 +11,7 @@
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
 use super::covariance::{Active, flush_tiny};
-use super::{Ekf, Square, State, active_states, seen_state};
+use super::{Ekf, Square, State, seen_state};
 use crate::filter::innovation::Innovation;
 use plant::Model;
 
@@ -54,6 +54,7 @@ pub(crate) struct Segment {
     transition: Square,
     /// Covariance of the states with the reading: the gain times the innovation's variance.
     towards: State,
+    /// The states that the model has.
     active: Active,
     /// The index of the state that the reading measures.
     seen: usize,
@@ -162,9 +163,11 @@ fn back(model: &Model, filtered: Known, next: &FilteredStep, later: Known) -> Kn
 /// The smoother's gain G. `None`: the covariance has no inverse, and later readings add nothing.
 fn gain(model: &Model, covariance: &Square, next: &FilteredStep) -> Option<Square> {
     let spread = next.expected.1;
-    let own = active_states(model);
+    let active = Active::of(model);
     // In units of each state's own standard deviation: positions and accelerations differ by orders of magnitude.
-    let scale = State::from_fn(|i, _| if own[i] && spread[(i, i)] > 0.0 { spread[(i, i)].sqrt().recip() } else { 0.0 });
+    let scale = State::from_fn(|i, _| {
+        if active.indices().contains(&i) && spread[(i, i)] > 0.0 { spread[(i, i)].sqrt().recip() } else { 0.0 }
+    });
     let scaled = Square::from_fn(|i, j| {
         let same = if i == j { JITTER + f64::from(u8::from(scale[i] == 0.0)) } else { 0.0 };
         spread[(i, j)] * scale[i] * scale[j] + same

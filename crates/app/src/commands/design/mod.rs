@@ -74,7 +74,7 @@ impl Ground {
     /// Assesses the controller, writes the requested files and prints the result.
     fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
         let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
-        let document = Document { over_duties: self.over_duties(), ..Document::of(&of, feedback)? };
+        let document = Document::of(&of, feedback, self.over_duties())?;
         let patch = || patch::of(&closing, document.state_feedback.as_ref());
         if let Some(path) = &args.patch_out {
             write("patch", path, &patch()?)?;

@@ -91,7 +91,7 @@ impl Document {
     ///
     /// # Errors
     /// [`DesignError`]: a delay that is too long, an observer that has no steady gain.
-    pub fn of(of: &Loop, feedback: Option<Feedback>) -> Result<Self, DesignError> {
+    pub fn of(of: &Loop, feedback: Option<Feedback>, over_duties: Vec<AtDuty>) -> Result<Self, DesignError> {
         let (pid, lqg) = match &of.closing {
             Closing::Pid(gains, weights) => (Some(Pid::of(gains, weights)), None),
             Closing::Lqg(observed) => {
@@ -109,7 +109,7 @@ impl Document {
             continuous: of.continuous()?,
             period_s: of.period_s,
             sampled: of.sampled()?,
-            over_duties: Vec::new(),
+            over_duties,
         })
     }
 }
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn the_drag_at_each_duty_is_that_of_the_air_there_and_a_linear_plant_has_nothing_to_say() {
+    fn the_drag_at_each_duty_is_that_of_the_air_there_and_a_linear_plant_has_no_list() {
         assert_eq!(AtDuty::over(&model(Effects::default()), &[10.0, 20.0, 30.0]), []);
         let air = RelativeAirflow { inverse_speed_s_per_mm: 1e-3 };
         let model = model(Effects { relative_airflow: Some(air), ..Effects::default() });

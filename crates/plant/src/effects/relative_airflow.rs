@@ -10,8 +10,10 @@
 //! at rest feels the same: the air's speed follows from A by the same equation. What is new: the drag grows with the
 //! lift, and a fall brakes more than a rise. An air whose speed goes with the duty bends the static force as well: that
 //! part is `thrust_curve`.
-//! A ping-pong ball has v_eq of 5 to 10 m/s: with the ball at 0.5 m/s and a fan that doubles its lift, the drag changes
-//! by a tenth to a fifth, which shows only in large steps of duty.
+//! Where it shows: the drag differs from a by the factor r, and a ball of speed v is braked by the share q·v/2 more on
+//! its way down than in proportion, and less on its way up. A ping-pong ball has v_eq of 5 to 10 m/s: at 0.5 m/s that
+//! share is 2.5 to 5 %. If the air alone carries the ball, a = 2·g/v_eq, and r = √(1 + A/g): fly steps of duty whose A is
+//! a large part of g.
 //! Source: the thesis, equation 3.1.1.8, which 3.1.1.10 linearises.
 
 use crate::acts::{Acts, Conditions};

@@ -118,7 +118,7 @@ fn inside_draw(name: &'static str, c: &mut Chance, reach: Reach) -> Effect {
             let (low, high) = (c.scale(70.0, 350.0), c.scale(70.0, 350.0));
             vec![("lower_mm_per_s2", -low), ("upper_mm_per_s2", high)]
         }
-        "supply_sag" => vec![("share", c.scale(0.15, 0.7)), ("recovery_s", c.scale(0.8, 4.0))],
+        "supply_sag" => vec![("share", c.scale(0.1, 0.45)), ("recovery_s", c.scale(1.5, 8.0))],
         "fan_lag" => vec![("time_constant_s", c.scale(0.06, 0.3))],
         "spin_asymmetry" => {
             let up = c.scale(0.06, 0.2);

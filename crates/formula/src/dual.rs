@@ -56,8 +56,9 @@ impl Number for Dual {
 
     fn pow(self, exponent: Self) -> Self {
         let value = libm::pow(self.value, exponent.value);
-        let of_base = times(self.slope, || exponent.value * libm::pow(self.value, exponent.value - 1.0));
-        let of_exponent = times(exponent.slope, || value * libm::log(self.value));
+        // The logarithm and the power less one may be infinite where the factor before them is zero: the limit is zero.
+        let of_base = times(exponent.value, || times(self.slope, || libm::pow(self.value, exponent.value - 1.0)));
+        let of_exponent = times(exponent.slope, || times(value, || libm::log(self.value)));
         Self { value, slope: of_base + of_exponent }
     }
 
@@ -67,7 +68,8 @@ impl Number for Dual {
     }
 }
 
+/// A product that is zero where the first factor is, whatever the second one.
 #[inline(always)]
-fn times(slope: f64, derivative: impl FnOnce() -> f64) -> f64 {
-    if slope == 0.0 { 0.0 } else { slope * derivative() }
+fn times(factor: f64, other: impl FnOnce() -> f64) -> f64 {
+    if factor == 0.0 { 0.0 } else { factor * other() }
 }

@@ -27,8 +27,8 @@ pub(crate) const FUNCTIONS: [Function; 12] = [
     function("if", Op::If, 3),
 ];
 
-/// What other languages write as a function.
-const OPERATORS: [(&str, &str); 2] = [("pow", "^"), ("power", "^")];
+/// What other languages call what there is.
+const ELSEWHERE: [(&str, &str); 3] = [("pow", "^"), ("power", "^"), ("log", "ln")];
 
 impl Function {
     pub(crate) const fn name(&self) -> &'static str {
@@ -41,8 +41,8 @@ impl Function {
 
     /// What may be meant by a function that there is not.
     pub(crate) fn nearest(name: &str) -> Option<&'static str> {
-        let operator = OPERATORS.iter().find(|(other, _)| *other == name).map(|(_, operator)| *operator);
-        operator.or_else(|| crate::nearest::nearest(name, FUNCTIONS.iter().map(|function| function.name)))
+        let elsewhere = ELSEWHERE.iter().find(|(other, _)| *other == name).map(|(_, here)| *here);
+        elsewhere.or_else(|| crate::nearest::nearest(name, FUNCTIONS.iter().map(|function| function.name)))
     }
 }
 

@@ -5,15 +5,15 @@ use alloc::vec::Vec;
 /// The most characters that may be wrong.
 const MAX_DISTANCE: usize = 2;
 
-/// The name among `names` with the smallest edit distance to `written`, if it has something in common with it.
+/// The name among `names` with the smallest edit distance to `written`, if much of it is the same.
 pub(crate) fn nearest<'a>(written: &str, names: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
     if let Some(other_case) = names.clone().find(|name| name.eq_ignore_ascii_case(written)) {
         return Some(other_case);
     }
     let close = names.filter_map(|name| Some((distance(written, name)?, name)));
     let (distance, name) = close.min_by_key(|(distance, _)| *distance)?;
-    // A name of which everything is wrong is another name.
-    (distance < written.len()).then_some(name)
+    // A name of which more than half is wrong is another name.
+    (2 * distance <= written.len()).then_some(name)
 }
 
 /// How many characters must be inserted, deleted or replaced (Levenshtein), if at most [`MAX_DISTANCE`].
@@ -61,11 +61,12 @@ mod tests {
     }
 
     #[test]
-    fn a_single_wrong_letter_is_no_suggestion_but_another_case_is() {
+    fn a_name_that_is_mostly_wrong_is_no_suggestion_but_another_case_is() {
         let names = ["x", "v", "Start"];
         assert_eq!(nearest("q", names.into_iter()), None);
         assert_eq!(nearest("X", names.into_iter()), Some("x"));
         assert_eq!(nearest("start", names.into_iter()), Some("Start"));
         assert_eq!(nearest("Strt", names.into_iter()), Some("Start"));
+        assert_eq!(nearest("foo", ["cos"].into_iter()), None);
     }
 }

@@ -39,7 +39,6 @@ pub(crate) enum Op {
 }
 
 impl Op {
-    #[inline(always)]
     pub(crate) fn apply<N: Number>(self, a: N, b: N, c: N) -> N {
         match self {
             Self::Neg => a.neg(),
@@ -62,10 +61,9 @@ impl Op {
             Self::Tanh => tanh(a),
             Self::Sin => a.chain(libm::sin(a.value()), || libm::cos(a.value())),
             Self::Cos => a.chain(libm::cos(a.value()), || -libm::sin(a.value())),
-            Self::Less => N::constant(f64::from(u8::from(a.value() < b.value()))),
-            Self::LessEqual => N::constant(f64::from(u8::from(a.value() <= b.value()))),
-            Self::If if a.value() == 0.0 => c,
-            Self::If => b,
+            Self::Less => less(a, b),
+            Self::LessEqual => less_equal(a, b),
+            Self::If => choice(a, b, c),
         }
     }
 }
@@ -76,8 +74,9 @@ pub(crate) fn max<N: Number>(a: N, b: N) -> N {
     if b.value() > a.value() || b.value().is_nan() { b } else { a }
 }
 
+/// The smaller one.
 #[inline(always)]
-fn min<N: Number>(a: N, b: N) -> N {
+pub(crate) fn min<N: Number>(a: N, b: N) -> N {
     if b.value() < a.value() || b.value().is_nan() { b } else { a }
 }
 
@@ -96,6 +95,22 @@ pub(crate) fn sign(value: f64) -> f64 {
     } else {
         value
     }
+}
+
+#[inline(always)]
+pub(crate) fn less<N: Number>(a: N, b: N) -> N {
+    N::constant(f64::from(u8::from(a.value() < b.value())))
+}
+
+#[inline(always)]
+pub(crate) fn less_equal<N: Number>(a: N, b: N) -> N {
+    N::constant(f64::from(u8::from(a.value() <= b.value())))
+}
+
+/// b where a is not 0, else c.
+#[inline(always)]
+pub(crate) fn choice<N: Number>(a: N, b: N, c: N) -> N {
+    if a.value() == 0.0 { c } else { b }
 }
 
 fn sqrt<N: Number>(a: N) -> N {

@@ -10,6 +10,7 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// The lengths of a frame. 500 characters have at most 250 values, and there are at most 200 operations.
+const TINY: usize = 8;
 const SMALL: usize = 16;
 const MEDIUM: usize = 64;
 const LARGE: usize = 512;
@@ -17,21 +18,15 @@ const LARGE: usize = 512;
 /// Steps, and the frame that they begin with.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Program {
-    /// The constants at their places, and zeros.
+    /// Zeros for the variables, the constants, and zeros for the results.
     frame: Box<[f64]>,
-    loads: Box<[Load]>,
+    /// The variables' places among the values; in the frame they come first.
+    variables: Box<[usize]>,
     instructions: Box<[Instruction]>,
     /// Where the first instruction leaves its result, the others after it.
     first: u16,
     /// Where the value of the formula is.
     value: u16,
-}
-
-/// A variable, and its place in the frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Load {
-    variable: usize,
-    place: u16,
 }
 
 /// A step, and the places of what it works on.
@@ -50,16 +45,15 @@ impl Program {
         }
         let places = Places::new(tree, &steps);
         let instruction = |step: &Step| Instruction { code: step.code, places: step.operands.map(|o| places.of(o)) };
-        let loads = tree.variables.iter().zip(0..).map(|(variable, k)| Load { variable: variable.index, place: k });
         let length = places.first + steps.iter().flatten().count();
-        let size = [SMALL, MEDIUM].into_iter().find(|size| length <= *size).unwrap_or(LARGE);
+        let size = [TINY, SMALL, MEDIUM].into_iter().find(|size| length <= *size).unwrap_or(LARGE);
         let mut frame = Vec::new();
         frame.resize(tree.variables.len(), 0.0);
         frame.extend_from_slice(&places.constants);
         frame.resize(size, 0.0);
         Self {
             frame: frame.into(),
-            loads: loads.collect(),
+            variables: tree.variables.iter().map(|variable| variable.index).collect(),
             instructions: steps.iter().flatten().map(instruction).collect(),
             first: place(places.first),
             value: places.of(tree.root),
@@ -70,19 +64,20 @@ impl Program {
     #[inline(always)]
     pub(crate) fn run<N: Number>(&self, variable: impl Fn(usize) -> N) -> N {
         match self.frame.len() {
+            TINY => self.run_in::<N, TINY>(variable),
             SMALL => self.run_in::<N, SMALL>(variable),
             MEDIUM => self.run_in::<N, MEDIUM>(variable),
             _ => self.run_in::<N, LARGE>(variable),
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn run_in<N: Number, const SIZE: usize>(&self, variable: impl Fn(usize) -> N) -> N {
         let Some(frame) = self.frame.first_chunk::<SIZE>() else { return N::constant(f64::NAN) };
         let mut frame = frame.map(N::constant);
         let within = |place: u16| usize::from(place) % SIZE;
-        for load in &self.loads {
-            frame[within(load.place)] = variable(load.variable);
+        for (cell, index) in frame.iter_mut().zip(&self.variables) {
+            *cell = variable(*index);
         }
         let mut next = self.first;
         for Instruction { code, places: [a, b, c] } in &self.instructions {

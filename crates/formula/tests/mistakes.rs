@@ -167,6 +167,7 @@ fn longer_deeper_and_larger_than_allowed_is_an_error_and_no_panic() {
     let too_deep = "column 65: brackets are nested deeper than 64; leave out those that change nothing";
     assert_eq!(message(&deep(MAX_DEPTH + 1)), too_deep);
     assert_eq!(message(&"(".repeat(500)), too_deep);
+    assert!(Formula::parse(&format!("x{}", "+(x)".repeat(100)), &["x"]).is_ok(), "beside each other");
     let functions = format!("{}x{}", "abs(".repeat(65), ")".repeat(65));
     assert_eq!(message(&functions), too_deep.replace("65", "257"));
 

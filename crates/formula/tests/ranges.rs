@@ -54,6 +54,7 @@ fn exact_operations_have_exact_ranges() {
         ("(v - 5)^2", (4.0, 9.0)),
         ("x^3", (-1.0, 1.0)),
         ("(x + 1)^4", (0.0, 16.0)),
+        ("x^0", (1.0, 1.0)),
         ("x * abs(x)", (-1.0, 1.0)),
         ("abs(x)", (0.0, 1.0)),
         ("abs(-v)", (2.0, 3.0)),
@@ -97,6 +98,15 @@ fn approximated_operations_have_ranges_that_are_wider_by_their_error_only() {
         let near = |ours: f64, exact: f64| (ours - exact).abs() < 1e-14;
         assert!(ours_low <= low && high <= ours_high, "{text}: {ours_low} to {ours_high}");
         assert!(near(ours_low, low) && near(ours_high, high), "{text}: {ours_low} to {ours_high}");
+    }
+}
+
+#[test]
+fn an_approximated_result_leaves_room_for_its_error() {
+    for text in ["exp(v)", "ln(v)", "tanh(v)", "sin(v)", "v^1.5", "(-v)^5"] {
+        let (low, high) = range(text, (2.0, 2.0), (2.0, 2.0)).unwrap();
+        let value = Formula::parse(text, &["x", "v"]).unwrap().value(&[2.0, 2.0]);
+        assert!(low < value && value < high, "{text}: {low} to {high}");
     }
 }
 

@@ -25,7 +25,7 @@ pub(crate) struct Program {
     instructions: Box<[Instruction]>,
     /// Where the first instruction leaves its result, the others after it.
     first: u16,
-    /// Where the value of the formula is.
+    /// Where the value of the formula is if there are no instructions; else it is the last result.
     value: u16,
 }
 
@@ -79,13 +79,13 @@ impl Program {
         for (cell, index) in frame.iter_mut().zip(&self.variables) {
             *cell = variable(*index);
         }
-        let mut next = self.first;
+        let (mut value, mut next) = (frame[within(self.value)], self.first);
         for Instruction { code, places: [a, b, c] } in &self.instructions {
-            let result = code.apply(frame[within(*a)], frame[within(*b)], frame[within(*c)]);
-            frame[within(next)] = result;
+            value = code.apply(frame[within(*a)], frame[within(*b)], frame[within(*c)]);
+            frame[within(next)] = value;
             next = next.wrapping_add(1);
         }
-        frame[within(self.value)]
+        value
     }
 }
 

@@ -6,12 +6,12 @@ mod page;
 mod tests;
 
 use airball::book::{Config, ConfigError, Desk, small_diagnosis, two_flights};
-use airball::cli::{ConfigArgs, effect};
+use airball::cli::ConfigArgs;
 use airball::commands::{reader_is_gone, with_causes};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use gallery::Exhibit;
-use plant::{Effects, Entry};
+use plant::Entry;
 use rayon::prelude::*;
 use std::io::{Write, stderr, stdout};
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ struct Gallery {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Show this effect alone; may be given again
-    #[arg(long, value_name = "EFFECT", value_parser = effect())]
+    #[arg(long, value_name = "EFFECT")]
     only: Vec<String>,
     /// Seed of the simulated rig's noise
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -50,14 +50,18 @@ fn main() -> ExitCode {
 /// Makes the pages. Fails where the config is not sound or cannot fly, a flight ended early, or a file cannot be
 /// written or is not a page of a gallery.
 fn make(args: &Gallery) -> Result<()> {
-    let config = Config::read(&args.config.config, &args.config.patch)?;
+    let config = Config::read(&args.config.config, &args.config.over())?;
     let model = config.need("gallery", "plant", |tables| tables.plant.as_ref())?;
     let gallery = gallery::Gallery::new(Desk::of(&config.tables), model, args.seed)?;
     let out = &args.out;
     std::fs::create_dir_all(out)
         .with_context(|| format!("cannot make the folder {}; check the permissions", out.display()))?;
+    if let Some(unknown) = args.only.iter().find(|name| model.effects.entry(name).is_none()) {
+        let known: Vec<&str> = model.effects.catalogue().map(|entry| entry.name).collect();
+        bail!("--only {unknown}: there is no such effect; known are {}", known.join(", "));
+    }
     let wanted = |entry: &&Entry| args.only.is_empty() || args.only.iter().any(|name| name == entry.name);
-    let entries: Vec<&Entry> = Effects::CATALOGUE.iter().filter(wanted).collect();
+    let entries: Vec<&Entry> = model.effects.catalogue().filter(wanted).collect();
     let exhibits = entries.into_par_iter().map(|entry| show(&gallery, entry, out)).collect::<Result<Vec<Exhibit>>>()?;
     if args.only.is_empty() {
         write_page(out.join("README.md"), &page::list(&exhibits))?;

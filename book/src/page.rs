@@ -3,7 +3,7 @@
 use crate::gallery::Exhibit;
 use airball::book::{advice_words, chance, number, spoken, stage, words};
 use diagnose::Verdict;
-use plant::{Effects, Entry, Neutral, Param, Similar};
+use plant::{Entry, Neutral, Param, Similar};
 use std::fmt::Write;
 
 /// The first line of every page: only a page with it may be replaced.
@@ -27,7 +27,13 @@ pub(crate) fn list(exhibits: &[Exhibit]) -> String {
         let entry = exhibit.entry;
         let name = format!("[{}]({}.md)", spoken(entry.name), entry.name);
         // Writing to a string cannot fail.
-        let _ = writeln!(page, "| {name} | {} | {} | {} |", stage(entry.name), entry.in_a_log, answer(exhibit));
+        let _ = writeln!(
+            page,
+            "| {name} | {} | {} | {} |",
+            stage(known(exhibit), entry.name),
+            entry.in_a_log,
+            answer(exhibit)
+        );
     }
     page
 }
@@ -56,8 +62,12 @@ pub(crate) fn page(exhibit: &Exhibit) -> String {
     let key = exhibit.entry.name;
     let name = spoken(key);
     let sections = [
-        format!("{MARK}\n\n# {}\n\n{}", capital(&name), Effects::physics(key).unwrap_or_default()),
-        format!("Stage: {}. Config table: `[plant.effects.{key}]`.\n\n{}", stage(key), numbers(exhibit)),
+        format!("{MARK}\n\n# {}\n\n{}", capital(&name), known(exhibit).physics(key).unwrap_or_default()),
+        format!(
+            "Stage: {}. Config table: `[plant.effects.{key}]`.\n\n{}",
+            stage(known(exhibit), key),
+            numbers(exhibit)
+        ),
         format!("## In a log\n\n{}.\n\n{}", capital(exhibit.entry.in_a_log), pictures(key, &name)),
         format!("## What a diagnosis says\n\n{}", diagnosis(exhibit)),
         format!("## Its neighbours\n\n{}\n\n{}", similar(&exhibit.entry), competitors(exhibit)),
@@ -95,6 +105,11 @@ fn diagnosis(exhibit: &Exhibit) -> String {
 }
 
 /// Effects that are similar to this one, and how they are distinguished.
+/// The effects of the exhibit's model, those that are known to it among them.
+const fn known(exhibit: &Exhibit) -> &plant::Effects {
+    &exhibit.found.mended.model.effects
+}
+
 fn similar(entry: &Entry) -> String {
     let mut text = String::from("What it is easily taken for, and how to tell:\n");
     for Similar { name, distinguished_by } in entry.similar {
@@ -118,7 +133,7 @@ fn competitors(exhibit: &Exhibit) -> String {
     for (one, likely) in tried.into_iter().take(COMPETITORS) {
         let likely = likely.map_or_else(|| "–".into(), chance);
         let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.held_out_gain), 1));
-        let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(one.name));
+        let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(known(exhibit), one.name));
     }
     for line in advice_words(&exhibit.advice) {
         let _ = write!(text, "\n\n{}.", capital(line.trim_end_matches('.')));

@@ -22,7 +22,7 @@ fn every_effect_of_the_catalogue_is_sound_at_the_size_that_is_shown_and_is_what_
 fn a_page_has_the_equations_the_numbers_the_answer_and_the_mend_of_its_effect() {
     let tables = project();
     let gallery = Gallery::new(Desk::of(&tables), tables.plant.as_ref().unwrap(), 1).unwrap();
-    let entry = Effects::entry("dead_zone").unwrap();
+    let entry = Effects::built_in("dead_zone").unwrap();
     let exhibit = gallery.exhibit(entry).unwrap();
     let text = page::page(&exhibit);
     for part in ["u' = u − upper", "| `lower_percent` | -0.4 | -10 to 0 | 0 |", "**dead zone**", entry.mend] {

@@ -21,7 +21,7 @@ use crate::record::recording::Recording;
 use crate::select::candidates::candidates;
 use crate::select::refit::with_noise_that_fits;
 use crate::select::search::Search;
-use plant::Model;
+use plant::{Entry, Model};
 
 /// An effect by which a rig differs from its belief.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,8 +60,9 @@ fn best_rival(problem: Problem<'_>, rig: &Model, departures: &[Departure<'_>], d
         };
     }
     let others = start.effects.present().into_iter().filter(|entry| entry.name != name);
-    let of_effect = |name| parameters_of_effect(name, &start.effects.values(name).unwrap_or_default());
-    let parameters: Vec<Parameter> = BASE.into_iter().chain(others.flat_map(|entry| of_effect(entry.name))).collect();
+    let of_effect =
+        |entry: &'static Entry| parameters_of_effect(entry, &start.effects.values(entry.name).unwrap_or_default());
+    let parameters: Vec<Parameter> = BASE.into_iter().chain(others.flat_map(of_effect)).collect();
     let search = Search::of(problem).without(|entry| entry.name == name || departure.twins.contains(&entry.name));
     start.noise = with_noise_that_fits(&problem, &parameters).noise;
     let as_believed = problem.fit(&start, &parameters);

@@ -179,7 +179,7 @@ mod tests {
         let misfit = Misfit::of(&search.problem, &fit, None);
         let found = candidates(&search, &fit).0;
         let best = |random: bool| {
-            let own = found.iter().filter(|candidate| is_random_force(&candidate.entry) == random);
+            let own = found.iter().filter(|candidate| is_random_force(candidate.entry) == random);
             own.map(|candidate| candidate.penalised_gain).fold(f64::NEG_INFINITY, f64::max)
         };
         vec![

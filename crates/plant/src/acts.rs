@@ -23,14 +23,18 @@ pub struct Readings {
     pub period_s: f64,
 }
 
-/// What a force or the rate of an own state may depend on: the state of the plant at an instant, and the base
-/// parameters of the model.
+/// What a force or the rate of an own state may depend on: the state of the plant at an
+/// instant, its input, and the base parameters of the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions {
+    /// Time since the start of the flight, seconds.
+    pub time_s: f64,
     /// Height of the ball, mm.
     pub position_mm: f64,
     /// Velocity of the ball, mm/s, upward.
     pub velocity_mm_per_s: f64,
+    /// The acceleration that the duty commands, mm/s² about hover: that of the fan's air once its inertia is overcome.
+    pub commanded_mm_per_s2: f64,
     /// The acceleration that the fan's air gives to a ball at rest, mm/s² about hover.
     pub fan_mm_per_s2: f64,
     /// The own states of the effect that has some; see [`Acts::own_states`].
@@ -187,7 +191,7 @@ impl<E> Acts<E> {
             | ((self.outliers.is_some() as u16) * OUTLIERS)
             | (self.rounds.is_some() as u16) << 7
             | (self.holds.is_some() as u16) << 8
-            | (self.own_states.is_some() as u16) << 9
+            | ((self.own_states.is_some() as u16) * OWN_STATES_SLOT)
     }
 
     /// Whether it acts between the duty and the speed of the rotor.
@@ -199,6 +203,7 @@ impl<E> Acts<E> {
 /// The bits of the slots that are asked for by themselves.
 const COLOURED_FORCE: u16 = 1 << 2;
 const OUTLIERS: u16 = 1 << 6;
+const OWN_STATES_SLOT: u16 = 1 << 9;
 
 /// What an effect changes of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -252,6 +257,11 @@ pub struct Summary {
 impl Summary {
     /// Of an effect that does nothing.
     pub const NONE: Self = Acts::<()>::NONE.summary();
+
+    /// Of a force, or of what is added to the duty, with own states or without.
+    pub(crate) const fn written(has_states: bool) -> Self {
+        Self { slots: if has_states { OWN_STATES_SLOT } else { 0 }, ..Self::NONE }
+    }
 
     /// Whether the two fill the same slot of the signal path, and so exclude each other.
     #[must_use]

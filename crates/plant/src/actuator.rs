@@ -99,7 +99,7 @@ fn about_hover(model: &Model, duty_percent: f64, time_s: f64) -> f64 {
 #[inline]
 fn force(model: &Model, about_hover_percent: f64, time_s: f64) -> f64 {
     let effects = &model.effects;
-    let u = effects.effective(about_hover_percent);
+    let u = effects.effective(about_hover_percent, model.hover_duty_percent, time_s);
     effects.limited(effects.gain(model.gain_mm_per_s2_per_percent, u, time_s) * u)
 }
 

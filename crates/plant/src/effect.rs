@@ -5,9 +5,11 @@ use crate::acts::{Acts, Summary};
 use crate::model::Model;
 use crate::unsound::Unsound;
 use control::check::within;
+use serde::{Deserialize, Serialize};
 
 /// Where on the signal path an effect acts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stage {
     /// Between the duty and the force of the air.
     Actuator,

@@ -28,7 +28,10 @@ mod wall_friction;
 
 use crate::effect::{Effect, Entry};
 use crate::unsound::Unsound;
-use serde::{Deserialize, Serialize};
+use crate::written::{Definition, WrittenEffects};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
+use std::collections::BTreeMap;
 
 // `$d` is a dollar sign: the macro writes another one, which has metavariables of its own.
 macro_rules! catalogue {
@@ -36,24 +39,45 @@ macro_rules! catalogue {
         $(pub use $name::$effect;)*
 
         /// The effects that are on. `None` is off; there are no other switches.
-        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
         #[serde(deny_unknown_fields)]
         pub struct Effects {
             $(
                 #[doc = concat!("See [`", stringify!($effect), "`].")]
-                #[serde(default, skip_serializing_if = "Option::is_none")]
+                #[serde(default)]
                 pub $name: Option<$effect>,
             )*
+            /// Those that a user wrote.
+            #[serde(skip)]
+            pub written: WrittenEffects,
+        }
+
+        impl Serialize for Effects {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                let mut map = serializer.serialize_map(None)?;
+                $(
+                    if let Some(effect) = &self.$name {
+                        map.serialize_entry(stringify!($name), effect)?;
+                    }
+                )*
+                for entry in self.written.present().map(Definition::entry) {
+                    let values = self.values(entry.name).unwrap_or_default();
+                    let named: BTreeMap<&str, f64> = entry.params.iter().map(|param| param.name).zip(values).collect();
+                    map.serialize_entry(entry.name, &named)?;
+                }
+                map.end()
+            }
         }
 
         impl Effects {
-            /// Every effect there is, in the order of the signal path.
+            /// Every built-in effect, in the order of the signal path.
             pub const CATALOGUE: &[Entry] = &[$(<$effect>::ENTRY.acting(<$effect>::ACTS.summary())),*];
 
             /// The entries of the effects that are on, in the order of the signal path.
             #[must_use]
-            pub fn present(&self) -> Vec<Entry> {
-                Self::CATALOGUE.iter().filter(|entry| self.values(entry.name).is_some()).copied().collect()
+            pub fn present(&self) -> Vec<&'static Entry> {
+                let built_in = Self::CATALOGUE.iter().filter(|entry| self.values(entry.name).is_some());
+                built_in.chain(self.written.present().map(Definition::entry)).collect()
             }
 
             /// The values of an effect that is on, in the order of its entry.
@@ -61,7 +85,7 @@ macro_rules! catalogue {
             pub fn values(&self, name: &str) -> Option<Vec<f64>> {
                 match name {
                     $(stringify!($name) => self.$name.as_ref().map(Effect::values),)*
-                    _ => None,
+                    _ => self.written.values(name),
                 }
             }
 
@@ -74,7 +98,7 @@ macro_rules! catalogue {
                             .get_or_insert_with(|| <$effect>::from_values(values))
                             .set_values(values),
                     )*
-                    _ => return false,
+                    _ => return self.written.set(name, values),
                 }
                 true
             }
@@ -83,16 +107,17 @@ macro_rules! catalogue {
             pub fn remove(&mut self, name: &str) -> bool {
                 match name {
                     $(stringify!($name) => self.$name.take().is_some(),)*
-                    _ => false,
+                    _ => self.written.remove(name),
                 }
             }
 
-            /// What an effect is, for people: the head of its module, with its equations in a fenced block.
+            /// What an effect is, for people: the head of its module, with its equations in a fenced block; of a written
+            /// one its formulas.
             #[must_use]
-            pub fn physics(name: &str) -> Option<String> {
+            pub fn physics(&self, name: &str) -> Option<String> {
                 let source = match name {
                     $(stringify!($name) => include_str!(concat!("effects/", stringify!($name), ".rs")),)*
-                    _ => return None,
+                    _ => return self.written.definition(name).map(Definition::physics),
                 };
                 let head = source.lines().map_while(|line| line.strip_prefix("//!"));
                 Some(head.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n"))
@@ -105,7 +130,7 @@ macro_rules! catalogue {
                         effect.check().map_err(|error| (stringify!($name), error))?;
                     }
                 )*
-                Ok(())
+                self.written.check()
             }
         }
 
@@ -152,10 +177,22 @@ catalogue! {
 }
 
 impl Effects {
-    /// The catalogue's entry of that name.
+    /// The entry of the built-in effect of that name.
     #[must_use]
-    pub fn entry(name: &str) -> Option<&'static Entry> {
+    pub fn built_in(name: &str) -> Option<&'static Entry> {
         Self::CATALOGUE.iter().find(|entry| entry.name == name)
+    }
+
+    /// Every effect that can be switched on here: the built-in ones, then those that a user wrote.
+    pub fn catalogue(&self) -> impl Iterator<Item = &'static Entry> + use<> {
+        let written: Vec<_> = self.written.definitions().map(Definition::entry).collect();
+        Self::CATALOGUE.iter().chain(written)
+    }
+
+    /// The entry of that name, built-in or written.
+    #[must_use]
+    pub fn entry(&self, name: &str) -> Option<&'static Entry> {
+        Self::built_in(name).or_else(|| self.written.definition(name).map(Definition::entry))
     }
 
     /// An effect that is on, with the values of its entry's parameters.
@@ -164,10 +201,10 @@ impl Effects {
         self.values(E::ENTRY.name).map(|values| E::from_values(&values))
     }
 
-    /// Whether two effects fill the same place of the signal path, and cannot act together.
+    /// Whether two built-in effects fill the same place of the signal path, and cannot act together.
     #[must_use]
     pub fn exclude_each_other(one: &str, other: &str) -> bool {
-        let both = Self::entry(one).zip(Self::entry(other));
+        let both = Self::built_in(one).zip(Self::built_in(other));
         one != other && both.is_some_and(|(one, other)| one.acts.excludes(&other.acts))
     }
 

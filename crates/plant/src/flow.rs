@@ -13,15 +13,15 @@
 
 use crate::acts::Conditions;
 use crate::model::Model;
-use crate::motion::{Motion, OWN_STATES};
+use crate::motion::{Input, Motion, OWN_STATES};
 use crate::rk4;
 
 /// What drives the ball during a step: a constant command.
 #[derive(Clone, Copy)]
 pub(crate) struct Flow<'a> {
     pub(crate) model: &'a Model,
-    /// Commanded acceleration, mm/s².
-    pub(crate) commanded: f64,
+    /// The command, and the time at the start of the step.
+    pub(crate) input: Input,
 }
 
 /// What drives the ball at one instant of a step.
@@ -31,13 +31,15 @@ struct Drive {
     force: f64,
     /// The part of it by the fan, mm/s².
     fan: f64,
+    /// Seconds since the start of the flight.
+    time_s: f64,
 }
 
 impl Flow<'_> {
     /// The acceleration of a ball that nothing touches, mm/s².
     pub(crate) fn net(&self, motion: &Motion) -> f64 {
         let fan = self.fan(motion, 0.0);
-        let drive = Drive { force: fan + motion.turbulence_mm_per_s2, fan };
+        let drive = Drive { force: fan + motion.turbulence_mm_per_s2, fan, time_s: self.input.time_s };
         self.acceleration([motion.position_mm, motion.velocity_mm_per_s], motion.own, drive)
     }
 
@@ -78,7 +80,11 @@ impl Flow<'_> {
         dt_s: f64,
     ) -> ([f64; 2], [f64; OWN_STATES]) {
         let start = [motion.position_mm, motion.velocity_mm_per_s];
-        let drives = std::array::from_fn(|i| Drive { force: force[i], fan: fan[i] });
+        let drives = std::array::from_fn(|i| {
+            #[expect(clippy::cast_precision_loss, reason = "0, 1 or 2")]
+            let time_s = self.input.time_s + 0.5 * i as f64 * dt_s;
+            Drive { force: force[i], fan: fan[i], time_s }
+        });
         if !self.model.effects.has_own_states() {
             let rate = |x: &[f64; 2], drive: Drive| [x[1], self.acceleration(*x, motion.own, drive)];
             return (rk4::step(rate, &start, drives, dt_s), motion.own);
@@ -110,7 +116,10 @@ impl Flow<'_> {
         if !self.model.effects.has_own_states() {
             return motion.own;
         }
-        let drives = self.fans(motion, dt_s).map(|fan| Drive { force: fan, fan });
+        let drives = [0.0, dt_s / 2.0, dt_s].map(|t| {
+            let fan = self.fan(motion, t);
+            Drive { force: fan, fan, time_s: self.input.time_s + t }
+        });
         let rate = |own: &[f64; OWN_STATES], drive: Drive| {
             self.model.effects.own_rates(&self.conditions([motion.position_mm, 0.0], *own, drive))
         };
@@ -123,12 +132,20 @@ impl Flow<'_> {
     }
 
     fn conditions(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> Conditions {
-        Conditions { position_mm: y, velocity_mm_per_s: v, fan_mm_per_s2: drive.fan, own, ..self.model.conditions() }
+        Conditions {
+            time_s: drive.time_s,
+            position_mm: y,
+            velocity_mm_per_s: v,
+            commanded_mm_per_s2: self.input.commanded_mm_per_s2,
+            fan_mm_per_s2: drive.fan,
+            own,
+            ..self.model.conditions()
+        }
     }
 
     /// The fan's acceleration after `dt_s`.
     fn fan(&self, motion: &Motion, dt_s: f64) -> f64 {
-        self.model.effects.fan(self.commanded, motion.fan_mm_per_s2, dt_s)
+        self.model.effects.fan(self.input.commanded_mm_per_s2, motion.fan_mm_per_s2, dt_s)
     }
 
     /// The fan's acceleration at the start, the middle and the end of `dt_s`.
@@ -136,7 +153,7 @@ impl Flow<'_> {
         if self.model.effects.has_fan_state() {
             [0.0, dt_s / 2.0, dt_s].map(|t| self.fan(motion, t))
         } else {
-            [self.commanded; 3]
+            [self.input.commanded_mm_per_s2; 3]
         }
     }
 

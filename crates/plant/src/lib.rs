@@ -28,6 +28,7 @@ mod sensor;
 mod signal_path;
 mod simulator;
 mod unsound;
+mod written;
 
 pub use acts::{Acts, Changes, Conditions, Follows, Late, OwnStates, Readings, Senses, Summary};
 pub use actuator::Actuator;
@@ -35,8 +36,9 @@ pub use effect::{Difference, Effect, Entry, Form, Neutral, Param, Scale, Similar
 pub use effects::Effects;
 pub use linear::Slopes;
 pub use model::{Model, Noise};
-pub use motion::{Motion, OWN_STATES};
+pub use motion::{Input, Motion, OWN_STATES};
 pub use normal::Normal;
 pub use rotor::Rotor;
 pub use simulator::Simulator;
 pub use unsound::Unsound;
+pub use written::{Definition, DefinitionError, DefinitionTable, ParameterTable, StateTable, WrittenEffects};

@@ -45,6 +45,7 @@ impl Model {
             let conditions = Conditions {
                 position_mm,
                 velocity_mm_per_s,
+                commanded_mm_per_s2: commanded,
                 fan_mm_per_s2: commanded,
                 own: settled.own,
                 ..self.conditions()

@@ -10,7 +10,7 @@ use crate::acts::Conditions;
 use crate::actuator::Actuator;
 use crate::effect::{Neutral, Param, Scale};
 use crate::effects::Effects;
-use crate::motion::{Motion, OWN_STATES};
+use crate::motion::{Input, Motion, OWN_STATES};
 use crate::unsound::Unsound;
 use control::check::{OutOfRange, within};
 use serde::{Deserialize, Serialize};
@@ -93,12 +93,14 @@ impl Model {
         self.effects.accelerated(0.0, &Conditions { position_mm, ..self.conditions() })
     }
 
-    /// The conditions of a ball at rest at the bottom, with the fan at hover.
+    /// The conditions of a ball at rest at the bottom at time 0, with the fan at hover.
     #[inline(always)]
     pub(crate) const fn conditions(&self) -> Conditions {
         Conditions {
+            time_s: 0.0,
             position_mm: 0.0,
             velocity_mm_per_s: 0.0,
+            commanded_mm_per_s2: 0.0,
             fan_mm_per_s2: 0.0,
             own: [0.0; OWN_STATES],
             gain_mm_per_s2_per_percent: self.gain_mm_per_s2_per_percent,
@@ -108,12 +110,25 @@ impl Model {
         }
     }
 
+    /// The conditions of a motion under an input.
+    fn conditions_of(&self, motion: &Motion, input: Input) -> Conditions {
+        Conditions {
+            time_s: input.time_s,
+            position_mm: motion.position_mm,
+            velocity_mm_per_s: motion.velocity_mm_per_s,
+            commanded_mm_per_s2: input.commanded_mm_per_s2,
+            fan_mm_per_s2: motion.fan_mm_per_s2,
+            own: motion.own,
+            ..self.conditions()
+        }
+    }
+
     /// The ball at rest at `position_mm` where a constant command has acted for ever.
     #[must_use]
     pub fn at_rest(&self, position_mm: f64, commanded_mm_per_s2: f64) -> Motion {
-        let conditions = Conditions { position_mm, fan_mm_per_s2: commanded_mm_per_s2, ..self.conditions() };
-        let own = self.effects.own_settled(&conditions);
-        Motion { own, ..Motion::at_rest(position_mm, commanded_mm_per_s2) }
+        let motion = Motion::at_rest(position_mm, commanded_mm_per_s2);
+        let conditions = self.conditions_of(&motion, Input::of(commanded_mm_per_s2));
+        Motion { own: self.effects.own_settled(&conditions), ..motion }
     }
 
     /// Standard deviations of the own states before the first reading, each in its unit.

@@ -20,6 +20,27 @@ const MAX_EVENTS: u32 = 8;
 /// The number of states that an effect may have of its own.
 pub const OWN_STATES: usize = 2;
 
+/// The input of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input {
+    /// The acceleration that the duty commands, mm/s² about hover, constant during the step.
+    pub commanded_mm_per_s2: f64,
+    /// Time at the start of the step, seconds since the start of the flight.
+    pub time_s: f64,
+}
+
+impl Input {
+    /// A command of so many mm/s² at time 0.
+    #[must_use]
+    pub const fn of(commanded_mm_per_s2: f64) -> Self {
+        Self { commanded_mm_per_s2, time_s: 0.0 }
+    }
+
+    const fn later(self, by_s: f64) -> Self {
+        Self { time_s: self.time_s + by_s, ..self }
+    }
+}
+
 /// State of the plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
@@ -84,26 +105,26 @@ impl Motion {
         }
     }
 
-    /// The mean motion over `dt_s` under a constant `commanded` acceleration, mm/s²: nothing random is added.
+    /// The mean motion over `dt_s` under a constant command: nothing random is added.
     // Inlined as `Flow::free` is, for the same reason; what happens at an event is kept out of the way.
     #[must_use]
     #[inline(always)]
-    pub fn step(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
+    pub fn step(&self, model: &Model, input: Input, dt_s: f64) -> Self {
         let (bottom, top) = model.ends_mm();
-        self.advance(&Flow { model, commanded }, Ends { bottom, top }, dt_s)
+        self.advance(&Flow { model, input }, Ends { bottom, top }, dt_s)
     }
 
     /// The same step where the pipe has no ends.
     #[must_use]
-    pub fn step_in_endless_pipe(&self, model: &Model, commanded: f64, dt_s: f64) -> Self {
-        self.advance(&Flow { model, commanded }, Ends::NONE, dt_s)
+    pub fn step_in_endless_pipe(&self, model: &Model, input: Input, dt_s: f64) -> Self {
+        self.advance(&Flow { model, input }, Ends::NONE, dt_s)
     }
 
     /// The same step where the pipe has no ends and friction is the constant acceleration `friction_mm_per_s2`: for
     /// those who know the velocity only roughly, and so the mean of what friction does.
     #[must_use]
-    pub fn slide(&self, model: &Model, commanded: f64, friction_mm_per_s2: f64, dt_s: f64) -> Self {
-        Flow { model, commanded }.free(self, friction_mm_per_s2, dt_s)
+    pub fn slide(&self, model: &Model, input: Input, friction_mm_per_s2: f64, dt_s: f64) -> Self {
+        Flow { model, input }.free(self, friction_mm_per_s2, dt_s)
     }
 
     #[inline(always)]
@@ -125,13 +146,14 @@ impl Motion {
             self = self.moved_to(end, self.velocity_mm_per_s, flow.model);
         }
         for _ in 0..MAX_EVENTS {
-            let (after, used) = self.until_event(flow, ends, left);
+            let rest = Flow { input: flow.input.later(dt_s - left), ..*flow };
+            let (after, used) = self.until_event(&rest, ends, left);
             (self, left) = (after, left - used);
             if left <= 0.0 {
                 return self;
             }
         }
-        flow.held(&self, left)
+        Flow { input: flow.input.later(dt_s - left), ..*flow }.held(&self, left)
     }
 
     /// Moves on to the next event, or for all of `dt_s`; and how long that took.

@@ -73,10 +73,11 @@ impl Effects {
         fold!(self, plays, about_hover_percent, |_stands, act, effect| act(effect, stands_percent, about_hover_percent))
     }
 
-    /// The effective duty about hover, percent.
+    /// The effective duty about hover at a time, percent.
     #[inline(always)]
-    pub(crate) fn effective(&self, about_hover_percent: f64) -> f64 {
-        fold!(self, on_command, about_hover_percent, |u, act, effect| act(effect, u))
+    pub(crate) fn effective(&self, about_hover_percent: f64, hover_percent: f64, time_s: f64) -> f64 {
+        let u = fold!(self, on_command, about_hover_percent, |u, act, effect| act(effect, u));
+        self.written.effective(u, hover_percent + about_hover_percent, time_s)
     }
 
     /// The gain at an effective duty and a time, in the unit of `gain`.
@@ -89,7 +90,7 @@ impl Effects {
     /// Whether the command moves with time under a constant duty.
     #[inline(always)]
     pub(crate) fn command_drifts(&self) -> bool {
-        self.hover_shifts() || any!(self, gain_by_time)
+        self.hover_shifts() || any!(self, gain_by_time) || self.written.command_drifts()
     }
 
     /// The acceleration that the fan can give of the commanded one, mm/s².
@@ -145,42 +146,47 @@ impl Effects {
         });
         fold!(self, force, sum, |sum, act, effect| {
             if matches!(stage(effect), Stage::Air) { sum + act(effect, conditions) } else { sum }
-        })
+        }) + self.written.force(conditions)
     }
 
     /// The derivatives of the own states.
     #[inline(always)]
     pub(crate) fn own_rates(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
-        fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.rates)(effect, conditions))
+        let built_in = fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.rates)(effect, conditions));
+        self.written.own_rates(conditions).unwrap_or(built_in)
     }
 
     /// The own states where the conditions have been constant for ever.
     pub(crate) fn own_settled(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
-        fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.settled)(effect, conditions))
+        let built_in =
+            fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.settled)(effect, conditions));
+        self.written.own_settled(conditions).unwrap_or(built_in)
     }
 
     /// Their standard deviations before the first reading.
     pub(crate) fn own_spread(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
-        fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.spread)(effect, conditions))
+        let built_in =
+            fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.spread)(effect, conditions));
+        self.written.own_spread(conditions).unwrap_or(built_in)
     }
 
     /// The number of own states.
     #[inline(always)]
     #[must_use]
     pub fn own_states(&self) -> usize {
-        fold!(self, own_states, 0, |_none, own, _effect| own.count)
+        fold!(self, own_states, self.written.own_states(), |_none, own, _effect| own.count)
     }
 
     /// Whether an effect has states of its own.
     #[inline(always)]
     pub(crate) fn has_own_states(&self) -> bool {
-        any!(self, own_states)
+        any!(self, own_states) || self.written.own_states() > 0
     }
 
     /// Whether a force depends on height or velocity.
     #[inline(always)]
     pub(crate) fn has_force(&self) -> bool {
-        any!(self, force)
+        any!(self, force) || self.written.has_force()
     }
 
     /// The random force of the air.
@@ -213,7 +219,7 @@ impl Effects {
             let moves = acts.follows.is_some() || acts.force.is_some() || acts.own_states.is_some();
             linear &= acts.is_linear || !moves;
         });
-        linear
+        linear && self.written.motion_is_linear()
     }
 }
 

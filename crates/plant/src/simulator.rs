@@ -12,7 +12,7 @@
 
 use crate::actuator::Actuator;
 use crate::model::Model;
-use crate::motion::Motion;
+use crate::motion::{Input, Motion};
 use crate::normal::Normal;
 use crate::sensor::Sensor;
 use libm::{ceil, sqrt};
@@ -28,7 +28,8 @@ const TURBULENCE_STREAM: u64 = 2;
 pub struct Simulator {
     model: Model,
     motion: Motion,
-    time_s: f64,
+    /// The command in force, and the rig's own time.
+    input: Input,
     actuator: Actuator,
     sensor: Sensor,
     process: Normal,
@@ -39,7 +40,8 @@ impl Simulator {
     /// A rig whose fan has been off, with the ball at the bottom of its way, at time 0.
     #[must_use]
     pub fn new(model: Model, seed: u64) -> Self {
-        let mut motion = model.at_rest(model.ends_mm().0, model.commanded(0.0));
+        let commanded = model.commanded(0.0);
+        let mut motion = model.at_rest(model.ends_mm().0, commanded);
         let mut turbulence = Normal::new(seed, TURBULENCE_STREAM);
         if let Some(effect) = model.effects.coloured_force() {
             motion.turbulence_mm_per_s2 = effect.sigma_mm_per_s2 * turbulence.draw();
@@ -48,7 +50,7 @@ impl Simulator {
         sensor.follow(&model, 0.0, motion.sensed_mm);
         Self {
             motion,
-            time_s: 0.0,
+            input: Input::of(commanded),
             actuator: Actuator::new(&model, 0.0),
             sensor,
             process: Normal::new(seed, PROCESS_STREAM),
@@ -60,7 +62,7 @@ impl Simulator {
     /// The rig's own time, seconds.
     #[must_use]
     pub const fn time_s(&self) -> f64 {
-        self.time_s
+        self.input.time_s
     }
 
     /// Where the ball really is.
@@ -71,25 +73,26 @@ impl Simulator {
 
     /// The duty from now on, percent.
     pub fn drive(&mut self, duty_percent: f64) {
-        self.actuator.write(&self.model, self.time_s, duty_percent);
+        self.actuator.write(&self.model, self.input.time_s, duty_percent);
     }
 
     /// Flies on to `time_s`. A time that has passed changes nothing.
     pub fn advance_to(&mut self, time_s: f64) {
-        while self.time_s < time_s {
-            let until = self.actuator.next_jump_s(self.time_s).map_or(time_s, |jump_s| jump_s.min(time_s));
+        while self.input.time_s < time_s {
+            let until = self.actuator.next_jump_s(self.input.time_s).map_or(time_s, |jump_s| jump_s.min(time_s));
             self.fly_to(until);
         }
     }
 
     /// Measures the position now, mm.
     pub fn reading_mm(&mut self) -> f64 {
-        self.sensor.reading(&self.model, self.time_s, self.motion.sensed_mm)
+        self.sensor.reading(&self.model, self.input.time_s, self.motion.sensed_mm)
     }
 
     /// Flies on to `time_s`, until which the command does not jump.
     fn fly_to(&mut self, time_s: f64) {
-        let (start, ahead) = (self.time_s, time_s - self.time_s);
+        let start = self.input.time_s;
+        let ahead = time_s - start;
         let steps = ceil(ahead / MAX_STEP_S);
         let dt = ahead / steps;
         let white = sqrt(self.model.noise.acceleration_psd_mm2_per_s3 * dt);
@@ -104,11 +107,12 @@ impl Simulator {
             if drifts {
                 commanded = self.actuator.commanded(&self.model, end - dt / 2.0);
             }
-            motion = motion.step(&self.model, commanded, dt);
+            let input = Input { commanded_mm_per_s2: commanded, time_s: end - dt };
+            motion = motion.step(&self.model, input, dt);
             self.kick(&mut motion, white, coloured, dt);
             self.sensor.follow(&self.model, end, motion.sensed_mm);
         }
-        (self.motion, self.time_s) = (motion, time_s);
+        (self.motion, self.input) = (motion, Input { commanded_mm_per_s2: commanded, time_s });
     }
 
     /// What a step adds at random.

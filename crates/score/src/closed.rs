@@ -34,7 +34,7 @@ pub(crate) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
         ..belief.clone()
     };
     for effect in &truth.rig_effects {
-        let entry = Effects::entry(&effect.name)?;
+        let entry = Effects::built_in(&effect.name)?;
         let neutral = entry.neutral(&model);
         let own = entry.params.iter().zip(neutral);
         let values: Vec<f64> =

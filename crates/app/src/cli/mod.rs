@@ -13,7 +13,6 @@ pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPo
 pub use measure::{MeasureArgs, Measurement};
 
 use crate::rig::EnableLine;
-use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use flight::seconds;
 use std::path::PathBuf;
@@ -77,6 +76,17 @@ pub struct ConfigArgs {
     /// Config patch, merged over the config; may be given again, later wins
     #[arg(long, value_name = "FILE")]
     pub patch: Vec<PathBuf>,
+    /// Library of effects of your own, [effect.NAME] tables, merged over the config before the patches
+    #[arg(long, value_name = "FILE")]
+    pub effects: Vec<PathBuf>,
+}
+
+impl ConfigArgs {
+    /// The files that are merged over the config, in their order.
+    #[must_use]
+    pub fn over(&self) -> Vec<PathBuf> {
+        self.effects.iter().chain(&self.patch).cloned().collect()
+    }
 }
 
 /// `airball diagnose`
@@ -105,7 +115,7 @@ pub struct DiagnoseArgs {
     #[arg(long, value_name = "FILE")]
     pub missing_force: Option<PathBuf>,
     /// Never name this effect, as if the catalogue did not hold it: what else explains the record? May be given again
-    #[arg(long, value_name = "EFFECT", value_parser = effect())]
+    #[arg(long, value_name = "EFFECT")]
     pub without: Vec<String>,
     /// Write the diagnosis as JSON, and nothing else, to standard output
     #[arg(long)]
@@ -210,12 +220,6 @@ pub enum LogCommand {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-}
-
-/// Takes the name of an effect of the catalogue.
-#[must_use]
-pub fn effect() -> PossibleValuesParser {
-    PossibleValuesParser::new(plant::Effects::CATALOGUE.iter().map(|entry| entry.name))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use anyhow::Result;
 /// # Errors
 /// Where it is not.
 pub fn check(args: &ConfigArgs) -> Result<()> {
-    let config = Config::read(&args.config, &args.patch)?;
+    let config = Config::read(&args.config, &args.over())?;
     let effects = config.tables.plant.as_ref().map_or_else(Vec::new, |plant| plant.effects.present());
     let names: Vec<&str> = effects.iter().map(|entry| entry.name).collect();
     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
@@ -23,6 +23,6 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
 /// # Errors
 /// Where it is not sound.
 pub fn print(args: &ConfigArgs) -> Result<()> {
-    say(Config::read(&args.config, &args.patch)?.to_toml().to_string().trim_end())?;
+    say(Config::read(&args.config, &args.over())?.to_toml().to_string().trim_end())?;
     Ok(())
 }

@@ -18,7 +18,7 @@ use std::thread;
 /// # Errors
 /// A config that is not sound, a socket that cannot be made.
 pub fn emulate(args: &EmulateArgs) -> Result<()> {
-    let config = Config::read(&args.config.config, &args.config.patch)?;
+    let config = Config::read(&args.config.config, &args.config.over())?;
     let model = config.need("emulate", "plant", |tables| tables.plant.as_ref())?;
     let rig = config.need("emulate", "rig", |tables| tables.rig.as_ref())?;
     let clock = Monotonic::start();

@@ -17,7 +17,7 @@ pub fn fan_off(args: &FanOffArgs) -> Result<()> {
     let (bus, enable) = match &args.device {
         Some(device) => (Bus { device: device.clone() }, None),
         None => {
-            let config = Config::read(&args.config.config, &args.config.patch)?;
+            let config = Config::read(&args.config.config, &args.config.over())?;
             let bus = config.need("fan-off", "bus", |tables| tables.bus.as_ref())?.clone();
             (bus, config.tables.rig.as_ref().and_then(EnableLine::of))
         }

@@ -40,7 +40,7 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
     if let Some(picture) = &args.plot {
         plot::may_write(picture)?;
     }
-    let config = Config::read(&args.config.config, &args.config.patch)?;
+    let config = Config::read(&args.config.config, &args.config.over())?;
     let table = *config.need(command, "loop", |tables| tables.r#loop.as_ref())?;
     let safety = *config.need(command, "safety", |tables| tables.safety.as_ref())?;
     let experiment = match (&args.experiment, own) {

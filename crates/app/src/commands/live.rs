@@ -16,7 +16,7 @@ const PORT: u16 = 9001;
 /// A config without a rig or a broker, an invalid address, a file that cannot be written.
 pub fn live(args: &LiveArgs) -> Result<()> {
     page::may_write(&args.out)?;
-    let config = Config::read(&args.config.config, &args.config.patch)?;
+    let config = Config::read(&args.config.config, &args.config.over())?;
     let rig = config.need("live", "rig", |tables| tables.rig.as_ref())?;
     let mqtt = config.need("live", "mqtt", |tables| tables.mqtt.as_ref())?;
     if let Some(broker) = args.broker.as_deref().filter(|broker| !is_address(broker)) {

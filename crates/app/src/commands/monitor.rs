@@ -26,7 +26,7 @@ const LINES: Duration = Duration::from_secs(1);
 /// A config without a rig or a broker; a terminal that cannot be drawn on; without a terminal, a rig that sends
 /// nothing.
 pub fn monitor(args: &MonitorArgs) -> Result<()> {
-    let config = Config::read(&args.config.config, &args.config.patch)?;
+    let config = Config::read(&args.config.config, &args.config.over())?;
     let rig = config.need("monitor", "rig", |tables| tables.rig.as_ref())?;
     let mqtt = config.need("monitor", "mqtt", |tables| tables.mqtt.as_ref())?;
     let remote = Remote::start(mqtt, &rig.name)?;

@@ -4,6 +4,7 @@
 //! last.
 
 use super::tables::Tables;
+use super::written;
 use plant::{Effects, Unsound};
 use serde::de::DeserializeOwned;
 use std::fs;
@@ -97,7 +98,13 @@ impl Config {
         for patch in patches {
             sources.push(read_source(patch, "--patch FILE")?);
         }
-        let tables: Tables = parse(&sources)?;
+        let mut merged = merged(&sources)?;
+        let values = written::take(&mut merged);
+        let mut tables: Tables = typed(merged, &sources)?;
+        written::define(&mut tables, values).map_err(|(key, message)| {
+            let place = place(&sources, &key);
+            ConfigError::Key { place, key, message }
+        })?;
         tables.check().map_err(|(table, error)| {
             let place = place(&sources, &format!("{table}.{}", error.key()));
             match error {
@@ -178,6 +185,11 @@ fn read_source(path: &Path, flag: &'static str) -> Result<Source, ConfigError> {
 }
 
 fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
+    typed(merged(sources)?, sources)
+}
+
+/// All sources in one table, later ones over earlier ones.
+fn merged(sources: &[Source]) -> Result<toml::Table, ConfigError> {
     let mut merged = toml::Table::new();
     for source in sources {
         let table: toml::Table = toml::from_str(&source.text).map_err(|error| ConfigError::Syntax {
@@ -187,6 +199,10 @@ fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
         displace(&mut merged, &table);
         merge(&mut merged, table);
     }
+    Ok(merged)
+}
+
+fn typed<T: DeserializeOwned>(merged: toml::Table, sources: &[Source]) -> Result<T, ConfigError> {
     serde_path_to_error::deserialize(merged).map_err(|error| {
         let key = error.path().to_string();
         let message = error.into_inner().message().to_owned();

@@ -1,6 +1,7 @@
 //! The config file: one TOML file, every number with its unit in its key, unknown keys refused.
 //!
-//! `tables` is its content, `signals` the optional ones of `[rig]`; `load` reads it, merges patches and locates errors.
+//! `tables` is its content, `signals` the optional ones of `[rig]`; `written` those effects that a user wrote; `load` reads it, merges patches and locates
+//! errors.
 
 mod load;
 pub mod mqtt;
@@ -8,6 +9,7 @@ mod rig;
 mod signals;
 mod tables;
 pub mod topics;
+mod written;
 
 pub use load::{Config, ConfigError, parse_file, parse_text};
 pub use rig::Rig;

@@ -8,9 +8,10 @@ use control::compensation::Compensation;
 use control::controller::{Controllers, Kind};
 use control::observer::Observer;
 use control::waveform::Waveform;
-use plant::{Model, Unsound};
+use plant::{DefinitionTable, Model, Unsound};
 use rows::Import;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Everything that a config file may hold.
@@ -50,6 +51,9 @@ pub struct Tables {
     /// `[plant]`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant: Option<Model>,
+    /// `[effect.NAME]`: effects that a user wrote.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub effect: BTreeMap<String, DefinitionTable>,
     /// `[import]`
     #[serde(skip_serializing_if = "Option::is_none")]
     pub import: Option<Import>,

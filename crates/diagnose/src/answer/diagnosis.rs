@@ -329,7 +329,7 @@ mod tests {
         let found = diagnose(&model(), &record(&stop(260.0, 340.0), 3, 80), &Options::default());
         let intervals = found.intervals();
         let of = |wanted| {
-            let mine = |parameter: &Parameter| matches!(parameter, Parameter::Effect { name: "end_stop", index, .. } if *index == wanted);
+            let mine = |parameter: &Parameter| parameter.index_in("end_stop") == Some(wanted);
             let (_, low, high) = intervals.iter().find(|(parameter, ..)| mine(parameter)).unwrap();
             (*low, *high)
         };

@@ -177,7 +177,7 @@ impl Diagnosis {
         let values = self.mended.model.effects.values(entry.name).unwrap_or_default();
         let known = self.intervals();
         let parameters = entry.params.iter().zip(&values).enumerate().map(|(index, (param, value))| {
-            let parameter = Parameter::Effect { name: entry.name, index, size: 1.0 };
+            let parameter = Parameter::Effect { entry, index, size: 1.0 };
             let found = known.iter().find(|(one, ..)| one.index_in(entry.name) == Some(index));
             (param.name, self.with_ends(parameter, *value, found))
         });

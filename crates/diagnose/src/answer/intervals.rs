@@ -69,7 +69,7 @@ mod tests {
         let mut rig = model();
         rig.effects.set("dead_zone", &[-0.3, 0.3]);
         let found = diagnose(&model(), &record(&rig, 3, 80), &Options::default());
-        let (_, [width, low, high]) = found.difference(Effects::entry("dead_zone").unwrap()).unwrap();
+        let (_, [width, low, high]) = found.difference(Effects::built_in("dead_zone").unwrap()).unwrap();
         assert!(low < 0.6 && 0.6 < high && low < width && width < high, "{width}: {low} to {high}");
         let edges = found.intervals().into_iter().filter(|(parameter, ..)| parameter.is_of("dead_zone"));
         let narrowest = edges.map(|(_, low, high)| high - low).fold(f64::INFINITY, f64::min);

@@ -20,6 +20,10 @@ impl Diagnosis {
             // Writing to a string cannot fail.
             let _ = writeln!(patch, "{key} = {value:?}");
         }
+        // A patch stands alone: it brings the definitions of what a user wrote.
+        for definition in model.effects.written.present() {
+            let _ = write!(patch, "\n{definition}");
+        }
         for entry in model.effects.present() {
             let _ = writeln!(patch, "\n[plant.effects.{}]", entry.name);
             for (param, value) in entry.params.iter().zip(model.effects.values(entry.name).unwrap_or_default()) {

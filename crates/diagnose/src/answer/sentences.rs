@@ -49,7 +49,7 @@ impl Diagnosis {
         }
         let own = self.effect_parameters(named);
         let in_order = entry.params.iter().filter_map(|param| Some((param.name, *own.get(param.name)?)));
-        let difference = self.difference(&entry).map(|(difference, [value, low, high])| {
+        let difference = self.difference(entry).map(|(difference, [value, low, high])| {
             (difference.name, Interval { value, low: Some(low), high: Some(high), at_bound: None })
         });
         let numbers: Vec<String> =
@@ -142,7 +142,7 @@ fn of_effects(effects: &[NamedEffect]) -> String {
 
 /// "a dead zone", "an end stop", "turbulence".
 fn with_article(name: &str) -> String {
-    format!("{}{}", Effects::entry(name).map_or("", |entry| entry.article), name.replace('_', " "))
+    format!("{}{}", Effects::built_in(name).map_or("a ", |entry| entry.article), name.replace('_', " "))
 }
 
 /// "a, b and c".

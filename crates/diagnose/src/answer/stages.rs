@@ -12,7 +12,7 @@
 use crate::answer::diagnosis::{Diagnosis, Verdict};
 use crate::select::stepwise::NamedEffect;
 use crate::stats::chi_square::survival;
-use plant::{Effects, Stage};
+use plant::Stage;
 use serde::Serialize;
 
 /// A stage of the signal path and its share of the gap; all shares add up to 1.
@@ -51,7 +51,7 @@ impl Diagnosis {
     /// The probability of so many nats at a stage if the model is right, corrected for the number of tested effects.
     #[must_use]
     pub fn chance_at(&self, stage: Stage) -> f64 {
-        let looks = Effects::CATALOGUE.len() as f64;
+        let looks = self.mended.model.effects.catalogue().count() as f64;
         let of_effect = |named: &NamedEffect| {
             looks * survival(named.candidate.entry.params.len(), 2.0 * named.candidate.held_out_gain)
         };

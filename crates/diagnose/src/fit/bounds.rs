@@ -125,7 +125,7 @@ mod tests {
         let bounds = Bounds::of(&model(), &recording);
         let mut stopped = model();
         stopped.effects.set("end_stop", &[-335.0, 900.0, 0.5]);
-        let parameters = parameters_of_effect("end_stop", &[-335.0, 900.0, 0.5]);
+        let parameters = parameters_of_effect(Effects::built_in("end_stop").unwrap(), &[-335.0, 900.0, 0.5]);
         assert_eq!(bounds.check(&stopped, &parameters), Err(Impossible::OutOfRecord(parameters[0])));
         let clamped = bounds.clamped(stopped, &parameters);
         let [lowest, highest] = recording.height_range();
@@ -145,7 +145,7 @@ mod tests {
         );
         let mut zone = Model { effects: Effects::default(), ..model() };
         zone.effects.set("dead_zone", &[-10.0, 0.0]);
-        let edges = parameters_of_effect("dead_zone", &[-10.0, 0.0]);
+        let edges = parameters_of_effect(Effects::built_in("dead_zone").unwrap(), &[-10.0, 0.0]);
         assert_eq!([0, 1].map(|edge| bounds.active(edges[edge], &zone)), [Some(-10.0), None]);
     }
 }

@@ -14,7 +14,7 @@ use crate::fit::profile::{OF_90_PERCENT, interval};
 use crate::record::read_off::read_off;
 use crate::record::recording::Recording;
 use crate::thresholds::{WIDER, WIDER_APPROXIMATE, WIDER_IMPACTS};
-use plant::{Effects, Entry, Form, Model, Start};
+use plant::{Entry, Form, Model, Start};
 use rayon::prelude::*;
 
 /// A parameter, and the distances from its estimate to the lower and upper end of its interval, in its own scale.
@@ -26,11 +26,11 @@ pub(crate) type Reach = (Parameter, [f64; 2]);
 pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
     let deviations = fit.deviations();
     let reach = |(at, parameter): (usize, &Parameter)| match parameter {
-        Parameter::Effect { name, .. } => {
-            let entry = Effects::entry(name).filter(|entry| entry.start != Start::DutySteps)?;
+        Parameter::Effect { entry, .. } if entry.start != Start::DutySteps => {
             let [down, up] = interval(problem, fit, at, OF_90_PERCENT * wider(entry));
             Some((*parameter, [-down?, up?]))
         }
+        Parameter::Effect { .. } => None,
         _ => Some((*parameter, [OF_90_PERCENT * WIDER * deviations[at]; 2])),
     };
     let moved: Vec<Option<Reach>> = fit.parameters.par_iter().enumerate().map(reach).collect();
@@ -42,9 +42,9 @@ pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
 
 /// The parameters of the model that were read off the readings, and their standard deviations in their own scale.
 fn read_off_parameters(model: &Model, recording: &Recording) -> Vec<(Parameter, f64)> {
-    let read = |entry: Entry| {
-        let read = read_off(&entry, recording, model)?;
-        Some((Parameter::Effect { name: entry.name, index: 0, size: read.value }, read.sigma / read.value))
+    let read = |entry: &'static Entry| {
+        let read = read_off(entry, recording, model)?;
+        Some((Parameter::Effect { entry, index: 0, size: read.value }, read.sigma / read.value))
     };
     model.effects.present().into_iter().filter_map(read).collect()
 }
@@ -69,6 +69,7 @@ mod tests {
     use crate::tests_support::{model, record};
     use crate::thresholds::WIDER_APPROXIMATE;
     use crate::{Fit, Parameter};
+    use plant::Effects;
 
     /// Fits a record of a rig whose `effect` has `values`, and calls `check` with the fit and the interval of the
     /// effect's first parameter.
@@ -79,7 +80,8 @@ mod tests {
         let recording = record(&rig, seed, 60);
         let folds = Folds::new(&belief, &recording);
         let problem = Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief };
-        let parameters: Vec<Parameter> = BASE.into_iter().chain(parameters_of_effect(effect, values)).collect();
+        let parameters: Vec<Parameter> =
+            BASE.into_iter().chain(parameters_of_effect(Effects::built_in(effect).unwrap(), values)).collect();
         let fit = problem.fit(&rig, &parameters);
         let first = reaches(&problem, &fit).into_iter().find(|(parameter, _)| parameter.is_of(effect));
         check(&problem, &fit, first.unwrap());

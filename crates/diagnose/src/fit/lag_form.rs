@@ -37,7 +37,7 @@ mod tests {
     use plant::{Effects, Entry};
 
     fn entry(name: &str) -> &'static Entry {
-        Effects::entry(name).unwrap()
+        Effects::built_in(name).unwrap()
     }
 
     #[test]

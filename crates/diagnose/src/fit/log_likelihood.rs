@@ -26,8 +26,7 @@ fn parameters_of(model: &Model) -> Vec<Parameter> {
     let present = model.effects.present();
     let of_effects = present.iter().flat_map(|entry| {
         let sizes = entry.sizes.first().copied().unwrap_or_default();
-        let name = entry.name;
-        sizes.iter().enumerate().map(move |(index, size)| Parameter::Effect { name, index, size: size.abs() })
+        sizes.iter().enumerate().map(move |(index, size)| Parameter::Effect { entry, index, size: size.abs() })
     });
     BASE.into_iter().chain(of_effects).collect()
 }

@@ -11,7 +11,7 @@
 //! The parameters of an effect that is not believed have no prior.
 
 use crate::fit::bounds::Bounds;
-use plant::{Changes, Effects, Entry, Model, Param};
+use plant::{Changes, Entry, Model, Param};
 
 /// A parameter of the model that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ pub enum Parameter {
     /// A parameter of an effect that is on.
     Effect {
         /// The effect.
-        name: &'static str,
+        entry: &'static Entry,
         /// The index of the parameter.
         index: usize,
         /// A typical size on a rig.
@@ -63,10 +63,12 @@ const FARTHEST: f64 = 25.0;
 
 /// The parameters of an effect that a fit moves, each in steps of the size of `values`; none for an effect whose value
 /// is read off the readings.
-pub(crate) fn parameters_of_effect(name: &'static str, values: &[f64]) -> Vec<Parameter> {
-    let Some(entry) = Effects::entry(name).filter(|entry| !entry.start.is_read_off()) else { return Vec::new() };
+pub(crate) fn parameters_of_effect(entry: &'static Entry, values: &[f64]) -> Vec<Parameter> {
+    if entry.start.is_read_off() {
+        return Vec::new();
+    }
     let all = values.iter().enumerate().take(entry.params.len());
-    all.map(|(index, value)| Parameter::Effect { name, index, size: entry.step_size(index, *value) }).collect()
+    all.map(|(index, value)| Parameter::Effect { entry, index, size: entry.step_size(index, *value) }).collect()
 }
 
 impl Parameter {
@@ -112,7 +114,7 @@ impl Parameter {
             Self::Hover => Some(model.hover_duty_percent),
             Self::SensorNoise => Some(model.noise.sensor_mm),
             Self::AirNoise => Some(model.noise.acceleration_psd_mm2_per_s3),
-            Self::Effect { name, index, .. } => model.effects.values(name)?.get(index).copied(),
+            Self::Effect { entry, index, .. } => model.effects.values(entry.name)?.get(index).copied(),
         }
     }
 
@@ -136,7 +138,7 @@ impl Parameter {
             Self::Drag => Some(&Model::DRAG),
             Self::Hover => Some(&Model::HOVER),
             Self::SensorNoise | Self::AirNoise => None,
-            Self::Effect { name, index, .. } => Effects::entry(name)?.params.get(index),
+            Self::Effect { entry, index, .. } => entry.params.get(index),
         }
     }
 
@@ -155,7 +157,7 @@ impl Parameter {
             Self::Hover => model.hover_duty_percent = value,
             Self::SensorNoise => model.noise.sensor_mm = value,
             Self::AirNoise => model.noise.acceleration_psd_mm2_per_s3 = value,
-            Self::Effect { name, index, .. } => {
+            Self::Effect { entry: Entry { name, .. }, index, .. } => {
                 let mut values = model.effects.values(name).unwrap_or_default();
                 if let Some(old) = values.get_mut(index) {
                     *old = value;
@@ -176,21 +178,21 @@ impl Parameter {
 
     /// Whether it is a parameter of this effect.
     pub(crate) fn is_of(self, effect: &str) -> bool {
-        matches!(self, Self::Effect { name, .. } if name == effect)
+        matches!(self, Self::Effect { entry, .. } if entry.name == effect)
     }
 
     /// Its index among the parameters of this effect; `None` for others.
     pub(crate) fn index_in(self, effect: &str) -> Option<usize> {
         match self {
-            Self::Effect { name, index, .. } if name == effect => Some(index),
+            Self::Effect { entry, index, .. } if entry.name == effect => Some(index),
             _ => None,
         }
     }
 
     /// The effect that it belongs to; `None` for base parameters.
     pub(crate) fn entry(self) -> Option<&'static Entry> {
-        let Self::Effect { name, .. } = self else { return None };
-        Effects::entry(name)
+        let Self::Effect { entry, .. } = self else { return None };
+        Some(entry)
     }
 
     /// Whether it changes the density of a reading, rather than its expectation or variance.
@@ -201,11 +203,11 @@ impl Parameter {
     /// The distance of a parameter from its neutral value, in its own scale, clamped to ±1; `None` unless its effect is
     /// absent from the belief.
     pub(crate) fn distance_from_neutral(self, model: &Model, belief: &Model) -> Option<f64> {
-        let Self::Effect { name, index, size } = self else { return None };
-        if belief.effects.values(name).is_some() {
+        let Self::Effect { entry, index, size } = self else { return None };
+        if belief.effects.values(entry.name).is_some() {
             return None;
         }
-        let neutral = *Effects::entry(name)?.neutral(model).get(index)?;
+        let neutral = *entry.neutral(model).get(index)?;
         Some(((self.value(model)? - neutral) / size).clamp(-1.0, 1.0))
     }
 
@@ -233,7 +235,7 @@ impl Parameter {
                 let psd = &mut model.noise.acceleration_psd_mm2_per_s3;
                 *psd = scaled(*psd, LEAST_AIR);
             }
-            Self::Effect { name, index, size } => {
+            Self::Effect { entry: Entry { name, .. }, index, size } => {
                 let mut values = model.effects.values(name).unwrap_or_default();
                 if let (Some(value), Some(param)) = (values.get_mut(index), self.param()) {
                     *value = (*value + size * by).clamp(param.min, param.max);

@@ -131,8 +131,7 @@ fn best_fit(problem: &Problem<'_>, poles: Poles) -> Fit {
 
 /// The fitted parameters: gain, drag, hover, both noises, and the fan lag if the model has one.
 fn parameters(model: &Model) -> Vec<Parameter> {
-    let lag =
-        model.effects.fan_lag_s().map_or_else(Vec::new, |lag_s| parameters_of_effect(FanLag::ENTRY.name, &[lag_s]));
+    let lag = model.effects.fan_lag_s().map_or_else(Vec::new, |lag_s| parameters_of_effect(&FanLag::ENTRY, &[lag_s]));
     [&BASE[..], &lag].concat()
 }
 

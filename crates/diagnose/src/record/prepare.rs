@@ -116,8 +116,7 @@ mod tests {
     /// Width of the interval of the lag's time constant: ln of the ratio of its ends, because the relative uncertainty
     /// is the same for short and long lags.
     fn width_of_lag(found: &Diagnosis) -> f64 {
-        let is_lag =
-            |parameter: &Parameter| matches!(parameter, Parameter::Effect { name: "fan_lag" | "sensor_lag", .. });
+        let is_lag = |parameter: &Parameter| parameter.is_of("fan_lag") || parameter.is_of("sensor_lag");
         let intervals = found.intervals();
         let (_, low, high) = intervals.iter().find(|(parameter, ..)| is_lag(parameter)).unwrap();
         (high / low).ln()

@@ -28,7 +28,7 @@ fn is_moved(search: &Search<'_>, fit: &Fit, entry: &Entry) -> bool {
     })
 }
 
-fn change(search: &Search<'_>, fit: &Fit, entry: &Entry) -> (Change, Candidate, Option<Fit>) {
+fn change(search: &Search<'_>, fit: &Fit, entry: &'static Entry) -> (Change, Candidate, Option<Fit>) {
     let parameters: Vec<Parameter> =
         fit.parameters.iter().filter(|parameter| !parameter.is_of(entry.name)).copied().collect();
     let with = |values: &[f64]| {
@@ -41,7 +41,7 @@ fn change(search: &Search<'_>, fit: &Fit, entry: &Entry) -> (Change, Candidate, 
     let absent = with(&entry.neutral(search.problem.belief));
     let removed = total(&absent) > total(fit) - EQUIVALENT;
     let gain = total(if removed { &absent } else { fit }) - total(&as_believed);
-    let candidate = Candidate { entry: *entry, fit: fit.clone(), held_out_gain: gain, penalised_gain: gain };
+    let candidate = Candidate { entry, fit: fit.clone(), held_out_gain: gain, penalised_gain: gain };
     if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
 }
 

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The effect.
-    pub entry: Entry,
+    pub entry: &'static Entry,
     /// Its model fitted to the whole record.
     pub fit: Fit,
     /// Held-out log-likelihood gain plus the gain of log-prior, nats.
@@ -92,7 +92,7 @@ fn full_fit(search: &Search<'_>, screened: &Screened, so_far: &Fit, before: &Log
         }
     }
     let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
-    let cost = screened.cost + cost_of_form(search, &screened.entry);
+    let cost = screened.cost + cost_of_form(search, screened.entry);
     let held_out_gain = held_out + fit.log_prior - so_far.log_prior - cost;
     let added = fit.parameters.len().saturating_sub(so_far.parameters.len());
     let fitted = search.problem.total_of(&fit) - search.problem.total_of(so_far) - cost;

@@ -90,7 +90,7 @@ mod tests {
             let folds = Folds::new(&belief, &recording);
             let problem = Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief };
             let (found, among) =
-                steps(&problem, &problem.fit(&belief, &BASE), Effects::entry("duty_quantisation").unwrap());
+                steps(&problem, &problem.fit(&belief, &BASE), Effects::built_in("duty_quantisation").unwrap());
             assert!(found.iter().any(|found| (found / step_percent - 1.0).abs() < 1e-3), "{found:?} of {step_percent}");
             assert!(among > 500 && found.len() < 20, "{} of {among}", found.len());
         }
@@ -105,7 +105,7 @@ mod tests {
         let recording = record(&Model { effects, ..known.clone() }, 1, 80);
         let folds = Folds::new(&known, &recording);
         let problem = Problem { recording: &recording, belief: &known, folds: &folds, prior: Prior::Belief };
-        let found = steps(&problem, &problem.fit(&known, &BASE), Effects::entry("duty_quantisation").unwrap()).0;
+        let found = steps(&problem, &problem.fit(&known, &BASE), Effects::built_in("duty_quantisation").unwrap()).0;
         assert!(found.iter().any(|found| (found / step_percent - 1.0).abs() < 1e-3), "{found:?} of {step_percent}");
     }
 

@@ -35,7 +35,7 @@ fn can_show(search: &Search<'_>, candidate: &Candidate) -> bool {
 
 /// With a recorded fan speed the form of the fan lag is known, so that nothing can stand for it.
 fn is_more_than_form(search: &Search<'_>, candidate: &Candidate) -> bool {
-    search.problem.recording.has_fan_speed() || !is_form_of_a_lag(&candidate.entry, &candidate.fit.model.effects)
+    search.problem.recording.has_fan_speed() || !is_form_of_a_lag(candidate.entry, &candidate.fit.model.effects)
 }
 
 /// Penalty of another lag or dead time next to a believed lag: no real lag is exactly first-order, so it may only
@@ -59,14 +59,14 @@ mod tests {
     use plant::{Effects, Entry};
 
     fn entry(name: &str) -> &'static Entry {
-        Effects::entry(name).unwrap()
+        Effects::built_in(name).unwrap()
     }
 
     /// Effects with these values, the same for each of their parameters.
     fn with(lates: &[(&str, f64)]) -> Effects {
         let mut effects = Effects::default();
         for (name, seconds) in lates {
-            effects.set(name, &vec![*seconds; Effects::entry(name).unwrap().params.len()]);
+            effects.set(name, &vec![*seconds; Effects::built_in(name).unwrap().params.len()]);
         }
         effects
     }

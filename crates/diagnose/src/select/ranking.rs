@@ -18,14 +18,14 @@ use rayon::prelude::*;
 /// Orders the effects that were added to `fit`; the changes of believed effects come after them. `on_the_way`:
 /// intermediate fits of the same search, one of which may be the best without an effect.
 pub(crate) fn rank(search: &Search<'_>, effects: &mut [NamedEffect], fit: &Fit, on_the_way: &[Fit]) {
-    let stays = |named: &NamedEffect| named.change != Change::Added || is_random_force(&named.candidate.entry);
+    let stays = |named: &NamedEffect| named.change != Change::Added || is_random_force(named.candidate.entry);
     let moves = effects.iter().position(stays).unwrap_or(effects.len());
     let added = &mut effects[..moves];
     if added.len() < 2 {
         return;
     }
     let without =
-        |named: &NamedEffect| square_at_1_s(search, &best_without(search, &named.candidate.entry, fit, on_the_way));
+        |named: &NamedEffect| square_at_1_s(search, &best_without(search, named.candidate.entry, fit, on_the_way));
     let without: Vec<f64> = added.par_iter().map(without).collect();
     let mut order: Vec<usize> = Vec::with_capacity(added.len());
     for (at, square) in without.iter().enumerate() {
@@ -85,13 +85,14 @@ mod tests {
         let recording = record(&rig, 2, seconds);
         let folds = Folds::new(&belief, &recording);
         let search = Search::new(&belief, &recording, &folds, &Options::default());
-        let of_effect = |name| parameters_of_effect(name, &rig.effects.values(name).unwrap());
+        let of_effect =
+            |name| parameters_of_effect(Effects::built_in(name).unwrap(), &rig.effects.values(name).unwrap());
         let parameters: Vec<Parameter> = BASE.into_iter().chain(found.into_iter().flat_map(of_effect)).collect();
         let fit = search.problem.fit(&rig, &parameters);
         let named = |name| NamedEffect {
             change: Change::Added,
             candidate: Candidate {
-                entry: *Effects::entry(name).unwrap(),
+                entry: Effects::built_in(name).unwrap(),
                 fit: fit.clone(),
                 held_out_gain: 0.0,
                 penalised_gain: 0.0,

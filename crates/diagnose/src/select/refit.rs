@@ -20,8 +20,8 @@ pub(crate) fn refitted(search: &Search<'_>) -> Fit {
     let belief = search.problem.belief;
     let own = belief.effects.present();
     let of_effect =
-        |entry: &Entry| parameters_of_effect(entry.name, &belief.effects.values(entry.name).unwrap_or_default());
-    let parameters: Vec<Parameter> = BASE.into_iter().chain(own.iter().flat_map(of_effect)).collect();
+        |entry: &'static Entry| parameters_of_effect(entry, &belief.effects.values(entry.name).unwrap_or_default());
+    let parameters: Vec<Parameter> = BASE.into_iter().chain(own.into_iter().flat_map(of_effect)).collect();
     let fit = search.problem.fit(&with_noise_that_fits(&search.problem, &parameters), &parameters);
     with_other_sizes(search, fit)
 }

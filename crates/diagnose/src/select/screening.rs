@@ -35,7 +35,7 @@ struct InitialPoint {
 
 /// The result of the screening of an effect.
 pub(crate) struct Screened {
-    pub(crate) entry: Entry,
+    pub(crate) entry: &'static Entry,
     pub(crate) model: Model,
     pub(crate) parameters: Vec<Parameter>,
     /// Gain of log-likelihood and log-prior so far, nats.
@@ -58,7 +58,7 @@ impl Screened {
 
 /// `fit` with an effect added at these values: the model and its parameters. An effect that contains a simpler one
 /// replaces it.
-fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Parameter>)> {
+fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<(Model, Vec<Parameter>)> {
     let mut model = fit.model.clone();
     if model.effects.values(entry.name).is_some() {
         return None;
@@ -67,12 +67,12 @@ fn added(fit: &Fit, entry: &Entry, values: &[f64]) -> Option<(Model, Vec<Paramet
     model.effects.set(entry.name, values);
     model.effects.check().ok()?;
     let kept = fit.parameters.iter().filter(|parameter| !removed.is_some_and(|part| parameter.is_of(part)));
-    Some((model, kept.copied().chain(parameters_of_effect(entry.name, values)).collect()))
+    Some((model, kept.copied().chain(parameters_of_effect(entry, values)).collect()))
 }
 
 /// Screens an effect. With little noise, initial values far above the true ones lie thousands of nats below a gain of
 /// 0, and no step leads to the maximum. Then smaller initial values are tried.
-pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, entry: &Entry) -> Option<Screened> {
+pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, entry: &'static Entry) -> Option<Screened> {
     let usual = starts(entry, so_far, search);
     let look = screen_from(search, so_far, entry, &usual)?;
     if look.gain >= -STUCK {
@@ -84,7 +84,7 @@ pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, entry: &Entry) -> Option
 }
 
 /// A few scoring steps of the most important parameters from the best of these initial values; the best result.
-fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Option<Screened> {
+fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts) -> Option<Screened> {
     let rated = rated(search, so_far, entry, all);
     let worth = |start: &InitialPoint| start.by_fold.iter().sum::<f64>();
     // A recorded fan speed determines the timing sharply: the maxima are narrow, and the rating cannot tell which is
@@ -107,7 +107,7 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -
         let (model, total) = search.problem.fit_briefly(start, &few, STEPS);
         let of = |parameters: &[Parameter]| prior(parameters, &model, search.problem.belief);
         let gain = total - of(&few) + of(parameters);
-        (place, Screened { entry: *entry, model, parameters: parameters.clone(), gain, cost: 0.0, rivals: Vec::new() })
+        (place, Screened { entry, model, parameters: parameters.clone(), gain, cost: 0.0, rivals: Vec::new() })
     });
     let (place, best) = screened.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
     let before = search.problem.total_of(so_far);
@@ -120,7 +120,7 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -
 }
 
 /// The initial values of the effect, rated by log-likelihood, the best first.
-fn rated(search: &Search<'_>, so_far: &Fit, entry: &Entry, all: &Starts) -> Vec<InitialPoint> {
+fn rated(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts) -> Vec<InitialPoint> {
     let rated = all.values.par_iter().enumerate().flat_map_iter(|(at, values)| {
         let as_believed = at >= all.usual;
         let start = added(so_far, entry, values);

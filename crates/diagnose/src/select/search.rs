@@ -28,7 +28,13 @@ impl<'a> Search<'a> {
 
     /// The same search without the effects for which `is_left_out` holds.
     pub(crate) fn without(&self, is_left_out: impl Fn(&Entry) -> bool) -> Self {
-        let more = Effects::CATALOGUE.iter().filter(|entry| is_left_out(entry)).map(|entry| entry.name.to_owned());
+        let more = self
+            .problem
+            .belief
+            .effects
+            .catalogue()
+            .filter(|entry| is_left_out(entry))
+            .map(|entry| entry.name.to_owned());
         let without = self.without.iter().cloned().chain(more).collect();
         Self { problem: self.problem, without, progress: self.progress.clone() }
     }
@@ -36,7 +42,7 @@ impl<'a> Search<'a> {
     /// The effects that may be named.
     pub(crate) fn entries(&self) -> Vec<&'static Entry> {
         let may = |entry: &&Entry| !self.without.iter().any(|name| name == entry.name);
-        Effects::CATALOGUE.iter().filter(may).collect()
+        self.problem.belief.effects.catalogue().filter(may).collect()
     }
 
     /// Held-out log-likelihood plus log-prior of a fit, nats.
@@ -52,9 +58,9 @@ impl<'a> Search<'a> {
         let mut parameters: Vec<Parameter> = others.copied().collect();
         // The simpler effect that it contains and had replaced is restored.
         if let Some((part, values)) =
-            entry.contains.and_then(|part| Some((part, self.problem.belief.effects.values(part)?)))
+            entry.contains.and_then(|part| Some((Effects::built_in(part)?, self.problem.belief.effects.values(part)?)))
         {
-            model.effects.set(part, &values);
+            model.effects.set(part.name, &values);
             parameters.extend(parameters_of_effect(part, &values));
         }
         self.problem.fit(&model, &parameters)

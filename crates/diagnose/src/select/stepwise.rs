@@ -72,7 +72,7 @@ impl Selection {
 pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     let mut found = stepwise_search(search, refitted);
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
-    let after = added.skip_while(|named| !is_random_force(&named.candidate.entry)).count();
+    let after = added.skip_while(|named| !is_random_force(named.candidate.entry)).count();
     // No effect may follow a random force, which would have followed that effect as well.
     if after > 1 || (after == 1 && !found.misfit.allows_random_force()) {
         found = stepwise_search(&search.without(is_random_force), refitted);
@@ -159,7 +159,7 @@ fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: 
     }
     let (mut at, mut total) = (0, search.held_out_total(fit));
     while effects.len() > 1 && at < effects.len() {
-        let without = search.removed(fit, &effects[at].candidate.entry);
+        let without = search.removed(fit, effects[at].candidate.entry);
         let total_without = search.held_out_total(&without);
         if total - total_without < SECOND_EFFECT {
             (*fit, total) = (without, total_without);
@@ -173,7 +173,7 @@ fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: 
 /// Searches for the first effect again with the second one known: the first may have stood for both.
 fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit) {
     let [first, _] = effects else { return };
-    let without_first = search.removed(fit, &first.candidate.entry);
+    let without_first = search.removed(fit, first.candidate.entry);
     let (again, _) = best_addition(search, &without_first, SECOND_EFFECT);
     if let Some(again) = again.filter(|again| search.held_out_total(&again.candidate.fit) > search.held_out_total(fit))
     {
@@ -207,7 +207,7 @@ fn best_addition(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Name
 
 /// Moves the effect to be named to the front. Empties the list if none has the penalised gain `needed`.
 fn select_first(all: &mut Vec<Candidate>, needed: f64) {
-    let is_random = |candidate: &Candidate| is_random_force(&candidate.entry);
+    let is_random = |candidate: &Candidate| is_random_force(candidate.entry);
     let Some(mut best) = all.iter().position(|candidate| candidate.penalised_gain >= needed) else {
         // The growth of the air's noise counts against a random force already, so it needs less.
         return all.retain(|candidate| is_random(candidate) && candidate.penalised_gain > RANDOM_FORCE);
@@ -255,7 +255,7 @@ mod tests {
         let problem = Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief };
         let fit = problem.fit(&belief, &BASE);
         let candidate = |&(name, held_out_gain, penalised_gain): &(&str, f64, f64)| {
-            let entry = *Effects::entry(name).unwrap();
+            let entry = Effects::built_in(name).unwrap();
             Candidate { entry, fit: fit.clone(), held_out_gain, penalised_gain }
         };
         let mut all: Vec<Candidate> = candidates.iter().map(candidate).collect();

@@ -80,7 +80,7 @@ mod tests {
     use super::SupplySag;
     use crate::effects::Effects;
     use crate::model::{Model, tests::thesis};
-    use crate::motion::Motion;
+    use crate::motion::{Input, Motion};
 
     #[test]
     fn a_step_loses_its_share_along_an_exponential_and_the_ball_moves_as_the_closed_form_says() {
@@ -88,7 +88,8 @@ mod tests {
         let effects = Effects { supply_sag: Some(sag), ..Effects::default() };
         let model = Model { effects, drag_per_s: 0.0, ..thesis() };
         let (step, t) = (100.0, 3.0);
-        let end = (0..300).fold(Motion::at_rest(1e5, 0.0), |motion, _| motion.step_in_endless_pipe(&model, step, 0.01));
+        let end = (0..300)
+            .fold(Motion::at_rest(1e5, 0.0), |motion, _| motion.step_in_endless_pipe(&model, Input::of(step), 0.01));
         let tau = sag.recovery_s;
         let decay = (-t / tau).exp();
         let (state, speed) = (step * (1.0 - decay), step * (t - sag.share * (t - tau * (1.0 - decay))));
@@ -102,7 +103,7 @@ mod tests {
         let model = Model { effects, ..thesis() };
         let rest = model.at_rest(0.0, -80.0);
         assert_eq!(rest.own[0], -80.0);
-        let held = (0..100).fold(rest, |motion, _| motion.step(&model, -100.0, 0.01));
+        let held = (0..100).fold(rest, |motion, _| motion.step(&model, Input::of(-100.0), 0.01));
         assert_eq!(held.position_mm, 0.0);
         let exact = -100.0 + 20.0 * (-1.0_f64).exp();
         assert!((held.own[0] - exact).abs() < 1e-6, "{}, exact {exact}", held.own[0]);

@@ -25,7 +25,7 @@ fn every_effect_has_neighbours_of_the_catalogue_and_is_told_from_each() {
         assert!((1..=3).contains(&entry.similar.len()), "{} has {}", entry.name, entry.similar.len());
         for (k, neighbour) in entry.similar.iter().enumerate() {
             let pair = format!("{} beside {}", entry.name, neighbour.name);
-            assert!(neighbour.name != entry.name && Effects::entry(neighbour.name).is_some(), "{pair}");
+            assert!(neighbour.name != entry.name && Effects::built_in(neighbour.name).is_some(), "{pair}");
             assert!(entry.similar[..k].iter().all(|other| other.name != neighbour.name), "{pair}: twice");
             assert!(neighbour.distinguished_by.len() > 40 && !neighbour.distinguished_by.ends_with('.'), "{pair}");
         }
@@ -42,7 +42,7 @@ fn every_effect_is_set_read_and_removed_by_the_name_of_its_entry() {
             (1..).zip(entry.params).map(|(k, p)| p.min + (p.max - p.min) * (0.7 + 0.05 * f64::from(k))).collect();
         assert!(effects.set(entry.name, &values));
         assert_eq!(effects.values(entry.name), Some(values.clone()));
-        assert_eq!((effects.present(), Effects::entry(entry.name)), (vec![*entry], Some(entry)));
+        assert_eq!((effects.present(), Effects::built_in(entry.name)), (vec![entry], Some(entry)));
         assert!(effects.check().is_ok(), "{}", entry.name);
         let text = format!("{effects:?}");
         for (param, value) in entry.params.iter().zip(&values) {
@@ -51,7 +51,7 @@ fn every_effect_is_set_read_and_removed_by_the_name_of_its_entry() {
         assert!(effects.remove(entry.name));
         assert_eq!(effects, Effects::default());
     }
-    assert!(!Effects::default().set("fan_lagg", &[0.1]) && Effects::entry("fan_lagg").is_none());
+    assert!(!Effects::default().set("fan_lagg", &[0.1]) && Effects::built_in("fan_lagg").is_none());
 }
 
 #[test]
@@ -100,11 +100,11 @@ fn a_lag_of_two_time_constants_is_late_by_their_mean_and_at_most_by_the_longer()
 #[test]
 fn the_physics_of_every_effect_is_the_head_of_its_module_with_an_equation() {
     for entry in Effects::CATALOGUE {
-        let physics = Effects::physics(entry.name).unwrap();
+        let physics = Effects::default().physics(entry.name).unwrap();
         let spoken = entry.name.replace('_', " ");
         assert!(physics.to_lowercase().replace('-', " ").starts_with(&spoken), "{}: {physics}", entry.name);
         assert_eq!(physics.matches("```").count(), 2, "{}: {physics}", entry.name);
         assert!(physics.contains("Source: ") && !physics.contains("use crate"), "{}: {physics}", entry.name);
     }
-    assert_eq!(Effects::physics("phlogiston"), None);
+    assert_eq!(Effects::default().physics("phlogiston"), None);
 }

@@ -1,6 +1,6 @@
 //! What `motion.rs` promises.
 
-use super::Motion;
+use super::{Input, Motion};
 use crate::effects::{Effects, FanLag};
 use crate::model::{Model, tests::thesis};
 use libm::exp;
@@ -8,7 +8,7 @@ use libm::exp;
 fn fly(model: &Model, duty: f64, seconds: f64, steps: u32, start: Motion) -> Motion {
     let commanded = model.commanded(duty);
     let dt = seconds / f64::from(steps);
-    (0..steps).fold(start, |motion, _| motion.step(model, commanded, dt))
+    (0..steps).fold(start, |motion, _| motion.step(model, Input::of(commanded), dt))
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn the_ball_rests_at_both_ends_and_leaves_them_when_pushed() {
 /// Flies without a duty: `commanded` acceleration for `seconds` in `steps`.
 fn push(model: &Model, commanded: f64, seconds: f64, steps: u32, start: Motion) -> Motion {
     let dt = seconds / f64::from(steps);
-    (0..steps).fold(start, |motion, _| motion.step(model, commanded, dt))
+    (0..steps).fold(start, |motion, _| motion.step(model, Input::of(commanded), dt))
 }
 
 /// A long pipe without drag, with one effect.

@@ -37,7 +37,7 @@ pub(super) fn what_was_settled(found: &Diagnosis, recording: &Recording) -> Vec<
 /// Effects that are not distinguishable from this one by duty and position in any flight: of two dead times, each
 /// shifts the same readings by the same time.
 fn exact_twins(name: &str) -> &'static [&'static str] {
-    let entry = Effects::entry(name).filter(|entry| entry.acts.late == Some(Late::DeadTime));
+    let entry = Effects::built_in(name).filter(|entry| entry.acts.late == Some(Late::DeadTime));
     entry.map_or(&[], |entry| entry.twins)
 }
 
@@ -57,7 +57,7 @@ pub(super) fn what_would_settle(left: &[&'static str], rivals: &[Rival], recordi
     if names.len() < 2 {
         return None;
     }
-    let stage = |name: &&str| Effects::entry(name).map(|entry| entry.stage);
+    let stage = |name: &&str| Effects::built_in(name).map(|entry| entry.stage);
     let stages: Vec<Stage> = names.iter().filter_map(stage).collect();
     let cut = |side: Stage| stages.contains(&side) && stages.iter().any(|stage| *stage != side);
     let mut signals = Vec::new();

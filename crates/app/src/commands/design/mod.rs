@@ -48,7 +48,7 @@ struct Ground {
 impl Ground {
     fn read(args: &DesignArgs) -> Result<Self> {
         may_write(args.plot.as_deref(), args.html.as_deref())?;
-        Self::of(Config::read(&args.config.config, &args.config.patch)?)
+        Self::of(Config::read(&args.config.config, &args.config.over())?)
     }
 
     fn of(config: Config) -> Result<Self> {

@@ -16,7 +16,7 @@ use control::design::law::{Gains, Weights};
 
 pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
     may_write(args.identify.plot.as_deref(), args.identify.html.as_deref())?;
-    let read = Config::read(&args.identify.config.config, &args.identify.config.patch)?;
+    let read = Config::read(&args.identify.config.config, &args.identify.config.over())?;
     let model = read.need(NAME, "plant", |tables| tables.plant.as_ref())?;
     has_one_lag(model)?;
     let period_s = match args.sampled {

@@ -32,7 +32,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     check(args)?;
     may_write(args.flight.plot.as_deref(), args.html.as_deref())?;
     let (config, path) = match &args.from {
-        Some(log) => (Config::read(&args.flight.config.config, &args.flight.config.patch)?, log.clone()),
+        Some(log) => (Config::read(&args.flight.config.config, &args.flight.config.over())?, log.clone()),
         None => fly(args)?,
     };
     let log = reader::read(&path, config.tables.import.as_ref())?;

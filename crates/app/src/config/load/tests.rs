@@ -178,3 +178,43 @@ fn an_observer_of_a_signal_that_the_rig_does_not_have_is_refused_with_the_table_
         assert!(said.contains(&format!("observer.{key}: ")) && said.contains(&format!("[{table}]")), "{said}");
     }
 }
+
+/// A config that knows one written effect; `values`: its table below `[plant.effects]`.
+fn with_leak(definition: &str, values: &str) -> String {
+    format!(
+        "{GOOD}\n{values}\n[effect.leak]\nstage = \"air\"\nadds = \"{definition}\"\n\
+         parameters.k = {{ neutral = 0.0, low = 0.0, high = 20.0 }}\n"
+    )
+}
+
+#[test]
+fn a_written_effect_is_switched_on_by_its_values_and_reads_back() {
+    let files = Files::new();
+    let text = with_leak("-k * max(x - 300, 0)", "[plant.effects.leak]\nk = 2");
+    let config = Config::read(&files.write("c.toml", &text), &[]).unwrap();
+    let plant = config.tables.plant.clone().unwrap();
+    assert_eq!(plant.effects.values("leak"), Some(vec![2.0]));
+    assert_eq!(plant.force_at_rest(350.0), -100.0);
+    let again = Config::read(&files.write("again.toml", &config.to_toml()), &[]).unwrap();
+    assert_eq!(again.tables, config.tables);
+    // A patch from its own definition, as `diagnose` writes it, stands for the same effect.
+    let definition = plant.effects.written.present().next().unwrap().to_string();
+    let patch = files.write("p.toml", &format!("{definition}\n[plant.effects.leak]\nk = 2.0\n"));
+    assert_eq!(Config::read(&files.write("g.toml", GOOD), &[patch]).unwrap().tables.plant.unwrap(), plant);
+}
+
+#[test]
+fn a_wrong_definition_or_value_is_found_in_its_line_with_the_column_of_the_formula() {
+    for (definition, values, part) in [
+        ("-k * max(x - 300, 0", "", "effect.leak.adds: `-k * max(x - 300, 0`, column 9"),
+        ("-k * high", "", "column 6"),
+        ("k * x", "[plant.effects.leak]\nkk = 2.0", "plant.effects.leak.kk: unknown key `kk`; expected `k`"),
+        ("k * x", "[plant.effects.leak]", "plant.effects.leak: the key `k` is missing"),
+        ("k * x", "[plant.effects.leak]\nk = \"two\"", "is no number"),
+        ("k * x", "[plant.effects.leak]\nk = 20.5", "k = 20.5"),
+        ("k * x", "[plant.effects]\nleak = 3", "plant.effects.leak: must be a table with `k`"),
+    ] {
+        let message = error_of(&with_leak(definition, values));
+        assert!(message.starts_with("/c.toml:") && message.contains(part), "{message}");
+    }
+}

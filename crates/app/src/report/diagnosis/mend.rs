@@ -64,7 +64,7 @@ mod tests {
         mended.effects.set("dead_zone", &[-0.3, 0.3]);
         let zone = |(lower_percent, upper_percent)| DeadZoneCorrection { lower_percent, upper_percent };
         let compensation = Compensation { dead_zone: correction.map(zone), ..Compensation::bare(21.4) };
-        words(Effects::entry("dead_zone").unwrap(), &mended, Some(&compensation))
+        words(Effects::built_in("dead_zone").unwrap(), &mended, Some(&compensation))
     }
 
     #[test]
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn other_effects_are_mended_as_the_catalogue_says() {
         let mended = project().plant.unwrap();
-        let lag = Effects::entry("fan_lag").unwrap();
+        let lag = Effects::built_in("fan_lag").unwrap();
         assert_eq!(words(lag, &mended, project().compensation.as_ref()), lag.mend);
     }
 }

@@ -47,7 +47,7 @@ fn effect(named: &NamedEffect, found: &Diagnosis, compensation: Option<&Compensa
     if named.change == Change::Removed {
         return line;
     }
-    let mend = mend::words(&entry, &found.mended.model, compensation);
+    let mend = mend::words(entry, &found.mended.model, compensation);
     format!("{line}\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "")
 }
 

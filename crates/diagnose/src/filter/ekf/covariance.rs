@@ -205,7 +205,7 @@ pub(super) fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, moti
 mod tests {
     use super::{Active, PropagationCache, Square, derivative, motion_of, vector};
     use crate::tests_support::model;
-    use plant::{Effects, Model, Motion};
+    use plant::{Effects, Input, Model, Motion};
 
     /// A test matrix without symmetry, with entries of both signs.
     fn any(seed: f64) -> Square {
@@ -220,7 +220,7 @@ mod tests {
                 let mut state = vector(motion);
                 state[i] += sign * by;
                 let there = motion_of(&state);
-                vector(&there.step_in_endless_pipe(model, commanded, dt))
+                vector(&there.step_in_endless_pipe(model, Input::of(commanded), dt))
             };
             (at(1.0) - at(-1.0)) / (2.0 * by)
         };
@@ -251,7 +251,7 @@ mod tests {
             // What is cached at the first state must hold at the second.
             let mut cache = PropagationCache::of(&model);
             for motion in &states {
-                let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, commanded, dt);
+                let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, Input::of(commanded), dt);
                 let (transition, _) =
                     *cache.propagation(dt, || (derivative(&Active::of(&model), flow, motion), Square::zeros()));
                 let expected = by_differences(&model, commanded, motion, dt);

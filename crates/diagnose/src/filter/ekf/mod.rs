@@ -24,7 +24,7 @@ pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, Smoother
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
 use nalgebra::{SMatrix, SVector};
-use plant::{Actuator, Model, Motion, OWN_STATES};
+use plant::{Actuator, Input, Model, Motion, OWN_STATES};
 
 const STATES: usize = 5 + OWN_STATES;
 type State = SVector<f64, STATES>;
@@ -241,6 +241,7 @@ impl<'a> Ekf<'a> {
 
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
         let motion = motion_of(&self.state);
+        let input = Input { commanded_mm_per_s2: commanded, time_s: self.time_s };
         let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
         // An end of the pipe stops the ball but does not reduce the uncertainty: the covariance grows as in an endless
         // pipe.
@@ -249,16 +250,13 @@ impl<'a> Ekf<'a> {
             match friction.filter(|friction| roughness > KNOWN * friction * dt) {
                 Some(friction) => {
                     let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction * dt));
-                    nudged.slide(self.model, commanded, mean_friction(friction, nudged.velocity_mm_per_s, smooth), dt)
+                    nudged.slide(self.model, input, mean_friction(friction, nudged.velocity_mm_per_s, smooth), dt)
                 }
-                None => nudged.step_in_endless_pipe(self.model, commanded, dt),
+                None => nudged.step_in_endless_pipe(self.model, input, dt),
             }
         };
-        let next = if self.model.effects.friction().is_some() {
-            endless(&motion)
-        } else {
-            motion.step(self.model, commanded, dt)
-        };
+        let next =
+            if self.model.effects.friction().is_some() { endless(&motion) } else { motion.step(self.model, input, dt) };
         let propagation = known.propagation(dt, || {
             let transition = derivative(&self.active, endless, &motion);
             (transition, process_noise(self.model, &transition, dt))
@@ -268,6 +266,7 @@ impl<'a> Ekf<'a> {
         }
         self.state = vector(&next);
         self.active.predict(propagation, &mut self.covariance);
+        self.time_s += dt;
     }
 }
 

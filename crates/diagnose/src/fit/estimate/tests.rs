@@ -4,13 +4,14 @@ use super::Problem;
 use crate::fit::parameter::{BASE, Parameter, Prior};
 use crate::record::folds::Folds;
 use crate::tests_support::{model, record};
-use plant::Model;
+use plant::effects::FanLag;
+use plant::{Effect, Model};
 
 #[test]
 fn a_fit_recovers_the_numbers_of_the_rig_within_their_own_deviations() {
     let rig = model();
     let wrong = Model { gain_mm_per_s2_per_percent: 200.0, drag_per_s: 2.5, hover_duty_percent: 21.6, ..rig.clone() };
-    let parameters = [&BASE[..], &[Parameter::Effect { name: "fan_lag", index: 0, size: 0.1 }]].concat();
+    let parameters = [&BASE[..], &[Parameter::Effect { entry: &FanLag::ENTRY, index: 0, size: 0.1 }]].concat();
     let (mut inside, mut all) = (0, 0);
     for seed in 0..8 {
         let recording = record(&rig, seed, 60);

@@ -148,7 +148,7 @@ fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Parameter)> + '_
         let mut with_late = model.clone();
         with_late.effects.set(late.name, &[0.0]);
         let size = form_s(&model.effects, lag);
-        Some((with_late, Parameter::Effect { name: late.name, index: 0, size }))
+        Some((with_late, Parameter::Effect { entry: late, index: 0, size }))
     })
 }
 

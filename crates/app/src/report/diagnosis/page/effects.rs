@@ -38,7 +38,7 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
         Change::Retuned => "believed, of another size",
         Change::Removed => "believed, and not there",
     };
-    let width = report.found.difference(&entry).map(|(difference, [value, low, high])| {
+    let width = report.found.difference(entry).map(|(difference, [value, low, high])| {
         (difference.key, Interval { value, low: Some(low), high: Some(high), at_bound: None })
     });
     let rows: Vec<(Markup, Vec<Markup>)> = report
@@ -58,7 +58,7 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
             dl {
                 @if named.change != Change::Removed {
                     dt { "In a log" } dd { (entry.in_a_log) }
-                    dt { "Mend on the rig" } dd { (mend::words(&entry, &report.found.mended.model, report.compensation)) }
+                    dt { "Mend on the rig" } dd { (mend::words(entry, &report.found.mended.model, report.compensation)) }
                 }
                 dt { "Cannot be told from" }
                 dd {
@@ -90,7 +90,7 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     };
     let gains = gain(name).zip(gain(other));
     let nats = gains.map_or(String::new(), |(a, b)| format!(": {a:.1} and {b:.1} nats"));
-    let twins = Effects::entry(name).filter(|entry| entry.twins.contains(&other));
+    let twins = Effects::built_in(name).filter(|entry| entry.twins.contains(&other));
     match twins.and_then(|entry| entry.acts.late) {
         Some(late) => format!("{}{nats}", late.why_twins()),
         None => format!(
@@ -100,6 +100,7 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
 }
 
 fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
+    let effects = &report.found.mended.model.effects;
     let named = |name: &str| report.found.effects.iter().find(|named| named.candidate.entry.name == name);
     let like = |name: &str| report.found.effects.iter().find(|named| named.indistinguishable_from.contains(&name));
     let mut all: Vec<(&Scored, Option<f64>)> = round.iter().zip(report.found.chances(round)).collect();
@@ -117,7 +118,7 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
             (
                 html! { (spoken(one.name)) },
                 vec![
-                    html! { (stage(one.name)) },
+                    html! { (stage(effects, one.name)) },
                     html! { (number(Some(one.held_out_gain), 1)) },
                     html! { (number(one.in_full.then_some(one.penalised_gain), 1)) },
                     html! { (chance) },

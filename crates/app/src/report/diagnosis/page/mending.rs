@@ -26,7 +26,7 @@ pub(super) fn rig(report: &Report<'_>) -> Markup {
     let mends: Vec<(String, String)> = there
         .map(|named| {
             let entry = named.candidate.entry;
-            (spoken(entry.name), mend::words(&entry, &report.found.mended.model, report.compensation))
+            (spoken(entry.name), mend::words(entry, &report.found.mended.model, report.compensation))
         })
         .collect();
     html! {

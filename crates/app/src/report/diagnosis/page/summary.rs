@@ -83,7 +83,8 @@ fn path(report: &Report<'_>) -> Markup {
 /// The error at a wrong stage, in a word or two.
 fn blame(report: &Report<'_>, stage: &str) -> String {
     let found = report.found.effects.iter().map(|named| named.candidate.entry.name);
-    let own: Vec<String> = found.filter(|name| parts::stage(name) == stage).map(spoken).collect();
+    let own: Vec<String> =
+        found.filter(|name| parts::stage(&report.found.mended.model.effects, name) == stage).map(spoken).collect();
     match stage {
         "controller" => "another law".into(),
         "duty" => "late".into(),
@@ -95,7 +96,10 @@ fn blame(report: &Report<'_>, stage: &str) -> String {
 /// The effects of a stage that are not distinguishable from those that were selected.
 fn suspects(report: &Report<'_>, stage: &str) -> Vec<String> {
     let others = report.found.effects.iter().flat_map(|named| &named.indistinguishable_from);
-    others.filter(|name| parts::stage(name) == stage).map(|name| spoken(name)).collect()
+    others
+        .filter(|name| parts::stage(&report.found.mended.model.effects, name) == stage)
+        .map(|name| spoken(name))
+        .collect()
 }
 
 fn gap(report: &Report<'_>) -> Markup {

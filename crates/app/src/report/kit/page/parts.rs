@@ -170,9 +170,9 @@ pub fn spoken(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// The stage of the signal path at which an effect acts.
-pub fn stage(effect: &str) -> &'static str {
-    let own = Effects::entry(effect).and_then(|entry| NAMES.iter().find(|(stage, _)| *stage == entry.stage));
+/// The stage of the signal path at which one of the effects acts.
+pub fn stage(effects: &Effects, effect: &str) -> &'static str {
+    let own = effects.entry(effect).and_then(|entry| NAMES.iter().find(|(stage, _)| *stage == entry.stage));
     own.map_or("–", |(_, name)| name)
 }
 

@@ -1,0 +1,166 @@
+//! Effects that users write: the ones that are known to a model, and of these the ones that are on.
+//!
+//! They act as those of the catalogue do: on the duty about hover, or as a force with up to two states of its own.
+
+mod definition;
+mod entry;
+mod intern;
+mod names;
+mod scope;
+mod table;
+#[cfg(test)]
+mod tests;
+mod to_toml;
+
+use crate::acts::Conditions;
+use crate::effect::{Entry, Stage};
+use crate::motion::OWN_STATES;
+use crate::unsound::Unsound;
+use control::check::within;
+pub use definition::Definition;
+use scope::MOST_PARAMETERS;
+pub use table::{DefinitionError, DefinitionTable, ParameterTable, StateTable};
+
+/// An effect that is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct On {
+    definition: &'static Definition,
+    /// In the order of the entry; what is beyond its parameters is 0.
+    values: [f64; MOST_PARAMETERS],
+}
+
+/// The effects that a user wrote.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrittenEffects {
+    known: Vec<&'static Definition>,
+    on: Vec<On>,
+}
+
+impl WrittenEffects {
+    /// Makes an effect known, in the place of an older one of its name, which is switched off.
+    pub fn define(&mut self, definition: &'static Definition) {
+        let name = definition.entry().name;
+        self.remove(name);
+        self.known.retain(|known| known.entry().name != name);
+        self.known.push(definition);
+    }
+
+    /// The known effects.
+    pub fn definitions(&self) -> impl Iterator<Item = &'static Definition> {
+        self.known.iter().copied()
+    }
+
+    /// The definitions of the effects that are on.
+    pub fn present(&self) -> impl Iterator<Item = &'static Definition> {
+        self.on.iter().map(|on| on.definition)
+    }
+
+    /// The known effect of that name.
+    #[must_use]
+    pub fn definition(&self, name: &str) -> Option<&'static Definition> {
+        self.definitions().find(|known| known.entry().name == name)
+    }
+
+    pub(crate) fn values(&self, name: &str) -> Option<Vec<f64>> {
+        self.on.iter().find(|on| on.entry().name == name).map(|on| on.own_values().to_vec())
+    }
+
+    /// Switches an effect on, or changes its values. False: none of that name is known.
+    pub(crate) fn set(&mut self, name: &str, values: &[f64]) -> bool {
+        let Some(definition) = self.definition(name) else { return false };
+        let mut all = [0.0; MOST_PARAMETERS];
+        for (value, given) in all.iter_mut().zip(definition.entry().params.iter().enumerate()) {
+            *value = values.get(given.0).copied().unwrap_or(f64::NAN);
+        }
+        match self.on.iter_mut().find(|on| on.entry().name == name) {
+            Some(on) => on.values = all,
+            None => self.on.push(On { definition, values: all }),
+        }
+        true
+    }
+
+    pub(crate) fn remove(&mut self, name: &str) -> bool {
+        let before = self.on.len();
+        self.on.retain(|on| on.entry().name != name);
+        self.on.len() < before
+    }
+
+    pub(crate) fn check(&self) -> Result<(), (&'static str, Unsound)> {
+        for on in &self.on {
+            for (param, value) in on.entry().params.iter().zip(on.own_values()) {
+                within(param.name, *value, param.min, param.max).map_err(|error| (on.entry().name, error.into()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The effective duty about hover, percent.
+    pub(crate) fn effective(&self, about_hover_percent: f64, duty_percent: f64, time_s: f64) -> f64 {
+        let of_duty = self.on.iter().filter(|on| on.definition.stage() == Stage::Actuator);
+        of_duty.fold(about_hover_percent, |u, on| {
+            u + on.definition.adds(&scope::of_duty(u, duty_percent, time_s, &on.values))
+        })
+    }
+
+    /// Whether the effective duty moves with time.
+    pub(crate) fn command_drifts(&self) -> bool {
+        self.on.iter().any(|on| on.definition.stage() == Stage::Actuator && on.definition.uses_time())
+    }
+
+    /// The acceleration that they add to the ball, mm/s².
+    pub(crate) fn force(&self, conditions: &Conditions) -> f64 {
+        self.forces().map(|on| on.definition.adds(&scope::of_force(conditions, &on.values))).sum()
+    }
+
+    /// The effects that are a force.
+    fn forces(&self) -> impl Iterator<Item = &On> {
+        self.on.iter().filter(|on| on.definition.stage() != Stage::Actuator)
+    }
+
+    pub(crate) fn has_force(&self) -> bool {
+        self.forces().next().is_some()
+    }
+
+    /// Whether all forces and the rates of the states are linear in the state, at all times.
+    pub(crate) fn motion_is_linear(&self) -> bool {
+        self.forces().all(|on| on.definition.is_linear())
+    }
+
+    /// The effect whose states are the own states of the model.
+    fn with_states(&self) -> Option<&On> {
+        self.on.iter().find(|on| on.definition.states() > 0)
+    }
+
+    /// The number of own states.
+    pub(crate) fn own_states(&self) -> usize {
+        self.with_states().map_or(0, |on| on.definition.states())
+    }
+
+    pub(crate) fn own_rates(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {
+        self.with_states().map(|on| on.definition.rates(&scope::of_force(conditions, &on.values)))
+    }
+
+    pub(crate) fn own_settled(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {
+        self.with_states().map(|on| on.definition.start(&scope::of_force(conditions, &on.values)))
+    }
+
+    /// Standard deviations of the states before the first reading: by how much a fan that stands still would have
+    /// moved them.
+    pub(crate) fn own_spread(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {
+        let settled = self.own_settled(conditions)?;
+        let down = -conditions.gain_mm_per_s2_per_percent * conditions.hover_duty_percent.abs().max(1.0);
+        let still = Conditions { commanded_mm_per_s2: down, fan_mm_per_s2: down, ..*conditions };
+        let there = self.own_settled(&still)?;
+        Some(std::array::from_fn(|state| (there[state] - settled[state]).abs()))
+    }
+}
+
+impl On {
+    pub(crate) fn entry(&self) -> &'static Entry {
+        self.definition.entry()
+    }
+
+    fn own_values(&self) -> &[f64] {
+        &self.values[..self.entry().params.len()]
+    }
+}

@@ -1,0 +1,128 @@
+//! A written effect that was read: its entry and its formulas.
+
+use super::entry::entry;
+use super::intern;
+use super::names::Names;
+use super::scope::ALL_BUT_PARAMETERS;
+use super::table::{DefinitionError, DefinitionTable, check_name, check_parameters};
+use crate::effect::{Entry, Stage};
+use crate::motion::OWN_STATES;
+use formula::Formula;
+
+/// A written effect that was read and checked.
+#[derive(Debug)]
+pub struct Definition {
+    entry: Entry,
+    table: DefinitionTable,
+    adds: Formula,
+    states: Vec<[Formula; 2]>,
+    is_linear: bool,
+    uses_time: bool,
+}
+
+// Equal definitions share one place.
+impl PartialEq for Definition {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+impl Definition {
+    /// Reads and checks a definition.
+    ///
+    /// # Errors
+    /// [`DefinitionError`] names the first key that is wrong.
+    pub fn new(name: &str, table: &DefinitionTable) -> Result<&'static Self, DefinitionError> {
+        if let Some(known) = intern::known(|known| known.entry.name == name && known.table == *table) {
+            return Ok(known);
+        }
+        check_name(name)?;
+        check_parameters(table)?;
+        let names = Names::of(table)?;
+        let adds = names.formula("adds", &table.adds)?;
+        let mut states = Vec::new();
+        for (state, formulas) in &table.states {
+            let rate = names.formula(&format!("states.{state}.rate"), &formulas.rate)?;
+            states.push([rate, names.without_states().formula(&format!("states.{state}.start"), &formulas.start)?]);
+        }
+        names.all_used(&adds, &states)?;
+        let moves = std::iter::once(&adds).chain(states.iter().map(|[rate, _]| rate));
+        let definition = Self {
+            is_linear: moves.clone().all(|one| one.is_affine_in(&ALL_BUT_PARAMETERS)),
+            uses_time: adds.uses(names.place("t")),
+            entry: entry(name, table),
+            table: table.clone(),
+            adds,
+            states,
+        };
+        definition.vanishes()?;
+        Ok(intern::keep(definition))
+    }
+
+    /// Its entry, as the catalogue has them.
+    #[must_use]
+    pub const fn entry(&self) -> &Entry {
+        &self.entry
+    }
+
+    /// The table that it was read from.
+    #[must_use]
+    pub const fn table(&self) -> &DefinitionTable {
+        &self.table
+    }
+
+    pub(super) const fn stage(&self) -> Stage {
+        self.entry.stage
+    }
+
+    pub(super) fn adds(&self, values: &[f64]) -> f64 {
+        self.adds.value(values)
+    }
+
+    pub(super) const fn uses_time(&self) -> bool {
+        self.uses_time
+    }
+
+    pub(super) const fn is_linear(&self) -> bool {
+        self.is_linear
+    }
+
+    pub(super) const fn states(&self) -> usize {
+        self.states.len()
+    }
+
+    pub(super) fn rates(&self, values: &[f64]) -> [f64; OWN_STATES] {
+        std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.value(values)))
+    }
+
+    pub(super) fn start(&self, values: &[f64]) -> [f64; OWN_STATES] {
+        std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[_, start]| start.value(values)))
+    }
+
+    /// Checks at some points, chosen without order, that the effect adds nothing where its parameters are neutral.
+    fn vanishes(&self) -> Result<(), DefinitionError> {
+        let bounds = Names::of(&self.table)?.bounds;
+        let own = bounds.len() - self.table.parameters.len();
+        let neutral = |at: usize| self.table.parameters.values().nth(at - own).and_then(|param| param.neutral);
+        for point in 1..=32_u32 {
+            let at = |(index, [low, high]): (usize, &[f64; 2])| {
+                let share = (f64::from(point) * 0.618_033_988_749 + index as f64 * 0.754_877_666).fract();
+                // The values of a rig lie within some hundreds.
+                let (low, high) = if index < own { (low.max(-1e3), high.min(1e3)) } else { (*low, *high) };
+                (index >= own).then(|| neutral(index)).flatten().unwrap_or(low + share * (high - low))
+            };
+            let values: Vec<f64> = bounds.iter().enumerate().map(at).collect();
+            let value = self.adds.value(&values);
+            if value != 0.0 {
+                return Err(DefinitionError {
+                    key: "adds".into(),
+                    message: format!(
+                        "the formula gives {value} where every parameter with a neutral value is neutral, and must give \
+                         0 there; multiply it by a parameter with `neutral = 0`, or give another neutral value"
+                    ),
+                });
+            }
+        }
+        Ok(())
+    }
+}

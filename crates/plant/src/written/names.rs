@@ -1,0 +1,78 @@
+//! The names that the formulas of one definition may use, each at its place among the values of an evaluation.
+
+use super::scope::{STATE, variables};
+use super::table::{DefinitionError, DefinitionTable, check_states};
+use crate::effect::Stage;
+use crate::motion::OWN_STATES;
+use formula::{Formula, is_free_name};
+use std::ops::Range;
+
+/// The names of a definition's formulas, with their bounds.
+pub(super) struct Names<'a> {
+    names: Vec<&'a str>,
+    /// The bounds of their values, in the same order.
+    pub(super) bounds: Vec<[f64; 2]>,
+    states: Range<usize>,
+    /// The place of the first parameter.
+    parameters: usize,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn of(table: &'a DefinitionTable) -> Result<Self, DefinitionError> {
+        let is_force = table.stage != Stage::Actuator;
+        let (mut names, mut bounds): (Vec<&str>, Vec<[f64; 2]>) = variables(table.stage).iter().copied().unzip();
+        let variables = names.len();
+        check_states(table, is_force)?;
+        let mut states: Vec<&str> = table.states.keys().map(String::as_str).collect();
+        let count = states.len();
+        // An effect without states has places for them, too, so that every force is evaluated alike.
+        states.resize(if is_force { OWN_STATES } else { 0 }, "");
+        bounds.resize(bounds.len() + states.len(), STATE);
+        names.extend(states);
+        let parameters = names.len();
+        for (name, parameter) in &table.parameters {
+            let is_new = is_free_name(name) && !names.contains(&name.as_str());
+            if !is_new {
+                return Err(DefinitionError {
+                    key: format!("parameters.{name}"),
+                    message: format!("`{name}` is a name that formulas have already; choose another"),
+                });
+            }
+            names.push(name);
+            bounds.push([parameter.low, parameter.high]);
+        }
+        Ok(Self { names, bounds, states: variables..variables + count, parameters })
+    }
+
+    /// The same names with none for the own states.
+    pub(super) fn without_states(&self) -> Self {
+        let mut names = self.names.clone();
+        names[self.states.clone()].fill("");
+        Self { names, bounds: self.bounds.clone(), states: self.states.clone(), parameters: self.parameters }
+    }
+
+    pub(super) fn place(&self, name: &str) -> usize {
+        self.names.iter().position(|known| *known == name).unwrap_or(usize::MAX)
+    }
+
+    /// Reads a formula, which must have a value wherever its names are within their bounds.
+    pub(super) fn formula(&self, key: &str, text: &str) -> Result<Formula, DefinitionError> {
+        let bounds: Vec<(f64, f64)> = self.bounds.iter().map(|[low, high]| (*low, *high)).collect();
+        let read = Formula::parse(text, &self.names).and_then(|formula| formula.range(&bounds).map(|_| formula));
+        read.map_err(|mistake| DefinitionError { key: key.into(), message: format!("`{text}`, {mistake}") })
+    }
+
+    /// Checks that every parameter and every state occurs.
+    pub(super) fn all_used(&self, adds: &Formula, states: &[[Formula; 2]]) -> Result<(), DefinitionError> {
+        let formulas = || std::iter::once(adds).chain(states.iter().flatten());
+        let own = self.states.clone().chain(self.parameters..self.names.len());
+        let unused = own.into_iter().find(|place| !formulas().any(|formula| formula.uses(*place)));
+        match unused {
+            Some(place) => Err(DefinitionError {
+                key: String::new(),
+                message: format!("`{}` occurs in no formula; use it in `adds`, or remove it", self.names[place]),
+            }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Written effects beside built-in ones and closed forms, and what is refused.
+
+use super::{Definition, DefinitionError, DefinitionTable};
+use crate::effects::Effects;
+use crate::model::{Model, tests::thesis};
+use crate::motion::{Input, Motion};
+
+fn table(json: serde_json::Value) -> DefinitionTable {
+    serde_json::from_value(json).unwrap()
+}
+
+/// `adds` with the parameter `k`, neutral at 0.
+fn simple(stage: &str, adds: &str) -> DefinitionTable {
+    table(serde_json::json!({
+        "stage": stage, "adds": adds, "parameters": { "k": { "neutral": 0.0, "low": -100.0, "high": 100.0 } },
+    }))
+}
+
+fn refused(table: &DefinitionTable) -> DefinitionError {
+    Definition::new("refused", table).unwrap_err()
+}
+
+/// A model with one effect: of its own, or written with these values.
+fn with(name: &str, values: &[f64], written: Option<&DefinitionTable>) -> Model {
+    let mut model = Model { effects: Effects::default(), ..thesis() };
+    if let Some(table) = written {
+        model.effects.written.define(Definition::new(name, table).unwrap());
+    }
+    assert!(model.effects.set(name, values), "{name}");
+    model.check().unwrap();
+    model
+}
+
+/// Heights of a ball under a square wave of the duty, from 250 mm.
+fn heights(model: &Model) -> Vec<f64> {
+    let mut motion = model.at_rest(250.0, 0.0);
+    let step = |k: i32| {
+        let duty = model.hover_duty_percent + if (k / 40) % 2 == 0 { 0.6 } else { -0.6 };
+        let input = Input { commanded_mm_per_s2: model.commanded(duty), time_s: f64::from(k) * 0.01 };
+        motion = motion.step(model, input, 0.01);
+        motion.position_mm
+    };
+    (0..400).map(step).collect()
+}
+
+fn same(one: &[f64], other: &[f64]) {
+    let off = one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-12 * 583.0, "{off} mm");
+}
+
+#[test]
+fn an_effect_written_as_a_formula_flies_as_the_one_in_rust() {
+    let drag = with("drag_of_mine", &[0.004], Some(&simple("ball", "-k * v * abs(v)")));
+    same(&heights(&drag), &heights(&with("quadratic_drag", &[0.004], None)));
+    let flow = with("flow_of_mine", &[6.0], Some(&simple("air", "-k * (x - 291.5)")));
+    same(&heights(&flow), &heights(&with("height_dependent_flow", &[6.0], None)));
+    let sag = table(serde_json::json!({
+        "stage": "air", "adds": "-k * s", "states": { "s": { "rate": "(fan - s) / tau", "start": "fan" } },
+        "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 }, "tau": { "value": 2.0, "low": 0.1, "high": 9.0 } },
+    }));
+    same(&heights(&with("sag_of_mine", &[0.4, 1.5], Some(&sag))), &heights(&with("supply_sag", &[0.4, 1.5], None)));
+}
+
+#[test]
+fn a_formula_in_the_actuator_changes_the_command_and_may_move_with_time() {
+    let model = with("ripple", &[0.5], Some(&simple("actuator", "k * sin(t) + k * u")));
+    let mut actuator = crate::Actuator::new(&model, model.hover_duty_percent + 1.0);
+    assert!(crate::Actuator::drifts(&model));
+    let at = actuator.commanded(&model, 2.0);
+    let exact = model.gain_mm_per_s2_per_percent * (1.0 + 0.5 * 2.0_f64.sin() + 0.5);
+    assert!((at - exact).abs() < 1e-9, "{at}, exact {exact}");
+}
+
+#[test]
+fn a_force_of_time_is_integrated_with_its_time() {
+    // ÿ = k·cos t from rest: y = k·(1 − cos t).
+    let table = simple("air", "k * cos(t)");
+    let model = Model { drag_per_s: 0.0, pipe_length_mm: 1e6, ..with("hum", &[80.0], Some(&table)) };
+    let mut motion = model.at_rest(5e5, 0.0);
+    for k in 0..200 {
+        motion = motion.step(&model, Input { commanded_mm_per_s2: 0.0, time_s: f64::from(k) * 0.01 }, 0.01);
+    }
+    let exact = 5e5 + 80.0 * (1.0 - 2.0_f64.cos());
+    assert!((motion.position_mm - exact).abs() < 1e-5, "{}, exact {exact}", motion.position_mm);
+}
+
+#[test]
+fn linear_is_what_is_affine_in_everything_that_moves() {
+    for (adds, linear) in
+        [("-k * x", true), ("k * (x - 3 * v) + k", true), ("k * x * t", false), ("k * max(x, 0)", false)]
+    {
+        let model = with("of_mine", &[1.0], Some(&simple("air", adds)));
+        assert_eq!(model.effects.motion_is_linear(), linear, "{adds}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said_with_key_and_column() {
+    let said = |table: &DefinitionTable| {
+        let DefinitionError { key, message } = refused(table);
+        format!("{key}: {message}")
+    };
+    for (adds, part) in [
+        ("-k * (x - )", "adds: `-k * (x - )`, column 11"),
+        ("-k * hight", "adds: `-k * hight`, column 6"),
+        ("k / x", "column 3"),
+        ("k * sqrt(x)", "column 5"),
+        ("k * x + 1", "must give 0 there"),
+        ("0 * x", "`k` occurs in no formula"),
+    ] {
+        assert!(said(&simple("air", adds)).contains(part), "{adds}: {}", said(&simple("air", adds)));
+    }
+    assert!(said(&simple("actuator", "k * x")).contains("column 5"), "the actuator does not know where the ball is");
+    assert!(said(&simple("sensor", "k * x")).starts_with("stage: "));
+    let parameter =
+        |k: serde_json::Value| table(serde_json::json!({"stage": "air", "adds": "k*x", "parameters": {"k": k}}));
+    for (k, part) in [
+        (serde_json::json!({ "neutral": 0.0, "low": 1.0, "high": 2.0 }), "not within 1 to 2"),
+        (serde_json::json!({ "neutral": 0.0, "value": 1.0, "low": 0.0, "high": 2.0 }), "not both"),
+        (serde_json::json!({ "value": 1.0, "low": 0.0, "high": 2.0 }), "no parameter has a neutral value"),
+        (serde_json::json!({ "neutral": 0.0, "low": 0.0, "high": 2.0, "scale": 9.0 }), "scale = 9"),
+    ] {
+        assert!(said(&parameter(k.clone())).contains(part), "{}", said(&parameter(k)));
+    }
+    assert!(Definition::new("dead_zone", &simple("air", "k*x")).unwrap_err().message.contains("catalogue"));
+    assert!(Definition::new("Leak", &simple("air", "k*x")).unwrap_err().message.contains("no name"));
+}
+
+#[test]
+fn a_state_that_explodes_gives_no_panic_and_numbers_that_show_it() {
+    let wild = table(serde_json::json!({
+        "stage": "air", "adds": "k * s", "states": { "s": { "rate": "1 + s^3" } },
+        "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 } },
+    }));
+    let flown = heights(&with("wild", &[1.0], Some(&wild)));
+    assert!(flown.last().is_some_and(|last| !last.is_finite() || *last == 583.0 || *last == 0.0), "{flown:?}");
+}
+
+#[test]
+fn equal_definitions_are_one_and_a_new_one_takes_the_place_of_the_old() {
+    let (one, other) = (simple("air", "k * x"), simple("air", "k * v"));
+    assert!(std::ptr::eq(Definition::new("mine", &one).unwrap(), Definition::new("mine", &one).unwrap()));
+    let mut model = with("mine", &[1.0], Some(&one));
+    model.effects.written.define(Definition::new("mine", &other).unwrap());
+    assert_eq!((model.effects.values("mine"), model.effects.present().len()), (None, 0));
+    assert_eq!(model.effects.entry("mine").map(|entry| entry.params[0].name), Some("k"));
+}
+
+#[test]
+fn values_are_checked_against_their_bounds_and_written_to_a_config() {
+    let mut model = with("mine", &[1.0], Some(&simple("air", "k * x")));
+    assert_eq!(serde_json::to_value(&model.effects).unwrap(), serde_json::json!({ "mine": { "k": 1.0 } }));
+    model.effects.set("mine", &[1e4]);
+    assert_eq!(model.check().unwrap_err().0, "effects.mine");
+    assert!(
+        model.effects.remove("mine")
+            && model.effects == {
+                let mut known = Effects::default();
+                known.written = model.effects.written.clone();
+                known
+            }
+    );
+    let still = Motion::at_rest(100.0, 0.0);
+    assert_eq!(still.step(&model, Input::of(0.0), 0.01).position_mm, 100.0);
+}

@@ -185,12 +185,12 @@ fn copy(from: &Path, to: &Path) {
 
 /// A workspace with copies of the crates that an effect needs, and the effect in them.
 fn workspace(folder: &Path) {
-    for name in ["control", "plant", "diagnose"] {
+    for name in ["control", "formula", "plant", "diagnose"] {
         copy(&root().join("crates").join(name), &folder.join("crates").join(name));
     }
     let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let members = manifest.lines().find(|line| line.starts_with("members")).unwrap();
-    let mine = r#"members = ["crates/control", "crates/plant", "crates/diagnose", "proof"]"#;
+    let mine = r#"members = ["crates/control", "crates/formula", "crates/plant", "crates/diagnose", "proof"]"#;
     fs::write(folder.join("Cargo.toml"), manifest.replace(members, mine)).unwrap();
     fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock")).unwrap();
     fs::create_dir_all(folder.join("proof/src")).unwrap();

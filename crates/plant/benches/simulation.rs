@@ -17,7 +17,7 @@
 
 use ode_solvers::{Rk4, System, Vector2};
 use plant::effects::{FanLag, SpinAsymmetry};
-use plant::{Effects, Model, Noise, Simulator};
+use plant::{Definition, DefinitionTable, Effects, Model, Noise, ParameterTable, Simulator, Stage};
 use std::error::Error;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -64,7 +64,36 @@ fn main() -> Fallible<()> {
         model.effects.set(entry.name, entry.sizes.first().copied().unwrap_or_default());
         report(entry.name, || plant(&model), || plant(&noisy))?;
     }
+
+    println!("\nEffects that are written as formulas, beside the same in Rust (both with noise)");
+    for (name, adds) in [("height_dependent_flow", "-k * (x - 291.5)"), ("quadratic_drag", "-k * v * abs(v)")] {
+        let [built_in, written] = in_both_ways(&noisy, name, adds)?;
+        let apart = apart(&flight(&written), &flight(&built_in));
+        say(&format!("{name}, largest relative difference of a reading"), apart)?;
+        report(&format!("{name}, written / in Rust"), || plant(&written), || plant(&built_in))?;
+    }
     Ok(())
+}
+
+/// The rig with an effect of one parameter as it is in the catalogue, and with the same effect as a formula of `k`.
+fn in_both_ways(rig: &Model, name: &str, adds: &str) -> Fallible<[Model; 2]> {
+    let parameter =
+        ParameterTable { neutral: Some(0.0), value: None, scale: None, low: 0.0, high: 1e3, unit: String::new() };
+    let table = DefinitionTable {
+        stage: Stage::Ball,
+        adds: adds.into(),
+        looks: String::new(),
+        mend: String::new(),
+        parameters: [("k".to_owned(), parameter)].into(),
+        states: [].into(),
+    };
+    let definition = Definition::new("written", &table).map_err(|error| error.message)?;
+    let size = Effects::built_in(name).and_then(|entry| entry.sizes.first()).copied().unwrap_or_default();
+    let (mut built_in, mut written) = (rig.clone(), rig.clone());
+    built_in.effects.set(name, size);
+    written.effects.written.define(definition);
+    written.effects.set("written", &size[..1]);
+    Ok([built_in, written])
 }
 
 /// The thesis' rig without effects.

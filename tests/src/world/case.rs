@@ -46,6 +46,16 @@ impl Case {
         Parts { base: self.base, effects: self.effects.clone(), seconds: self.programme.seconds, sensor_first: false }
     }
 
+    /// The flight of this number of the same rig: 0 is the first one, others have other setpoints and noise.
+    pub(crate) fn flight(&self, source: &Source, number: usize) -> (Source, Self) {
+        if number == 0 {
+            return (source.clone(), self.clone());
+        }
+        let source = Source { seed: format!("{}\nflight {number}", source.seed), case: source.case };
+        let programme = Programme::draw(&mut source.stream("programme"));
+        (source, Self { programme, ..self.clone() })
+    }
+
     /// Draws a case. It depends on its source and the mixture only, not on other cases.
     pub(crate) fn draw(source: &Source, mixture: &Mixture) -> Self {
         let programme = Programme::draw(&mut source.stream("programme"));

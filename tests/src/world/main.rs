@@ -47,6 +47,9 @@ struct Arguments {
     /// Never draw this effect; may be given again
     #[arg(long, value_name = "EFFECT", value_parser = known)]
     leave_out: Vec<&'static str>,
+    /// Fly the same rigs again, with other setpoints and noise: the number of the flight
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    flight: usize,
     /// Write only the case with this number; hash and truth are those of the whole set
     #[arg(long, value_name = "K")]
     case: Option<usize>,
@@ -170,6 +173,7 @@ fn make(arguments: &Arguments, cases: &[(Source, Case)], chosen: &[usize]) -> Re
         let mut done = Vec::new();
         while let Some(&k) = chosen.get(next.fetch_add(1, Ordering::Relaxed)) {
             let (source, case) = &cases[k];
+            let (source, case) = &case.flight(source, arguments.flight);
             let file = |ending: &str| arguments.out.join(format!("{}.{ending}", name(k)));
             write(&file("csv"), &flight::csv(&flight::fly(case, source, |_| {})))?;
             write(&file("toml"), &truth::belief(case))?;

@@ -7,9 +7,11 @@
 //! The first verdict that applies: `insufficient_data`, `unexplained` (the innovations depend on known signals, or are
 //! coloured), `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
+use crate::answer::forecast::best_forecast;
 use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::intervals::{Reach, reaches};
+use crate::form::Form;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::gap::share_closed::Closed;
 use crate::options::Options;
@@ -55,8 +57,11 @@ pub struct Diagnosis {
     pub rounds: Vec<Vec<Scored>>,
     /// The belief with its base parameters refitted.
     pub refitted: Fit,
-    /// The belief with refitted parameters and the effects that were found.
+    /// The model that forecasts best: the belief with refitted parameters and the effects that were found. Where a
+    /// residual remains, it is without them, or with a form, if that forecasts better.
     pub mended: Fit,
+    /// The belief with refitted parameters and the effects that were found.
+    pub(crate) with_effects: Fit,
     /// Held-out forecast errors: nominal, refitted, mended.
     pub gaps: [Gap; 3],
     /// Where the refitted belief is wrong, the most significant place first.
@@ -69,6 +74,8 @@ pub struct Diagnosis {
     pub closed: Option<Closed>,
     /// Problems of the record, by flight.
     pub findings: Vec<FlightFinding>,
+    /// The form of the force that no effect explains, which the mended model has.
+    pub form: Option<Form>,
     /// The possible values of each parameter on this record.
     pub(crate) bounds: Bounds,
     /// The uncertainty of the parameters of the mended model.
@@ -100,23 +107,19 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         answers = false;
         found = Selection::nothing(&search, &refitted);
     }
-    let stretches = held_out(&search, belief, [&refitted, &found.fit]);
+    let (mended, form) = if answers && found.is_incomplete() {
+        best_forecast(&search, &refitted, &found.fit)
+    } else {
+        (found.fit.clone(), None)
+    };
+    let stretches =
+        [tallies_of_belief(&search), held_out(&search, &refitted, |_| ()), held_out(&search, &mended, |_| ())];
     let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
     let closed = Closed::of(&stretches[0], &stretches[2]).filter(|_| answers);
-    let verdict = if !answers {
-        Verdict::InsufficientData
-    } else if found.is_incomplete() {
-        Verdict::Unexplained
-    } else if !found.effects.is_empty() {
-        Verdict::Effect
-    } else if parameters_matter(&gaps) {
-        Verdict::Parameters
-    } else {
-        Verdict::NoGap
-    };
+    let verdict = if answers { verdict(&found, &gaps) } else { Verdict::InsufficientData };
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
-    let Selection { mut effects, rounds, fit: mended, misfit, .. } = found;
+    let Selection { mut effects, rounds, fit: with_effects, misfit, .. } = found;
     effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
     let reaches = reaches(&search.problem, &mended);
     Diagnosis {
@@ -125,14 +128,29 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         rounds,
         refitted,
         mended,
+        with_effects,
         gaps,
         places,
         band,
         misfit,
         closed,
         findings,
+        form,
         bounds,
         reaches,
+    }
+}
+
+/// The verdict of a record that can answer.
+fn verdict(found: &Selection, gaps: &[Gap; 3]) -> Verdict {
+    if found.is_incomplete() {
+        Verdict::Unexplained
+    } else if !found.effects.is_empty() {
+        Verdict::Effect
+    } else if parameters_matter(gaps) {
+        Verdict::Parameters
+    } else {
+        Verdict::NoGap
     }
 }
 
@@ -167,19 +185,24 @@ fn trust(verdict: Verdict) -> f64 {
     if verdict == Verdict::Unexplained { TRUST_BESIDE_RESIDUAL } else { TRUST }
 }
 
-/// Held-out forecast errors of the belief and of the fits, each fitted without each fold, by stretch of the record.
-fn held_out(search: &Search<'_>, belief: &Model, fits: [&Fit; 2]) -> [Vec<Tally>; 3] {
+/// Forecast errors of the belief, by stretch of the record.
+fn tallies_of_belief(search: &Search<'_>) -> Vec<Tally> {
+    let Problem { recording, folds, belief, .. } = search.problem;
+    tallies(belief, recording, &|row| folds.stretch(row))
+}
+
+/// Held-out forecast errors of a fit, by stretch of the record: each under the model that was fitted without its fold,
+/// changed by `change`.
+pub(crate) fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<Tally> {
     let Problem { recording, folds, .. } = search.problem;
-    let of = |models: Vec<Model>| {
-        let one = |(fold, model): (usize, &Model)| {
-            tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
-        };
-        let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
-        let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
-        (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
+    let mut models = search.problem.without_each_fold(fit);
+    models.iter_mut().for_each(change);
+    let one = |(fold, model): (usize, &Model)| {
+        tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
     };
-    let [refitted, mended] = fits.map(|fit| of(search.problem.without_each_fold(fit)));
-    [tallies(belief, recording, &|row| folds.stretch(row)), refitted, mended]
+    let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
+    let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
+    (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
 }
 
 /// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.

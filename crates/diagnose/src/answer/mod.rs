@@ -3,6 +3,7 @@
 pub(crate) mod closed_loop;
 pub(crate) mod diagnosis;
 pub(crate) mod document;
+pub(crate) mod forecast;
 pub(crate) mod intervals;
 pub(crate) mod patch;
 pub(crate) mod sentences;

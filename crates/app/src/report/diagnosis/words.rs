@@ -24,6 +24,9 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     if let Some(residual) = found.residual_in_words() {
         let _ = write!(words, "\n{residual}");
     }
+    if let Some(form) = found.form_in_words() {
+        let _ = write!(words, "\n{form}");
+    }
     let [nominal, refitted, mended] = &found.gaps;
     let at = |gap: &Gap| gap.error_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));
     let floor = mended.floor_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));

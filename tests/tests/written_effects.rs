@@ -1,0 +1,93 @@
+//! Effects that a user writes, from the shipped library: flown, found beside the catalogue, and refused where wrong.
+
+use serde_json::Value;
+use system_tests::{Bench, root};
+
+fn library() -> String {
+    root().join("effects.toml").to_str().unwrap().to_owned()
+}
+
+/// Flies the identification experiment with a patch; the log's name.
+fn flown(bench: &Bench, patch: &str) -> &'static str {
+    bench.write("on.toml", patch);
+    let root = root();
+    let at = |file: &str| root.join(file).to_str().unwrap().to_owned();
+    let (config, experiment, effects) = (at("config.toml"), at("experiments/identify.toml"), library());
+    let files = ["--config", &config, "--effects", &effects, "--patch", "on.toml", "--experiment", &experiment];
+    let said = bench.output(&[&["simulate", "--log", "log.mcap", "--seed", "3"], &files[..]].concat());
+    assert!(said.contains("log.mcap"), "{said}");
+    "log.mcap"
+}
+
+#[test]
+fn each_effect_of_the_library_changes_a_flight() {
+    let bench = Bench::default();
+    let library: toml::Table = toml::from_str(&std::fs::read_to_string(library()).unwrap()).unwrap();
+    let rows = |patch: &str| bench.output(&["log", "export", flown(&bench, patch)]);
+    let plain = rows("");
+    let effects = library["effect"].as_table().unwrap();
+    assert!(effects.len() > 5);
+    for (name, effect) in effects {
+        let values = effect["parameters"].as_table().unwrap().iter().map(|(key, parameter)| {
+            let number = |key: &str| parameter.get(key).and_then(toml::Value::as_float);
+            format!("{key} = {:?}\n", number("value").unwrap_or_else(|| number("scale").unwrap()))
+        });
+        let patch = format!("[plant.effects.{name}]\n{}", values.collect::<String>());
+        assert_ne!(rows(&patch), plain, "{name}");
+    }
+}
+
+// A lag of its own behind the fan, with a state: no effect of the catalogue has it.
+#[test]
+fn a_written_effect_is_named_beside_the_catalogue_and_its_patch_stands_alone() {
+    let bench = Bench::default();
+    let log = flown(&bench, "[plant.effects.second_lag]\nshare = 0.7\ntau = 0.5\n");
+    let root = root();
+    let config = root.join("config.toml");
+    let config = config.to_str().unwrap();
+    let said = bench.output(&[
+        "diagnose",
+        "--json",
+        log,
+        "--config",
+        config,
+        "--effects",
+        &library(),
+        "--patch-out",
+        "p.toml",
+    ]);
+    let found: Value = serde_json::from_str(&said).unwrap();
+    let first = &found["effects"][0];
+    assert_eq!((&found["verdict"], &first["name"]), (&"effect".into(), &"second_lag".into()));
+    for (name, truth) in [("share", 0.7), ("tau", 0.5)] {
+        let interval = &first["parameters"][name];
+        let (low, high) = (interval["low"].as_f64().unwrap(), interval["high"].as_f64().unwrap());
+        assert!(low < truth && truth < high, "{name}: {low} to {high}, in truth {truth}");
+    }
+    assert!(found["gap"]["closed"]["value"].as_f64().unwrap() > 0.9, "{}", found["gap"]["closed"]);
+    // The patch brings the definition along.
+    let error = |patch: &[&str]| {
+        let said = bench.output(&[&["replay", "--json", log, "--config", config], patch].concat());
+        serde_json::from_str::<Value>(&said).unwrap()["error_mm"][2].as_f64().unwrap()
+    };
+    assert!(error(&["--patch", "p.toml"]) < error(&[]));
+}
+
+#[test]
+fn a_library_that_cannot_be_read_and_an_unknown_name_are_said() {
+    let bench = Bench::default();
+    let root = root();
+    let config = root.join("config.toml");
+    let config = config.to_str().unwrap();
+    bench.write(
+        "wrong.toml",
+        "[effect.mine]\nstage = \"air\"\nadds = \"k / x\"\nparameters.k = { neutral = 0.0, low = 0.0, high = 1.0 }\n",
+    );
+    let ran = bench.run(&["config", "check", "--config", config, "--effects", "wrong.toml"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.errors);
+    assert!(ran.errors.contains("wrong.toml:3: effect.mine.adds: `k / x`, column 3"), "{}", ran.errors);
+    bench.write("log.csv", "time_s,duty_percent,position_mm\n0,20,100\n");
+    let ran = bench.run(&["diagnose", "log.csv", "--config", config, "--effects", &library(), "--without", "leek"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.errors);
+    assert!(ran.errors.contains("leek") && ran.errors.contains("second_lag"), "{}", ran.errors);
+}

@@ -21,9 +21,11 @@ fn flown(bench: &Bench, patch: &str) -> &'static str {
 
 #[test]
 fn each_effect_of_the_library_changes_a_flight() {
-    let bench = Bench::default();
     let library: toml::Table = toml::from_str(&std::fs::read_to_string(library()).unwrap()).unwrap();
-    let rows = |patch: &str| bench.output(&["log", "export", flown(&bench, patch)]);
+    let rows = |patch: &str| {
+        let bench = Bench::default();
+        bench.output(&["log", "export", flown(&bench, patch)])
+    };
     let plain = rows("");
     let effects = library["effect"].as_table().unwrap();
     assert!(effects.len() > 5);
@@ -86,8 +88,8 @@ fn a_library_that_cannot_be_read_and_an_unknown_name_are_said() {
     let ran = bench.run(&["config", "check", "--config", config, "--effects", "wrong.toml"]);
     assert_eq!(ran.code, Some(2), "{}", ran.errors);
     assert!(ran.errors.contains("wrong.toml:3: effect.mine.adds: `k / x`, column 3"), "{}", ran.errors);
-    bench.write("log.csv", "time_s,duty_percent,position_mm\n0,20,100\n");
-    let ran = bench.run(&["diagnose", "log.csv", "--config", config, "--effects", &library(), "--without", "leek"]);
+    let ran =
+        bench.run(&["diagnose", flown(&bench, ""), "--config", config, "--effects", &library(), "--without", "leek"]);
     assert_eq!(ran.code, Some(1), "{}", ran.errors);
     assert!(ran.errors.contains("leek") && ran.errors.contains("second_lag"), "{}", ran.errors);
 }

@@ -35,7 +35,6 @@
 mod answer;
 mod filter;
 mod fit;
-mod form;
 mod gap;
 pub mod identify;
 pub mod measure;
@@ -69,7 +68,6 @@ pub use answer::stages::StageShare;
 pub use fit::bounds::Bounds;
 pub use fit::estimate::Fit;
 pub use fit::parameter::Parameter;
-pub use form::Form;
 pub use gap::forecast_error::Gap;
 pub use gap::share_closed::Closed;
 pub use record::prepare::FlightFinding;

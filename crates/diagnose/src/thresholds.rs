@@ -34,14 +34,6 @@ pub(crate) const FAR_FROM_BELIEF: f64 = 3.0;
 /// What noise of another order must gain for a refit to start there.
 pub(crate) const OTHER_NOISE: f64 = 50.0;
 
-// Which form does an unexplained force have?
-
-/// Held-out gain that a term of the form takes, nats: what the best of a hundred gains by chance, and one for its
-/// coefficient.
-pub(crate) const TERM_OF_A_FORM: f64 = 5.6;
-/// Held-out gain of the whole form after the fit, nats: that of one term.
-pub(crate) const FORM_OF_THE_UNEXPLAINED: f64 = 5.6;
-
 /// A model forecasts better than a simpler one where its mean square at 1 s is lower by so many standard errors over the
 /// stretches of the record: a one-sided test at 5 %.
 pub(crate) const BETTER_FORECAST: f64 = 1.645;

@@ -11,7 +11,6 @@ use crate::answer::forecast::best_forecast;
 use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::intervals::{Reach, reaches};
-use crate::form::Form;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::gap::share_closed::Closed;
 use crate::options::Options;
@@ -58,7 +57,7 @@ pub struct Diagnosis {
     /// The belief with its base parameters refitted.
     pub refitted: Fit,
     /// The model that forecasts best: the belief with refitted parameters and the effects that were found. Where a
-    /// residual remains, it is without them, or with a form, if that forecasts better.
+    /// residual remains, it is without them if that forecasts better.
     pub mended: Fit,
     /// The belief with refitted parameters and the effects that were found.
     pub(crate) with_effects: Fit,
@@ -74,8 +73,6 @@ pub struct Diagnosis {
     pub closed: Option<Closed>,
     /// Problems of the record, by flight.
     pub findings: Vec<FlightFinding>,
-    /// The form of the force that no effect explains, which the mended model has.
-    pub form: Option<Form>,
     /// The possible values of each parameter on this record.
     pub(crate) bounds: Bounds,
     /// The uncertainty of the parameters of the mended model.
@@ -107,11 +104,8 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         answers = false;
         found = Selection::nothing(&search, &refitted);
     }
-    let (mended, form) = if answers && found.is_incomplete() {
-        best_forecast(&search, &refitted, &found.fit)
-    } else {
-        (found.fit.clone(), None)
-    };
+    let incomplete = answers && found.is_incomplete();
+    let mended = if incomplete { best_forecast(&search, &refitted, &found.fit) } else { found.fit.clone() };
     let stretches =
         [tallies_of_belief(&search), held_out(&search, &refitted, |_| ()), held_out(&search, &mended, |_| ())];
     let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
@@ -135,7 +129,6 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         misfit,
         closed,
         findings,
-        form,
         bounds,
         reaches,
     }

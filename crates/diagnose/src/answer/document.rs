@@ -5,14 +5,13 @@ use crate::answer::diagnosis::{Diagnosis, Verdict};
 use crate::answer::stages::StageShare;
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
-use crate::form::Form;
 use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::Closed;
 use crate::residual::location::Place;
 use crate::residual::spectrum::Band;
 use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::SIGNIFICANT;
-use plant::{Entry, Model};
+use plant::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -43,7 +42,6 @@ pub struct Document {
     verdict: Verdict,
     effects: Vec<EffectEntry>,
     parameters: BTreeMap<&'static str, ParameterEntry>,
-    form: Option<FormEntry>,
     gap: GapEntry,
     r#where: WhereEntry,
     check: CheckEntry,
@@ -61,19 +59,6 @@ struct EffectEntry {
     probability: f64,
     indistinguishable_from: Vec<&'static str>,
     parameters: BTreeMap<&'static str, Interval>,
-}
-
-/// The form of the force that no effect explains.
-#[derive(Clone, Debug, Serialize)]
-struct FormEntry {
-    /// What it adds to the acceleration, mm/s²: a formula as in `[effect.NAME]`.
-    adds: String,
-    /// What each of its terms goes with.
-    goes_with: Vec<&'static str>,
-    /// Its coefficients, mm/s².
-    parameters: BTreeMap<&'static str, Interval>,
-    /// Held-out log-likelihood gain over the model without it, nats.
-    held_out_gain: f64,
 }
 
 /// A value with its 90 % interval.
@@ -150,7 +135,6 @@ impl Diagnosis {
             verdict: self.verdict,
             effects: self.effects.iter().map(|named| self.effect_entry(named)).collect(),
             parameters: self.base_parameters(belief),
-            form: self.form.as_ref().map(|form| self.form_entry(form)),
             gap: self.gap_entry(context.closed_loop),
             r#where: WhereEntry {
                 stage: self.stage_shares(&context.deviations),
@@ -167,22 +151,6 @@ impl Diagnosis {
             config_patch: self.patch_toml(),
             sentences: self.sentences(),
         }
-    }
-
-    fn form_entry(&self, form: &Form) -> FormEntry {
-        FormEntry {
-            adds: form.definition.table().adds.clone(),
-            goes_with: form.terms.clone(),
-            parameters: self.form_parameters(),
-            held_out_gain: form.held_out_gain,
-        }
-    }
-
-    /// The coefficients of the form by their names, mm/s²; none without a form.
-    #[must_use]
-    pub fn form_parameters(&self) -> BTreeMap<&'static str, Interval> {
-        let entry = self.form.as_ref().map(|form| form.definition.entry());
-        entry.map_or_else(BTreeMap::new, |entry| self.parameters_of(entry))
     }
 
     /// The places where the refitted belief is significantly wrong, the most significant first.
@@ -206,10 +174,7 @@ impl Diagnosis {
     /// The parameters of an effect that was found, by their keys of the config.
     #[must_use]
     pub fn effect_parameters(&self, named: &NamedEffect) -> BTreeMap<&'static str, Interval> {
-        self.parameters_of(named.candidate.entry)
-    }
-
-    fn parameters_of(&self, entry: &'static Entry) -> BTreeMap<&'static str, Interval> {
+        let entry = named.candidate.entry;
         let own = |fit: &Fit| fit.model.effects.values(entry.name);
         let values = own(&self.mended).or_else(|| own(&self.with_effects)).unwrap_or_default();
         let known = self.intervals();

@@ -1,45 +1,28 @@
-//! The model that forecasts best where no effect explains the record.
+//! The model that forecasts best where a residual remains.
 //!
 //! A wrong model that maximises the likelihood of the next reading may forecast a second worse than the belief does. So
-//! the belief, its refit, the fit with the effects that were found, and the forms that go with each are compared by
-//! their held-out forecast errors at 1 s. A model takes the place of a simpler one where it is better in the mean of the
-//! stretches by more than chance.
+//! the belief, its refit, and the fit with the effects that were found are compared by their held-out forecast errors at
+//! 1 s. A model takes the place of a simpler one where it is better in the mean of the stretches by more than chance.
 
 use crate::answer::diagnosis::held_out;
 use crate::fit::estimate::Fit;
-use crate::form::{Form, form};
 use crate::gap::forecast_error::Tally;
 use crate::select::search::Search;
 use crate::thresholds::BETTER_FORECAST;
-use rayon::prelude::*;
 
-/// A model that is compared.
-struct Rival {
-    fit: Fit,
-    form: Option<Form>,
-    errors: Vec<Tally>,
-}
-
-/// The best of the belief, the fits, and their forms.
-pub(super) fn best_forecast(search: &Search<'_>, refitted: &Fit, with_effects: &Fit) -> (Fit, Option<Form>) {
+/// The best of the belief and the fits.
+pub(super) fn best_forecast(search: &Search<'_>, refitted: &Fit, with_effects: &Fit) -> Fit {
     let belief = search.problem.fit(search.problem.belief, &[]);
-    // A form may go with what was found, and with the belief where the refit has followed the force that is missing.
-    let near = if search.is_far(refitted) { &belief } else { refitted };
-    let effects = (with_effects.parameters.len() > refitted.parameters.len()).then_some(with_effects);
-    let bases: Vec<&Fit> = std::iter::once(near).chain(effects).collect();
-    let forms: Vec<_> = bases.par_iter().filter_map(|base| form(search, &base.model)).collect();
-    let plain = [belief.clone(), refitted.clone(), with_effects.clone()].into_iter().map(|fit| (fit, None));
-    let rivals = plain.chain(forms.into_iter().map(|(form, fit)| (fit, Some(form)))).collect::<Vec<_>>();
-    let rivals = rivals.into_par_iter().map(|(fit, form)| {
-        // A patch does not change the noise.
-        let errors = held_out(search, &fit, |model| model.noise = search.problem.belief.noise);
-        Rival { fit, form, errors }
-    });
-    let best = rivals
-        .collect::<Vec<_>>()
-        .into_iter()
-        .reduce(|best, next| if is_better(&next.errors, &best.errors) { next } else { best });
-    best.map_or_else(|| (refitted.clone(), None), |best| (best.fit, best.form))
+    // A patch does not change the noise.
+    let errors = |fit: &Fit| held_out(search, fit, |model| model.noise = search.problem.belief.noise);
+    let mut best = (errors(&belief), &belief);
+    for next in [refitted, with_effects] {
+        let errors = errors(next);
+        if is_better(&errors, &best.0) {
+            best = (errors, next);
+        }
+    }
+    best.1.clone()
 }
 
 /// Whether the mean squares at 1 s are lower in the mean of the stretches by more than chance.

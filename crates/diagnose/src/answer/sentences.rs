@@ -89,31 +89,12 @@ impl Diagnosis {
         (!form.is_empty()).then(|| format!("what is left{without} looks like {}{acts}", form.join(", and ")))
     }
 
-    /// The form of the force that no effect explains, and which of the effects the mended model lacks; `None`: it has the
-    /// effects that were found, and nothing else.
+    /// Which of the effects that were found the mended model does not have, and why; `None`: it has them all.
     #[must_use]
-    pub fn form_in_words(&self) -> Option<String> {
-        let left_out: Vec<&str> = self.left_out();
-        let Some(form) = &self.form else {
-            let names = listed(&left_out.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
-            return (!left_out.is_empty())
-                .then(|| format!("the mended model is without {names}: it forecasts better so"));
-        };
-        let mut with = form.terms.clone();
-        with.dedup();
-        let with = listed(&with.into_iter().map(str::to_owned).collect::<Vec<_>>());
-        let adds = &form.definition.table().adds;
-        let values = self.form_parameters().into_iter().map(|(name, value)| format!("{name} = {}", value.in_words()));
-        let near = match &left_out[..] {
-            [] => String::new(),
-            names => format!("; nearest to it by name: {}", names.join(", ")),
-        };
-        let values: Vec<String> = values.collect();
-        Some(format!(
-            "a force that goes with {with} forecasts better than any effect, whatever its nature: {adds}, in mm/s², with \
-             {}{near}",
-            values.join(", ")
-        ))
+    pub fn left_out_in_words(&self) -> Option<String> {
+        let names: Vec<String> = self.left_out().into_iter().map(str::to_owned).collect();
+        let names = (!names.is_empty()).then(|| listed(&names))?;
+        Some(format!("the mended model is without {names}: it forecasts this record better so"))
     }
 
     /// The named effects that the mended model does not have.
@@ -123,11 +104,11 @@ impl Diagnosis {
         names.filter(|name| self.mended.model.effects.values(name).is_none()).collect()
     }
 
-    /// The verdict, each effect, the residual and its form, one sentence each.
+    /// The verdict, each effect, the residual, and what the mended model lacks, one sentence each.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let effects = self.effects.iter().map(|named| self.effect_in_words(named));
-        let residual = self.residual_in_words().into_iter().chain(self.form_in_words());
+        let residual = self.residual_in_words().into_iter().chain(self.left_out_in_words());
         std::iter::once(self.verdict_in_words()).chain(effects).chain(residual).collect()
     }
 }

@@ -24,8 +24,8 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     if let Some(residual) = found.residual_in_words() {
         let _ = write!(words, "\n{residual}");
     }
-    if let Some(form) = found.form_in_words() {
-        let _ = write!(words, "\n{form}");
+    if let Some(left_out) = found.left_out_in_words() {
+        let _ = write!(words, "\n{left_out}");
     }
     let [nominal, refitted, mended] = &found.gaps;
     let at = |gap: &Gap| gap.error_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));

@@ -26,7 +26,7 @@ mod sensitivities;
 mod terms;
 
 pub(crate) use projection::ProjectedInnovations;
-pub(crate) use sensitivities::{Before, FilterRun};
+pub(crate) use sensitivities::FilterRun;
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::thresholds::UNEVEN_SPREAD;
@@ -38,7 +38,7 @@ use serde::Serialize;
 use terms::Term;
 
 /// Factors on the air's noise, or on its turbulence, at which the terms are tested as well.
-pub(crate) const QUIETER: [f64; 2] = [0.5, 0.2];
+const QUIETER: [f64; 2] = [0.5, 0.2];
 
 /// An omitted term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -104,7 +104,7 @@ pub(crate) fn omitted(problem: &Problem<'_>, fit: &Fit, judged: &(dyn Fn(usize) 
 }
 
 /// `fit` with the air's noise times `share`: its coloured part if there is one.
-pub(crate) fn quieter(fit: &Fit, share: f64) -> Fit {
+fn quieter(fit: &Fit, share: f64) -> Fit {
     let mut fit = fit.clone();
     if !fit.model.effects.scale_coloured_force(share) {
         fit.model.noise.acceleration_psd_mm2_per_s3 *= share;
@@ -133,7 +133,8 @@ struct Level {
 impl Level {
     fn of(run: &FilterRun, forces: &[Term], shifts: &[Term]) -> Self {
         let mut motions = run.motions(forces, shifts);
-        let log_likelihood = run.log_likelihood() + motions.settle();
+        let judged = run.steps.iter().filter(|step| step.judged);
+        let log_likelihood = judged.map(|step| step.innovation.log_density).sum::<f64>() + motions.settle();
         Self { motions, log_likelihood }
     }
 }

@@ -42,18 +42,6 @@ pub(super) struct Step {
     pub(super) judged: bool,
 }
 
-/// What is known before a reading.
-pub(crate) struct Before {
-    /// The row of the reading before.
-    pub(crate) row: usize,
-    /// Filtered height after it, mm.
-    pub(crate) height_mm: f64,
-    /// Filtered velocity after it, mm/s.
-    pub(crate) velocity_mm_per_s: f64,
-    /// Seconds from it to the reading.
-    pub(crate) dt_s: f64,
-}
-
 impl Step {
     /// The square root of the weight of the reading.
     pub(super) fn root_weight(&self) -> f64 {
@@ -85,74 +73,32 @@ impl FilterRun {
 
     /// Scores of forces and shifts, in this order, together with the columns of the fitted parameters.
     pub(super) fn motions(&self, forces: &[Term], shifts: &[Term]) -> Scores {
-        let mut scores = Scores::new(self.own.len(), self.forms.len(), forces.len() + shifts.len());
-        self.regress(
-            [forces.len(), shifts.len()],
-            |_, step, values| {
-                for (value, term) in values.iter_mut().zip(forces.iter().chain(shifts)) {
-                    *value = (term.of)(&step.known);
-                }
-            },
-            |_, row, innovation| scores.add(row, innovation),
-        );
-        scores
-    }
-
-    /// ln p of the judged readings.
-    pub(crate) fn log_likelihood(&self) -> f64 {
-        self.steps.iter().filter(|step| step.judged).map(|step| step.innovation.log_density).sum()
-    }
-
-    /// The number of columns before those of the forces in a regression.
-    pub(crate) const fn columns_before(&self) -> usize {
-        self.own.len() + self.forms.len()
-    }
-
-    /// The regression of the innovations on forces. `forces` gives their values before each reading, mm/s², `take` gets
-    /// the row of the reading, the columns, and the innovation. Neither is asked about the first reading of a flight.
-    pub(crate) fn of_forces(
-        &self,
-        count: usize,
-        mut forces: impl FnMut(&Before, &mut [f64]),
-        mut take: impl FnMut(usize, &DVector<f64>, f64),
-    ) {
-        let values = |before: &Step, step: &Step, values: &mut [f64]| {
-            let (height_mm, velocity_mm_per_s) = before.leg.known;
-            let dt_s = step.dt.unwrap_or_default();
-            forces(&Before { row: before.innovation.row, height_mm, velocity_mm_per_s, dt_s }, values);
-        };
-        self.regress([count, 0], values, |step, row, innovation| take(step.innovation.row, row, innovation));
-    }
-
-    fn regress(
-        &self,
-        [forces, shifts]: [usize; 2],
-        mut values: impl FnMut(&Step, &Step, &mut [f64]),
-        mut take: impl FnMut(&Step, &DVector<f64>, f64),
-    ) {
-        let (terms, first) = (forces + shifts, self.columns_before());
-        let (mut nudged, mut of_terms) = (vec![Sensitivity::zero(); terms], vec![0.0; terms]);
-        let mut row = DVector::zeros(first + terms);
+        let terms = forces.len() + shifts.len();
+        let mut scores = Scores::new(self.own.len(), self.forms.len(), terms);
+        let before = self.own.len() + self.forms.len();
+        let mut nudged = vec![Sensitivity::zero(); terms];
+        let mut row = DVector::zeros(before + terms);
         for (k, step) in self.steps.iter().enumerate() {
-            let Some((dt, before)) = step.dt.zip(k.checked_sub(1).map(|before| &self.steps[before])) else {
+            let Some(dt) = step.dt else {
                 nudged.fill(Sensitivity::zero());
                 continue;
             };
             let (innovation, root_weight) = (&step.innovation, step.root_weight());
             let deviation = innovation.variance_mm2.sqrt();
-            values(before, step, &mut of_terms);
-            for (at, (nudged, value)) in nudged.iter_mut().zip(&of_terms).enumerate() {
-                let (push, shift_mm) = if at < forces { (*value, 0.0) } else { (0.0, *value) };
+            for (at, (nudged, term)) in nudged.iter_mut().zip(forces.iter().chain(shifts)).enumerate() {
+                let value = (term.of)(&step.known);
+                let (push, shift_mm) = if at < forces.len() { (value, 0.0) } else { (0.0, value) };
                 let moved_mm = nudged.go(&step.leg, (dt, push, shift_mm), innovation);
-                row[first + at] = root_weight * moved_mm / deviation;
+                row[before + at] = root_weight * moved_mm / deviation;
             }
             for (at, own) in self.own.iter().chain(&self.forms).enumerate() {
                 row[at] = root_weight * own[k];
             }
             if step.judged && step.has_weight() && row.iter().all(|value| value.is_finite()) {
-                take(step, &row, innovation.standardised / root_weight);
+                scores.add(&row, innovation.standardised / root_weight);
             }
         }
+        scores
     }
 
     /// The rows whose duties were in force between the previous reading and each reading.

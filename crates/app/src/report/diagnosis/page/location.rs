@@ -23,7 +23,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         }
         (in_words(&places))
         @if let Some(shape) = report.found.residual_in_words() { p { (shape) "." } }
-        @if let Some(form) = report.found.form_in_words() { p { (form) "." } }
+        @if let Some(left_out) = report.found.left_out_in_words() { p { (left_out) "." } }
         @if picture.missing.is_empty() {
             p.nothing { "The ball never flew free: there is no force to draw." }
         } @else {

@@ -120,6 +120,7 @@ fn holds(bench: &Bench, key: &str) -> Holds {
         "path string" => Holds::Words("a path"),
         "a sequence" if answer(bench, format!("{key} = [\"{NOBODY}\"]\n")).contains("expected f64") => Holds::Numbers,
         "a sequence" => Holds::Other("a list"),
+        "struct DefinitionTable" => Holds::Other("tables, one for each effect of your own"),
         "a boolean" => Holds::Other("`true` or `false`"),
         other => panic!("[{key}]: {other} is new here; give it words"),
     }

@@ -7,7 +7,7 @@ mod tests;
 
 use airball::book::{Config, ConfigError, Desk, small_diagnosis, two_flights};
 use airball::cli::ConfigArgs;
-use airball::commands::{reader_is_gone, with_causes};
+use airball::commands::{Usage, reader_is_gone, with_causes};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use gallery::Exhibit;
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
         Err(error) => {
             // A closed standard error is not a failure.
             let _ = writeln!(stderr().lock(), "gallery: {}", with_causes(&error));
-            if error.is::<ConfigError>() { ExitCode::from(2) } else { ExitCode::FAILURE }
+            if error.is::<ConfigError>() || error.is::<Usage>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }
     }
 }
@@ -58,7 +58,8 @@ fn make(args: &Gallery) -> Result<()> {
         .with_context(|| format!("cannot make the folder {}; check the permissions", out.display()))?;
     if let Some(unknown) = args.only.iter().find(|name| model.effects.entry(name).is_none()) {
         let known: Vec<&str> = model.effects.catalogue().map(|entry| entry.name).collect();
-        bail!("--only {unknown}: there is no such effect; known are {}", known.join(", "));
+        let message = format!("--only {unknown}: there is no such effect; known are {}", known.join(", "));
+        return Err(Usage(message).into());
     }
     let wanted = |entry: &&Entry| args.only.is_empty() || args.only.iter().any(|name| name == entry.name);
     let entries: Vec<&Entry> = model.effects.catalogue().filter(wanted).collect();

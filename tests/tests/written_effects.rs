@@ -90,6 +90,6 @@ fn a_library_that_cannot_be_read_and_an_unknown_name_are_said() {
     assert!(ran.errors.contains("wrong.toml:3: effect.mine.adds: `k / x`, column 3"), "{}", ran.errors);
     let ran =
         bench.run(&["diagnose", flown(&bench, ""), "--config", config, "--effects", &library(), "--without", "leek"]);
-    assert_eq!(ran.code, Some(1), "{}", ran.errors);
+    assert_eq!(ran.code, Some(2), "{}", ran.errors);
     assert!(ran.errors.contains("leek") && ran.errors.contains("second_lag"), "{}", ran.errors);
 }

@@ -12,25 +12,13 @@ use crate::report::diagnosis::words::words;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
 use crate::report::kit::page;
 use ::diagnose::{Options, Progress, ProgressStep, Series};
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
-use plant::Model;
 use std::path::Path;
 use std::time::Duration;
 
 /// Time between two frames of the progress bar's spinner.
 const TICK: Duration = Duration::from_millis(120);
-
-/// Checks that the effects which are left out exist: a name that is misspelt leaves out nothing.
-fn check_names(without: &[String], belief: &Model) -> Result<()> {
-    match without.iter().find(|name| belief.effects.entry(name).is_none()) {
-        Some(unknown) => {
-            let known: Vec<&str> = belief.effects.catalogue().map(|entry| entry.name).collect();
-            Err(anyhow!("--without {unknown}: there is no such effect; known are {}", known.join(", ")))
-        }
-        None => Ok(()),
-    }
-}
 
 /// Diagnoses logs and prints the result.
 ///
@@ -39,8 +27,7 @@ fn check_names(without: &[String], belief: &Model) -> Result<()> {
 /// written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     may_write(args.plot.as_deref(), args.html.as_deref())?;
-    let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.over())?;
-    check_names(&args.without, &asked.belief)?;
+    let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.over(), &args.without)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {
             note(format_args!("{name}: {lost}"));

@@ -1,5 +1,6 @@
 //! From logs of one rig and a config to a diagnosis: what `diagnose` does with the named logs.
 
+use super::Usage;
 use crate::analysis::closed_loop;
 use crate::analysis::loop_deviations::{Upstream, upstream};
 use crate::analysis::next_experiment::{Advice, advise};
@@ -41,14 +42,32 @@ pub(super) struct Answer {
     pub(super) upstream: Vec<(usize, Upstream)>,
 }
 
+/// Checks that the effects which are left out exist: a name that is misspelt leaves out nothing.
+fn check_names(without: &[String], belief: &Model) -> Result<(), Usage> {
+    match without.iter().find(|name| belief.effects.entry(name).is_none()) {
+        Some(unknown) => {
+            let known: Vec<&str> = belief.effects.catalogue().map(|entry| entry.name).collect();
+            Err(Usage(format!("--without {unknown}: there is no such effect; known are {}", known.join(", "))))
+        }
+        None => Ok(()),
+    }
+}
+
 impl Asked {
-    /// Reads all.
+    /// Reads all; `without`: the effects that are left out of the search.
     ///
     /// # Errors
-    /// A config that is not sound, a log that cannot be read, a flight that is named twice, logs of different rigs.
-    pub(super) fn read(command: &'static str, paths: &[PathBuf], config: &Path, patches: &[PathBuf]) -> Result<Self> {
+    /// A config that is not sound, an effect that it does not know, a log that cannot be read, a flight that is named twice, logs of different rigs.
+    pub(super) fn read(
+        command: &'static str,
+        paths: &[PathBuf],
+        config: &Path,
+        patches: &[PathBuf],
+        without: &[String],
+    ) -> Result<Self> {
         let config = Config::read(config, patches)?;
         let belief = config.need(command, "plant", |tables| tables.plant.as_ref())?.clone();
+        check_names(without, &belief)?;
         let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         let read = |path: &PathBuf| reader::read(path, config.tables.import.as_ref());
         let mut logs = paths.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;

@@ -164,6 +164,7 @@ fn records_are_finite_in_the_pipe_and_excited() {
         let resting = rows.iter().filter(|row| row[4] < 6.0 || row[4] > 594.0).count();
         assert!(rows.iter().flatten().all(|number| number.is_finite()), "{case}");
         assert!(rows.iter().all(|row| (0.0..=100.0).contains(&row[3]) && (-150.0..=750.0).contains(&row[4])), "{case}");
+        // A ball that strong friction holds moves little.
         assert!(resting * 20 < rows.len() && spread(4) > 10.0 && spread(3) > 0.1, "{case}");
         assert!(rows.windows(2).all(|pair| (0.0169..0.0201).contains(&(pair[1][0] - pair[0][0]))), "{case}");
         assert!((rows[0][1] - rows[0][4]).abs() < 130.0, "{case}");

@@ -35,7 +35,7 @@ pub(crate) const FAR_FROM_BELIEF: f64 = 3.0;
 pub(crate) const OTHER_NOISE: f64 = 50.0;
 
 /// A model forecasts better than a simpler one where its mean square at 1 s is lower by so many standard errors over the
-/// stretches of the record: a one-sided test at 5 %.
+/// stretches of the record: a one-sided test at 5 %. No rate was measured.
 pub(crate) const BETTER_FORECAST: f64 = 1.645;
 
 // Which effect is named?

@@ -26,34 +26,41 @@ pub enum Undefined {
 
 impl Display for Undefined {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let within = |low: &f64, high: &f64| format!("it lies within {} to {}", Short(*low), Short(*high));
-        match self {
-            Self::Unbounded(name) => write!(f, "the variable `{name}` has no finite bounds; give it some"),
-            Self::DivisorMayBeZero(low, high) => write!(
-                f,
-                "the divisor can be zero, {}; keep it away from zero, as in `max(…, 0.1)` or `abs(…) + 0.1`",
-                within(low, high)
+        let mut ranged = |what: &str, low: f64, high: f64, then: &str| {
+            write!(f, "{what}, it lies within {} to {}{then}", Short(low), Short(high))
+        };
+        match *self {
+            Self::DivisorMayBeZero(low, high) => ranged(
+                "the divisor can be zero",
+                low,
+                high,
+                "; keep it away from zero, as in `max(…, 0.1)` or `abs(…) + 0.1`",
             ),
-            Self::RootOfNegative(low, high) => write!(
-                f,
-                "the argument of `sqrt` can be negative, {}; keep it from that, as in `sqrt(max(…, 0))`",
-                within(low, high)
+            Self::RootOfNegative(low, high) => ranged(
+                "the argument of `sqrt` can be negative",
+                low,
+                high,
+                "; keep it from that, as in `sqrt(max(…, 0))`",
             ),
-            Self::LogarithmOfNonPositive(low, high) => write!(
-                f,
-                "the argument of `ln` can be zero or negative, {}; keep it positive, as in `ln(max(…, 0.1))`",
-                within(low, high)
+            Self::LogarithmOfNonPositive(low, high) => ranged(
+                "the argument of `ln` can be zero or negative",
+                low,
+                high,
+                "; keep it positive, as in `ln(max(…, 0.1))`",
             ),
-            Self::PowerOfNegative(low, high) => write!(
-                f,
-                "the base can be negative, {}, and the exponent is no whole number; take `abs(…)` or `max(…, 0)` of the base",
-                within(low, high)
+            Self::PowerOfNegative(low, high) => ranged(
+                "the base can be negative",
+                low,
+                high,
+                ", and the exponent is no whole number; take `abs(…)` or `max(…, 0)` of the base",
             ),
-            Self::PowerOfZero(low, high) => write!(
-                f,
-                "the base can be zero, {}, and the exponent negative; keep the base away from zero, as in `max(…, 0.1)`",
-                within(low, high)
+            Self::PowerOfZero(low, high) => ranged(
+                "the base can be zero",
+                low,
+                high,
+                ", and the exponent negative; keep the base away from zero, as in `max(…, 0.1)`",
             ),
+            Self::Unbounded(ref name) => write!(f, "the variable `{name}` has no finite bounds; give it some"),
             Self::Overflow => f.write_str(
                 "the result can be too large for a number; narrow the bounds, or limit it with `clamp` before",
             ),

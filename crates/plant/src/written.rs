@@ -10,7 +10,7 @@ mod scope;
 mod table;
 #[cfg(test)]
 mod tests;
-mod to_toml;
+mod text;
 
 use crate::acts::Conditions;
 use crate::effect::{Entry, Stage};
@@ -69,8 +69,8 @@ impl WrittenEffects {
     pub(crate) fn set(&mut self, name: &str, values: &[f64]) -> bool {
         let Some(definition) = self.definition(name) else { return false };
         let mut all = [0.0; MOST_PARAMETERS];
-        for (value, given) in all.iter_mut().zip(definition.entry().params.iter().enumerate()) {
-            *value = values.get(given.0).copied().unwrap_or(f64::NAN);
+        for (index, value) in all.iter_mut().take(definition.entry().params.len()).enumerate() {
+            *value = values.get(index).copied().unwrap_or(f64::NAN);
         }
         match self.on.iter_mut().find(|on| on.entry().name == name) {
             Some(on) => on.values = all,

@@ -1,7 +1,7 @@
 //! The config file: one TOML file, every number with its unit in its key, unknown keys refused.
 //!
-//! `tables` is its content, `signals` the optional ones of `[rig]`; `written` those effects that a user wrote; `load` reads it, merges patches and locates
-//! errors.
+//! `tables` is its content, `signals` the optional ones of `[rig]`, `written` the effects that a user wrote; `load` reads
+//! it, merges patches and locates errors.
 
 mod load;
 pub mod mqtt;

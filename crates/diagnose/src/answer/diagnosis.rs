@@ -7,11 +7,11 @@
 //! The first verdict that applies: `insufficient_data`, `unexplained` (the innovations depend on known signals, or are
 //! coloured), `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
-use crate::answer::forecast::best_forecast;
+use crate::answer::forecast::{best_forecast, held_out, of_belief};
 use crate::fit::bounds::{Bounds, Impossible};
-use crate::fit::estimate::{Fit, Problem};
+use crate::fit::estimate::Fit;
 use crate::fit::intervals::{Reach, reaches};
-use crate::gap::forecast_error::{Gap, Tally, tallies};
+use crate::gap::forecast_error::{Gap, Tally};
 use crate::gap::share_closed::Closed;
 use crate::options::Options;
 use crate::record::check::{Finding, other_rig};
@@ -27,7 +27,6 @@ use crate::select::search::Search;
 use crate::select::stepwise::{NamedEffect, Selection, select_effects};
 use crate::thresholds::{ENOUGH_READINGS, PARAMETERS_MM, PARAMETERS_SHARE, TRUST, TRUST_BESIDE_RESIDUAL};
 use plant::Model;
-use rayon::prelude::*;
 
 /// The verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -106,8 +105,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     }
     let incomplete = answers && found.is_incomplete();
     let mended = if incomplete { best_forecast(&search, &refitted, &found.fit) } else { found.fit.clone() };
-    let stretches =
-        [tallies_of_belief(&search), held_out(&search, &refitted, |_| ()), held_out(&search, &mended, |_| ())];
+    let stretches = [of_belief(&search), held_out(&search, &refitted, |_| ()), held_out(&search, &mended, |_| ())];
     let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
     let closed = Closed::of(&stretches[0], &stretches[2]).filter(|_| answers);
     let verdict = if answers { verdict(&found, &gaps) } else { Verdict::InsufficientData };
@@ -176,26 +174,6 @@ fn with_rounding(belief: &Model, recording: &Recording) -> Model {
 /// Factor on the probability of a named effect for this verdict.
 fn trust(verdict: Verdict) -> f64 {
     if verdict == Verdict::Unexplained { TRUST_BESIDE_RESIDUAL } else { TRUST }
-}
-
-/// Forecast errors of the belief, by stretch of the record.
-fn tallies_of_belief(search: &Search<'_>) -> Vec<Tally> {
-    let Problem { recording, folds, belief, .. } = search.problem;
-    tallies(belief, recording, &|row| folds.stretch(row))
-}
-
-/// Held-out forecast errors of a fit, by stretch of the record: each under the model that was fitted without its fold,
-/// changed by `change`.
-pub(crate) fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<Tally> {
-    let Problem { recording, folds, .. } = search.problem;
-    let mut models = search.problem.without_each_fold(fit);
-    models.iter_mut().for_each(change);
-    let one = |(fold, model): (usize, &Model)| {
-        tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
-    };
-    let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
-    let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
-    (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
 }
 
 /// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.

@@ -4,25 +4,44 @@
 //! the belief, its refit, and the fit with the effects that were found are compared by their held-out forecast errors at
 //! 1 s. A model takes the place of a simpler one where it is better in the mean of the stretches by more than chance.
 
-use crate::answer::diagnosis::held_out;
-use crate::fit::estimate::Fit;
-use crate::gap::forecast_error::Tally;
+use crate::fit::estimate::{Fit, Problem};
+use crate::gap::forecast_error::{Tally, tallies};
 use crate::select::search::Search;
 use crate::thresholds::BETTER_FORECAST;
+use plant::Model;
+use rayon::prelude::*;
 
 /// The best of the belief and the fits.
 pub(super) fn best_forecast(search: &Search<'_>, refitted: &Fit, with_effects: &Fit) -> Fit {
-    let belief = search.problem.fit(search.problem.belief, &[]);
-    // A patch does not change the noise.
-    let errors = |fit: &Fit| held_out(search, fit, |model| model.noise = search.problem.belief.noise);
-    let mut best = (errors(&belief), &belief);
-    for next in [refitted, with_effects] {
-        let errors = errors(next);
-        if is_better(&errors, &best.0) {
-            best = (errors, next);
+    let (mut least, mut best) = (of_belief(search), None);
+    for fit in [refitted, with_effects] {
+        // A patch does not change the noise.
+        let errors = held_out(search, fit, |model| model.noise = search.problem.belief.noise);
+        if is_better(&errors, &least) {
+            (least, best) = (errors, Some(fit));
         }
     }
-    best.1.clone()
+    best.map_or_else(|| search.problem.fit(search.problem.belief, &[]), Clone::clone)
+}
+
+/// Forecast errors of the belief, by stretch of the record.
+pub(super) fn of_belief(search: &Search<'_>) -> Vec<Tally> {
+    let Problem { recording, folds, belief, .. } = search.problem;
+    tallies(belief, recording, &|row| folds.stretch(row))
+}
+
+/// Held-out forecast errors of a fit, by stretch of the record: each under the model that was fitted without its fold,
+/// changed by `change`.
+pub(super) fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<Tally> {
+    let Problem { recording, folds, .. } = search.problem;
+    let mut models = search.problem.without_each_fold(fit);
+    models.iter_mut().for_each(change);
+    let one = |(fold, model): (usize, &Model)| {
+        tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
+    };
+    let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
+    let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
+    (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
 }
 
 /// Whether the mean squares at 1 s are lower in the mean of the stretches by more than chance.

@@ -11,9 +11,10 @@
 //! Thévenin model), of which the slow part is kept: the fast part is a gain.
 //!
 //! Bounds: cells recover over seconds and over minutes (Chen and Rincón-Mora, IEEE Trans. Energy Conversion 21, 2006);
-//! what is faster than 1 s is part of the gain or of the fan's lag. A resistance R gives the voltage V = V₀/(1 + k·D²) at the duty D of a chopper, and the force goes with D·V. A
-//! voltage that sags by s at hover therefore loses the share 2·s of a small step. A lithium cell is empty at 3.0 of
-//! 3.7 V, s = 0.19, and a Raspberry Pi warns at 4.63 of 5 V, s = 0.07; more than s = 1/4 is no supply.
+//! what is faster than 1 s is part of the gain or of the fan's lag. A resistance R gives the voltage V = V₀/(1 + k·D²)
+//! at the duty D of a chopper, and the force goes with D·V. A voltage that sags by s at hover therefore loses the share
+//! 2·s of a small step. A lithium cell is empty at 3.0 of 3.7 V, s = 0.19, and a Raspberry Pi warns at 4.63 of 5 V,
+//! s = 0.07; more than s = 1/4 is no supply.
 
 use crate::acts::{Acts, OwnStates};
 use crate::effect::{Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};

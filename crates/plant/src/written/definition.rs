@@ -55,7 +55,7 @@ impl Definition {
             adds,
             states,
         };
-        definition.vanishes()?;
+        definition.vanishes(&names.bounds)?;
         Ok(intern::keep(definition))
     }
 
@@ -99,9 +99,10 @@ impl Definition {
         std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[_, start]| start.value(values)))
     }
 
-    /// Checks at some points, chosen without order, that the effect adds nothing where its parameters are neutral.
-    fn vanishes(&self) -> Result<(), DefinitionError> {
-        let bounds = Names::of(&self.table)?.bounds;
+    /// Checks at some points within `bounds` that the effect adds nothing where its parameters are neutral. The points
+    /// are multiples of two irrational numbers without their whole part (Weyl's sequence), so that none is a round value
+    /// at which a formula may be 0 by chance.
+    fn vanishes(&self, bounds: &[[f64; 2]]) -> Result<(), DefinitionError> {
         let own = bounds.len() - self.table.parameters.len();
         let neutral = |at: usize| self.table.parameters.values().nth(at - own).and_then(|param| param.neutral);
         for point in 1..=32_u32 {

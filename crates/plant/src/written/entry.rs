@@ -23,9 +23,11 @@ pub(super) fn entry(name: &str, table: &DefinitionTable) -> Entry {
     };
     let mut starts = Vec::new();
     // From the value itself and from the quarters of its range, since a height or a period has many optima.
-    for share in [None, Some(0.25), Some(0.75)].into_iter().take(if parameters.len() > 1 { 3 } else { 1 }) {
+    let has_value = parameters.iter().any(|parameter| parameter.value.is_some());
+    for share in [None, Some(0.25), Some(0.75)].into_iter().take(if has_value { 3 } else { 1 }) {
         starts.extend([1.0, -1.0].map(|side| at(side, share)));
     }
+    // Both sides are one where the bounds end at the neutral value.
     starts.dedup();
     Entry {
         name: intern::text(name),

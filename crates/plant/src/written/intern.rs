@@ -12,19 +12,19 @@ pub(super) fn known(is_it: impl Fn(&Definition) -> bool) -> Option<&'static Defi
     known.iter().copied().find(|known| is_it(known))
 }
 
-/// Gives a definition a place for good.
+/// Keeps a definition for the life of the program.
 pub(super) fn keep(definition: Definition) -> &'static Definition {
     let kept: &'static Definition = Box::leak(Box::new(definition));
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner).push(kept);
     kept
 }
 
-/// Text for good.
+/// Keeps a text for the life of the program.
 pub(super) fn text(text: &str) -> &'static str {
     Box::leak(text.to_owned().into_boxed_str())
 }
 
-/// A list for good.
+/// Keeps a list for the life of the program.
 pub(super) fn list<T>(items: Vec<T>) -> &'static [T] {
     Box::leak(items.into_boxed_slice())
 }

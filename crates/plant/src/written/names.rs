@@ -1,7 +1,7 @@
 //! The names that the formulas of one definition may use, each at its place among the values of an evaluation.
 
 use super::scope::{STATE, variables};
-use super::table::{DefinitionError, DefinitionTable, check_states};
+use super::table::{DefinitionError, DefinitionTable, check_count_of_states};
 use crate::effect::Stage;
 use crate::motion::OWN_STATES;
 use formula::{Formula, is_free_name};
@@ -22,8 +22,11 @@ impl<'a> Names<'a> {
         let is_force = table.stage != Stage::Actuator;
         let (mut names, mut bounds): (Vec<&str>, Vec<[f64; 2]>) = variables(table.stage).iter().copied().unzip();
         let variables = names.len();
-        check_states(table, is_force)?;
+        check_count_of_states(table, is_force)?;
         let mut states: Vec<&str> = table.states.keys().map(String::as_str).collect();
+        for state in &states {
+            check_new(state, &names, "states")?;
+        }
         let count = states.len();
         // An effect without states has places for them, too, so that every force is evaluated alike.
         states.resize(if is_force { OWN_STATES } else { 0 }, "");
@@ -31,13 +34,7 @@ impl<'a> Names<'a> {
         names.extend(states);
         let parameters = names.len();
         for (name, parameter) in &table.parameters {
-            let is_new = is_free_name(name) && !names.contains(&name.as_str());
-            if !is_new {
-                return Err(DefinitionError {
-                    key: format!("parameters.{name}"),
-                    message: format!("`{name}` is a name that formulas have already; choose another"),
-                });
-            }
+            check_new(name, &names, "parameters")?;
             names.push(name);
             bounds.push([parameter.low, parameter.high]);
         }
@@ -75,4 +72,13 @@ impl<'a> Names<'a> {
             None => Ok(()),
         }
     }
+}
+
+/// Checks that a formula may use a new name beside those that it has.
+fn check_new(name: &str, names: &[&str], table: &str) -> Result<(), DefinitionError> {
+    if is_free_name(name) && !names.contains(&name) {
+        return Ok(());
+    }
+    let message = format!("`{name}` is a name that formulas have already; choose another");
+    Err(DefinitionError { key: format!("{table}.{name}"), message })
 }

@@ -1,10 +1,9 @@
 //! The table of a written effect in a config file, and what must hold for it before its formulas are read.
 
-use super::scope::{MOST_PARAMETERS, variables};
+use super::scope::MOST_PARAMETERS;
 use crate::effect::Stage;
 use crate::effects::Effects;
 use crate::motion::OWN_STATES;
-use formula::is_free_name;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -88,20 +87,13 @@ pub(super) fn check_name(name: &str) -> Result<(), DefinitionError> {
     Ok(())
 }
 
-pub(super) fn check_states(table: &DefinitionTable, is_force: bool) -> Result<(), DefinitionError> {
-    let wrong = |key: String, message: String| Err(DefinitionError { key, message });
-    let most = if is_force { OWN_STATES } else { 0 };
-    if table.states.len() > most {
-        let count = table.states.len();
-        return wrong("states".into(), format!("{count} states, and at this stage an effect has at most {most}"));
+pub(super) fn check_count_of_states(table: &DefinitionTable, is_force: bool) -> Result<(), DefinitionError> {
+    let (count, most) = (table.states.len(), if is_force { OWN_STATES } else { 0 });
+    if count <= most {
+        return Ok(());
     }
-    let taken = |name: &str| variables(table.stage).iter().any(|(known, _)| *known == name);
-    match table.states.keys().find(|name| !is_free_name(name) || taken(name)) {
-        Some(name) => {
-            wrong(format!("states.{name}"), format!("`{name}` is a name that formulas have already; choose another"))
-        }
-        None => Ok(()),
-    }
+    let message = format!("{count} states, and at this stage an effect has at most {most}");
+    Err(DefinitionError { key: "states".into(), message })
 }
 
 pub(super) fn check_parameters(table: &DefinitionTable) -> Result<(), DefinitionError> {

@@ -1,4 +1,4 @@
-//! A definition as it stands in a config file.
+//! A definition as text: as a table of a config file, and its formulas for people.
 
 use super::definition::Definition;
 use super::table::{ParameterTable, StateTable};

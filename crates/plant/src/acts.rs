@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! duty → delays_duty → on_duty → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
-//!   → force, coloured_force, friction, ends (own_states) → senses → delays_reading → spreads → outliers → rounds
+//!   → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds
 //!   → holds → reading
 //! ```
 //!
@@ -37,7 +37,7 @@ pub struct Conditions {
     pub commanded_mm_per_s2: f64,
     /// The acceleration that the fan's air gives to a ball at rest, mm/s² about hover.
     pub fan_mm_per_s2: f64,
-    /// The own states of the effect that has some; see [`Acts::own_states`].
+    /// The own states of the written effect that has some.
     pub own: [f64; OWN_STATES],
     /// The model's gain, mm/s² per percent.
     pub gain_mm_per_s2_per_percent: f64,
@@ -47,19 +47,6 @@ pub struct Conditions {
     pub hover_duty_percent: f64,
     /// Length of the pipe, mm.
     pub pipe_length_mm: f64,
-}
-
-/// The own states of an effect of type `E`: what it remembers.
-#[derive(Debug)]
-pub struct OwnStates<E: 'static> {
-    /// Their number, at most [`OWN_STATES`].
-    pub count: usize,
-    /// Their derivatives by time, each in its unit per second.
-    pub rates: fn(&E, &Conditions) -> [f64; OWN_STATES],
-    /// Their values where the conditions have been constant for ever.
-    pub settled: fn(&E, &Conditions) -> [f64; OWN_STATES],
-    /// Their standard deviations before the first reading.
-    pub spread: fn(&E, &Conditions) -> [f64; OWN_STATES],
 }
 
 /// The fan's acceleration from a constant command, from what it was, and from the seconds since; see [`Acts::follows`].
@@ -90,8 +77,6 @@ pub struct Acts<E: 'static> {
     /// Slot. The fan's acceleration, mm/s², so many seconds (third) after it was this (second) under a constant command
     /// (first).
     pub follows: Option<Follows<E>>,
-    /// Slot. States of its own, for `force`.
-    pub own_states: Option<OwnStates<E>>,
     /// The acceleration that it adds to the ball, mm/s².
     pub force: Option<fn(&E, &Conditions) -> f64>,
     /// Slot. The random force of the air.
@@ -113,8 +98,7 @@ pub struct Acts<E: 'static> {
     pub rounds: Option<fn(&E) -> f64>,
     /// Slot. Readings that are held.
     pub holds: Option<fn(&E) -> StaleSamples>,
-    /// Whether `follows`, `force` and the rates of `own_states` are linear in the state, so that their derivatives are
-    /// the same everywhere.
+    /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
     pub is_linear: bool,
     /// The time constants of a lag, up and down, seconds.
     pub lag_s: Option<fn(&E) -> [f64; 2]>,
@@ -137,7 +121,6 @@ impl<E> Acts<E> {
         gain_by_time: None,
         limits: None,
         follows: None,
-        own_states: None,
         force: None,
         coloured_force: None,
         friction: None,
@@ -191,7 +174,6 @@ impl<E> Acts<E> {
             | ((self.outliers.is_some() as u16) * OUTLIERS)
             | (self.rounds.is_some() as u16) << 7
             | (self.holds.is_some() as u16) << 8
-            | ((self.own_states.is_some() as u16) * OWN_STATES_SLOT)
     }
 
     /// Whether it acts between the duty and the speed of the rotor.

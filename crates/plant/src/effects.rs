@@ -20,7 +20,6 @@ mod sensor_outliers;
 mod sensor_quantisation;
 mod spin_asymmetry;
 mod stale_samples;
-mod supply_sag;
 mod thrust_curve;
 mod transport_delay;
 mod turbulence;
@@ -157,7 +156,6 @@ catalogue! {
     force_asymmetry: ForceAsymmetry,
     thrust_curve: ThrustCurve,
     saturation: Saturation,
-    supply_sag: SupplySag,
     fan_lag: FanLag,
     spin_asymmetry: SpinAsymmetry,
     gain_drift: GainDrift,

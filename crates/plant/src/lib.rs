@@ -30,7 +30,7 @@ mod simulator;
 mod unsound;
 mod written;
 
-pub use acts::{Acts, Changes, Conditions, Follows, Late, OwnStates, Readings, Senses, Summary};
+pub use acts::{Acts, Changes, Conditions, Follows, Late, Readings, Senses, Summary};
 pub use actuator::Actuator;
 pub use effect::{Difference, Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start};
 pub use effects::Effects;

@@ -152,35 +152,30 @@ impl Effects {
     /// The derivatives of the own states.
     #[inline(always)]
     pub(crate) fn own_rates(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
-        let built_in = fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.rates)(effect, conditions));
-        self.written.own_rates(conditions).unwrap_or(built_in)
+        self.written.own_rates(conditions).unwrap_or_default()
     }
 
     /// The own states where the conditions have been constant for ever.
     pub(crate) fn own_settled(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
-        let built_in =
-            fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.settled)(effect, conditions));
-        self.written.own_settled(conditions).unwrap_or(built_in)
+        self.written.own_settled(conditions).unwrap_or_default()
     }
 
     /// Their standard deviations before the first reading.
     pub(crate) fn own_spread(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
-        let built_in =
-            fold!(self, own_states, [0.0; OWN_STATES], |_none, own, effect| (own.spread)(effect, conditions));
-        self.written.own_spread(conditions).unwrap_or(built_in)
+        self.written.own_spread(conditions).unwrap_or_default()
     }
 
-    /// The number of own states.
+    /// The number of own states. Only written effects have any.
     #[inline(always)]
     #[must_use]
     pub fn own_states(&self) -> usize {
-        fold!(self, own_states, self.written.own_states(), |_none, own, _effect| own.count)
+        self.written.own_states()
     }
 
     /// Whether an effect has states of its own.
     #[inline(always)]
     pub(crate) fn has_own_states(&self) -> bool {
-        any!(self, own_states) || self.written.own_states() > 0
+        self.written.own_states() > 0
     }
 
     /// Whether a force depends on height or velocity.
@@ -216,7 +211,7 @@ impl Effects {
         let mut linear = self.friction().is_none();
         for_each_effect!(self, effect => {
             let acts = acts(effect);
-            let moves = acts.follows.is_some() || acts.force.is_some() || acts.own_states.is_some();
+            let moves = acts.follows.is_some() || acts.force.is_some();
             linear &= acts.is_linear || !moves;
         });
         linear && self.written.motion_is_linear()

@@ -26,7 +26,7 @@ impl Effect {
 }
 
 /// Stage and name of everything in the catalogue, along the signal path.
-pub(crate) const CATALOGUE: [(&str, &str); 24] = [
+pub(crate) const CATALOGUE: [(&str, &str); 23] = [
     ("actuator", "transport_delay"),
     ("actuator", "duty_quantisation"),
     ("actuator", "dead_zone"),
@@ -34,7 +34,6 @@ pub(crate) const CATALOGUE: [(&str, &str); 24] = [
     ("actuator", "force_asymmetry"),
     ("actuator", "thrust_curve"),
     ("actuator", "saturation"),
-    ("actuator", "supply_sag"),
     ("actuator", "fan_lag"),
     ("actuator", "spin_asymmetry"),
     ("actuator", "gain_drift"),
@@ -54,10 +53,11 @@ pub(crate) const CATALOGUE: [(&str, &str); 24] = [
 ];
 
 /// Stage and name of the effects outside the catalogue.
-pub(crate) const OUTSIDE: [(&str, &str); 12] = [
+pub(crate) const OUTSIDE: [(&str, &str); 13] = [
     ("actuator", "late_writes"),
     ("actuator", "stuck_driver"),
     ("actuator", "supply_ripple"),
+    ("actuator", "supply_sag"),
     ("actuator", "duty_dependent_lag"),
     ("actuator", "pipe_resonance"),
     ("air", "gusts"),
@@ -118,7 +118,6 @@ fn inside_draw(name: &'static str, c: &mut Chance, reach: Reach) -> Effect {
             let (low, high) = (c.scale(70.0, 350.0), c.scale(70.0, 350.0));
             vec![("lower_mm_per_s2", -low), ("upper_mm_per_s2", high)]
         }
-        "supply_sag" => vec![("share", c.scale(0.1, 0.45)), ("recovery_s", c.scale(1.5, 8.0))],
         "fan_lag" => vec![("time_constant_s", c.scale(0.06, 0.3))],
         "spin_asymmetry" => {
             let up = c.scale(0.06, 0.2);
@@ -151,6 +150,7 @@ fn outside_draw(name: &'static str, c: &mut Chance, reach: Reach) -> Effect {
         "late_writes" => vec![("up_to_s", c.between(0.15, 0.3))],
         "stuck_driver" => vec![("every_s", c.between(4.0, 9.0)), ("for_s", c.between(0.6, 1.1))],
         "supply_ripple" => vec![("fraction", c.between(0.45, 0.8)), ("period_s", c.between(7.0, 25.0))],
+        "supply_sag" => vec![("share", c.scale(0.1, 0.45)), ("recovery_s", c.scale(1.5, 8.0))],
         "duty_dependent_lag" => {
             vec![("at_hover_s", c.between(0.15, 0.3)), ("halves_per_percent", c.between(0.25, 0.6))]
         }

@@ -54,11 +54,39 @@ fn an_effect_written_as_a_formula_flies_as_the_one_in_rust() {
     same(&heights(&drag), &heights(&with("quadratic_drag", &[0.004], None)));
     let flow = with("flow_of_mine", &[6.0], Some(&simple("air", "-k * (x - 291.5)")));
     same(&heights(&flow), &heights(&with("height_dependent_flow", &[6.0], None)));
+}
+
+/// A supply that loses the share `k` of a step with the time constant `tau`.
+fn sagging(k: f64, tau: f64) -> Model {
     let sag = table(serde_json::json!({
         "stage": "air", "adds": "-k * s", "states": { "s": { "rate": "(fan - s) / tau", "start": "fan" } },
         "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 }, "tau": { "value": 2.0, "low": 0.1, "high": 9.0 } },
     }));
-    same(&heights(&with("sag_of_mine", &[0.4, 1.5], Some(&sag))), &heights(&with("supply_sag", &[0.4, 1.5], None)));
+    with("sag", &[k, tau], Some(&sag))
+}
+
+#[test]
+fn a_state_follows_its_rate_along_an_exponential_and_the_ball_moves_as_the_closed_form_says() {
+    let (share, tau) = (0.5, 1.5);
+    let model = Model { drag_per_s: 0.0, ..sagging(share, tau) };
+    let (step, t) = (100.0, 3.0);
+    let end = (0..300)
+        .fold(Motion::at_rest(1e5, 0.0), |motion, _| motion.step_in_endless_pipe(&model, Input::of(step), 0.01));
+    let decay = (-t / tau).exp();
+    let (state, speed) = (step * (1.0 - decay), step * (t - share * (t - tau * (1.0 - decay))));
+    assert!((end.own[0] - state).abs() < 1e-6, "{}, exact {state}", end.own[0]);
+    assert!((end.velocity_mm_per_s - speed).abs() < 1e-6, "{}, exact {speed}", end.velocity_mm_per_s);
+}
+
+#[test]
+fn a_ball_at_rest_with_a_settled_state_stays_there_at_an_end() {
+    let model = sagging(0.5, 1.0);
+    let rest = model.at_rest(0.0, -80.0);
+    assert_eq!(rest.own[0], -80.0);
+    let held = (0..100).fold(rest, |motion, _| motion.step(&model, Input::of(-100.0), 0.01));
+    assert_eq!(held.position_mm, 0.0);
+    let exact = -100.0 + 20.0 * (-1.0_f64).exp();
+    assert!((held.own[0] - exact).abs() < 1e-6, "{}, exact {exact}", held.own[0]);
 }
 
 #[test]

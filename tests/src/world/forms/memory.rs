@@ -62,16 +62,6 @@ pub(crate) fn spin_asymmetry(e: &Effect) -> Link {
     })
 }
 
-/// A supply whose voltage gives way: the whole duty is multiplied by 1 − sag, and sag follows `share` times the duty about
-/// hover over hover, within two fifths, over `recovery_s`.
-pub(crate) fn supply_sag(e: &Effect, hover: f64) -> Link {
-    let (share, recovery, mut sag) = (e.get("share"), e.get("recovery_s"), 0.0);
-    Box::new(move |u, _| {
-        let sag = follow(&mut sag, (share * u / hover).clamp(-0.4, 0.4), recovery);
-        u - sag * (hover + u)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::STEP_S;

@@ -45,6 +45,16 @@ pub(crate) fn supply_ripple(e: &Effect, mut chance: Chance) -> Link {
     Box::new(move |a, t| a * (1.0 + fraction * (rate * t + phase).sin()))
 }
 
+/// A supply whose voltage gives way: the whole duty is multiplied by 1 − sag, and sag follows `share` times the duty about
+/// hover over hover, within two fifths, over `recovery_s`.
+pub(crate) fn supply_sag(e: &Effect, hover: f64) -> Link {
+    let (share, recovery, mut sag) = (e.get("share"), e.get("recovery_s"), 0.0);
+    Box::new(move |u, _| {
+        let sag = follow(&mut sag, (share * u / hover).clamp(-0.4, 0.4), recovery);
+        u - sag * (hover + u)
+    })
+}
+
 /// The lag is `at_hover_s` at hover and halves with every `halves_per_percent` above it.
 pub(crate) fn duty_dependent_lag(e: &Effect, gain: f64) -> Link {
     let (at_hover, halves, mut state) = (e.get("at_hover_s"), e.get("halves_per_percent") * gain, 0.0);

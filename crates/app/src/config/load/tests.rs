@@ -206,7 +206,7 @@ fn a_written_effect_is_switched_on_by_its_values_and_reads_back() {
 #[test]
 fn a_wrong_definition_or_value_is_found_in_its_line_with_the_column_of_the_formula() {
     for (definition, values, part) in [
-        ("-k * max(x - 300, 0", "", "effect.leak.adds: `-k * max(x - 300, 0`, column 9"),
+        ("-k * max(x - 300, 0", "", "effect.leak.adds: `-k * max(x - 300, 0`, column 6"),
         ("-k * high", "", "column 6"),
         ("k * x", "[plant.effects.leak]\nkk = 2.0", "plant.effects.leak.kk: unknown key `kk`; expected `k`"),
         ("k * x", "[plant.effects.leak]", "plant.effects.leak: the key `k` is missing"),

@@ -63,6 +63,7 @@ pub use record::recording::{Recording, RecordingError, Sample};
 pub use answer::closed_loop::{ClosedLoop, Compared, NextExperiment, Simulated};
 pub use answer::diagnosis::{Diagnosis, Verdict};
 pub use answer::document::{Context, Document, Interval, ParameterEntry};
+pub use answer::ladder::{Dropped, Rest, Rung, Step};
 pub use answer::sentences::{decimals, with_rivals};
 pub use answer::stages::StageShare;
 pub use fit::bounds::Bounds;
@@ -76,6 +77,7 @@ pub use residual::misfit::Misfit;
 pub use residual::score_test::Omitted;
 pub use residual::spectrum::Band;
 pub use select::candidates::Candidate;
+pub use select::odds::Evidence;
 pub use select::posterior::Scored;
 pub use select::stepwise::{Change, NamedEffect};
 

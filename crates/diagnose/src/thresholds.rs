@@ -74,9 +74,9 @@ pub const INDISTINGUISHABLE: f64 = 3.0;
 pub const INDISTINGUISHABLE_TWINS: f64 = 15.0;
 /// Nats that count as one: likelihoods take the model for exact, and no model is.
 pub(crate) const SCALE_OF_PROBABILITY: f64 = 2.5;
-/// Effects that a record can name at most; beyond them the answer is not trusted. And searches at most.
-pub const MOST_EFFECTS: usize = 2;
-pub(crate) const MOST_SEARCHES: usize = 5;
+/// Effects that a record can name at most, and searches at most. Chosen by hand.
+pub const MOST_EFFECTS: usize = 8;
+pub(crate) const MOST_SEARCHES: usize = 12;
 /// Numbers within this share of their scale of the neutral value do nothing.
 pub(crate) const NOTHING: f64 = 1e-3;
 /// What the form of a believed lag may be worth to another effect that makes something late.
@@ -135,10 +135,10 @@ pub const SIGNIFICANT: f64 = 0.05;
 
 // How far is the answer to be trusted, and how is it ordered?
 
-/// Factor on the probability of a name, without and with a significant residual. Chosen: the shares of right names
-/// among rigs of the blind proof.
-pub(crate) const TRUST: f64 = 0.96;
-pub(crate) const TRUST_BESIDE_RESIDUAL: f64 = 0.15;
+/// A name is likely from this probability on: likelier than not.
+pub(crate) const LIKELY: f64 = 0.5;
+/// Share of what can be closed beyond the refit from which on the names carry the answer: the larger half.
+pub(crate) const ENOUGH_CLOSED: f64 = 0.5;
 /// Fall of the error 1 s ahead for which moved base parameters matter: a share of the noise floor, and mm.
 pub(crate) const PARAMETERS_SHARE: f64 = 0.05;
 pub(crate) const PARAMETERS_MM: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! The scored part of a diagnosis, from its document (`airball.diagnosis/1`).
+//! The scored part of a diagnosis, from its document (`airball.diagnosis/2`).
 
 use diagnose::Verdict;
 use serde::Deserialize;

@@ -7,11 +7,11 @@
 //! Every entry of every answer counts, also on rigs without an effect and outside the catalogue.
 
 use crate::Case;
-use crate::names::names;
+use crate::outcome::is_there;
 use serde::Serialize;
 
 /// Number of bins of equal width.
-const BINS: usize = 5;
+const BINS: usize = 10;
 
 /// The calibration of the probabilities.
 #[derive(Clone, Debug, Serialize)]
@@ -51,8 +51,7 @@ impl Calibration {
 /// The probability of each entry, and whether it is right.
 fn claims(case: &Case) -> Vec<(f64, bool)> {
     let entries = case.answer.iter().flat_map(|answer| &answer.effects);
-    let right = |entry| case.truth.effects.iter().any(|effect| names(entry, &effect.name));
-    entries.map(|entry| (entry.probability, right(entry))).collect()
+    entries.map(|entry| (entry.probability, is_there(entry, case))).collect()
 }
 
 fn bin(k: usize, all: &[(f64, bool)]) -> Bin {

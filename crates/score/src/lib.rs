@@ -19,6 +19,7 @@
 mod answer;
 mod calibration;
 mod closed;
+mod clutter;
 mod intervals;
 mod names;
 mod outcome;

@@ -6,6 +6,9 @@
 //! | `single` | the first entry names the effect | a later entry does |
 //! | `pair` | two entries name one each | one effect is named |
 //! | `outside` | `unexplained` | |
+//! | `clutter` | not `unexplained`, no entry but of a piece that may be called so | |
+//! | `amid` | the first entry names the effect | a later entry does |
+//! | `several` | an entry names each | one effect is named |
 //! | effect left out of the search | `unexplained`, or the first entry names what imitates the effect | |
 //!
 //! `unexplained` beside an entry that names the effect is as right as `effect`: a misfit may remain. All other answers
@@ -13,7 +16,7 @@
 //! wrong.
 
 use crate::Case;
-use crate::answer::Answer;
+use crate::answer::{Answer, NamedEffect};
 use crate::names::{named, names, names_stand_in};
 use crate::truth::Kind;
 use diagnose::Verdict;
@@ -58,10 +61,13 @@ pub(crate) fn outcome(case: &Case) -> Outcome {
     let truth = &case.truth.effects;
     match case.truth.kind {
         Kind::None | Kind::Parameters if no_alarm(answer) && answered(answer) => Outcome::Right,
-        Kind::Single if first_names(answer, case) => Outcome::Right,
-        Kind::Pair if named(answer, truth) == truth.len() => Outcome::Right,
+        Kind::Single | Kind::Amid if first_names(answer, case) => Outcome::Right,
+        Kind::Pair | Kind::Several if named(answer, truth) == truth.len() => Outcome::Right,
         Kind::Outside if answer.verdict == Verdict::Unexplained => Outcome::Right,
-        Kind::Single | Kind::Pair if named(answer, truth) > 0 => Outcome::Partly,
+        Kind::Clutter if answered(answer) && answer.verdict != Verdict::Unexplained && all_there(answer, case) => {
+            Outcome::Right
+        }
+        Kind::Single | Kind::Pair | Kind::Amid | Kind::Several if named(answer, truth) > 0 => Outcome::Partly,
         _ => short_of_right(answer),
     }
 }
@@ -87,6 +93,16 @@ fn short_of_right(answer: &Answer) -> Outcome {
 fn first_names(answer: &Answer, case: &Case) -> bool {
     let pair = answer.effects.first().zip(case.truth.effects.first());
     pair.is_some_and(|(entry, effect)| names(entry, &effect.name))
+}
+
+/// Whether every entry names something that is there.
+pub(crate) fn all_there(answer: &Answer, case: &Case) -> bool {
+    answer.effects.iter().all(|entry| is_there(entry, case))
+}
+
+/// Whether an entry names something that is there.
+pub(crate) fn is_there(entry: &NamedEffect, case: &Case) -> bool {
+    case.truth.there().any(|name| names(entry, name))
 }
 
 /// Whether there is a verdict.

@@ -3,6 +3,7 @@
 use crate::Case;
 use crate::answer::Answer;
 use crate::calibration::{Calibration, mean};
+use crate::clutter::about_clutter;
 use crate::intervals::{Numbers, median};
 use crate::names::{named, size};
 use crate::outcome::{Outcome, answered, exact, no_alarm, outcome, outcome_left_out};
@@ -75,8 +76,15 @@ pub fn score(cases: &[Case]) -> Score {
     let entries = cases.iter().flat_map(|case| case.answer.iter().chain(&case.left_out)).flat_map(|a| &a.effects);
     Score {
         cases: Kind::ALL.map(|kind| (kind, of_kind(cases, kind).count())).into(),
-        shares: [about_all(cases), about_singles(cases), about_pairs(cases), about_rest(cases), left_out(cases)]
-            .concat(),
+        shares: [
+            about_all(cases),
+            about_singles(cases),
+            about_pairs(cases),
+            about_rest(cases),
+            about_clutter(cases),
+            left_out(cases),
+        ]
+        .concat(),
         mean_set_size: mean(entries.map(|entry| size(entry) as f64)),
         median_closed_difference: median(cases.iter().filter_map(closed_difference)),
         numbers: Numbers::of(cases),
@@ -85,11 +93,11 @@ pub fn score(cases: &[Case]) -> Score {
     }
 }
 
-fn of_kind(cases: &[Case], kind: Kind) -> impl Iterator<Item = &Case> {
+pub(crate) fn of_kind(cases: &[Case], kind: Kind) -> impl Iterator<Item = &Case> {
     cases.iter().filter(move |case| case.truth.kind == kind)
 }
 
-fn share<'a>(
+pub(crate) fn share<'a>(
     name: &'static str,
     what: &'static str,
     cases: impl IntoIterator<Item = &'a Case>,
@@ -114,11 +122,11 @@ fn each_detectable(case: &Case) -> bool {
     each.is_some_and(|each| each.len() == case.truth.effects.len() && each.values().all(|nats| *nats >= DETECTABLE))
 }
 
-fn is(wanted: Outcome) -> impl Fn(&Case) -> bool {
+pub(crate) fn is(wanted: Outcome) -> impl Fn(&Case) -> bool {
     move |case| outcome(case) == wanted
 }
 
-fn says(case: &Case, verdict: Verdict) -> bool {
+pub(crate) fn says(case: &Case, verdict: Verdict) -> bool {
     case.answer.as_ref().is_some_and(|answer| answer.verdict == verdict)
 }
 

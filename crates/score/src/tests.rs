@@ -33,6 +33,7 @@ fn case(kind: Kind, effects: &[&str], answer: Answer) -> Case {
         moved: Vec::new(),
         base: [("drag_per_s".to_owned(), 2.0)].into(),
         rig_effects: Vec::new(),
+        clutter: Vec::new(),
     };
     let answer = Some(answer);
     Case { truth, bounds: None, answer, left_out: None, closed_of_truth: None, shown: None, pipe_length_mm: 600.0 }

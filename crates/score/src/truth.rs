@@ -34,11 +34,26 @@ pub enum Kind {
     Pair,
     /// An effect outside the catalogue.
     Outside,
+    /// Small pieces that no model holds, alone.
+    Clutter,
+    /// One effect of the catalogue amid clutter.
+    Amid,
+    /// Three to five effects of the catalogue amid clutter.
+    Several,
 }
 
 impl Kind {
     /// Every kind, in the order of reports.
-    pub const ALL: [Self; 5] = [Self::None, Self::Parameters, Self::Single, Self::Pair, Self::Outside];
+    pub const ALL: [Self; 8] = [
+        Self::None,
+        Self::Parameters,
+        Self::Single,
+        Self::Pair,
+        Self::Outside,
+        Self::Clutter,
+        Self::Amid,
+        Self::Several,
+    ];
 
     /// Its name in truths and reports.
     #[must_use]
@@ -49,6 +64,9 @@ impl Kind {
             Self::Single => "single",
             Self::Pair => "pair",
             Self::Outside => "outside",
+            Self::Clutter => "clutter",
+            Self::Amid => "amid",
+            Self::Several => "several",
         }
     }
 }
@@ -71,6 +89,24 @@ pub struct CaseTruth {
     /// All effects of the rig, believed or not.
     #[serde(default)]
     pub rig_effects: Vec<TrueEffect>,
+    /// The small pieces that no model holds.
+    #[serde(default)]
+    pub clutter: Vec<Piece>,
+}
+
+impl CaseTruth {
+    /// Everything that an entry may rightly name: the effects, and what pieces of the clutter may be called by.
+    pub fn there(&self) -> impl Iterator<Item = &str> {
+        let effects = self.effects.iter().map(|effect| effect.name.as_str());
+        effects.chain(self.clutter.iter().filter_map(|piece| piece.kin.as_deref()))
+    }
+}
+
+/// A piece of the clutter.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Piece {
+    /// The effect of the catalogue that it may rightly be called by.
+    pub kin: Option<String>,
 }
 
 /// An effect of a rig.
@@ -131,6 +167,7 @@ pub(crate) mod tests {
             moved: Vec::new(),
             base: base.map(|(key, value)| (key.to_owned(), value)).into(),
             rig_effects: vec![lag],
+            clutter: Vec::new(),
         }
     }
 }

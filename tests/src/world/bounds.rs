@@ -83,7 +83,11 @@ fn columns(flown: &Flown, parts: &Parts, source: &Source) -> Vec<(String, Vec<f6
 /// The log-likelihood gain of the `asked` departures, nats. A belief is linear in gain, drag and hover, so that the
 /// projection on its own columns gives the best fit, at any distance.
 fn nats(case: &Case, asked: &dyn Fn(&str) -> bool, flown: &Flown, source: &Source) -> Option<f64> {
-    if case.departures.is_empty() || case.departures.iter().any(|gone| WITHOUT.contains(&gone.name)) {
+    // With clutter no model is exact, and the filter here has the usual noise.
+    if case.kind.has_clutter()
+        || case.departures.is_empty()
+        || case.departures.iter().any(|gone| WITHOUT.contains(&gone.name))
+    {
         return None;
     }
     let (truth, belief) = (parts(case), without(case, asked));

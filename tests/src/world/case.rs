@@ -2,11 +2,19 @@
 
 use crate::catalogue::{Effect, Reach, draw};
 use crate::chance::{Chance, Source};
+use crate::forms::clutter;
 use crate::mixture::{Kind, Mixture, names, weighted};
 use crate::programme::Programme;
 use crate::rig::{Base, Parts};
 use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// How much less well the owner of a rig with clutter knows it: gain and drag within 20 %, believed effects within 28 %.
+const CLUTTERED_BELIEF: f64 = 4.0;
+
+/// The noise of the quietest rig with clutter, as a multiple of the usual one. Many real rigs have a sensor and air so quiet
+/// that every small piece is significant.
+const QUIETEST: f64 = 0.1;
 
 /// One difference between rig and belief.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,6 +36,10 @@ pub(crate) struct Case {
     pub(crate) base: Base,
     /// All effects of the rig.
     pub(crate) effects: Vec<Effect>,
+    /// The small pieces that no model holds.
+    pub(crate) clutter: Vec<Effect>,
+    /// The noise of the rig, as a multiple of the usual one.
+    pub(crate) noise: f64,
     /// Differences of the effects between rig and belief.
     pub(crate) departures: Vec<Departure>,
     /// Base parameters that differ by more than an owner's error.
@@ -43,7 +55,8 @@ pub(crate) struct Case {
 impl Case {
     /// The rig's parts.
     pub(crate) fn parts(&self) -> Parts {
-        Parts { base: self.base, effects: self.effects.clone(), seconds: self.programme.seconds, sensor_first: false }
+        let effects = self.effects.iter().chain(&self.clutter).cloned().collect();
+        Parts { base: self.base, effects, seconds: self.programme.seconds, noise: self.noise, sensor_first: false }
     }
 
     /// The flight of this number of the same rig: 0 is the first one, others have other setpoints and noise.
@@ -67,11 +80,17 @@ impl Case {
             drag_per_s: c.between(1.2, 2.2),
             hover_duty_percent: c.between(19.0, 25.0),
         };
-        let error = if mixture.exact { 0.0 } else { 1.0 };
+        let error = match kind {
+            _ if mixture.exact => 0.0,
+            _ if kind.has_clutter() => CLUTTERED_BELIEF,
+            _ => 1.0,
+        };
         let mut case = Self {
             kind,
             base,
             effects: believed(c),
+            clutter: Vec::new(),
+            noise: 1.0,
             departures: Vec::new(),
             moved: Vec::new(),
             belief: near(c, base, error),
@@ -84,6 +103,10 @@ impl Case {
         }
         if kind == Kind::Parameters {
             case.move_base(c);
+        }
+        if kind.has_clutter() {
+            case.clutter = clutter::draw(c, case.programme.seconds);
+            case.noise = c.scale(QUIETEST, 1.0);
         }
         case.belief = rounded(case.belief);
         case

@@ -38,7 +38,8 @@ struct Arguments {
     /// Number of cases
     #[arg(long, value_name = "N", default_value_t = 120)]
     count: usize,
-    /// Weights of the kinds, such as none=2,single=5 [kinds: none, parameters, single, pair, outside]
+    /// Weights of the kinds, such as none=2,single=5 [kinds: none, parameters, single, pair, outside,
+    /// clutter, amid, several]
     #[arg(long, value_name = "KIND=WEIGHT,…", value_delimiter = ',', value_parser = weight)]
     mix: Vec<(Kind, f64)>,
     /// Draw only this effect; may be given again. Without --mix: singles of it, or outside cases
@@ -141,7 +142,9 @@ fn mixture(arguments: &Arguments) -> Result<Mixture, String> {
     if kinds.iter().all(|(_, weight)| *weight == 0.0) {
         return Err("all weights of --mix are 0; give one of the kinds a weight".into());
     }
-    if asked(&[Kind::Single]) && within(true) == 0 || asked(&[Kind::Outside]) && within(false) == 0 {
+    if asked(&[Kind::Single, Kind::Amid, Kind::Several]) && within(true) == 0
+        || asked(&[Kind::Outside]) && within(false) == 0
+    {
         return Err("no effect is left for a kind of --mix; look at --only and --leave-out".into());
     }
     if asked(&[Kind::Pair]) && !mixture::pairs_exist(&effects) {

@@ -19,6 +19,19 @@ pub(crate) enum Kind {
     Pair,
     /// Something that the catalogue does not hold.
     Outside,
+    /// Clutter alone, see [`crate::forms::clutter`].
+    Clutter,
+    /// One effect of the catalogue amid clutter.
+    Amid,
+    /// Three to five effects of the catalogue amid clutter.
+    Several,
+}
+
+impl Kind {
+    /// Whether the rig has clutter, and its owner knows it less well.
+    pub(crate) fn has_clutter(self) -> bool {
+        matches!(self, Self::Clutter | Self::Amid | Self::Several)
+    }
 }
 
 /// The mixture of a set.
@@ -44,8 +57,9 @@ pub(crate) fn names(c: &mut Chance, kind: Kind, allowed: &[&'static str]) -> Vec
     let pool =
         |catalogue| -> Vec<&'static str> { allowed.iter().copied().filter(|n| inside(n) == catalogue).collect() };
     match kind {
-        Kind::None | Kind::Parameters => Vec::new(),
-        Kind::Single => vec![*c.pick(&pool(true))],
+        Kind::None | Kind::Parameters | Kind::Clutter => Vec::new(),
+        Kind::Single | Kind::Amid => vec![*c.pick(&pool(true))],
+        Kind::Several => several(c, pool(true)),
         Kind::Outside => vec![*c.pick(&pool(false))],
         Kind::Pair => {
             let pairs = pairs(&pool(true));
@@ -55,9 +69,23 @@ pub(crate) fn names(c: &mut Chance, kind: Kind, allowed: &[&'static str]) -> Vec
     }
 }
 
+/// Three to five of these that may act together.
+fn several(c: &mut Chance, mut pool: Vec<&'static str>) -> Vec<&'static str> {
+    let (mut names, count) = (Vec::new(), 3 + (c.unit() * 3.0) as usize);
+    while names.len() < count && !pool.is_empty() {
+        let name = *c.pick(&pool);
+        pool.retain(|other| *other != name && !twins(name, other));
+        names.push(name);
+    }
+    names
+}
+
+fn twins(a: &str, b: &str) -> bool {
+    TWINS.iter().any(|group| group.contains(&a) && group.contains(&b))
+}
+
 /// All pairs of these that may act together.
 fn pairs(pool: &[&'static str]) -> Vec<(&'static str, &'static str)> {
-    let twins = |a: &str, b: &str| TWINS.iter().any(|group| group.contains(&a) && group.contains(&b));
     let with = |(i, a): (usize, &&'static str)| {
         let later = pool[i + 1..].iter().map(|b| (*a, *b));
         later.filter(|(a, b)| !twins(a, b)).collect::<Vec<_>>()

@@ -11,7 +11,7 @@
 
 use crate::catalogue::Effect;
 use crate::chance::{Chance, Source};
-use crate::forms::{Force, Link, STEP_S, Stream, curves, forces, memory, outside, sensor};
+use crate::forms::{Force, Link, STEP_S, Stream, clutter, curves, forces, memory, outside, sensor};
 use serde::Serialize;
 
 /// Standard deviation of one reading, mm.
@@ -43,6 +43,8 @@ pub(crate) struct Parts {
     pub(crate) effects: Vec<Effect>,
     /// Length of the record, s.
     pub(crate) seconds: f64,
+    /// Deviations of the noise of sensor and air, and the step of a reading, as a multiple of the usual ones.
+    pub(crate) noise: f64,
     /// Whether the sensor's lag and delay act before the ball instead of after it. Without noise, a linear ball gives
     /// the same readings either way; with them in front, the noise does not pass them.
     pub(crate) sensor_first: bool,
@@ -68,6 +70,7 @@ pub(crate) struct Rig {
     stream: Option<Stream>,
     forces: Vec<Force>,
     air: Chance,
+    psd: f64,
     wind: f64,
     eye: Eye,
 }
@@ -94,6 +97,7 @@ impl Rig {
             stream: parts.effect("relative_airflow").map(|e| forces::relative_airflow(e, parts.base.drag_per_s)),
             forces: parts.effects.iter().filter_map(|effect| force(effect, source)).collect(),
             air: source.stream("air"),
+            psd: PSD * parts.noise.powi(2),
             wind: 0.0,
             eye: eye(parts, source, height),
         }
@@ -107,7 +111,7 @@ impl Rig {
     /// One step of motion.
     pub(crate) fn advance(&mut self) {
         let keep = (-STEP_S / AIR_S).exp();
-        self.wind = keep * self.wind + (PSD / (2.0 * AIR_S) * (1.0 - keep * keep)).sqrt() * self.air.hump();
+        self.wind = keep * self.wind + (self.psd / (2.0 * AIR_S) * (1.0 - keep * keep)).sqrt() * self.air.hump();
         let a = self.push() + self.wind;
         let (before, decay) = (self.v, (-self.drag * STEP_S).exp());
         self.v = decay * before + a * (1.0 - decay) / self.drag;
@@ -178,20 +182,24 @@ fn actuator(parts: &Parts, source: &Source) -> Vec<Link> {
             "spin_asymmetry" => memory::spin_asymmetry(e),
             "duty_dependent_lag" => outside::duty_dependent_lag(e, gain),
             "pipe_resonance" => outside::pipe_resonance(e),
-            _ => return None,
+            _ => return clutter::link(e, chance),
         })
     };
     ALONG_THE_ACTUATOR.iter().filter_map(|name| link(name)).collect()
 }
 
 /// The order of composition.
-const ALONG_THE_ACTUATOR: [&str; 21] = [
+const ALONG_THE_ACTUATOR: [&str; 25] = [
     "late_writes",
     "stuck_driver",
     "transport_delay",
     "duty_quantisation",
     "about hover",
+    "write_jitter",
     "hover_drift",
+    "slight_drift",
+    "creep",
+    "slight_curvature",
     "supply_sag",
     "hysteresis",
     "dead_zone",
@@ -222,7 +230,7 @@ fn force(e: &Effect, source: &Source) -> Option<Force> {
         "height_ripple" => outside::height_ripple(e),
         "spin_lift" => outside::spin_lift(e),
         "sticky_zone" => outside::sticky_zone(e),
-        _ => return None,
+        _ => return clutter::force(e, chance),
     })
 }
 
@@ -232,16 +240,20 @@ fn eye(parts: &Parts, source: &Source, height: f64) -> Eye {
     let part = |name| parts.effect(name).map(|effect| (effect, source.stream(name)));
     along.extend(part("mount_backlash").map(|(e, _)| outside::mount_backlash(e)));
     along.extend(part("mount_slip").map(|(e, chance)| outside::mount_slip(e, chance)));
+    along.extend(part("sensor_bend").map(|(e, _)| clutter::bend(e)));
     if !parts.sensor_first {
         along.extend(part("sensor_lag").map(|(e, _)| sensor::sensor_lag(e)));
         along.extend(part("sensor_delay").map(|(e, chance)| sensor::sensor_delay(e, chance)));
     }
-    let mut own = source.stream("sensor");
-    reading.push(Box::new(move |x, _| x + SENSOR_MM * own.logistic()));
+    let (mut own, noise) = (source.stream("sensor"), parts.noise);
+    reading.push(Box::new(move |x, _| x + noise * SENSOR_MM * own.logistic()));
     reading.extend(part("sensor_noise").map(|(e, chance)| sensor::sensor_noise(e, chance)));
+    for name in ["uneven_noise", "heavy_tails"] {
+        reading.extend(part(name).map(|(e, chance)| clutter::noise(e, chance)));
+    }
     reading.extend(part("sensor_outliers").map(|(e, chance)| sensor::sensor_outliers(e, chance)));
     let coarse = part("sensor_quantisation").map(|(e, _)| sensor::sensor_quantisation(e));
-    reading.push(coarse.unwrap_or_else(|| Box::new(|x, _| x.round())));
+    reading.push(coarse.unwrap_or_else(|| Box::new(move |x, _| (x / noise).round() * noise)));
     let refresh = part("stale_samples").map(|(e, chance)| sensor::refresh(e, chance));
     Eye { along, reading, refresh, seen: height, held: height }
 }
@@ -253,7 +265,7 @@ mod tests {
 
     fn rig(effects: Vec<Effect>, case: usize) -> Rig {
         let base = Base { gain_mm_per_s2_per_percent: 250.0, drag_per_s: 1.6, hover_duty_percent: 21.0 };
-        let parts = Parts { base, effects, seconds: 60.0, sensor_first: false };
+        let parts = Parts { base, effects, seconds: 60.0, noise: 1.0, sensor_first: false };
         Rig::new(&parts, &Source { seed: "rig".into(), case }, 300.0, 0.0)
     }
 

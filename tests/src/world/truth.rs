@@ -2,6 +2,7 @@
 
 use crate::case::{Case, Departure};
 use crate::catalogue::{Effect, find, inside};
+use crate::forms::clutter::PIECES;
 use crate::mixture::Kind;
 use crate::programme::Programme;
 use crate::rig::{Base, LENGTH_MM, PSD, SENSOR_MM};
@@ -36,6 +37,9 @@ pub(crate) struct CaseTruth {
     base: Base,
     /// All effects of the rig, believed or not.
     rig_effects: Vec<Effect>,
+    /// The small pieces that no model holds, each with the effect of the catalogue that it may rightly be called by.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    clutter: Vec<ClutterTruth>,
     belief: Base,
     believed_effects: Vec<Effect>,
     programme: Programme,
@@ -47,6 +51,20 @@ struct DepartureTruth {
     departure: Departure,
     stage: &'static str,
     inside_catalogue: bool,
+}
+
+#[derive(Serialize)]
+struct ClutterTruth {
+    #[serde(flatten)]
+    piece: Effect,
+    kin: Option<&'static str>,
+}
+
+impl ClutterTruth {
+    fn of(piece: &Effect) -> Self {
+        let kin = PIECES.iter().find(|(name, _)| *name == piece.name).and_then(|(_, kin)| *kin);
+        Self { piece: piece.clone(), kin }
+    }
 }
 
 impl CaseTruth {
@@ -64,6 +82,7 @@ impl CaseTruth {
             moved: case.moved.clone(),
             base: case.base,
             rig_effects: case.effects.clone(),
+            clutter: case.clutter.iter().map(ClutterTruth::of).collect(),
             belief: case.belief,
             believed_effects: case.believed.clone(),
             programme: case.programme.clone(),
@@ -81,10 +100,10 @@ pub(crate) fn hash(bytes: &[u8]) -> String {
 
 /// The belief as the project's config.
 pub(crate) fn belief(case: &Case) -> String {
-    let base = case.belief;
+    let (base, sensor_mm, psd) = (case.belief, SENSOR_MM * case.noise, PSD * case.noise.powi(2));
     let mut text = format!(
         "[plant]\ngain_mm_per_s2_per_percent = {:.3}\ndrag_per_s = {:.4}\nhover_duty_percent = {:.3}\n\
-         pipe_length_mm = {LENGTH_MM:.1}\n\n[plant.noise]\nsensor_mm = {SENSOR_MM:.2}\nacceleration_psd_mm2_per_s3 = {PSD:.1}\n",
+         pipe_length_mm = {LENGTH_MM:.1}\n\n[plant.noise]\nsensor_mm = {sensor_mm:.2}\nacceleration_psd_mm2_per_s3 = {psd:.1}\n",
         base.gain_mm_per_s2_per_percent, base.drag_per_s, base.hover_duty_percent
     );
     for effect in &case.believed {

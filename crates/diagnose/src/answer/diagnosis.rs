@@ -7,7 +7,8 @@
 //! The first verdict that applies: `insufficient_data`, `unexplained` (the innovations depend on known signals, or are
 //! coloured), `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
-use crate::answer::forecast::{best_forecast, held_out, of_belief};
+use crate::answer::forecast::{best_forecast, held_out, of_belief, with_floor};
+use crate::answer::ladder::{Ladder, Rest, Rung};
 use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::Fit;
 use crate::fit::intervals::{Reach, reaches};
@@ -21,12 +22,13 @@ use crate::record::recording::Recording;
 use crate::residual::location::{Place, places_of, rows};
 use crate::residual::misfit::{Misfit, is_quiet};
 use crate::residual::spectrum::{Band, band};
+use crate::select::odds::{Evidence, MOST_LOG_ODDS};
 use crate::select::posterior::{Scored, chances};
 use crate::select::refit;
 use crate::select::search::Search;
-use crate::select::stepwise::{NamedEffect, Selection, select_effects};
-use crate::thresholds::{ENOUGH_READINGS, PARAMETERS_MM, PARAMETERS_SHARE, TRUST, TRUST_BESIDE_RESIDUAL};
-use plant::Model;
+use crate::select::stepwise::{Change, NamedEffect, Selection, select_effects};
+use crate::thresholds::{ENOUGH_CLOSED, ENOUGH_READINGS, LIKELY, PARAMETERS_MM, PARAMETERS_SHARE};
+use plant::{Changes, Model};
 
 /// The verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -62,6 +64,10 @@ pub struct Diagnosis {
     pub(crate) with_effects: Fit,
     /// Held-out forecast errors: nominal, refitted, mended.
     pub gaps: [Gap; 3],
+    /// The held-out errors as believed, refitted, and with each effect added in turn.
+    pub ladder: Vec<Rung>,
+    /// What no effect explains.
+    pub rest: Rest,
     /// Where the refitted belief is wrong, the most significant place first.
     pub places: Vec<Place>,
     /// The frequencies at which the refitted belief is most wrong.
@@ -104,15 +110,18 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         found = Selection::nothing(&search, &refitted);
     }
     let incomplete = answers && found.is_incomplete();
-    let mended = if incomplete { best_forecast(&search, &refitted, &found.fit) } else { found.fit.clone() };
+    let ladder = Ladder::of(&search, &refitted, &found);
+    let mended = if incomplete { best_forecast(&search, &ladder.fits) } else { found.fit.clone() };
     let stretches = [of_belief(&search), held_out(&search, &refitted, |_| ()), held_out(&search, &mended, |_| ())];
-    let gaps = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
-    let closed = Closed::of(&stretches[0], &stretches[2]).filter(|_| answers);
-    let verdict = if answers { verdict(&found, &gaps) } else { Verdict::InsufficientData };
+    let [nominal, refit, _] = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
+    let gaps = [nominal, refit, with_floor(&search, &mended, &stretches[2])];
+    let floor = gaps[2].floor_mm[2].map(|floor| floor * floor).filter(|_| answers);
+    let closed = floor.and_then(|floor| Closed::of(&stretches[0], [&stretches[0], &stretches[2]], floor));
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
-    let Selection { mut effects, rounds, fit: with_effects, misfit, .. } = found;
-    effects.iter_mut().for_each(|named| named.probability *= trust(verdict));
+    add_odds(&mut found, &ladder);
+    let verdict = if answers { verdict(&found, &ladder, &gaps) } else { Verdict::InsufficientData };
+    let Selection { effects, rounds, fit: with_effects, misfit, .. } = found;
     let reaches = reaches(&search.problem, &mended);
     Diagnosis {
         verdict,
@@ -122,6 +131,12 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         mended,
         with_effects,
         gaps,
+        rest: Rest {
+            share: ladder.named_share.map(|share| 1.0 - share),
+            is_significant: asks && incomplete,
+            matters: answers && ladder.rest_matters(),
+        },
+        ladder: ladder.rungs,
         places,
         band,
         misfit,
@@ -133,8 +148,8 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
 }
 
 /// The verdict of a record that can answer.
-fn verdict(found: &Selection, gaps: &[Gap; 3]) -> Verdict {
-    if found.is_incomplete() {
+fn verdict(found: &Selection, ladder: &Ladder, gaps: &[Gap; 3]) -> Verdict {
+    if found.is_incomplete() && !names_carry(found, ladder) {
         Verdict::Unexplained
     } else if !found.effects.is_empty() {
         Verdict::Effect
@@ -142,6 +157,36 @@ fn verdict(found: &Selection, gaps: &[Gap; 3]) -> Verdict {
         Verdict::Parameters
     } else {
         Verdict::NoGap
+    }
+}
+
+/// Whether the named effects carry the answer beside a significant residual: one of them is likelier than not, and they
+/// close enough of the gap. A residual too small to matter for a forecast needs no name.
+fn names_carry(found: &Selection, ladder: &Ladder) -> bool {
+    let is_likely = |named: &NamedEffect| named.probability >= LIKELY;
+    let likely = found.effects.is_empty() || found.effects.iter().any(is_likely);
+    let closed = ladder.named_share.filter(|_| !found.effects.is_empty());
+    likely && (!ladder.rest_matters() || closed.is_some_and(|share| share >= ENOUGH_CLOSED))
+}
+
+/// The odds of each named effect.
+fn add_odds(found: &mut Selection, ladder: &Ladder) {
+    let rest_nats = found.misfit.joint_nats();
+    for (k, named) in found.effects.iter_mut().enumerate() {
+        let dropped = ladder.dropped.get(k).copied().unwrap_or_default();
+        let p = named.probability;
+        named.evidence = Evidence {
+            held_out_gain: named.candidate.held_out_gain,
+            margin: (p / (1.0 - p)).ln().clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS),
+            dropped_share: dropped.share,
+            dropped_deviations: dropped.deviations,
+            rest_nats,
+            rest_share: 1.0 - ladder.named_share.unwrap_or(0.0),
+            effects: ladder.dropped.len(),
+            is_scatter: named.candidate.entry.acts.changes != Changes::Path,
+            is_change: named.change != Change::Added,
+        };
+        named.probability = named.evidence.probability();
     }
 }
 
@@ -171,11 +216,6 @@ fn with_rounding(belief: &Model, recording: &Recording) -> Model {
     belief
 }
 
-/// Factor on the probability of a named effect for this verdict.
-fn trust(verdict: Verdict) -> f64 {
-    if verdict == Verdict::Unexplained { TRUST_BESIDE_RESIDUAL } else { TRUST }
-}
-
 /// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.
 fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
     match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
@@ -187,11 +227,16 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 }
 
 impl Diagnosis {
-    /// The probability of each effect of a round, with the trust in this verdict; `None` for those that were not fitted
-    /// in full.
+    /// The probability of each effect of a round, if at most one of them acts; that of the named one is its odds, and
+    /// the others are in proportion to it. `None` for those that were not fitted in full.
     #[must_use]
     pub fn chances(&self, tried: &[Scored]) -> Vec<Option<f64>> {
-        chances(tried).into_iter().map(|chance| Some(trust(self.verdict) * chance?)).collect()
+        let all = chances(tried);
+        let named =
+            self.effects.iter().find(|named| tried.first().is_some_and(|one| one.name == named.candidate.entry.name));
+        let own = named.and_then(|named| Some(named.probability / all.first().copied()??));
+        let factor = own.unwrap_or(1.0).min(1.0);
+        all.into_iter().map(|chance| Some(factor * chance?)).collect()
     }
 }
 

@@ -1,7 +1,8 @@
-//! A diagnosis as a machine-readable document (`airball.diagnosis/1`).
+//! A diagnosis as a machine-readable document (`airball.diagnosis/2`).
 
 use crate::answer::closed_loop::{ClosedLoop, NextExperiment};
 use crate::answer::diagnosis::{Diagnosis, Verdict};
+use crate::answer::ladder::{Rest, Rung};
 use crate::answer::stages::StageShare;
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
@@ -9,6 +10,7 @@ use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::Closed;
 use crate::residual::location::Place;
 use crate::residual::spectrum::Band;
+use crate::select::odds::Evidence;
 use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::SIGNIFICANT;
 use plant::Model;
@@ -43,6 +45,8 @@ pub struct Document {
     effects: Vec<EffectEntry>,
     parameters: BTreeMap<&'static str, ParameterEntry>,
     gap: GapEntry,
+    ladder: Vec<Rung>,
+    rest: Rest,
     r#where: WhereEntry,
     check: CheckEntry,
     next_experiment: Option<NextExperiment>,
@@ -57,6 +61,7 @@ struct EffectEntry {
     name: &'static str,
     change: Change,
     probability: f64,
+    evidence: Evidence,
     indistinguishable_from: Vec<&'static str>,
     parameters: BTreeMap<&'static str, Interval>,
 }
@@ -131,11 +136,13 @@ impl Diagnosis {
     #[must_use]
     pub fn document(&self, belief: &Model, context: &Context) -> Document {
         Document {
-            schema: "airball.diagnosis/1",
+            schema: "airball.diagnosis/2",
             verdict: self.verdict,
             effects: self.effects.iter().map(|named| self.effect_entry(named)).collect(),
             parameters: self.base_parameters(belief),
             gap: self.gap_entry(context.closed_loop),
+            ladder: self.ladder.clone(),
+            rest: self.rest,
             r#where: WhereEntry {
                 stage: self.stage_shares(&context.deviations),
                 regions: self.regions(),
@@ -198,6 +205,7 @@ impl Diagnosis {
             name: named.candidate.entry.name,
             change: named.change,
             probability: named.probability,
+            evidence: named.evidence,
             indistinguishable_from: named.indistinguishable_from.clone(),
             parameters: self.effect_parameters(named),
         }

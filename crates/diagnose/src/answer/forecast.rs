@@ -4,17 +4,18 @@
 //! the belief, its refit, and the fit with the effects that were found are compared by their held-out forecast errors at
 //! 1 s. A model takes the place of a simpler one where it is better in the mean of the stretches by more than chance.
 
+use crate::answer::ladder::deviations;
 use crate::fit::estimate::{Fit, Problem};
-use crate::gap::forecast_error::{Tally, tallies};
+use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::select::search::Search;
 use crate::thresholds::BETTER_FORECAST;
 use plant::Model;
 use rayon::prelude::*;
 
-/// The best of the belief and the fits.
-pub(super) fn best_forecast(search: &Search<'_>, refitted: &Fit, with_effects: &Fit) -> Fit {
+/// The best of these models, of which the first is the belief.
+pub(super) fn best_forecast(search: &Search<'_>, fits: &[Fit]) -> Fit {
     let (mut least, mut best) = (of_belief(search), None);
-    for fit in [refitted, with_effects] {
+    for fit in fits.iter().skip(1) {
         // A patch does not change the noise.
         let errors = held_out(search, fit, |model| model.noise = search.problem.belief.noise);
         if is_better(&errors, &least) {
@@ -44,13 +45,19 @@ pub(super) fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Mode
     (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
 }
 
+/// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
+pub(super) fn square(errors: &[Tally]) -> f64 {
+    Tally::sum(errors.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
+}
+
+/// The errors of a fit, with those by noise alone: of the model with the noise that was fitted, or with the believed
+/// noise, whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
+pub(super) fn with_floor(search: &Search<'_>, fit: &Fit, errors: &[Tally]) -> Gap {
+    let as_believed = held_out(search, fit, |model| model.noise = search.problem.belief.noise);
+    Tally::sum(errors.iter()).gap().with_floor_at_most(&Tally::sum(as_believed.iter()).gap())
+}
+
 /// Whether the mean squares at 1 s are lower in the mean of the stretches by more than chance.
 fn is_better(these: &[Tally], those: &[Tally]) -> bool {
-    let square = |tally: &Tally| tally.squares_at_1_s().map(|(square, _)| square);
-    let gains: Vec<f64> =
-        these.iter().zip(those).filter_map(|(this, that)| Some(square(that)? - square(this)?)).collect();
-    let count = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / count;
-    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    mean > BETTER_FORECAST * (variance / count).sqrt()
+    deviations(those, these) > BETTER_FORECAST
 }

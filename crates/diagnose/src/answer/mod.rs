@@ -5,6 +5,7 @@ pub(crate) mod diagnosis;
 pub(crate) mod document;
 pub(crate) mod forecast;
 pub(crate) mod intervals;
+pub(crate) mod ladder;
 pub(crate) mod patch;
 pub(crate) mod sentences;
 pub(crate) mod series;

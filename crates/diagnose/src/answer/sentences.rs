@@ -2,6 +2,7 @@
 
 use crate::answer::diagnosis::{Diagnosis, Verdict};
 use crate::answer::document::Interval;
+use crate::answer::ladder::Rest;
 use crate::residual::misfit::Misfit;
 use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::AIR_RATIO;
@@ -11,10 +12,6 @@ use plant::{Effects, Stage};
 const MOST_TERMS: usize = 3;
 /// Explanation of the letters in terms.
 const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
-/// Explanation of an unexplained answer without a significant residual.
-const TOO_MANY: &str = "nothing is left over, but three effects or more at once follow almost any record: trust them no more than one that leaves \
-    something, mend the first, fly again, and diagnose again";
-
 impl Diagnosis {
     /// The verdict in one sentence, without a full stop.
     #[must_use]
@@ -27,9 +24,6 @@ impl Diagnosis {
             Verdict::InsufficientData => "This record cannot say what separates simulator and rig".into(),
             Verdict::Unexplained if self.effects.is_empty() => {
                 "Something separates simulator and rig that no effect of the catalogue explains".into()
-            }
-            Verdict::Unexplained if !self.misfit.is_significant() => {
-                format!("{}, which are more effects at once than one record proves", of_effects(&self.effects))
             }
             Verdict::Unexplained => {
                 format!("{}, and something is left that no effect explains", of_effects(&self.effects))
@@ -62,16 +56,24 @@ impl Diagnosis {
         format!("{sure}{retuned}{}{twins}", numbers.join(", "))
     }
 
-    /// The form of a significant residual; `None` if it is not significant or has no clear form.
+    /// A significant residual: how much of the gap it is, whether it matters, and its form. `None` if none is
+    /// significant, or it has no clear form.
     #[must_use]
     pub fn residual_in_words(&self) -> Option<String> {
-        if self.verdict != Verdict::Unexplained {
+        if self.verdict == Verdict::InsufficientData || !self.rest.is_significant {
             return None;
         }
+        let size = match self.rest {
+            Rest { matters: false, .. } => "too little to matter for a forecast of 1 s".to_owned(),
+            Rest { share: Some(share), .. } => format!("{:.0} % of what the refit leaves", 100.0 * share),
+            Rest { share: None, .. } => return self.form_in_words(),
+        };
+        Some(self.form_in_words().map_or_else(|| format!("what is left is {size}"), |form| format!("{form}; {size}")))
+    }
+
+    /// The form of the residual; `None` if it has no clear form.
+    fn form_in_words(&self) -> Option<String> {
         let misfit = &self.misfit;
-        if !misfit.is_significant() {
-            return Some(TOO_MANY.to_owned());
-        }
         let terms = misfit.omitted_terms.iter().filter(|_| misfit.omitted_is_reported());
         let terms: Vec<String> =
             terms.take(MOST_TERMS).map(|term| format!("{} (z = {:.1})", term.words, term.z)).collect();

@@ -117,6 +117,17 @@ impl Gap {
         Self::measure_where(model, recording, &|_| true)
     }
 
+    /// The same with a noise floor of at most that of `other`, and at most the errors.
+    pub(crate) fn with_floor_at_most(mut self, other: &Self) -> Self {
+        let least = |all: [Option<f64>; 3]| all.into_iter().flatten().reduce(f64::min);
+        for (at, floor) in self.floor_mm.iter_mut().enumerate() {
+            *floor = least([*floor, other.floor_mm[at], self.error_mm[at]]);
+        }
+        let floors = [self.floor_free_run_10s_mm, other.floor_free_run_10s_mm, self.free_run_10s_mm];
+        self.floor_free_run_10s_mm = least(floors);
+        self
+    }
+
     /// Measures the gap of the forecasts and free runs that start from rows for which `counts` holds.
     #[must_use]
     pub fn measure_where(model: &Model, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> Self {

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The interval is a block bootstrap: the stretches are drawn again with replacement, which gives the variation between
-//! flights of the same kind. F is that of the fitted model for both.
+//! flights of the same kind. F is that of the whole record.
 //! Source: Künsch, "The jackknife and the bootstrap for general stationary observations", Annals of Statistics 17
 //! (1989).
 
@@ -29,18 +29,21 @@ pub struct Closed {
 }
 
 impl Closed {
-    /// From the errors of the belief and of the fitted model, by stretch. `None`: there is no gap to close.
-    pub(crate) fn of(nominal: &[Tally], mended: &[Tally]) -> Option<Self> {
-        let both: Vec<(&Tally, &Tally)> = nominal.iter().zip(mended).collect();
-        let (before, floor) = (squares(both.iter().map(|pair| pair.0))?.0, squares(both.iter().map(|pair| pair.1))?.1);
-        if !is_open(before, floor) {
+    /// Of a step from the model `before` to the model `after`: from their errors and those of the belief, by stretch, and
+    /// the mean square by noise alone, mm². `None`: there is no gap to close.
+    pub(crate) fn of(nominal: &[Tally], [before, after]: [&[Tally]; 2], floor: f64) -> Option<Self> {
+        let count = [nominal, before, after].map(<[Tally]>::len).into_iter().min()?;
+        let square = |all: &[Tally], at: &[usize]| Some(Tally::sum(at.iter().map(|k| &all[*k])).squares_at_1_s()?.0);
+        let share = |at: &[usize]| Some((square(before, at)? - square(after, at)?) / (square(nominal, at)? - floor));
+        let all: Vec<usize> = (0..count).collect();
+        if !is_open(square(nominal, &all)?, floor) {
             return None;
         }
-        let value = share(&both)?;
+        let value = share(&all)?;
         let mut chance = Normal::new(0, 11);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
-        let mut draw = || both[((chance.uniform() * both.len() as f64) as usize).min(both.len() - 1)];
-        let draws = (0..DRAWS).filter_map(|_| share(&(0..both.len()).map(|_| draw()).collect::<Vec<_>>()));
+        let mut draw = || ((chance.uniform() * count as f64) as usize).min(count - 1);
+        let draws = (0..DRAWS).filter_map(|_| share(&(0..count).map(|_| draw()).collect::<Vec<_>>()));
         let mut draws: Vec<f64> = draws.filter(|share| share.is_finite()).collect();
         draws.sort_by(f64::total_cmp);
         let at = |part: usize| draws.get(draws.len() * part / 20).or(draws.last()).copied().unwrap_or(value);
@@ -60,20 +63,10 @@ pub fn share_closed(before: f64, after: f64, floor: f64) -> f64 {
     (before - after) / (before - floor)
 }
 
-fn share(both: &[(&Tally, &Tally)]) -> Option<f64> {
-    let (before, _) = squares(both.iter().map(|pair| pair.0))?;
-    let (after, floor) = squares(both.iter().map(|pair| pair.1))?;
-    Some(share_closed(before, after, floor))
-}
-
-fn squares<'a>(tallies: impl Iterator<Item = &'a Tally>) -> Option<(f64, f64)> {
-    Tally::sum(tallies).squares_at_1_s()
-}
-
 #[cfg(test)]
 mod tests {
     use super::Closed;
-    use crate::gap::forecast_error::tallies;
+    use crate::gap::forecast_error::{Tally, tallies};
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
 
@@ -83,15 +76,16 @@ mod tests {
         let by_stretch = |model: &Model| tallies(model, &recording, &|row| Some(row / 250));
         let belief = by_stretch(&Model { effects: Effects::default(), ..model() });
         let right = by_stretch(&model());
-        let closed = Closed::of(&belief, &right).unwrap();
+        let floor = |all: &[Tally]| Tally::sum(all.iter()).squares_at_1_s().unwrap().1;
+        let closed = Closed::of(&belief, [&belief, &right], floor(&right)).unwrap();
         assert!(closed.value > 0.85 && closed.high > 0.95 && closed.high - closed.low < 0.5, "{closed:?}");
-        // A fitted model that equals the belief closes nothing; its own noise sets the floor.
-        let none = Closed::of(&belief, &belief).unwrap();
+        // A fitted model that equals the belief closes nothing.
+        let none = Closed::of(&belief, [&belief, &belief], floor(&right)).unwrap();
         assert!(none.value == 0.0 && none.low == 0.0 && none.high == 0.0, "{none:?}");
         // Errors below the noise floor leave no gap to close.
         let mut turbulent = model();
         turbulent.noise.acceleration_psd_mm2_per_s3 *= 4.0;
         let turbulent = by_stretch(&turbulent);
-        assert_eq!(Closed::of(&turbulent, &turbulent), None);
+        assert_eq!(Closed::of(&turbulent, [&turbulent, &turbulent], floor(&turbulent)), None);
     }
 }

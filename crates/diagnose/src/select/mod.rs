@@ -4,6 +4,7 @@ pub(crate) mod believed;
 pub(crate) mod candidates;
 pub(crate) mod duty_step_scan;
 pub(crate) mod initial_values;
+pub(crate) mod odds;
 pub(crate) mod plausibility;
 pub(crate) mod posterior;
 pub(crate) mod ranking;

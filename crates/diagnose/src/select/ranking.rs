@@ -98,6 +98,7 @@ mod tests {
                 penalised_gain: 0.0,
             },
             probability: 1.0,
+            evidence: crate::select::odds::Evidence::default(),
             indistinguishable_from: Vec::new(),
             rivals: Vec::new(),
         };

@@ -52,16 +52,23 @@ impl<'a> Search<'a> {
 
     /// The fit without one of its effects, fitted again.
     pub(crate) fn removed(&self, fit: &Fit, entry: &Entry) -> Fit {
-        let mut model = fit.model.clone();
-        model.effects.remove(entry.name);
-        let others = fit.parameters.iter().filter(|parameter| !parameter.is_of(entry.name));
-        let mut parameters: Vec<Parameter> = others.copied().collect();
-        // The simpler effect that it contains and had replaced is restored.
-        if let Some((part, values)) =
-            entry.contains.and_then(|part| Some((Effects::built_in(part)?, self.problem.belief.effects.values(part)?)))
-        {
-            model.effects.set(part.name, &values);
-            parameters.extend(parameters_of_effect(part, &values));
+        self.without_effects(fit, &[entry])
+    }
+
+    /// The fit without some of its effects, fitted again.
+    pub(crate) fn without_effects(&self, fit: &Fit, entries: &[&Entry]) -> Fit {
+        let (mut model, mut parameters) = (fit.model.clone(), fit.parameters.clone());
+        for entry in entries {
+            model.effects.remove(entry.name);
+            parameters.retain(|parameter| !parameter.is_of(entry.name));
+            // The simpler effect that it contains and had replaced is restored.
+            if let Some((part, values)) = entry
+                .contains
+                .and_then(|part| Some((Effects::built_in(part)?, self.problem.belief.effects.values(part)?)))
+            {
+                model.effects.set(part.name, &values);
+                parameters.extend(parameters_of_effect(part, &values));
+            }
         }
         self.problem.fit(&model, &parameters)
     }

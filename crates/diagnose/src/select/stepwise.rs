@@ -5,6 +5,7 @@ use crate::fit::estimate::Fit;
 use crate::residual::misfit::Misfit;
 use crate::select::believed::changed;
 use crate::select::candidates::{Candidate, candidates};
+use crate::select::odds::Evidence;
 use crate::select::posterior::{Scored, probability};
 use crate::select::ranking::rank;
 use crate::select::refit::with_other_sizes;
@@ -37,6 +38,8 @@ pub struct NamedEffect {
     pub candidate: Candidate,
     /// The probability that this effect, or one that is indistinguishable from it, acts.
     pub probability: f64,
+    /// What the probability follows from.
+    pub evidence: Evidence,
     /// The effects that are indistinguishable from it.
     pub indistinguishable_from: Vec<&'static str>,
     /// The models with each of those instead of it, in the same order.
@@ -54,10 +57,9 @@ pub(crate) struct Selection {
 }
 
 impl Selection {
-    /// Whether the residual is significant, or too many effects were named to trust the answer.
+    /// Whether the residual is significant.
     pub(crate) fn is_incomplete(&self) -> bool {
-        let added = self.effects.iter().filter(|named| named.change == Change::Added).count();
-        self.misfit.is_significant() || added > MOST_EFFECTS
+        self.misfit.is_significant()
     }
 
     /// A selection without effects.
@@ -92,7 +94,7 @@ fn stepwise_search(search: &Search<'_>, refitted: &Fit) -> Selection {
     let (mut misfit, mut beaten) = (None, None);
     // On a long record even a small misfit gains more than chance does, because no model is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
-    while effects.len() <= MOST_EFFECTS && rounds.len() < MOST_SEARCHES {
+    while effects.len() < MOST_EFFECTS && rounds.len() < MOST_SEARCHES {
         let (named, scored) = best_addition(search, &fit, long * threshold_beside(&effects));
         rounds.push(scored);
         let Some(named) = named else { break };
@@ -128,7 +130,8 @@ fn add_changes(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fi
             }
             let probability = 1.0 / (1.0 + (-candidate.held_out_gain / SCALE_OF_PROBABILITY).exp());
             let (indistinguishable_from, rivals) = (Vec::new(), Vec::new());
-            effects.push(NamedEffect { change, candidate, probability, indistinguishable_from, rivals });
+            let evidence = Evidence::default();
+            effects.push(NamedEffect { change, candidate, probability, evidence, indistinguishable_from, rivals });
         }
     }
 }
@@ -198,6 +201,7 @@ fn best_addition(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Name
     let named = NamedEffect {
         change: Change::Added,
         probability: probability(&all, best, in_set),
+        evidence: Evidence::default(),
         candidate: all.swap_remove(0),
         indistinguishable_from: near,
         rivals: models,

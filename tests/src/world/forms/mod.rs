@@ -3,6 +3,7 @@
 //! On purpose they are not the formulas that a diagnosis fits: soft edges, several elements instead of one, exponential
 //! approaches instead of straight lines. Each documents in which sense the catalogue's parameter is its equivalent.
 
+pub(crate) mod clutter;
 pub(crate) mod curves;
 pub(crate) mod forces;
 pub(crate) mod memory;

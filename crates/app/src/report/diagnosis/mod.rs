@@ -2,6 +2,7 @@
 //! `diagnose`.
 
 pub mod closed_loop;
+mod ladder;
 pub mod logs;
 pub mod mend;
 pub mod missing_force;

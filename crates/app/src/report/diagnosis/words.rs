@@ -1,8 +1,8 @@
 //! A diagnosis in words, for a terminal.
 
-use super::mend;
+use super::{ladder, mend};
 use control::compensation::Compensation;
-use diagnose::{Change, Closed, Diagnosis, Gap, NamedEffect, Place, Verdict};
+use diagnose::{Change, Closed, Diagnosis, NamedEffect, Place, Verdict};
 use std::fmt::Write;
 
 /// The advice after a record with too little information.
@@ -27,16 +27,7 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     if let Some(left_out) = found.left_out_in_words() {
         let _ = write!(words, "\n{left_out}");
     }
-    let [nominal, refitted, mended] = &found.gaps;
-    let at = |gap: &Gap| gap.error_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));
-    let floor = mended.floor_mm[2].map_or("–".into(), |mm| format!("{mm:.2}"));
-    let _ = write!(
-        words,
-        "\nerror 1 s ahead, on stretches not fitted to: {} mm as believed, {} refitted, {} mended, {floor} by noise alone",
-        at(nominal),
-        at(refitted),
-        at(mended)
-    );
+    let _ = write!(words, "\n{}", ladder::table(found));
     if let Some(Closed { value, low, high }) = found.closed {
         let [value, low, high] = [value, low, high].map(whole_percent);
         let _ = write!(words, "\n{value} % of the gap is closed ({low} to {high} %)");

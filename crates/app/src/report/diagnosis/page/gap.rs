@@ -2,15 +2,17 @@
 
 use super::Report;
 use super::effects::ends;
+use crate::report::diagnosis::ladder;
+use crate::report::diagnosis::words::whole_percent;
 use crate::report::kit::page::parts::{number, table, three_digits};
-use diagnose::Gap;
+use diagnose::Diagnosis;
 use diagnose::ParameterEntry;
 use diagnose::{ClosedLoop, Compared};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
     html! {
-        (forecasts(&report.found.gaps))
+        (forecasts(report.found))
         h3 { "The closed loop" }
         (closed_loop(report.closed_loop))
         h3 { "The numbers of the model" }
@@ -20,24 +22,30 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
 
 type Row = (Markup, Vec<Markup>);
 
-fn forecasts([nominal, refitted, mended]: &[Gap; 3]) -> Markup {
-    let row = |head: String, values: [Option<f64>; 5]| -> Row {
-        (html! { (head) }, values.iter().map(|value| html! { (number(*value, 2)) }).collect())
+fn forecasts(found: &Diagnosis) -> Markup {
+    let errors = |errors: [Option<f64>; 3], free: Option<f64>| {
+        errors.into_iter().chain([free]).map(|mm| html! { (number(mm, 2)) })
     };
-    let mut rows: Vec<Row> = (0..3)
-        .map(|h| {
-            let errors = [nominal, refitted, mended].map(|gap| gap.error_mm[h]);
-            let [before, fitted, after] = errors;
-            row(
-                format!("{} s", nominal.horizons_s[h]),
-                [nominal.stay_put_mm[h], before, fitted, after, mended.floor_mm[h]],
-            )
-        })
-        .collect();
-    let [before, fitted, after] = [nominal, refitted, mended].map(|gap| gap.free_run_10s_mm);
-    rows.push(row("free run, 10 s".into(), [None, before, fitted, after, mended.floor_free_run_10s_mm]));
-    let heads = ["forecast ahead", "the ball stays put", "as believed", "numbers fitted", "mended", "noise alone"];
-    table("Error of the position, rms over held-out stretches, mm", &heads, &rows)
+    let row = |head: String, cells: [Option<f64>; 3], free: Option<f64>, more: [String; 3]| -> Row {
+        (html! { (head) }, errors(cells, free).chain(more.map(|text| html! { (text) })).collect())
+    };
+    let none = || [const { String::new() }; 3];
+    let mut rows = vec![row("the ball stays put".into(), found.gaps[0].stay_put_mm, None, none())];
+    for (at, rung) in found.ladder.iter().enumerate() {
+        let alone = rung
+            .alone
+            .filter(|alone| *alone >= 0.0)
+            .map_or(String::new(), |alone| format!("{} %", whole_percent(alone)));
+        let gain = if at == 0 { String::new() } else { format!("{:.1}", rung.held_out_gain) };
+        let more = [ladder::share(rung).unwrap_or_default(), alone, gain];
+        rows.push(row(ladder::name(rung), rung.error_mm, rung.free_run_10s_mm, more));
+    }
+    let mended = &found.gaps[2];
+    rows.push(row("noise alone".into(), mended.floor_mm, mended.floor_free_run_10s_mm, none()));
+    let [a, b, c] = mended.horizons_s.map(|horizon| format!("{horizon} s"));
+    let heads =
+        ["model", &a, &b, &c, "free run, 10 s", "closes of the gap at 1 s", "alone", "log-likelihood gain, nats"];
+    table("Error of the position, rms over held-out stretches, mm, and what each step closes", &heads, &rows)
 }
 
 fn closed_loop(found: &ClosedLoop) -> Markup {

@@ -2,13 +2,14 @@
 //! one picture.
 
 use super::Report;
+use crate::report::diagnosis::ladder;
 use crate::report::diagnosis::plot::runs;
 use crate::report::diagnosis::words::whole_percent;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{self, bars, chance, spoken};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::plot::{Diagram, commanded};
-use diagnose::{Closed, Series, Verdict, with_rivals};
+use diagnose::{Closed, Rung, Series, Verdict, with_rivals};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
@@ -102,23 +103,32 @@ fn suspects(report: &Report<'_>, stage: &str) -> Vec<String> {
         .collect()
 }
 
+/// A rung with the share of the gap that it closes.
+fn rung_in_words(rung: &Rung) -> String {
+    let share = ladder::share(rung).map_or(String::new(), |share| format!(": {share}"));
+    ladder::name(rung) + &share
+}
+
 fn gap(report: &Report<'_>) -> Markup {
     let found = report.found;
-    let [nominal, refitted, mended] = &found.gaps;
-    let floor = mended.floor_mm[2];
-    let mut rows = vec![
-        ("as believed", "nominal", nominal.error_mm[2]),
-        ("numbers fitted", "setpoint", refitted.error_mm[2]),
-        ("mended", "mended", mended.error_mm[2]),
-        ("noise alone", "setpoint", floor),
-    ];
-    if found.effects.is_empty() {
-        // Without a selected effect, the mended model is the belief with fitted parameters.
-        rows.remove(1);
-    }
+    let floor = found.gaps[2].floor_mm[2];
+    let names: Vec<String> = found.ladder.iter().map(rung_in_words).collect();
+    let last = found.ladder.len().saturating_sub(1);
+    let ink = |at: usize| {
+        if at == 0 {
+            "nominal"
+        } else if at == last {
+            "mended"
+        } else {
+            "setpoint"
+        }
+    };
+    let errors = found.ladder.iter().zip(&names).enumerate();
+    let rows = errors.map(|(at, (rung, name))| (name.as_str(), ink(at), rung.error_mm[2]));
+    let rows: Vec<_> = rows.chain([("noise alone", "setpoint", floor)]).collect();
     html! {
         div.gap {
-            (bars("Error of the position 1 s ahead, rms, held out", "mm", &rows, floor))
+            (bars("Error of the position 1 s ahead, rms, held out, and the share of the gap that each step closes", "mm", &rows, floor))
             @if let Some(Closed { value, low, high }) = found.closed {
                 p.closed {
                     strong { (whole_percent(value)) " %" } " of the gap is closed"

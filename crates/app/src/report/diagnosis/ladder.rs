@@ -1,0 +1,46 @@
+//! The rungs of the ladder in words, for terminal and page.
+
+use super::words::whole_percent;
+use diagnose::{Closed, Diagnosis, Rung, Step};
+use std::fmt::Write;
+
+/// What a rung adds.
+pub(super) fn name(rung: &Rung) -> String {
+    match (rung.step, rung.name) {
+        (Step::Believed, _) => "as believed".into(),
+        (Step::Refitted, _) => "numbers refitted".into(),
+        (Step::Removed, _) => "absent effects left out".into(),
+        (Step::Effect, name) => format!("+ {}", name.unwrap_or_default()),
+    }
+}
+
+/// The share of the gap that a rung closes, with its interval.
+pub(super) fn share(rung: &Rung) -> Option<String> {
+    let Closed { value, low, high } = rung.share?;
+    let [value, low, high] = [value, low, high].map(whole_percent);
+    Some(format!("{value} % ({low} to {high})"))
+}
+
+/// The ladder as a table: a line for each rung, the lowest first, and one for noise alone.
+pub(super) fn table(found: &Diagnosis) -> String {
+    let number = |mm: Option<f64>| mm.map_or("–".into(), |mm| format!("{mm:.2}"));
+    let mut text = format!(
+        "{:<26}{:>8}{:>8}{:>8}{:>10}   {}",
+        "error ahead, held out, mm", "0.1 s", "0.5 s", "1 s", "free run", "closes of the gap at 1 s"
+    );
+    let mut line = |name: &str, errors: [Option<f64>; 3], free: Option<f64>, share: &str| {
+        let [a, b, c] = errors.map(number);
+        let row = format!("{name:<26}{a:>8}{b:>8}{c:>8}{:>10}   {share}", number(free));
+        let _ = write!(text, "\n{}", row.trim_end());
+    };
+    for rung in &found.ladder {
+        // A fit that needs the other effects closes nothing alone, and may forecast far worse.
+        let alone = rung.alone.filter(|alone| found.ladder.len() > 3 && *alone >= 0.0);
+        let alone = alone.map_or(String::new(), |alone| format!(", alone {} %", whole_percent(alone)));
+        let share = share(rung).unwrap_or_default() + &alone;
+        line(&name(rung), rung.error_mm, rung.free_run_10s_mm, &share);
+    }
+    let floor = &found.gaps[2];
+    line("noise alone", floor.floor_mm, floor.floor_free_run_10s_mm, "");
+    text
+}

@@ -1,0 +1,78 @@
+"""Fits the odds of a named effect to the verdicts on one set of practice rigs, and checks them on another.
+
+    python tests/odds_fit.py TRUTH VERDICTS TRUTH VERDICTS      the set to fit, then the set to check
+
+A named effect is right where the truth has it, or one that its entry cannot be told from, or where a piece of the clutter
+may rightly be called by that name. The weights are those of a logistic regression with a ridge of one deviation's worth
+of prior (variance 1), for the features of `crates/diagnose/src/select/odds.rs`, which prints them in `evidence`.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import minimize
+
+FEATURES = ["intercept", "ln(gain / rest)", "margin", "dropped share", "dropped deviations", "rest share", "effects", "scatter", "change"]
+
+
+def features(evidence):
+    return [
+        1.0,
+        np.log1p(max(evidence["held_out_gain"], 0.0)) - np.log1p(max(evidence["rest_nats"], 0.0)),
+        evidence["margin"],
+        evidence["dropped_share"],
+        np.clip(evidence["dropped_deviations"], -5.0, 10.0),
+        np.clip(evidence["rest_share"], 0.0, 1.0),
+        evidence["effects"],
+        float(evidence["is_scatter"]),
+        float(evidence["is_change"]),
+    ]
+
+
+def entries(truth, verdicts):
+    """The features of each named effect of a set, whether it is right, and the kind of its rig."""
+    rows, right, kinds = [], [], []
+    for case in json.loads(Path(truth).read_text())["cases"]:
+        there = {effect["name"] for effect in case["effects"]} | {piece["kin"] for piece in case.get("clutter", [])}
+        answer = json.loads((Path(verdicts) / f"{case['case']}.json").read_text())
+        for entry in answer["effects"]:
+            rows.append(features(entry["evidence"]))
+            right.append(bool(there & {entry["name"], *entry["indistinguishable_from"]}))
+            kinds.append(case["kind"])
+    return np.array(rows), np.array(right), np.array(kinds)
+
+
+def loss(weights, rows, right):
+    odds = rows @ weights
+    value = np.sum(np.logaddexp(0.0, odds) - right * odds) + 0.5 * np.sum(weights[1:] ** 2)
+    slope = rows.T @ (1.0 / (1.0 + np.exp(-odds)) - right)
+    slope[1:] += weights[1:]
+    return value, slope
+
+
+def table(name, probability, right):
+    print(f"{name}: {len(right)} entries, {right.mean():.0%} right, Brier score {np.mean((probability - right) ** 2):.3f}")
+    for low in np.arange(0.0, 1.0, 0.1):
+        inside = (probability >= low) & ((probability < low + 0.1) | (low > 0.89))
+        if inside.any():
+            print(f"  {low:.1f} to {low + 0.1:.1f}  {inside.sum():4d}  said {probability[inside].mean():.2f}  right {right[inside].mean():.2f}")
+
+
+def main(fit_truth, fit_verdicts, check_truth, check_verdicts):
+    rows, right, _ = entries(fit_truth, fit_verdicts)
+    weights = minimize(loss, np.zeros(rows.shape[1]), (rows, right), "L-BFGS-B", jac=True).x
+    for name, weight in zip(FEATURES, weights):
+        print(f"{weight:8.3f}  {name}")
+    print("[" + ", ".join(f"{weight:.3f}" for weight in weights) + "]")
+    table("fitted", 1.0 / (1.0 + np.exp(-rows @ weights)), right)
+    rows, right, kinds = entries(check_truth, check_verdicts)
+    probability = 1.0 / (1.0 + np.exp(-rows @ weights))
+    table("checked", probability, right)
+    for kind in sorted(set(kinds)):
+        table(kind, probability[kinds == kind], right[kinds == kind])
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -14,17 +14,16 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-FEATURES = ["intercept", "ln(gain / rest)", "margin", "dropped share", "dropped deviations", "rest share", "effects", "scatter", "change"]
+FEATURES = ["intercept", "ln(gain / rest)", "dropped share", "dropped deviations", "rest share", "effects", "scatter", "change"]
 
 
 def features(evidence):
     return [
         1.0,
         np.log1p(max(evidence["held_out_gain"], 0.0)) - np.log1p(max(evidence["rest_nats"], 0.0)),
-        evidence["margin"],
         evidence["dropped_share"],
         np.clip(evidence["dropped_deviations"], -5.0, 10.0),
-        np.clip(evidence["rest_share"], 0.0, 1.0),
+        0.0 if evidence["is_scatter"] else np.clip(evidence["rest_share"], 0.0, 1.0),
         evidence["effects"],
         float(evidence["is_scatter"]),
         float(evidence["is_change"]),

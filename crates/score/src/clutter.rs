@@ -3,14 +3,11 @@
 use crate::Case;
 use crate::answer::NamedEffect;
 use crate::names::names;
-use crate::outcome::{Outcome, all_there, is_there};
+use crate::outcome::{LIKELY, Outcome, all_there, is_there};
 use crate::proportion::Proportion;
 use crate::score::{Share, is, of_kind, says, share};
 use crate::truth::{Kind, TrueEffect};
 use diagnose::Verdict;
-
-/// A name is likely from this probability on.
-const LIKELY: f64 = 0.5;
 
 /// Rigs with the small pieces that every real rig has.
 pub(crate) fn about_clutter(cases: &[Case]) -> Vec<Share> {

@@ -5,15 +5,15 @@
 //! | `none`, `parameters` | `no_gap` or `parameters`, no effect named | |
 //! | `single` | the first entry names the effect | a later entry does |
 //! | `pair` | two entries name one each | one effect is named |
-//! | `outside` | `unexplained` | |
+//! | `outside` | `unexplained`, and no name with probability 0.5 or more | |
 //! | `clutter` | not `unexplained`, no entry but of a piece that may be called so | |
 //! | `amid` | the first entry names the effect | a later entry does |
 //! | `several` | an entry names each | one effect is named |
-//! | effect left out of the search | `unexplained`, or the first entry names what imitates the effect | |
+//! | effect left out of the search | the same, or the first entry names what imitates the effect | |
 //!
-//! `unexplained` beside an entry that names the effect is as right as `effect`: a misfit may remain. All other answers
-//! are `unexplained`, silent (`no_gap`, `parameters`), without an answer (`insufficient_data`, or unreadable), or
-//! wrong.
+//! Names count whatever the verdict: a misfit may remain beside a right one. All other answers are wrong (a name with
+//! probability 0.5 or more that is not there), `unexplained` (or names that are not likely), silent (`no_gap`,
+//! `parameters`), or without an answer (`insufficient_data`, or unreadable).
 
 use crate::Case;
 use crate::answer::{Answer, NamedEffect};
@@ -21,6 +21,9 @@ use crate::names::{named, names, names_stand_in};
 use crate::truth::Kind;
 use diagnose::Verdict;
 use serde::Serialize;
+
+/// A name is likely from this probability on.
+pub(crate) const LIKELY: f64 = 0.5;
 
 /// The grade of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -63,12 +66,12 @@ pub(crate) fn outcome(case: &Case) -> Outcome {
         Kind::None | Kind::Parameters if no_alarm(answer) && answered(answer) => Outcome::Right,
         Kind::Single | Kind::Amid if first_names(answer, case) => Outcome::Right,
         Kind::Pair | Kind::Several if named(answer, truth) == truth.len() => Outcome::Right,
-        Kind::Outside if answer.verdict == Verdict::Unexplained => Outcome::Right,
+        Kind::Outside if is_unexplained(answer, case) => Outcome::Right,
         Kind::Clutter if answered(answer) && answer.verdict != Verdict::Unexplained && all_there(answer, case) => {
             Outcome::Right
         }
         Kind::Single | Kind::Pair | Kind::Amid | Kind::Several if named(answer, truth) > 0 => Outcome::Partly,
-        _ => short_of_right(answer),
+        _ => short_of_right(answer, case),
     }
 }
 
@@ -76,17 +79,28 @@ pub(crate) fn outcome(case: &Case) -> Outcome {
 pub(crate) fn outcome_left_out(case: &Case) -> Option<Outcome> {
     let (answer, effect) = (case.left_out.as_ref()?, case.truth.effects.first()?);
     let stands_in = answer.effects.first().is_some_and(|entry| names_stand_in(entry, &effect.name));
-    let right = stands_in || answer.verdict == Verdict::Unexplained;
-    Some(if right { Outcome::Right } else { short_of_right(answer) })
+    let right = stands_in || is_unexplained(answer, case);
+    Some(if right { Outcome::Right } else { short_of_right(answer, case) })
 }
 
-fn short_of_right(answer: &Answer) -> Outcome {
+fn short_of_right(answer: &Answer, case: &Case) -> Outcome {
     match answer.verdict {
         Verdict::InsufficientData => Outcome::NoAnswer,
+        _ if is_likely_wrong(answer, case) => Outcome::Wrong,
         Verdict::Unexplained => Outcome::Unexplained,
         _ if answer.effects.is_empty() => Outcome::Silent,
-        _ => Outcome::Wrong,
+        _ => Outcome::Unexplained,
     }
+}
+
+/// Whether the answer says that no effect explains the record, and means it.
+fn is_unexplained(answer: &Answer, case: &Case) -> bool {
+    answer.verdict == Verdict::Unexplained && !is_likely_wrong(answer, case)
+}
+
+/// Whether an entry names, with probability 0.5 or more, something that is not there.
+fn is_likely_wrong(answer: &Answer, case: &Case) -> bool {
+    answer.effects.iter().any(|entry| entry.probability >= LIKELY && !is_there(entry, case))
 }
 
 /// Whether the first entry names the (first) true effect.

@@ -73,7 +73,8 @@ fn saying_nothing_and_saying_unexplained_are_not_wrong_names() {
     let with = |verdict, entries| case(Kind::Single, &["dead_zone"], answer(verdict, entries));
     assert_eq!(outcome(&with(Verdict::NoGap, vec![])), Outcome::Silent);
     assert_eq!(outcome(&with(Verdict::Parameters, vec![])), Outcome::Silent);
-    assert_eq!(outcome(&with(Verdict::Unexplained, vec![entry("turbulence", 0.9, &[])])), Outcome::Unexplained);
+    assert_eq!(outcome(&with(Verdict::Unexplained, vec![entry("turbulence", 0.3, &[])])), Outcome::Unexplained);
+    assert_eq!(outcome(&with(Verdict::Unexplained, vec![entry("turbulence", 0.9, &[])])), Outcome::Wrong);
     assert_eq!(outcome(&with(Verdict::Unexplained, vec![entry("dead_zone", 0.9, &[])])), Outcome::Right);
     assert_eq!(outcome(&with(Verdict::InsufficientData, vec![])), Outcome::NoAnswer);
     assert_eq!(outcome(&Case { answer: None, ..with(Verdict::NoGap, vec![]) }), Outcome::NoAnswer);
@@ -121,7 +122,7 @@ fn an_alarm_is_an_effect_or_unexplained_where_nothing_is_missing() {
 fn outside_the_catalogue_only_unexplained_is_right() {
     let with = |verdict, entries| case(Kind::Outside, &["gusts"], answer(verdict, entries));
     let score = score(&[
-        with(Verdict::Unexplained, vec![entry("turbulence", 0.6, &[])]),
+        with(Verdict::Unexplained, vec![entry("turbulence", 0.3, &[])]),
         with(Verdict::Effect, vec![entry("turbulence", 0.9, &[])]),
         with(Verdict::NoGap, vec![]),
     ]);
@@ -184,11 +185,9 @@ fn probabilities_are_held_against_what_came_true() {
     let wrong = |p| case(Kind::None, &[], answer(Verdict::Effect, vec![entry("dead_zone", p, &[])]));
     let found = score(&[right(1.0), right(0.8), wrong(0.9), wrong(0.1)]).calibration;
     assert!((found.brier.unwrap() - (0.0 + 0.04 + 0.81 + 0.01) / 4.0).abs() < 1e-12, "{found:?}");
-    let last = &found.bins[4];
-    assert_eq!((found.entries, last.entries, found.bins[0].entries), (4, 3, 1));
-    assert!(
-        (last.mean_probability.unwrap() - 0.9).abs() < 1e-12 && (last.share_right.unwrap() - 2.0 / 3.0).abs() < 1e-12
-    );
+    let last = &found.bins[9];
+    assert_eq!((found.entries, last.entries, found.bins[8].entries, found.bins[1].entries), (4, 2, 1, 1));
+    assert!((last.mean_probability.unwrap() - 0.95).abs() < 1e-12 && (last.share_right.unwrap() - 0.5).abs() < 1e-12);
 }
 
 /// A rig with a dead zone of ±0.3 % and a delay, and an answer whose intervals are `half` to either side.

@@ -22,11 +22,11 @@ use crate::record::recording::Recording;
 use crate::residual::location::{Place, places_of, rows};
 use crate::residual::misfit::{Misfit, is_quiet};
 use crate::residual::spectrum::{Band, band};
-use crate::select::odds::{Evidence, MOST_LOG_ODDS};
+use crate::select::odds::Evidence;
 use crate::select::posterior::{Scored, chances};
 use crate::select::refit;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, Selection, select_effects};
+use crate::select::stepwise::{Change, NamedEffect, Selection, is_random_force, select_effects};
 use crate::thresholds::{ENOUGH_CLOSED, ENOUGH_READINGS, LIKELY, PARAMETERS_MM, PARAMETERS_SHARE};
 use plant::{Changes, Model};
 
@@ -173,17 +173,16 @@ fn names_carry(found: &Selection, ladder: &Ladder) -> bool {
 fn add_odds(found: &mut Selection, ladder: &Ladder) {
     let rest_nats = found.misfit.joint_nats();
     for (k, named) in found.effects.iter_mut().enumerate() {
+        let entry = named.candidate.entry;
         let dropped = ladder.dropped.get(k).copied().unwrap_or_default();
-        let p = named.probability;
         named.evidence = Evidence {
             held_out_gain: named.candidate.held_out_gain,
-            margin: (p / (1.0 - p)).ln().clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS),
             dropped_share: dropped.share,
             dropped_deviations: dropped.deviations,
             rest_nats,
             rest_share: 1.0 - ladder.named_share.unwrap_or(0.0),
             effects: ladder.dropped.len(),
-            is_scatter: named.candidate.entry.acts.changes != Changes::Path,
+            is_scatter: entry.acts.changes != Changes::Path && !is_random_force(entry),
             is_change: named.change != Change::Added,
         };
         named.probability = named.evidence.probability();

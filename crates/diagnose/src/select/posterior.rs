@@ -1,6 +1,5 @@
-//! From gains to probabilities: the scores of all effects, and the probability of each.
+//! The scores of all effects of a round, and the probability of each by its gain alone.
 
-use crate::select::candidates::Candidate;
 use crate::thresholds::SCALE_OF_PROBABILITY;
 
 /// A tested effect and its gains, nats.
@@ -14,16 +13,6 @@ pub struct Scored {
     pub penalised_gain: f64,
     /// Whether it was fitted in full, with cross-validation.
     pub in_full: bool,
-}
-
-/// The probability that a candidate of the set around `best` acts, if at most one candidate acts.
-pub(crate) fn probability(all: &[Candidate], best: &Candidate, in_set: impl Fn(&Candidate) -> bool) -> f64 {
-    // Relative to the largest gain, so that the exponentials do not overflow.
-    let most = all.iter().map(|candidate| candidate.held_out_gain).fold(best.held_out_gain, f64::max);
-    let weight = |candidate: &Candidate| ((candidate.held_out_gain - most) / SCALE_OF_PROBABILITY).exp();
-    let set: f64 = all.iter().filter(|candidate| in_set(candidate)).map(weight).sum();
-    let none = ((best.held_out_gain - most - best.penalised_gain) / SCALE_OF_PROBABILITY).exp();
-    set / (all.iter().map(weight).sum::<f64>() + none)
 }
 
 /// The probability of each effect that was fitted in full, if at most one acts: from its held-out gain, and for no

@@ -6,14 +6,14 @@ use crate::residual::misfit::Misfit;
 use crate::select::believed::changed;
 use crate::select::candidates::{Candidate, candidates};
 use crate::select::odds::Evidence;
-use crate::select::posterior::{Scored, probability};
+use crate::select::posterior::Scored;
 use crate::select::ranking::rank;
 use crate::select::refit::with_other_sizes;
 use crate::select::search::Search;
 use crate::thresholds::{
     BESIDE_COARSE_READINGS, CHANGED, FIRST_EFFECT, FURTHER_EFFECT, INDISTINGUISHABLE, INDISTINGUISHABLE_TWINS, LONG,
-    MOST_EFFECTS, MOST_SEARCHES, RANDOM_FORCE, RANDOM_FORCE_YIELDS, SCALE_OF_PROBABILITY, SECOND_EFFECT,
-    SHARE_OF_EXPLAINED, SHARE_OF_OMITTED,
+    MOST_EFFECTS, MOST_SEARCHES, RANDOM_FORCE, RANDOM_FORCE_YIELDS, SECOND_EFFECT, SHARE_OF_EXPLAINED,
+    SHARE_OF_OMITTED,
 };
 use plant::{Changes, Entry, Model, Start};
 
@@ -36,7 +36,7 @@ pub struct NamedEffect {
     pub change: Change,
     /// The effect and its fit when it was found.
     pub candidate: Candidate,
-    /// The probability that this effect, or one that is indistinguishable from it, acts.
+    /// The probability that this effect, or one that is indistinguishable from it, acts; 0 until the whole answer is known.
     pub probability: f64,
     /// What the probability follows from.
     pub evidence: Evidence,
@@ -128,10 +128,9 @@ fn add_changes(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fi
             if let Some(without) = without {
                 *fit = without;
             }
-            let probability = 1.0 / (1.0 + (-candidate.held_out_gain / SCALE_OF_PROBABILITY).exp());
             let (indistinguishable_from, rivals) = (Vec::new(), Vec::new());
             let evidence = Evidence::default();
-            effects.push(NamedEffect { change, candidate, probability, evidence, indistinguishable_from, rivals });
+            effects.push(NamedEffect { change, candidate, probability: 0.0, evidence, indistinguishable_from, rivals });
         }
     }
 }
@@ -196,11 +195,9 @@ fn best_addition(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<Name
     let rivals = || all.iter().skip(1).filter(|candidate| is_indistinguishable(candidate, best));
     let near: Vec<&'static str> = rivals().map(|rival| rival.entry.name).collect();
     let models = rivals().map(|rival| rival.fit.model.clone()).collect();
-    // An effect that contains the best one supports the same answer, so it belongs to the set.
-    let in_set = |candidate: &Candidate| near.contains(&candidate.entry.name) || is_or_contains(candidate, best);
     let named = NamedEffect {
         change: Change::Added,
-        probability: probability(&all, best, in_set),
+        probability: 0.0,
         evidence: Evidence::default(),
         candidate: all.swap_remove(0),
         indistinguishable_from: near,

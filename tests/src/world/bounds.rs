@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn the_nats_are_what_the_best_belief_of_a_search_leaves() {
-        let mixture = Mixture { kinds: vec![(Kind::Single, 1.0)], effects: vec!["supply_sag"], exact: true };
+        let mixture = Mixture { kinds: vec![(Kind::Outside, 1.0)], effects: vec!["supply_sag"], exact: true };
         for number in 0..2 {
             let source = Source { seed: "nearest".into(), case: number };
             let case = Case::draw(&source, &mixture);

@@ -19,7 +19,7 @@ pub(crate) fn about_clutter(cases: &[Case]) -> Vec<Share> {
     let not_there = |case: &Case| case.answer.as_ref().is_some_and(|answer| !all_there(answer, case));
     let (effects, entries) = (effects_of_several(cases), entries_of_several(cases));
     let likely = entries.iter().filter(|(entry, _)| entry.probability >= LIKELY);
-    let share_of = |name, what, all: Vec<bool>| Share { name, what, proportion: Proportion::of(all.into_iter()) };
+    let share_of = |name, what, all: Vec<bool>| Share { name, what, proportion: Proportion::of(all) };
     vec![
         share("amid_first", "amid: the first entry names it", of(Kind::Amid), is(Outcome::Right)),
         share("amid_likely", "amid: the first entry names it with probability 0.5 or more", of(Kind::Amid), |case| {

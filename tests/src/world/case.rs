@@ -273,4 +273,19 @@ mod tests {
             assert!(case.effects.iter().filter(|effect| lags.contains(&effect.name)).count() <= 1);
         }
     }
+
+    #[test]
+    fn rigs_amid_clutter_have_pieces_that_no_belief_holds_and_none_one_or_three_to_five_effects() {
+        for (kind, counts) in [(Kind::Clutter, 0..=0), (Kind::Amid, 1..=1), (Kind::Several, 3..=5)] {
+            for case in drawn(kind).take(100) {
+                assert!(counts.contains(&case.departures.len()), "{kind:?}: {}", case.departures.len());
+                assert!((5..=8).contains(&case.clutter.len()) && (QUIETEST..=1.0).contains(&case.noise), "{kind:?}");
+                assert_eq!(case.parts().effects.len(), case.effects.len() + case.clutter.len());
+                assert!(case.believed.iter().all(|known| case.clutter.iter().all(|piece| piece.name != known.name)));
+                let (base, belief) = (case.base, case.belief);
+                assert!(off(belief.gain_mm_per_s2_per_percent, base.gain_mm_per_s2_per_percent) < 0.23);
+            }
+        }
+        assert!(drawn(Kind::Single).all(|case| case.clutter.is_empty() && case.noise == 1.0));
+    }
 }

@@ -130,7 +130,7 @@ fn an_effect_that_is_left_out_is_not_named_and_the_judge_asks_for_it_so() {
     assert_eq!((ran.code, bench.read("verdicts/case-003.json")), (Some(0), without), "{}", ran.errors);
 }
 
-/// Cases of the first round that have a verdict.
+/// Cases of a round that have a verdict.
 fn verdicts(round: &Path) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> =
         fs::read_dir(round.join("verdicts")).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -146,20 +146,31 @@ fn chosen(count: usize, of: usize) -> Vec<usize> {
     digest.chunks(2).take(count).map(|pair| (usize::from(pair[0]) * 256 + usize::from(pair[1])) % of).collect()
 }
 
-#[test]
-fn committed_verdicts_are_what_the_program_says_of_the_withheld_records() {
-    let round = root().join("tests/blind/round-1");
+/// Compares some committed verdicts of a round with what the program says.
+fn compare_some(name: &str, count: usize) {
+    let round = root().join("tests/blind").join(name);
     let (bench, all) = (Bench::default(), verdicts(&round));
     let records = fs::read_dir(&round).unwrap().filter(|entry| {
         let name = entry.as_ref().unwrap().file_name();
         name.to_str().unwrap().ends_with(".csv.zst")
     });
-    assert_eq!((records.count(), all.len()), (120, 120), "verdicts are missing; make them with scripts/round-1");
-    for which in chosen(3, all.len()) {
+    assert_eq!((records.count(), all.len()), (120, 120), "{name}: verdicts are missing; make them with scripts/round");
+    for which in chosen(count, all.len()) {
         let case = all[which].file_stem().unwrap().to_str().unwrap();
         let [record, belief] = ["csv.zst", "toml"].map(|ending| round.join(format!("{case}.{ending}")));
         let said =
             bench.output(&["diagnose", "--json", record.to_str().unwrap(), "--config", belief.to_str().unwrap()]);
-        assert_eq!(fs::read_to_string(&all[which]).unwrap(), said, "{case}; make them again with scripts/round-1");
+        let committed = fs::read_to_string(&all[which]).unwrap();
+        assert_eq!(committed, said, "{name}/{case}; make them again with scripts/round");
     }
+}
+
+#[test]
+fn committed_verdicts_of_round_1_are_what_the_program_says_of_the_withheld_records() {
+    compare_some("round-1", 3);
+}
+
+#[test]
+fn committed_verdicts_of_round_2_are_what_the_program_says_of_the_withheld_records() {
+    compare_some("round-2", 2);
 }

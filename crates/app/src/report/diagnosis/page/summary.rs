@@ -67,7 +67,7 @@ fn path(report: &Report<'_>) -> Markup {
                         span.name { (name) }
                         @if let Some(stage) = guilty {
                             strong { (blame(report, name)) }
-                            span.share { (format!("{:.0} % of the gap", 100.0 * stage.share)) }
+                            span.share { (format!("{:.0} % of the evidence", 100.0 * stage.share)) }
                         } @else if !suspects.is_empty() {
                             strong { "or " (suspects.join(", ")) }
                         }

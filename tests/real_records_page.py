@@ -44,7 +44,7 @@ def diagnose(airball, record, belief):
 
 def share(rung):
     part = rung["share"]
-    return "–" if part is None else f"{100 * part['value']:.0f} % ({100 * part['low']:.0f} to {100 * part['high']:.0f})"
+    return "–" if part is None else "{} % ({} to {})".format(*(round(100 * part[key]) for key in ("value", "low", "high")))
 
 
 def section(record, belief, documented, answer):

@@ -6,15 +6,21 @@
 use serde_json::Value;
 use system_tests::{Bench, root};
 
-/// The effects that `diagnose` selects between a record and a belief in `data/`, the most important first.
-fn effects(record: &str, belief: &str) -> Vec<String> {
+/// The effects that `diagnose` adds to a belief in `data/` for a record there, the most important first, and their
+/// probabilities.
+fn effects(record: &str, belief: &str) -> (Vec<String>, Vec<f64>) {
     let data = root().join("data");
     let path = |file: &str| data.join(file).to_str().unwrap().to_owned();
     let said = Bench::default().output(&["diagnose", "--json", &path(record), "--config", &path(belief)]);
     let found: Value = serde_json::from_str(&said).unwrap();
     let effects = found["effects"].as_array().unwrap();
     let added = effects.iter().filter(|effect| effect["change"] == "added");
-    added.map(|effect| effect["name"].as_str().unwrap().to_owned()).collect()
+    added.map(|effect| (effect["name"].as_str().unwrap().to_owned(), effect["probability"].as_f64().unwrap())).unzip()
+}
+
+/// Checks that the first name is likelier than not.
+fn first_is_likely(probabilities: &[f64]) {
+    assert!(probabilities.first().is_some_and(|first| *first > 0.5), "{probabilities:?}");
 }
 
 /// Checks that the names begin with one of each of `wanted`, in that order.
@@ -32,8 +38,9 @@ fn begins_with(found: &[String], wanted: &[&[&str]]) {
 // nothing without it, second. The rest of the makers' model is the square of the input: a thrust curve may come third.
 #[test]
 fn gravity_then_dry_friction_are_missing_from_a_linear_belief_about_the_propeller_arm() {
-    let found = effects("quarter_drone/swept_sine.csv", "quarter_drone/linear.toml");
+    let (found, probabilities) = effects("quarter_drone/swept_sine.csv", "quarter_drone/linear.toml");
     begins_with(&found, &[&["height_dependent_flow"], &["wall_friction"]]);
+    first_is_likely(&probabilities);
 }
 
 // From a belief that has gravity and the square of the input, free runs over 20 to 80 s (fitted to two other records of
@@ -42,7 +49,7 @@ fn gravity_then_dry_friction_are_missing_from_a_linear_belief_about_the_propelle
 // of the names that are not distinguishable from it.
 #[test]
 fn dry_friction_then_a_small_lag_are_missing_from_a_belief_that_has_gravity() {
-    let found = effects("quarter_drone/swept_sine.csv", "quarter_drone/gravity.toml");
+    let (found, _) = effects("quarter_drone/swept_sine.csv", "quarter_drone/gravity.toml");
     begins_with(&found, &[&["wall_friction"]]);
     let lags = ["fan_lag", "spin_asymmetry", "sensor_lag", "transport_delay", "sensor_delay"];
     assert!(found.get(1).is_none_or(|second| lags.contains(&second.as_str())), "{found:?}");
@@ -63,8 +70,9 @@ const FLATTENING: &[&str] = &["quadratic_drag", "saturation", "thrust_curve"];
 // It is not a dead zone, in which small inputs have too little effect (here too much), or a delay (every step is
 // answered within two rows, 0.2 s, by a motor that takes more than a second).
 fn a_flattening_curve_and_no_delay(record: &str) {
-    let found = effects(record, "hoop_motor/linear.toml");
+    let (found, probabilities) = effects(record, "hoop_motor/linear.toml");
     begins_with(&found, &[FLATTENING]);
+    first_is_likely(&probabilities);
     for name in ["dead_zone", "transport_delay", "sensor_delay"] {
         assert!(!found.iter().any(|found| found == name), "{found:?}");
     }

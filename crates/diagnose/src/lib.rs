@@ -61,11 +61,12 @@ pub use record::recording::{Recording, RecordingError, Sample};
 
 // The answer, and what it is made of.
 pub use answer::closed_loop::{ClosedLoop, Compared, NextExperiment, Simulated};
-pub use answer::diagnosis::{Diagnosis, Verdict};
+pub use answer::diagnosis::Diagnosis;
 pub use answer::document::{Context, Document, Interval, ParameterEntry};
 pub use answer::ladder::{Dropped, Rest, Rung, Step};
 pub use answer::sentences::{decimals, with_rivals};
 pub use answer::stages::StageShare;
+pub use answer::verdict::Verdict;
 pub use fit::bounds::Bounds;
 pub use fit::estimate::Fit;
 pub use fit::parameter::Parameter;

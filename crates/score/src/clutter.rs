@@ -63,10 +63,8 @@ fn effects_of_several(cases: &[Case]) -> Vec<Option<f64>> {
 }
 
 /// The entries of the rigs with several effects, and whether what they name is there.
-fn entries_of_several(cases: &[Case]) -> Vec<(&NamedEffect, bool)> {
-    let of_case = |case| {
-        let Case { answer, .. }: &Case = case;
-        answer.iter().flat_map(|answer| &answer.effects).map(move |entry| (entry, is_there(entry, case)))
-    };
-    of_kind(cases, Kind::Several).flat_map(of_case).collect()
+fn entries_of_several<'a>(cases: &'a [Case]) -> Vec<(&'a NamedEffect, bool)> {
+    let entries = |case: &'a Case| case.answer.iter().flat_map(|answer| &answer.effects);
+    let judged = |case: &'a Case| entries(case).map(move |entry| (entry, is_there(entry, case)));
+    of_kind(cases, Kind::Several).flat_map(judged).collect()
 }

@@ -9,12 +9,13 @@ use crate::rig::{Base, Parts};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// How much less well the owner of a rig with clutter knows it: gain and drag within 20 %, believed effects within 28 %.
+/// Errors of the belief about a rig with clutter, as a multiple of the usual ones: gain and drag within 20 %, believed
+/// effects within 28 %. Chosen by hand.
 const CLUTTERED_BELIEF: f64 = 4.0;
 
-/// The noise of the quietest rig with clutter, as a multiple of the usual one. Many real rigs have a sensor and air so quiet
-/// that every small piece is significant.
-const QUIETEST: f64 = 0.1;
+/// The least noise of a rig with clutter, as a multiple of the usual one. Many real rigs have so little noise that every
+/// small piece is significant. Chosen by hand.
+const LEAST_NOISE: f64 = 0.1;
 
 /// One difference between rig and belief.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -106,7 +107,7 @@ impl Case {
         }
         if kind.has_clutter() {
             case.clutter = clutter::draw(c, case.programme.seconds);
-            case.noise = c.scale(QUIETEST, 1.0);
+            case.noise = c.scale(LEAST_NOISE, 1.0);
         }
         case.belief = rounded(case.belief);
         case
@@ -279,7 +280,7 @@ mod tests {
         for (kind, counts) in [(Kind::Clutter, 0..=0), (Kind::Amid, 1..=1), (Kind::Several, 3..=5)] {
             for case in drawn(kind).take(100) {
                 assert!(counts.contains(&case.departures.len()), "{kind:?}: {}", case.departures.len());
-                assert!((5..=8).contains(&case.clutter.len()) && (QUIETEST..=1.0).contains(&case.noise), "{kind:?}");
+                assert!((5..=8).contains(&case.clutter.len()) && (LEAST_NOISE..=1.0).contains(&case.noise), "{kind:?}");
                 assert_eq!(case.parts().effects.len(), case.effects.len() + case.clutter.len());
                 assert!(case.believed.iter().all(|known| case.clutter.iter().all(|piece| piece.name != known.name)));
                 let (base, belief) = (case.base, case.belief);

@@ -3,16 +3,15 @@
 //! ```text
 //! belief → fitted belief → + best effect → + next effect …      each step must gain held-out log-likelihood
 //! ```
-//!
-//! The first verdict that applies: `insufficient_data`, `unexplained` (the innovations depend on known signals, or are
-//! coloured), `effect`, `parameters` (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
 
-use crate::answer::forecast::{best_forecast, held_out, of_belief, with_floor};
+use crate::answer::evidence::add_odds;
+use crate::answer::forecast::best_forecast;
 use crate::answer::ladder::{Ladder, Rest, Rung};
+use crate::answer::verdict::{Verdict, rest_matters, verdict};
 use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::Fit;
 use crate::fit::intervals::{Reach, reaches};
-use crate::gap::forecast_error::{Gap, Tally};
+use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::Closed;
 use crate::options::Options;
 use crate::record::check::{Finding, other_rig};
@@ -22,29 +21,12 @@ use crate::record::recording::Recording;
 use crate::residual::location::{Place, places_of, rows};
 use crate::residual::misfit::{Misfit, is_quiet};
 use crate::residual::spectrum::{Band, band};
-use crate::select::odds::Evidence;
-use crate::select::posterior::{Scored, chances};
+use crate::select::posterior::Scored;
 use crate::select::refit;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, Selection, is_random_force, select_effects};
-use crate::thresholds::{ENOUGH_CLOSED, ENOUGH_READINGS, LIKELY, PARAMETERS_MM, PARAMETERS_SHARE};
-use plant::{Changes, Model};
-
-/// The verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// Nothing beyond noise.
-    NoGap,
-    /// Only base parameters moved.
-    Parameters,
-    /// One or more effects.
-    Effect,
-    /// A residual remains that no effect explains.
-    Unexplained,
-    /// The record cannot give an answer.
-    InsufficientData,
-}
+use crate::select::stepwise::{NamedEffect, Selection, select_effects};
+use crate::thresholds::ENOUGH_READINGS;
+use plant::Model;
 
 /// The result of a diagnosis.
 #[derive(Clone, Debug)]
@@ -111,12 +93,14 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     }
     let incomplete = answers && found.is_incomplete();
     let ladder = Ladder::of(&search, &refitted, &found);
-    let mended = if incomplete { best_forecast(&search, &ladder.fits) } else { found.fit.clone() };
-    let stretches = [of_belief(&search), held_out(&search, &refitted, |_| ()), held_out(&search, &mended, |_| ())];
-    let [nominal, refit, _] = stretches.each_ref().map(|stretches| Tally::sum(stretches.iter()).gap());
-    let gaps = [nominal, refit, with_floor(&search, &mended, &stretches[2])];
+    let last = ladder.models.len() - 1;
+    let at = if incomplete { best_forecast(&search, &ladder.models) } else { last };
+    let (belief_errors, mended) = (&ladder.models[0].errors, &ladder.models[at]);
+    let end = if at == last { ladder.end.clone() } else { mended.gap_with_floor(&search) };
+    let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
     let floor = gaps[2].floor_mm[2].map(|floor| floor * floor).filter(|_| answers);
-    let closed = floor.and_then(|floor| Closed::of(&stretches[0], [&stretches[0], &stretches[2]], floor));
+    let closed = floor.and_then(|floor| Closed::of(belief_errors, [belief_errors, &mended.errors], floor));
+    let mended = mended.fit.clone();
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
     add_odds(&mut found, &ladder);
@@ -134,7 +118,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         rest: Rest {
             share: ladder.named_share.map(|share| 1.0 - share),
             is_significant: asks && incomplete,
-            matters: answers && ladder.rest_matters(),
+            matters: answers && rest_matters(&ladder.end),
         },
         ladder: ladder.rungs,
         places,
@@ -144,48 +128,6 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         findings,
         bounds,
         reaches,
-    }
-}
-
-/// The verdict of a record that can answer.
-fn verdict(found: &Selection, ladder: &Ladder, gaps: &[Gap; 3]) -> Verdict {
-    if found.is_incomplete() && !names_carry(found, ladder) {
-        Verdict::Unexplained
-    } else if !found.effects.is_empty() {
-        Verdict::Effect
-    } else if parameters_matter(gaps) {
-        Verdict::Parameters
-    } else {
-        Verdict::NoGap
-    }
-}
-
-/// Whether the named effects carry the answer beside a significant residual: one of them is likelier than not, and they
-/// close enough of the gap. A residual too small to matter for a forecast needs no name.
-fn names_carry(found: &Selection, ladder: &Ladder) -> bool {
-    let is_likely = |named: &NamedEffect| named.probability >= LIKELY;
-    let likely = found.effects.is_empty() || found.effects.iter().any(is_likely);
-    let closed = ladder.named_share.filter(|_| !found.effects.is_empty());
-    likely && (!ladder.rest_matters() || closed.is_some_and(|share| share >= ENOUGH_CLOSED))
-}
-
-/// The odds of each named effect.
-fn add_odds(found: &mut Selection, ladder: &Ladder) {
-    let rest_nats = found.misfit.joint_nats();
-    for (k, named) in found.effects.iter_mut().enumerate() {
-        let entry = named.candidate.entry;
-        let dropped = ladder.dropped.get(k).copied().unwrap_or_default();
-        named.evidence = Evidence {
-            held_out_gain: named.candidate.held_out_gain,
-            dropped_share: dropped.share,
-            dropped_deviations: dropped.deviations,
-            rest_nats,
-            rest_share: 1.0 - ladder.named_share.unwrap_or(0.0),
-            effects: ladder.dropped.len(),
-            is_scatter: entry.acts.changes != Changes::Path && !is_random_force(entry),
-            is_change: named.change != Change::Added,
-        };
-        named.probability = named.evidence.probability();
     }
 }
 
@@ -215,33 +157,10 @@ fn with_rounding(belief: &Model, recording: &Recording) -> Model {
     belief
 }
 
-/// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.
-fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
-    match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
-        (Some(nominal), Some(refitted), Some(floor)) => {
-            nominal - refitted > (PARAMETERS_SHARE * floor).max(PARAMETERS_MM)
-        }
-        _ => false,
-    }
-}
-
-impl Diagnosis {
-    /// The probability of each effect of a round, if at most one of them acts; that of the named one is its odds, and
-    /// the others are in proportion to it. `None` for those that were not fitted in full.
-    #[must_use]
-    pub fn chances(&self, tried: &[Scored]) -> Vec<Option<f64>> {
-        let all = chances(tried);
-        let named =
-            self.effects.iter().find(|named| tried.first().is_some_and(|one| one.name == named.candidate.entry.name));
-        let own = named.and_then(|named| Some(named.probability / all.first().copied()??));
-        let factor = own.unwrap_or(1.0).min(1.0);
-        all.into_iter().map(|chance| Some(factor * chance?)).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Verdict, diagnose};
+    use super::diagnose;
+    use crate::answer::verdict::Verdict;
     use crate::options::Options;
     use crate::tests_support::{model, record};
     use crate::thresholds::LIKELY;

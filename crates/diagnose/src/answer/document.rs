@@ -1,9 +1,10 @@
 //! A diagnosis as a machine-readable document (`airball.diagnosis/2`).
 
 use crate::answer::closed_loop::{ClosedLoop, NextExperiment};
-use crate::answer::diagnosis::{Diagnosis, Verdict};
+use crate::answer::diagnosis::Diagnosis;
 use crate::answer::ladder::{Rest, Rung};
 use crate::answer::stages::StageShare;
+use crate::answer::verdict::Verdict;
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::Gap;

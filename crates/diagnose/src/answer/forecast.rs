@@ -1,10 +1,9 @@
 //! The model that forecasts best where a residual remains.
 //!
 //! A wrong model that maximises the likelihood of the next reading may forecast a second worse than the belief does. So
-//! the belief, its refit, and the fit with the effects that were found are compared by their held-out forecast errors at
+//! the belief, its refit, and the fits with the effects that were found are compared by their held-out forecast errors at
 //! 1 s. A model takes the place of a simpler one where it is better in the mean of the stretches by more than chance.
 
-use crate::answer::ladder::deviations;
 use crate::fit::estimate::{Fit, Problem};
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::select::search::Search;
@@ -12,28 +11,68 @@ use crate::thresholds::BETTER_FORECAST;
 use plant::Model;
 use rayon::prelude::*;
 
-/// The best of these models, of which the first is the belief.
-pub(super) fn best_forecast(search: &Search<'_>, fits: &[Fit]) -> Fit {
-    let (mut least, mut best) = (of_belief(search), None);
-    for fit in fits.iter().skip(1) {
+/// A model with its held-out forecast errors by stretch, and its held-out log-likelihood.
+pub(super) struct Evaluated {
+    pub(super) fit: Fit,
+    pub(super) errors: Vec<Tally>,
+    /// Plus the log-prior, nats.
+    pub(super) log_likelihood: f64,
+}
+
+impl Evaluated {
+    pub(super) fn of(search: &Search<'_>, fit: Fit) -> Self {
+        let errors = held_out(search, &fit, |_| ());
+        let log_likelihood = search.held_out_total(&fit);
+        Self { fit, errors, log_likelihood }
+    }
+
+    /// The belief, of which nothing is fitted.
+    pub(super) fn belief(search: &Search<'_>) -> Self {
+        let fit = search.problem.fit(search.problem.belief, &[]);
+        let log_likelihood = search.held_out_total(&fit);
+        Self { errors: of_belief(search), fit, log_likelihood }
+    }
+
+    /// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
+    pub(super) fn square(&self) -> f64 {
+        Tally::sum(self.errors.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
+    }
+
+    /// Root mean squares over all stretches.
+    pub(super) fn gap(&self) -> Gap {
+        Tally::sum(self.errors.iter()).gap()
+    }
+
+    /// The same, with the errors by noise alone: of the model with the noise that was fitted, or with the believed noise,
+    /// whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
+    pub(super) fn gap_with_floor(&self, search: &Search<'_>) -> Gap {
+        let as_believed = held_out(search, &self.fit, |model| model.noise = search.problem.belief.noise);
+        self.gap().with_floor_at_most(&Tally::sum(as_believed.iter()).gap())
+    }
+}
+
+/// The index of the best of these models, of which the first is the belief.
+pub(super) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize {
+    let (mut least, mut best) = (models[0].errors.clone(), 0);
+    for (at, model) in models.iter().enumerate().skip(1) {
         // A patch does not change the noise.
-        let errors = held_out(search, fit, |model| model.noise = search.problem.belief.noise);
-        if is_better(&errors, &least) {
-            (least, best) = (errors, Some(fit));
+        let errors = held_out(search, &model.fit, |model| model.noise = search.problem.belief.noise);
+        if deviations(&least, &errors) > BETTER_FORECAST {
+            (least, best) = (errors, at);
         }
     }
-    best.map_or_else(|| search.problem.fit(search.problem.belief, &[]), Clone::clone)
+    best
 }
 
 /// Forecast errors of the belief, by stretch of the record.
-pub(super) fn of_belief(search: &Search<'_>) -> Vec<Tally> {
+fn of_belief(search: &Search<'_>) -> Vec<Tally> {
     let Problem { recording, folds, belief, .. } = search.problem;
     tallies(belief, recording, &|row| folds.stretch(row))
 }
 
 /// Held-out forecast errors of a fit, by stretch of the record: each under the model that was fitted without its fold,
 /// changed by `change`.
-pub(super) fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<Tally> {
+fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<Tally> {
     let Problem { recording, folds, .. } = search.problem;
     let mut models = search.problem.without_each_fold(fit);
     models.iter_mut().for_each(change);
@@ -45,19 +84,15 @@ pub(super) fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Mode
     (0..longest).map(|at| Tally::sum(parts.iter().filter_map(|part| part.get(at)))).collect()
 }
 
-/// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
-pub(super) fn square(errors: &[Tally]) -> f64 {
-    Tally::sum(errors.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
-}
-
-/// The errors of a fit, with those by noise alone: of the model with the noise that was fitted, or with the believed
-/// noise, whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
-pub(super) fn with_floor(search: &Search<'_>, fit: &Fit, errors: &[Tally]) -> Gap {
-    let as_believed = held_out(search, fit, |model| model.noise = search.problem.belief.noise);
-    Tally::sum(errors.iter()).gap().with_floor_at_most(&Tally::sum(as_believed.iter()).gap())
-}
-
-/// Whether the mean squares at 1 s are lower in the mean of the stretches by more than chance.
-fn is_better(these: &[Tally], those: &[Tally]) -> bool {
-    deviations(those, these) > BETTER_FORECAST
+/// By how many standard errors over the stretches the mean square at 1 s is larger in `these`; 0 where that cannot be
+/// told.
+pub(super) fn deviations(these: &[Tally], those: &[Tally]) -> f64 {
+    let square = |tally: &Tally| tally.squares_at_1_s().map(|(square, _)| square);
+    let gains: Vec<f64> =
+        these.iter().zip(those).filter_map(|(this, that)| Some(square(this)? - square(that)?)).collect();
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let deviations = mean / (variance / count).sqrt();
+    if deviations.is_finite() { deviations } else { 0.0 }
 }

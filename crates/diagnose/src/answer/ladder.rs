@@ -6,19 +6,19 @@
 //! dropped(k) = (E²(all but effect k) − E²(all)) / (E²(refitted) − F²)
 //! ```
 //!
-//! An effect that changes the scatter and not the path has no share of the errors. So each rung has its gain of held-out
-//! log-likelihood too.
+//! An effect that changes the scatter and not the path has no share of the errors. So each rung has its gain of
+//! held-out log-likelihood too.
 
-use crate::answer::forecast::{held_out, of_belief, square, with_floor};
+use crate::answer::forecast::{Evaluated, deviations};
 use crate::fit::estimate::Fit;
-use crate::gap::forecast_error::{Gap, Tally};
+use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::{Closed, is_open};
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, Selection};
-use crate::thresholds::{PARAMETERS_MM, PARAMETERS_SHARE};
+use crate::select::stepwise::{Change, NamedEffect, Selection};
 use plant::Entry;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::Range;
 
 /// What a rung adds to the one below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -77,110 +77,101 @@ pub struct Rest {
 /// The rungs, the lowest first, and what dropping each added effect costs.
 pub(crate) struct Ladder {
     pub(crate) rungs: Vec<Rung>,
+    /// The models of the rungs: the belief, its refit, and so on.
+    pub(super) models: Vec<Evaluated>,
     /// In the order of the added effects.
     pub(crate) dropped: Vec<Dropped>,
-    /// The models of the rungs.
-    pub(crate) fits: Vec<Fit>,
     /// Share of what can be closed beyond the refit that all effects together close; `None`: nothing can be closed.
     pub(crate) named_share: Option<f64>,
-    /// Error at 1 s of the highest rung, and by noise alone, mm.
-    pub(crate) end_mm: Option<[f64; 2]>,
-}
-
-/// A model with its held-out errors by stretch, and its held-out log-likelihood.
-struct Tried {
-    fit: Fit,
-    errors: Vec<Tally>,
-    total: f64,
-}
-
-impl Tried {
-    fn of(search: &Search<'_>, fit: Fit) -> Self {
-        let errors = held_out(search, &fit, |_| ());
-        let total = search.held_out_total(&fit);
-        Self { fit, errors, total }
-    }
-
-    fn square(&self) -> f64 {
-        square(&self.errors)
-    }
+    /// Errors of the highest rung, and by noise alone.
+    pub(crate) end: Gap,
 }
 
 impl Ladder {
-    /// Whether the errors that all effects leave exceed those by noise alone by enough to matter.
-    pub(crate) fn rest_matters(&self) -> bool {
-        self.end_mm.is_none_or(|[end, floor]| end - floor > (PARAMETERS_SHARE * floor).max(PARAMETERS_MM))
+    pub(crate) fn of(search: &Search<'_>, refitted: &Fit, found: &Selection) -> Self {
+        let added = Added::of(search, found);
+        let count = added.entries.len();
+        let mut models = vec![Evaluated::belief(search), Evaluated::of(search, refitted.clone())];
+        models.extend(found.effects.iter().any(is_removed).then(|| added.kept(|_| false)));
+        // The model without any added effect.
+        let base = models.len() - 1;
+        models.extend(added.each(1..count + 1, |count, k| k < count));
+        // The first effect alone is the rung above the base.
+        let others = added.each(1..count, |only, k| k == only);
+        let alone = |k: usize| if k == 0 { &models[base + 1] } else { &others[k - 1] };
+        let last = &models[models.len() - 1];
+        let end = last.gap_with_floor(search);
+        let shares = Shares::of(&models, &end);
+        let dropped = |k: usize| match count {
+            _ if k + 1 == count => shares.dropped(&models[base + k], last),
+            2 => shares.dropped(alone(1), last),
+            _ => shares.dropped(&added.kept(|other| other != k), last),
+        };
+        let dropped = (0..count).into_par_iter().map(dropped).collect();
+        let rung = |at: usize| match (at, at.checked_sub(base + 1)) {
+            (0, _) => shares.rung(Step::Believed, &models[0], None),
+            (1, _) => shares.rung(Step::Refitted, &models[1], Some(&models[0])),
+            (_, None) => shares.rung(Step::Removed, &models[at], Some(&models[at - 1])),
+            (_, Some(k)) => Rung {
+                name: Some(added.entries[k].name),
+                alone: shares.of_gap(models[base].square() - alone(k).square()),
+                ..shares.rung(Step::Effect, &models[at], Some(&models[at - 1]))
+            },
+        };
+        let rungs = (0..models.len()).map(rung).collect();
+        let named_share = shares.beyond_refit(models[1].square() - last.square());
+        Self { rungs, dropped, named_share, end, models }
+    }
+}
+
+fn is_removed(named: &NamedEffect) -> bool {
+    named.change == Change::Removed
+}
+
+/// The effects that were added to the belief.
+struct Added<'a> {
+    search: &'a Search<'a>,
+    with_all: &'a Fit,
+    entries: Vec<&'static Entry>,
+}
+
+impl<'a> Added<'a> {
+    fn of(search: &'a Search<'a>, found: &'a Selection) -> Self {
+        let added = found.effects.iter().filter(|named| named.change == Change::Added);
+        Self { search, with_all: &found.fit, entries: added.map(|named| named.candidate.entry).collect() }
     }
 
-    pub(crate) fn of(search: &Search<'_>, refitted: &Fit, found: &Selection) -> Self {
-        let added: Vec<&'static Entry> = found
-            .effects
-            .iter()
-            .filter(|named| named.change == Change::Added)
-            .map(|named| named.candidate.entry)
-            .collect();
-        let believed = search.problem.fit(search.problem.belief, &[]);
-        let total = search.held_out_total(&believed);
-        let believed = Tried { errors: of_belief(search), fit: believed, total };
-        let refitted = Tried::of(search, refitted.clone());
-        let tried = |keeps: &dyn Fn(usize) -> bool| {
-            let dropped: Vec<&Entry> = (0..added.len()).filter(|k| !keeps(*k)).map(|k| added[k]).collect();
-            let fit = if dropped.is_empty() { found.fit.clone() } else { search.without_effects(&found.fit, &dropped) };
-            Tried::of(search, fit)
-        };
-        let is_removed = found.effects.iter().any(|named| named.change == Change::Removed);
-        let removed = is_removed.then(|| tried(&|_| false));
-        let steps: Vec<Tried> = (1..=added.len()).into_par_iter().map(|count| tried(&|k| k < count)).collect();
-        let others = |k: usize| if k == 0 { None } else { Some(tried(&|other| other == k)) };
-        let alone: Vec<Option<Tried>> = (0..added.len()).into_par_iter().map(others).collect();
-        let base = removed.as_ref().unwrap_or(&refitted);
-        let last = steps.last().unwrap_or(base);
-        let gap = Shares::of(search, &believed, &refitted, last);
-        let below = |k: usize| if k == 0 { base } else { &steps[k - 1] };
-        let on_top = |k: usize, only: bool| alone[k].as_ref().filter(|_| only).unwrap_or(&steps[0]);
-        let dropped = |k: usize| match added.len() {
-            count if k + 1 == count => gap.dropped(below(k), last),
-            2 => gap.dropped(on_top(1, true), last),
-            _ => gap.dropped(&tried(&|other| other != k), last),
-        };
-        let dropped: Vec<Dropped> = (0..added.len()).into_par_iter().map(dropped).collect();
-        let mut rungs = vec![
-            gap.rung((Step::Believed, None), &believed, None, None),
-            gap.rung((Step::Refitted, None), &refitted, Some(&believed), None),
-        ];
-        rungs.extend(removed.as_ref().map(|one| gap.rung((Step::Removed, None), one, Some(&refitted), None)));
-        for (k, (entry, step)) in added.iter().zip(&steps).enumerate() {
-            let alone = gap.share(base.square() - on_top(k, true).square());
-            rungs.push(gap.rung((Step::Effect, Some(entry.name)), step, Some(below(k)), alone));
-        }
-        let named_share = gap.beyond_refit(refitted.square() - last.square());
-        let end_mm = gap.floor.map(|floor| [last.square().sqrt(), floor.sqrt()]);
-        let fits = [believed.fit, refitted.fit].into_iter().chain(removed.map(|one| one.fit));
-        let fits = fits.chain(steps.into_iter().map(|one| one.fit)).collect();
-        Self { rungs, dropped, fits, named_share, end_mm }
+    /// The fit with those effects alone, by their index, for which `keeps` holds.
+    fn kept(&self, keeps: impl Fn(usize) -> bool) -> Evaluated {
+        let dropped = self.entries.iter().enumerate().filter(|(k, _)| !keeps(*k));
+        let dropped: Vec<&Entry> = dropped.map(|(_, entry)| *entry).collect();
+        let all = dropped.is_empty();
+        let fit = if all { self.with_all.clone() } else { self.search.without_effects(self.with_all, &dropped) };
+        Evaluated::of(self.search, fit)
+    }
+
+    /// Such a fit for each number of a range.
+    fn each(&self, range: Range<usize>, keeps: impl Fn(usize, usize) -> bool + Sync) -> Vec<Evaluated> {
+        range.into_par_iter().map(|number| self.kept(|k| keeps(number, k))).collect()
     }
 }
 
 /// The mean squares at 1 s against which shares are measured, mm².
-struct Shares {
-    believed: Vec<Tally>,
+struct Shares<'a> {
+    belief: &'a Evaluated,
     nominal: f64,
     refitted: f64,
     floor: Option<f64>,
 }
 
-impl Shares {
-    fn of(search: &Search<'_>, believed: &Tried, refitted: &Tried, last: &Tried) -> Self {
-        Self {
-            believed: believed.errors.clone(),
-            nominal: believed.square(),
-            refitted: refitted.square(),
-            floor: with_floor(search, &last.fit, &last.errors).floor_mm[2].map(|floor| floor * floor),
-        }
+impl<'a> Shares<'a> {
+    fn of(models: &'a [Evaluated], end: &Gap) -> Self {
+        let [nominal, refitted] = [0, 1].map(|at| models[at].square());
+        Self { belief: &models[0], nominal, refitted, floor: end.floor_mm[2].map(|floor| floor * floor) }
     }
 
     /// A fall of the mean square as a share of the gap.
-    fn share(&self, fall: f64) -> Option<f64> {
+    fn of_gap(&self, fall: f64) -> Option<f64> {
         let floor = self.floor.filter(|floor| is_open(self.nominal, *floor))?;
         Some(fall / (self.nominal - floor))
     }
@@ -191,36 +182,18 @@ impl Shares {
         (closable > 0.0).then(|| fall / closable)
     }
 
-    fn dropped(&self, without: &Tried, with: &Tried) -> Dropped {
+    fn dropped(&self, without: &Evaluated, with: &Evaluated) -> Dropped {
         let share = self.beyond_refit(without.square() - with.square()).unwrap_or(0.0).clamp(-1.0, 1.0);
         Dropped { share, deviations: deviations(&without.errors, &with.errors) }
     }
 
-    fn rung(
-        &self,
-        (step, name): (Step, Option<&'static str>),
-        this: &Tried,
-        below: Option<&Tried>,
-        alone: Option<f64>,
-    ) -> Rung {
-        let share = below.and_then(|below| Closed::of(&self.believed, [&below.errors, &this.errors], self.floor?));
-        let held_out_gain = below.map_or(0.0, |below| this.total - below.total);
-        let Gap { error_mm, free_run_10s_mm, .. } = Tally::sum(this.errors.iter()).gap();
-        Rung { step, name, error_mm, free_run_10s_mm, share, alone, held_out_gain }
+    fn rung(&self, step: Step, this: &Evaluated, below: Option<&Evaluated>) -> Rung {
+        let share = |below: &Evaluated| Closed::of(&self.belief.errors, [&below.errors, &this.errors], self.floor?);
+        let held_out_gain = below.map_or(0.0, |below| this.log_likelihood - below.log_likelihood);
+        let Gap { error_mm, free_run_10s_mm, .. } = this.gap();
+        let share = below.and_then(share);
+        Rung { step, name: None, error_mm, free_run_10s_mm, share, alone: None, held_out_gain }
     }
-}
-
-/// By how many standard errors over the stretches the mean square at 1 s is larger in `these`; 0 where that cannot be
-/// told.
-pub(super) fn deviations(these: &[Tally], those: &[Tally]) -> f64 {
-    let square = |tally: &Tally| tally.squares_at_1_s().map(|(square, _)| square);
-    let gains: Vec<f64> =
-        these.iter().zip(those).filter_map(|(this, that)| Some(square(this)? - square(that)?)).collect();
-    let count = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / count;
-    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    let deviations = mean / (variance / count).sqrt();
-    if deviations.is_finite() { deviations } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 pub(crate) mod closed_loop;
 pub(crate) mod diagnosis;
 pub(crate) mod document;
+pub(crate) mod evidence;
 pub(crate) mod forecast;
 pub(crate) mod intervals;
 pub(crate) mod ladder;
@@ -10,3 +11,4 @@ pub(crate) mod patch;
 pub(crate) mod sentences;
 pub(crate) mod series;
 pub(crate) mod stages;
+pub(crate) mod verdict;

@@ -1,6 +1,7 @@
 //! The mended model as a config patch.
 
-use crate::answer::diagnosis::{Diagnosis, Verdict};
+use crate::answer::diagnosis::Diagnosis;
+use crate::answer::verdict::Verdict;
 use std::fmt::Write;
 
 impl Diagnosis {

@@ -1,8 +1,9 @@
 //! A diagnosis in sentences: the verdict, each effect, and the residual. Terminal, page and document use them.
 
-use crate::answer::diagnosis::{Diagnosis, Verdict};
+use crate::answer::diagnosis::Diagnosis;
 use crate::answer::document::Interval;
 use crate::answer::ladder::Rest;
+use crate::answer::verdict::Verdict;
 use crate::residual::misfit::Misfit;
 use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::AIR_RATIO;

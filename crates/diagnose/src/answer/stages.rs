@@ -9,7 +9,8 @@
 //! Twice the gain of k parameters without effect is χ² with k degrees of freedom; n is the Bonferroni correction.
 //! Source: Wilks, "The large-sample distribution of the likelihood ratio", Annals of Mathematical Statistics 9 (1938).
 
-use crate::answer::diagnosis::{Diagnosis, Verdict};
+use crate::answer::diagnosis::Diagnosis;
+use crate::answer::verdict::Verdict;
 use crate::select::stepwise::NamedEffect;
 use crate::stats::chi_square::survival;
 use plant::Stage;

@@ -29,8 +29,8 @@ pub struct Closed {
 }
 
 impl Closed {
-    /// Of a step from the model `before` to the model `after`: from their errors and those of the belief, by stretch, and
-    /// the mean square by noise alone, mm². `None`: there is no gap to close.
+    /// Of a step from the model `before` to the model `after`: from their errors and those of the belief, by stretch,
+    /// and the mean square by noise alone, mm². `None`: there is no gap to close.
     pub(crate) fn of(nominal: &[Tally], [before, after]: [&[Tally]; 2], floor: f64) -> Option<Self> {
         let count = [nominal, before, after].map(<[Tally]>::len).into_iter().min()?;
         let square = |all: &[Tally], at: &[usize]| Some(Tally::sum(at.iter().map(|k| &all[*k])).squares_at_1_s()?.0);

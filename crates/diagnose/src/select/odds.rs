@@ -1,8 +1,8 @@
-//! The odds of a named effect: a logistic function of its evidence.
+//! The probability of a named effect: a logistic function of the evidence for it.
 
 use serde::Serialize;
 
-/// What speaks for a named effect, and against it.
+/// The evidence for a named effect, and against it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Evidence {
     /// Held-out log-likelihood gain when it was found, nats.
@@ -23,7 +23,8 @@ pub struct Evidence {
     pub is_change: bool,
 }
 
-/// Intercept and weights of the log-odds, in the order of [`Evidence::features`].
+/// Intercept and weights of the log-odds, in the order of [`Evidence::features`]: as `scripts/odds` fitted them to 318
+/// names on 240 practice rigs (Brier score 0.073). On 82 names of 57 other rigs the Brier score is 0.067.
 const WEIGHTS: [f64; 8] = [0.216, 0.670, 0.344, 0.174, -1.527, 0.368, 2.395, -1.082];
 
 impl Evidence {

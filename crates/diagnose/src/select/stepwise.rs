@@ -36,9 +36,10 @@ pub struct NamedEffect {
     pub change: Change,
     /// The effect and its fit when it was found.
     pub candidate: Candidate,
-    /// The probability that this effect, or one that is indistinguishable from it, acts; 0 until the whole answer is known.
+    /// The probability that this effect, or one that is indistinguishable from it, acts; 0 until the whole answer is
+    /// known.
     pub probability: f64,
-    /// What the probability follows from.
+    /// The evidence that the probability is computed from.
     pub evidence: Evidence,
     /// The effects that are indistinguishable from it.
     pub indistinguishable_from: Vec<&'static str>,

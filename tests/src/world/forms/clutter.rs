@@ -1,10 +1,10 @@
 //! Clutter: the small pieces that every real rig has and no model holds. Each moves a forecast of 1 s by 1 to 3 mm,
 //! where the noise alone moves it by some 10 mm: less than 5 % of the mean square of a visible effect.
 
+use super::outside::delayed;
 use super::{Force, Link, lag};
 use crate::catalogue::Effect;
 use crate::chance::Chance;
-use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 /// Every piece, with the effect of the catalogue that a diagnosis would rightly call it by, if there is one.
@@ -63,20 +63,8 @@ pub(crate) fn link(e: &Effect, mut chance: Chance) -> Option<Link> {
             Box::new(move |u, _| u + share * slow(u))
         }
         "write_jitter" => {
-            let (longest, mut last, mut on_the_way, mut acting) = (e.get("up_to_s"), f64::NAN, VecDeque::new(), 0.0);
-            Box::new(move |u, t| {
-                if last.is_nan() {
-                    acting = u;
-                }
-                if u != last {
-                    last = u;
-                    on_the_way.push_back((t + longest * chance.unit(), u));
-                }
-                while on_the_way.front().is_some_and(|(due, _)| *due <= t) {
-                    acting = on_the_way.pop_front().map_or(acting, |(_, u)| u);
-                }
-                acting
-            })
+            let longest = e.get("up_to_s");
+            delayed(move || longest * chance.unit())
         }
         _ => return None,
     })

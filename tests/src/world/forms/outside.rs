@@ -9,17 +9,23 @@ use std::f64::consts::TAU;
 
 /// Every duty acts after a random delay of its own, up to `up_to_s`; later duties never overtake earlier ones.
 pub(crate) fn late_writes(e: &Effect, mut chance: Chance) -> Link {
-    let (longest, mut last, mut acting, mut on_the_way) = (e.get("up_to_s"), f64::NAN, 0.0, VecDeque::new());
-    Box::new(move |duty, t| {
+    let longest = e.get("up_to_s");
+    delayed(move || longest * chance.unit().powi(3))
+}
+
+/// Every value acts after a delay of its own, seconds; later ones never overtake earlier ones.
+pub(super) fn delayed(mut delay: impl FnMut() -> f64 + 'static) -> Link {
+    let (mut last, mut acting, mut on_the_way) = (f64::NAN, 0.0, VecDeque::new());
+    Box::new(move |value, t| {
         if last.is_nan() {
-            acting = duty;
+            acting = value;
         }
-        if duty != last {
-            last = duty;
-            on_the_way.push_back((t + longest * chance.unit().powi(3), duty));
+        if value != last {
+            last = value;
+            on_the_way.push_back((t + delay(), value));
         }
         while on_the_way.front().is_some_and(|(due, _)| *due <= t) {
-            acting = on_the_way.pop_front().map_or(acting, |(_, duty)| duty);
+            acting = on_the_way.pop_front().map_or(acting, |(_, value)| value);
         }
         acting
     })

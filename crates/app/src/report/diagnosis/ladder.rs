@@ -21,6 +21,12 @@ pub(super) fn share(rung: &Rung) -> Option<String> {
     Some(format!("{value} % ({low} to {high})"))
 }
 
+/// The share that an effect would close alone. A fit that needs the other effects closes nothing alone, and may forecast
+/// far worse.
+pub(super) fn alone(rung: &Rung) -> Option<String> {
+    rung.alone.filter(|alone| *alone >= 0.0).map(|alone| format!("{} %", whole_percent(alone)))
+}
+
 /// The ladder as a table: a line for each rung, the lowest first, and one for noise alone.
 pub(super) fn table(found: &Diagnosis) -> String {
     let number = |mm: Option<f64>| mm.map_or("–".into(), |mm| format!("{mm:.2}"));
@@ -34,9 +40,8 @@ pub(super) fn table(found: &Diagnosis) -> String {
         let _ = write!(text, "\n{}", row.trim_end());
     };
     for rung in &found.ladder {
-        // A fit that needs the other effects closes nothing alone, and may forecast far worse.
-        let alone = rung.alone.filter(|alone| found.ladder.len() > 3 && *alone >= 0.0);
-        let alone = alone.map_or(String::new(), |alone| format!(", alone {} %", whole_percent(alone)));
+        let alone = alone(rung).filter(|_| found.ladder.len() > 3);
+        let alone = alone.map_or(String::new(), |alone| format!(", alone {alone}"));
         let share = share(rung).unwrap_or_default() + &alone;
         line(&name(rung), rung.error_mm, rung.free_run_10s_mm, &share);
     }

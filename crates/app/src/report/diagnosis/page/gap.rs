@@ -3,11 +3,8 @@
 use super::Report;
 use super::effects::ends;
 use crate::report::diagnosis::ladder;
-use crate::report::diagnosis::words::whole_percent;
 use crate::report::kit::page::parts::{number, table, three_digits};
-use diagnose::Diagnosis;
-use diagnose::ParameterEntry;
-use diagnose::{ClosedLoop, Compared};
+use diagnose::{ClosedLoop, Compared, Diagnosis, ParameterEntry};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
@@ -32,12 +29,8 @@ fn forecasts(found: &Diagnosis) -> Markup {
     let none = || [const { String::new() }; 3];
     let mut rows = vec![row("the ball stays put".into(), found.gaps[0].stay_put_mm, None, none())];
     for (at, rung) in found.ladder.iter().enumerate() {
-        let alone = rung
-            .alone
-            .filter(|alone| *alone >= 0.0)
-            .map_or(String::new(), |alone| format!("{} %", whole_percent(alone)));
         let gain = if at == 0 { String::new() } else { format!("{:.1}", rung.held_out_gain) };
-        let more = [ladder::share(rung).unwrap_or_default(), alone, gain];
+        let more = [ladder::share(rung).unwrap_or_default(), ladder::alone(rung).unwrap_or_default(), gain];
         rows.push(row(ladder::name(rung), rung.error_mm, rung.free_run_10s_mm, more));
     }
     let mended = &found.gaps[2];

@@ -103,6 +103,9 @@ fn suspects(report: &Report<'_>, stage: &str) -> Vec<String> {
         .collect()
 }
 
+/// Caption of the ladder.
+const CAPTION: &str = "Error of the position 1 s ahead, rms, held out, and the share of the gap that each step closes";
+
 /// A rung with the share of the gap that it closes.
 fn rung_in_words(rung: &Rung) -> String {
     let share = ladder::share(rung).map_or(String::new(), |share| format!(": {share}"));
@@ -114,21 +117,17 @@ fn gap(report: &Report<'_>) -> Markup {
     let floor = found.gaps[2].floor_mm[2];
     let names: Vec<String> = found.ladder.iter().map(rung_in_words).collect();
     let last = found.ladder.len().saturating_sub(1);
-    let ink = |at: usize| {
-        if at == 0 {
-            "nominal"
-        } else if at == last {
-            "mended"
-        } else {
-            "setpoint"
-        }
+    let ink = |at: usize| match at {
+        0 => "nominal",
+        _ if at == last => "mended",
+        _ => "setpoint",
     };
     let errors = found.ladder.iter().zip(&names).enumerate();
     let rows = errors.map(|(at, (rung, name))| (name.as_str(), ink(at), rung.error_mm[2]));
     let rows: Vec<_> = rows.chain([("noise alone", "setpoint", floor)]).collect();
     html! {
         div.gap {
-            (bars("Error of the position 1 s ahead, rms, held out, and the share of the gap that each step closes", "mm", &rows, floor))
+            (bars(CAPTION, "mm", &rows, floor))
             @if let Some(Closed { value, low, high }) = found.closed {
                 p.closed {
                     strong { (whole_percent(value)) " %" } " of the gap is closed"

@@ -1,0 +1,65 @@
+//! The verdict. The first that applies: `insufficient_data`, `unexplained` (a significant residual, and the named effects
+//! close less than half of what can be closed beyond the refit, or none is likelier than not), `effect`, `parameters`
+//! (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
+
+use crate::answer::ladder::Ladder;
+use crate::gap::forecast_error::Gap;
+use crate::select::stepwise::{NamedEffect, Selection};
+use crate::thresholds::{ENOUGH_CLOSED, LIKELY, PARAMETERS_MM, PARAMETERS_SHARE};
+
+/// The verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing beyond noise.
+    NoGap,
+    /// Only base parameters moved.
+    Parameters,
+    /// One or more effects.
+    Effect,
+    /// A residual remains that no effect explains.
+    Unexplained,
+    /// The record cannot give an answer.
+    InsufficientData,
+}
+
+/// The verdict of a record that can answer.
+pub(super) fn verdict(found: &Selection, ladder: &Ladder, gaps: &[Gap; 3]) -> Verdict {
+    if found.is_incomplete() && !effects_explain_enough(found, ladder) {
+        Verdict::Unexplained
+    } else if !found.effects.is_empty() {
+        Verdict::Effect
+    } else if parameters_matter(gaps) {
+        Verdict::Parameters
+    } else {
+        Verdict::NoGap
+    }
+}
+
+/// Whether the named effects explain enough beside a significant residual: one of them is likelier than not, and they
+/// close enough of the gap. A residual too small to matter for a forecast needs no name.
+fn effects_explain_enough(found: &Selection, ladder: &Ladder) -> bool {
+    let is_likely = |named: &NamedEffect| named.probability >= LIKELY;
+    let likely = found.effects.is_empty() || found.effects.iter().any(is_likely);
+    let closed = ladder.named_share.filter(|_| !found.effects.is_empty());
+    likely && (!rest_matters(&ladder.end) || closed.is_some_and(|share| share >= ENOUGH_CLOSED))
+}
+
+/// Whether the errors at 1 s exceed those by noise alone by enough to matter.
+pub(super) fn rest_matters(end: &Gap) -> bool {
+    let both = end.error_mm[2].zip(end.floor_mm[2]);
+    both.is_none_or(|(error, floor)| matters(error - floor, floor))
+}
+
+/// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.
+fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
+    match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
+        (Some(nominal), Some(refitted), Some(floor)) => matters(nominal - refitted, floor),
+        _ => false,
+    }
+}
+
+/// Whether a difference of errors at 1 s matters beside the noise floor, all in mm.
+fn matters(difference: f64, floor: f64) -> bool {
+    difference > (PARAMETERS_SHARE * floor).max(PARAMETERS_MM)
+}

@@ -151,7 +151,8 @@ impl Flow<'_> {
     /// The fan's acceleration at the start, the middle and the end of `dt_s`.
     fn fans(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
         if self.model.effects.has_fan_state() {
-            [0.0, dt_s / 2.0, dt_s].map(|t| self.fan(motion, t))
+            // Written out: `map` on an array is a call of its own here.
+            [self.fan(motion, 0.0), self.fan(motion, dt_s / 2.0), self.fan(motion, dt_s)]
         } else {
             [self.input.commanded_mm_per_s2; 3]
         }
@@ -160,7 +161,8 @@ impl Flow<'_> {
     /// The turbulence at the start, the middle and the end of `dt_s`, without what it adds at random.
     fn turbulences(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
         self.model.effects.coloured_force().map_or([0.0; 3], |turbulence| {
-            [0.0, dt_s / 2.0, dt_s].map(|t| motion.turbulence_mm_per_s2 * turbulence.decay(t))
+            let after = |t| motion.turbulence_mm_per_s2 * turbulence.decay(t);
+            [after(0.0), after(dt_s / 2.0), after(dt_s)]
         })
     }
 }

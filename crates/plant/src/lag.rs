@@ -10,5 +10,10 @@ use libm::exp;
 
 /// What a step of `dt_s` leaves of a difference: e^(−dt/τ). τ = 0 follows at once.
 pub(crate) fn decay(time_constant_s: f64, dt_s: f64) -> f64 {
-    if time_constant_s > 0.0 { exp(-dt_s / time_constant_s) } else { 0.0 }
+    // The start of a step is asked for as often as its middle and its end, and needs no exponential.
+    match (time_constant_s > 0.0, dt_s == 0.0) {
+        (true, true) => 1.0,
+        (true, false) => exp(-dt_s / time_constant_s),
+        (false, _) => 0.0,
+    }
 }

@@ -218,6 +218,16 @@ impl Effects {
     }
 }
 
+/// Whether a step is one linear map.
+impl Effects {
+    /// Whether a step in an endless pipe is a linear map of state and command that depends on its length alone: no
+    /// force acts but the fan's, turbulence and drag.
+    #[must_use]
+    pub fn motion_is_linear_in_command(&self) -> bool {
+        self.motion_is_linear() && !self.has_force() && !self.has_own_states()
+    }
+}
+
 /// Sensor.
 impl Effects {
     /// The sensed position, mm, `dt_s` after it was `sensed_mm`, of a ball on a path through start, middle and end.

@@ -84,7 +84,12 @@ impl Innovation {
         let (share, size_mm) = reading.outliers.unwrap_or_default();
         let good = scale - 0.5 * residual.powi(2) / variance_mm2 + (1.0 - WILD_SHARE).ln() + (1.0 - share).ln();
         let wide = -0.5 * (residual / WILD_WIDTH).powi(2) / variance_mm2;
-        let mut log_density = log_sum(good, scale + wide - WILD_WIDTH.ln() + WILD_SHARE.ln());
+        let wide = scale + wide - WILD_WIDTH.ln() + WILD_SHARE.ln();
+        let odds = (wide - good).exp();
+        let (mut log_density, mut weight) = (good + odds.ln_1p(), (1.0 + odds).recip());
+        if !odds.is_finite() {
+            (log_density, weight) = (wide, 0.0);
+        }
         if share > 0.0 {
             // Outliers scatter about their size.
             let variance = variance_mm2 + (WILD_SCATTER * size_mm).powi(2);
@@ -92,8 +97,8 @@ impl Innovation {
             for side in [size_mm, -size_mm] {
                 log_density = log_sum(log_density, scale - 0.5 * (residual - side).powi(2) / variance);
             }
+            weight = (good - log_density).exp();
         }
-        let weight = (good - log_density).exp();
         let e = residual / variance_mm2.sqrt();
         Self {
             row: reading.row,

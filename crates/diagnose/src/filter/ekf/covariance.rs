@@ -1,50 +1,87 @@
 //! The prediction step of the state covariance: transition matrix and process noise.
 //!
 //! ```text
-//! Φ = ∂motion/∂x                                    by central differences
+//! Φ = ∂motion/∂x                                    by central differences, or exact where a step is a linear map
 //! Q = PSD·dt/6 · ( g₀·g₀ᵀ + 4·g·gᵀ + g₁·g₁ᵀ )       white acceleration over a step: Simpson's rule of Φ(s)·e_v
 //!     g₀ = e_v, g₁ = Φ·e_v, g = (g₀ + g₁)/2         and δ² of turbulence on w
 //! ```
 
+use super::active::Active;
 use super::{STATES, Square, State};
-use nalgebra::SMatrix;
-use plant::{Model, Motion};
+use plant::{Input, Model, Motion};
 
 /// Steps of the central differences: small compared with the motion of a flight, large compared with rounding errors.
 const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3, 1e-3, 1e-3];
 /// Number of cached step lengths: a clock of whole milliseconds has few.
 const STEPS_KNOWN: usize = 16;
 
-/// A covariance smaller than this, in any unit, counts as 0. The variance of a state without process noise, such as
-/// that of a fan lag, tends to 0, and subnormal numbers make a step ten times slower.
-const NEGLIGIBLE: f64 = 1e-100;
-
-/// The number, or 0 where it is negligible.
-pub(super) fn flush_tiny(number: f64) -> f64 {
-    if number.abs() < NEGLIGIBLE { 0.0 } else { number }
+/// What a step of a certain length does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Propagation {
+    /// Transition matrix Φ.
+    pub(super) transition: Square,
+    /// Process noise Q.
+    pub(super) noise: Square,
+    /// g of the whole step, x ← Φ·x + g·command, where it is such a map.
+    response: Option<State>,
 }
 
-/// Transition matrix Φ and process noise Q of a step of a certain length.
-pub(super) type Propagation = (Square, Square);
+impl Propagation {
+    /// The step of a model whose motion is a linear map: Φ and g are the motions of unit states and of a unit command.
+    pub(super) fn linear(active: &Active, model: &Model, dt: f64) -> Self {
+        let moved = |state: State, commanded: f64| {
+            vector(&motion_of(&state).step_in_endless_pipe(model, Input::of(commanded), dt))
+        };
+        let mut transition = Square::zeros();
+        for &i in active.indices() {
+            transition.set_column(i, &moved(State::from_fn(|j, _| f64::from(u8::from(i == j))), 0.0));
+        }
+        let noise = process_noise(active, model, &transition, dt);
+        Self { transition, noise, response: Some(moved(State::zeros(), 1.0)) }
+    }
+
+    /// A step with the derivatives of `flow` at `motion`.
+    pub(super) fn linearised(
+        active: &Active,
+        model: &Model,
+        flow: impl Fn(&Motion) -> Motion,
+        motion: &Motion,
+        dt: f64,
+    ) -> Self {
+        let transition = derivative(active, flow, motion);
+        Self { transition, noise: process_noise(active, model, &transition, dt), response: None }
+    }
+
+    /// The state after the step in an endless pipe. `None`: the step is no linear map.
+    pub(super) fn moved(&self, active: &Active, state: &State, commanded: f64) -> Option<State> {
+        let mut next = self.response? * commanded;
+        for &j in active.indices() {
+            next.axpy(state[j], &self.transition.column(j), 1.0);
+        }
+        Some(next)
+    }
+}
 
 /// Φ and Q of the last steps by their length: where the model is linear, steps of the same length share them.
 #[derive(Debug)]
 pub(crate) struct PropagationCache {
     linear: bool,
-    known: Vec<(f64, Propagation)>,
+    /// The step lengths, apart from what belongs to them: the search reads nothing else.
+    lengths: Vec<f64>,
+    known: Vec<Propagation>,
     next: usize,
 }
 
 impl PropagationCache {
     /// An empty cache for `model`.
     pub(crate) fn of(model: &Model) -> Self {
-        Self { linear: model.effects.motion_is_linear(), known: Vec::new(), next: 0 }
+        Self { linear: model.effects.motion_is_linear(), lengths: Vec::new(), known: Vec::new(), next: 0 }
     }
 
     pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> &Propagation {
-        let same = if self.linear { self.known.iter().position(|(known, _)| *known == dt) } else { None };
+        let same = if self.linear { self.lengths.iter().position(|known| *known == dt) } else { None };
         let at = same.unwrap_or_else(|| self.keep(dt, compute()));
-        &self.known[at].1
+        &self.known[at]
     }
 
     /// Keeps a new one in the place of the oldest, and returns its place. Where the motion is not linear, none is used
@@ -54,112 +91,26 @@ impl PropagationCache {
         let at = self.next;
         self.next = (at + 1) % places;
         if at < self.known.len() {
-            self.known[at] = (dt, propagation);
+            (self.lengths[at], self.known[at]) = (dt, propagation);
         } else {
-            self.known.push((dt, propagation));
+            self.lengths.push(dt);
+            self.known.push(propagation);
         }
         at
     }
 }
 
-/// Evaluates an expression with the indices of the active states as an array, whose length the compiler then knows.
-macro_rules! in_active {
-    ($active:expr, $own:ident => $body:expr) => {{
-        let [a, b, c, d, e, f, g] = $active.own;
-        match $active.count {
-            2 => in_active!($own = [a, b] => $body),
-            3 => in_active!($own = [a, b, c] => $body),
-            4 => in_active!($own = [a, b, c, d] => $body),
-            5 => in_active!($own = [a, b, c, d, e] => $body),
-            6 => in_active!($own = [a, b, c, d, e, f] => $body),
-            _ => in_active!($own = [a, b, c, d, e, f, g] => $body),
-        }
-    }};
-    ($own:ident = $indices:expr => $body:expr) => {{
-        let $own = $indices;
-        $body
-    }};
-}
-
-/// The active states of a model; the others follow from them or from the command. Most models have two of seven, and
-/// the products of the covariance take most of the time of a search.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Active {
-    own: [usize; STATES],
-    count: usize,
-}
-
-impl Active {
-    pub(super) fn of(model: &Model) -> Self {
-        let effects = &model.effects;
-        let (fan, sensor) = (effects.has_fan_state(), effects.has_sensor_state());
-        let (air, number) = (effects.coloured_force().is_some(), effects.own_states());
-        let active = [true, true, fan, air, sensor, number > 0, number > 1];
-        let (mut own, mut count) = ([0; STATES], 0);
-        for (i, _) in active.iter().enumerate().filter(|(_, active)| **active) {
-            own[count] = i;
-            count += 1;
-        }
-        Self { own, count }
-    }
-
-    /// Their indices, ascending.
-    #[inline(always)]
-    pub(super) fn indices(&self) -> &[usize] {
-        &self.own[..self.count]
-    }
-
-    /// P ← Φ·P·Φᵀ + Q. The covariance of the other states is never used.
-    pub(super) fn predict(&self, (transition, noise): &Propagation, covariance: &mut Square) {
-        in_active!(self, own => predict_in(own, transition, noise, covariance));
-    }
-
-    /// P ← P − t·tᵀ·share.
-    #[inline]
-    pub(super) fn reduce(&self, covariance: &mut Square, towards: &State, share: f64) {
-        for &i in self.indices() {
-            for &j in self.indices() {
-                covariance[(i, j)] -= towards[i] * towards[j] * share;
-            }
-        }
-    }
-
-    /// Φ·δ.
-    #[inline]
-    pub(super) fn transfer(&self, transition: &Square, change: &State) -> State {
-        in_active!(self, own => transfer_in(own, transition, change))
-    }
-}
-
-#[inline(always)]
-fn transfer_in<const N: usize>(own: [usize; N], transition: &Square, change: &State) -> State {
-    let mut moved = State::zeros();
-    for i in own {
-        moved[i] = own.iter().map(|j| transition[(i, *j)] * change[*j]).sum();
-    }
-    moved
-}
-
-#[inline(always)]
-fn predict_in<const N: usize>(own: [usize; N], transition: &Square, noise: &Square, covariance: &mut Square) {
-    let of = |all: &Square| SMatrix::<f64, N, N>::from_fn(|i, j| all[(own[i], own[j])]);
-    let transition = of(transition);
-    let known = transition * of(covariance) * transition.transpose() + of(noise);
-    for (i, at) in own.iter().enumerate() {
-        for (j, and) in own.iter().enumerate() {
-            covariance[(*at, *and)] = flush_tiny(known[(i, j)]);
-        }
-    }
-}
-
-/// The process noise of a step with this transition matrix.
-pub(super) fn process_noise(model: &Model, transition: &Square, dt: f64) -> Square {
-    let first = State::from_fn(|i, _| f64::from(u8::from(i == 1)));
-    let last = transition * first;
-    let middle = (first + last) / 2.0;
-    let outer = |g: State| g * g.transpose();
+/// The process noise of a step with this transition matrix, for the active states.
+fn process_noise(active: &Active, model: &Model, transition: &Square, dt: f64) -> Square {
     let white = model.noise.acceleration_psd_mm2_per_s3 * dt / 6.0;
-    let mut noise = (outer(first) + 4.0 * outer(middle) + outer(last)) * white;
+    let [first, last] = [State::from_fn(|i, _| f64::from(u8::from(i == 1))), transition.column(1).into_owned()];
+    let middle = (first + last) / 2.0;
+    let mut noise = Square::zeros();
+    for &i in active.indices() {
+        for &j in active.indices() {
+            noise[(i, j)] = (first[i] * first[j] + 4.0 * (middle[i] * middle[j]) + last[i] * last[j]) * white;
+        }
+    }
     if let Some(turbulence) = model.effects.coloured_force() {
         noise[(3, 3)] += turbulence.kick(dt).powi(2);
     }
@@ -188,7 +139,7 @@ pub(super) fn motion_of(state: &State) -> Motion {
 }
 
 /// ∂flow/∂x at `motion` by central differences, for the active states.
-pub(super) fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
+fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
     let mut transition = Square::zeros();
     for &i in active.indices() {
         let nudged = |by: f64| {
@@ -203,14 +154,10 @@ pub(super) fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, moti
 
 #[cfg(test)]
 mod tests {
-    use super::{Active, PropagationCache, Square, derivative, motion_of, vector};
+    use super::super::active::Active;
+    use super::{Propagation, PropagationCache, Square, State, motion_of, vector};
     use crate::tests_support::model;
     use plant::{Effects, Input, Model, Motion};
-
-    /// A test matrix without symmetry, with entries of both signs.
-    fn any(seed: f64) -> Square {
-        Square::from_fn(|i, j| (seed + 7.1 * i as f64 + 3.3 * j as f64).sin())
-    }
 
     /// The transition matrix of a step by central differences of the motion, with other steps than those under test.
     fn by_differences(model: &Model, commanded: f64, motion: &Motion, dt: f64) -> Square {
@@ -252,8 +199,9 @@ mod tests {
             let mut cache = PropagationCache::of(&model);
             for motion in &states {
                 let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, Input::of(commanded), dt);
-                let (transition, _) =
-                    *cache.propagation(dt, || (derivative(&Active::of(&model), flow, motion), Square::zeros()));
+                let active = Active::of(&model);
+                let Propagation { transition, .. } =
+                    *cache.propagation(dt, || Propagation::linearised(&active, &model, flow, motion, dt));
                 let expected = by_differences(&model, commanded, motion, dt);
                 let off = (transition - expected).abs().max();
                 assert!(off < 1e-5, "{}: {off}: {transition} for {expected}", entry.name);
@@ -262,36 +210,26 @@ mod tests {
     }
 
     #[test]
-    fn the_covariance_of_the_active_states_is_that_of_the_whole_product() {
-        let none = Model { effects: Effects::default(), ..model() };
-        let mut all = model();
-        all.effects.set("turbulence", &[300.0, 0.5]);
-        let mut two = all.clone();
-        all.effects.set("sensor_lag", &[0.1]);
-        two.effects.remove("fan_lag");
-        for (model, own) in [(none, &[0, 1][..]), (model(), &[0, 1, 2]), (two, &[0, 1, 3]), (all, &[0, 1, 2, 3, 4])] {
-            let is_own = |i: usize| own.contains(&i);
-            let of_own = |m: Square| Square::from_fn(|i, j| if is_own(i) && is_own(j) { m[(i, j)] } else { 0.0 });
-            let [transition, noise, before] = [1.0, 2.0, 3.0].map(|seed| of_own(any(seed)));
-            let whole = transition * before * transition.transpose() + noise;
-            let mut after = before;
-            Active::of(&model).predict(&(transition, noise), &mut after);
-            assert!((after - whole).abs().max() < 1e-14, "{after} for {whole}");
-            // The entries of the other states must not be used.
-            let mut spoilt = Square::from_fn(|i, j| if is_own(i) && is_own(j) { before[(i, j)] } else { f64::NAN });
-            Active::of(&model).predict(&(transition, noise), &mut spoilt);
-            assert_eq!(of_own(spoilt), after);
+    fn a_linear_step_is_the_motion_of_the_plant() {
+        let dt = 0.017;
+        let bare = Model { effects: Effects::default(), ..model() };
+        let linear = [("fan_lag", &[0.2][..]), ("turbulence", &[300.0, 0.5]), ("sensor_lag", &[0.1])];
+        for count in 0..=linear.len() {
+            let mut model = bare.clone();
+            linear[..count].iter().for_each(|(name, values)| assert!(model.effects.set(name, values)));
+            assert!(model.effects.motion_is_linear_in_command());
+            let (active, motion) =
+                (Active::of(&model), motion_of(&State::from([300.0, -80.0, 90.0, 40.0, 295.0, 0.0, 0.0])));
+            let linear = Propagation::linear(&active, &model, dt).moved(&active, &vector(&motion), 250.0).unwrap();
+            let exact = vector(&motion.step_in_endless_pipe(&model, Input::of(250.0), dt));
+            let off = (linear - exact).abs().max();
+            assert!(off < 1e-11, "{count}: {linear} for {exact}");
         }
-    }
-
-    #[test]
-    fn a_covariance_that_decays_becomes_zero_and_no_subnormal_number() {
-        let own = |m: Square| Square::from_fn(|i, j| if i < 3 && j < 3 { m[(i, j)] } else { 0.0 });
-        let (mut covariance, halve) = (own(any(1.0)), Square::identity() * 0.5);
-        for _ in 0..600 {
-            Active::of(&model()).predict(&(halve, Square::zeros()), &mut covariance);
-            assert!(covariance.iter().all(|number| *number == 0.0 || number.is_normal()), "{covariance}");
+        for name in ["height_dependent_flow", "quadratic_drag", "spin_asymmetry", "wall_friction"] {
+            let mut model = bare.clone();
+            let entry = Effects::CATALOGUE.iter().find(|entry| entry.name == name).unwrap();
+            assert!(model.effects.set(name, entry.sizes[0]));
+            assert!(!model.effects.motion_is_linear_in_command(), "{name}");
         }
-        assert_eq!(covariance, Square::zeros());
     }
 }

@@ -11,13 +11,15 @@
 //! the real time between its ends and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
+mod active;
 mod covariance;
 mod fast_duty;
 mod smoother;
 
 use crate::record::reading_variance::reading_variance;
+use active::Active;
 pub(crate) use covariance::PropagationCache;
-use covariance::{Active, derivative, motion_of, process_noise, vector};
+use covariance::{Propagation, motion_of, vector};
 use fast_duty::{DutyAveraging, DutyBlock};
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
 
@@ -54,6 +56,8 @@ pub(crate) struct Ekf<'a> {
     covariance: Square,
     /// The states that this model has.
     active: Active,
+    /// Whether a step in the air is one linear map.
+    linear: bool,
     actuator: Actuator,
     /// Time of the filter since the start of the flight, seconds.
     time_s: f64,
@@ -88,6 +92,7 @@ impl<'a> Ekf<'a> {
             state,
             covariance,
             active: Active::of(model),
+            linear: model.effects.motion_is_linear_in_command(),
             actuator: Actuator::new(model, first_duty),
             time_s: time_s.min(0.0),
             next_write: 0,
@@ -255,18 +260,33 @@ impl<'a> Ekf<'a> {
                 None => nudged.step_in_endless_pipe(self.model, input, dt),
             }
         };
-        let next =
-            if self.model.effects.friction().is_some() { endless(&motion) } else { motion.step(self.model, input, dt) };
         let propagation = known.propagation(dt, || {
-            let transition = derivative(&self.active, endless, &motion);
-            (transition, process_noise(self.model, &transition, dt))
+            if self.linear {
+                Propagation::linear(&self.active, self.model, dt)
+            } else {
+                Propagation::linearised(&self.active, self.model, endless, &motion, dt)
+            }
         });
+        let next = match self.in_the_air(propagation.moved(&self.active, &self.state, commanded)) {
+            Some(next) => next,
+            None if self.model.effects.friction().is_some() => vector(&endless(&motion)),
+            None => vector(&motion.step(self.model, input, dt)),
+        };
         if let Some(back) = &mut self.back {
-            back.go(&propagation.0);
+            back.go(&propagation.transition);
         }
-        self.state = vector(&next);
-        self.active.predict(propagation, &mut self.covariance);
+        self.state = next;
+        self.active.predict(&propagation.transition, &propagation.noise, &mut self.covariance);
         self.time_s += dt;
+    }
+}
+
+impl Ekf<'_> {
+    /// The state after a step, where the step touches no end of the pipe.
+    fn in_the_air(&self, next: Option<State>) -> Option<State> {
+        let (bottom, top) = self.model.ends_mm();
+        let between = |state: &State| bottom < state[0] && state[0] < top;
+        next.filter(|next| between(&self.state) && between(next))
     }
 }
 

@@ -10,7 +10,7 @@
 //! the sensed position without a lag, are left out of the inverse.
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
-use super::covariance::{Active, flush_tiny};
+use super::active::Active;
 use super::{Ekf, Square, State, seen_state};
 use crate::filter::innovation::Innovation;
 use plant::Model;
@@ -119,15 +119,10 @@ impl Sensitivity {
     /// the change of the expected reading, mm, then applies the update with the weight of `taken`.
     pub(crate) fn go(&mut self, leg: &Segment, (dt, push, shift_mm): (f64, f64, f64), taken: &Innovation) -> f64 {
         // Trapezoidal rule for the effect of the changed velocity at the end of the segment.
-        let mut before = self.0;
-        before[1] += 0.5 * dt * push;
-        self.0 = leg.active.transfer(&leg.transition, &before);
-        self.0[1] += 0.5 * dt * push;
-        let moved_mm = self.0[leg.seen] + shift_mm;
-        let taken = taken.weight * moved_mm / taken.variance_mm2;
-        for &i in leg.active.indices() {
-            self.0[i] = flush_tiny(self.0[i] - leg.towards[i] * taken);
-        }
+        let half_kick = 0.5 * dt * push;
+        let moved_mm = leg.active.transfer(&leg.transition, &mut self.0, half_kick, leg.seen) + shift_mm;
+        let share = taken.weight * moved_mm / taken.variance_mm2;
+        leg.active.correct(&mut self.0, &leg.towards, share);
         moved_mm
     }
 }

@@ -4,7 +4,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
-use diagnose::identify::{Estimate, GreyBox, OpenLoop, Poles, ResidualTests};
+use diagnose::identify::{GreyBox, OpenLoop, ParameterEstimate, Poles, ResidualTests};
 use diagnose::{Recording, Sample};
 use plant::effects::FanLag;
 use plant::{Effects, Model, Noise, Simulator};
@@ -68,7 +68,7 @@ fn fly(rig: &Model, seed: u64, seconds: u32, closed: impl Fn(f64) -> bool) -> Re
 /// reject a right model as rarely as their level.
 fn assert_sound(truth: &[f64], identify: impl Fn(u64) -> GreyBox + Sync + Send) {
     let found: Vec<GreyBox> = (0..SEEDS).into_par_iter().map(identify).collect();
-    let holds = |estimate: &Estimate, truth: f64| {
+    let holds = |estimate: &ParameterEstimate, truth: f64| {
         estimate.low.is_none_or(|low| low <= truth) && estimate.high.is_none_or(|high| truth <= high)
     };
     for (at, truth) in truth.iter().enumerate() {

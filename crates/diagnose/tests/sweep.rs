@@ -91,10 +91,10 @@ fn gain_and_drag_of_a_rig_without_lag_lie_in_their_intervals() {
         .map(|seed| Sweep::of(&flown(seed, &TABLE.map(|row| row[0])), 0.01).unwrap())
         .collect();
     for (what, of, truth) in [
-        ("K_g", (|s: &Sweep| s.gain) as fn(&Sweep) -> diagnose::identify::Estimate, 254.598),
+        ("K_g", (|s: &Sweep| s.gain) as fn(&Sweep) -> diagnose::identify::ParameterEstimate, 254.598),
         ("a", |s: &Sweep| s.drag, 1.889),
     ] {
-        let holds = |e: diagnose::identify::Estimate| e.low.unwrap() <= truth && truth <= e.high.unwrap();
+        let holds = |e: diagnose::identify::ParameterEstimate| e.low.unwrap() <= truth && truth <= e.high.unwrap();
         let count = found.iter().filter(|found| holds(of(found))).count();
         assert!((40..=49).contains(&count), "{what}: {count} of {SEEDS} intervals hold {truth}");
     }

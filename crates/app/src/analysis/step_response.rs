@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! overshoot   largest excursion beyond the new setpoint, as a share of the jump
-//! peak        time from the jump to the largest excursion beyond the new setpoint within five times the time to half
-//!             of the way, if it is over 2.5 % of the jump: later peaks are not the first, and smaller ones are noise
+//! peak        time from the jump to the first peak beyond the new setpoint, if it is over 2.5 % of the jump: smaller ones
+//!             are noise; the peak is that of the transient method
 //! settling    time from the jump until the position stays within ±5 % of the jump for a second
 //! ```
 //!
@@ -12,6 +12,7 @@
 //! Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
 
 use crate::flight::vocabulary::Cycle;
+use diagnose::identify::first_peak;
 
 /// A change of the setpoint that counts as a jump, mm: four times a sensor's noise.
 const JUMP_MM: f64 = 10.0;
@@ -23,8 +24,6 @@ const FOLLOWED_S: f64 = 1.0;
 const HELD_S: f64 = 1.0;
 /// Readings on each side of the centred mean.
 const HALF_MEAN: usize = 2;
-/// The first peak comes within so many times the time to half of the way: 4.1 times at a damping of 0.7, less below.
-const PEAK_WITHIN: f64 = 5.0;
 
 /// The signals of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,18 +112,16 @@ fn step(rows: &[Row], start: usize, end: usize) -> Option<Step> {
         from_mm,
         to_mm: first.setpoint_mm,
         overshoot_percent: 100.0 * beyond / jump.abs(),
-        peak_s: first_peak(&errors, jump).map(|time_s| time_s - first.time_s),
+        peak_s: peak_s(&errors, jump),
         settling_s: settled_s.map(|time_s| time_s - first.time_s),
     })
 }
 
-/// Time of the first peak beyond the new setpoint, if it exceeds half of the band.
-fn first_peak(errors: &[(f64, f64)], jump: f64) -> Option<f64> {
+/// Time from the jump to the first peak beyond the new setpoint, if it exceeds half of the band.
+fn peak_s(errors: &[(f64, f64)], jump: f64) -> Option<f64> {
     let start_s = errors.first()?.0;
-    let half_way = errors.iter().find(|(_, error)| error * jump.signum() >= -0.5 * jump.abs())?.0 - start_s;
-    let early = errors.iter().take_while(|(time_s, _)| time_s - start_s <= PEAK_WITHIN * half_way);
-    let (time_s, error) = early.max_by(|a, b| (a.1 * jump).total_cmp(&(b.1 * jump)))?;
-    (error * jump > BAND / 2.0 * jump * jump).then_some(*time_s)
+    let shares: Vec<_> = errors.iter().map(|(time_s, error)| (time_s - start_s, 1.0 + error / jump)).collect();
+    first_peak(&shares).filter(|(_, height)| *height > 1.0 + BAND / 2.0).map(|(time_s, _)| time_s)
 }
 
 /// The first time after which the error remains within `band_mm` for [`HELD_S`].

@@ -40,7 +40,7 @@ pub enum Poles {
 
 /// A parameter of the plant with its 90 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
+pub struct ParameterEstimate {
     /// Its key in the config's `[plant]`.
     pub name: &'static str,
     /// The most likely value.
@@ -59,7 +59,7 @@ pub struct GreyBox {
     /// The fitted model and its innovations.
     pub fit: Fit,
     /// Gain, drag, hover and, with three poles, the fan lag.
-    pub estimates: Vec<Estimate>,
+    pub estimates: Vec<ParameterEstimate>,
     /// Tests whether the innovations are white noise.
     pub residuals: ResidualTests,
     /// Prediction of the last third of each flight by a fit without that third.
@@ -147,12 +147,12 @@ const fn key(parameter: Parameter) -> Option<&'static str> {
 }
 
 /// All parameters but the nuisance parameters, with their intervals.
-fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
+fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<ParameterEstimate> {
     let one = |(at, parameter): (usize, &Parameter)| {
         let (name, value) = (key(*parameter)?, parameter.value(&fit.model)?);
         let [low, high] =
             interval(problem, fit, at, OF_90_PERCENT).map(|by| parameter.value(&parameter.stepped(&fit.model, by?)));
-        Some(Estimate { name, value, low, high })
+        Some(ParameterEstimate { name, value, low, high })
     };
     fit.parameters.iter().enumerate().filter_map(one).collect()
 }

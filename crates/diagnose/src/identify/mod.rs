@@ -8,11 +8,12 @@ pub(crate) mod residual_tests;
 pub(crate) mod transient;
 pub(crate) mod validation;
 
-pub use grey_box::{Estimate, GreyBox, Poles, TooLittle};
+pub use grey_box::{GreyBox, ParameterEstimate, Poles, TooLittle};
 pub use open_loop::OpenLoop;
 pub use relay::{Oscillation, oscillation};
 pub use residual_tests::{ResidualTests, Test};
 pub use transient::fan_pole::fan_lag_s;
+pub use transient::peak::highest as first_peak;
 pub use transient::second_order::{Transient, TwoPoles};
 pub use transient::steps::{Pulse, Rejected, pulses};
 pub use transient::sweep::{NoSweep, OfGain, Sweep};

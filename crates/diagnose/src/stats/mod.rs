@@ -6,3 +6,4 @@ pub(crate) mod log_sum;
 pub(crate) mod median;
 pub(crate) mod quantile;
 pub(crate) mod spread;
+pub(crate) mod student;

@@ -3,7 +3,7 @@
 use super::{SCHEMA, name, said};
 use crate::report::kit::table::empty;
 use diagnose::Recording;
-use diagnose::identify::{Estimate, GreyBox, Percent, Poles, ResidualTests, Test};
+use diagnose::identify::{GreyBox, ParameterEstimate, Percent, Poles, ResidualTests, Test};
 use serde::Serialize;
 
 /// Held-out log-likelihood gain that a third pole needs, nats: by chance one more parameter gains half a nat.
@@ -25,7 +25,7 @@ pub struct Document<'a> {
 #[derive(Debug, Serialize)]
 struct ModelEntry<'a> {
     poles: Poles,
-    estimates: &'a [Estimate],
+    estimates: &'a [ParameterEstimate],
     sensor_mm: f64,
     acceleration_psd_mm2_per_s3: f64,
     held_out: HeldOutEntry,

@@ -7,7 +7,7 @@ pub mod third_pole;
 pub mod transient;
 
 use crate::report::kit::words::digits;
-use diagnose::identify::Estimate;
+use diagnose::identify::ParameterEstimate;
 use plant::Model;
 use std::fmt::Write;
 
@@ -18,9 +18,10 @@ const LAG: &str = "fan_lag.time_constant_s";
 /// The estimates as a patch over the config of the model `start`. A lag that the config has and the estimates do not is
 /// set to 0, which means none.
 #[must_use]
-pub fn patch(origin: &str, estimates: &[Estimate], start: &Model) -> String {
+pub fn patch(origin: &str, estimates: &[ParameterEstimate], start: &Model) -> String {
     let mut patch = format!("# {origin}; 90 % intervals.\n[plant]\n");
-    let (lags, base): (Vec<&Estimate>, Vec<&Estimate>) = estimates.iter().partition(|estimate| estimate.name == LAG);
+    let (lags, base): (Vec<&ParameterEstimate>, Vec<&ParameterEstimate>) =
+        estimates.iter().partition(|estimate| estimate.name == LAG);
     for estimate in base {
         // Writing to a string cannot fail.
         let _ = writeln!(patch, "{} = {:?}{}", estimate.name, estimate.value, between(estimate));
@@ -37,7 +38,7 @@ pub fn patch(origin: &str, estimates: &[Estimate], start: &Model) -> String {
     patch
 }
 
-fn between(estimate: &Estimate) -> String {
+fn between(estimate: &ParameterEstimate) -> String {
     match (estimate.low, estimate.high) {
         (Some(low), Some(high)) => format!("  # {} to {}", digits(low), digits(high)),
         _ => "  # the record does not bound it".into(),
@@ -45,7 +46,7 @@ fn between(estimate: &Estimate) -> String {
 }
 
 /// The value with its interval.
-pub(super) fn said(estimate: &Estimate) -> String {
+pub(super) fn said(estimate: &ParameterEstimate) -> String {
     let end = |end: Option<f64>| end.map_or_else(|| "?".into(), digits);
     format!("{} ({} to {})", digits(estimate.value), end(estimate.low), end(estimate.high))
 }
@@ -66,10 +67,10 @@ mod tests {
     use super::{digits, patch};
     use crate::analysis::closed_loop::tests::project;
     use crate::config::Tables;
-    use diagnose::identify::Estimate;
+    use diagnose::identify::ParameterEstimate;
 
-    fn estimate(name: &'static str, value: f64) -> Estimate {
-        Estimate { name, value, low: Some(0.9 * value), high: Some(1.1 * value) }
+    fn estimate(name: &'static str, value: f64) -> ParameterEstimate {
+        ParameterEstimate { name, value, low: Some(0.9 * value), high: Some(1.1 * value) }
     }
 
     #[test]
@@ -77,7 +78,7 @@ mod tests {
         let start = project().plant.unwrap();
         let two = [estimate("gain_mm_per_s2_per_percent", 254.598), estimate("drag_per_s", 1.889)];
         let three = [two[0], two[1], estimate("fan_lag.time_constant_s", 0.2)];
-        let lag = |estimates: &[Estimate]| {
+        let lag = |estimates: &[ParameterEstimate]| {
             let table: toml::Table = toml::from_str(&patch("a test", estimates, &start)).unwrap();
             let plant = table["plant"].as_table().unwrap();
             assert_eq!(plant["drag_per_s"].as_float(), Some(1.889));

@@ -145,7 +145,7 @@ fn response(gain: &OfGain) -> Vec<(f64, f64)> {
 
 /// K_g and a over the gain, with their intervals.
 pub fn over_gains(found: &Sweep) -> [Diagram; 2] {
-    let over = |ordinate, of: fn(&OfGain) -> diagnose::identify::Estimate| {
+    let over = |ordinate, of: fn(&OfGain) -> diagnose::identify::ParameterEstimate| {
         let points = found.gains.iter().map(|gain| (gain.kp_per_mm, of(gain).value)).collect();
         let interval = |gain: &OfGain| {
             let (low, high) = of(gain).low.zip(of(gain).high)?;

@@ -22,7 +22,8 @@ pub(crate) fn half_way_s(points: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Time and height of the first peak; `None` if there is none.
-pub(crate) fn highest(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+#[must_use]
+pub fn highest(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let within_s = PEAK_WITHIN * half_way_s(points)?;
     let early = points.iter().take_while(|(t, _)| *t <= within_s);
     let (top_s, _) = *early.max_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -13,11 +13,12 @@
 //! (1981).
 
 use crate::fit::profile::OF_90_PERCENT;
-use crate::identify::grey_box::Estimate;
+use crate::identify::grey_box::ParameterEstimate;
 use crate::identify::transient::peak::{half_way_s, highest};
 use crate::identify::transient::second_order::{Transient, TwoPoles};
 use crate::identify::transient::steps::{Pulse, Rejected, pulses};
 use crate::record::recording::Recording;
+use crate::stats::student::student;
 use serde::Serialize;
 
 /// Gains that differ by less than this share are equal.
@@ -28,8 +29,6 @@ const FEWEST: usize = 4;
 const SEEN: f64 = 2.0;
 /// ω_n·t_half of a critically damped loop.
 const HALF_WAY: f64 = 1.678_346_99;
-/// 95 % quantiles of Student's t for 1, 2, … degrees of freedom; beyond the table 1.645 + 1.6/ν.
-const STUDENT: [f64; 10] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833, 1.812];
 
 /// The result of the pulses at one gain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,9 +46,9 @@ pub struct OfGain {
     /// ω_n, rad/s.
     pub omega: f64,
     /// K_g with its 90 % interval.
-    pub gain: Estimate,
+    pub gain: ParameterEstimate,
     /// a with its 90 % interval.
-    pub drag: Estimate,
+    pub drag: ParameterEstimate,
     /// Time since the step in s, and position as a share of the step.
     #[serde(skip)]
     pub mean_pulse: Vec<(f64, f64)>,
@@ -61,9 +60,9 @@ pub struct Sweep {
     /// Results by gain, lowest first.
     pub gains: Vec<OfGain>,
     /// K_g: mean over the gains with significant overshoot.
-    pub gain: Estimate,
+    pub gain: ParameterEstimate,
     /// a: the same.
-    pub drag: Estimate,
+    pub drag: ParameterEstimate,
     /// Steps that were not used.
     pub rejected: Rejected,
 }
@@ -110,8 +109,9 @@ impl Sweep {
             return Err(NoSweep::NoPulses { short, not_proportional });
         };
         let refused = NoSweep::NoOvershoot { gains: gains.len(), highest_per_mm: last.kp_per_mm };
-        let seen =
-            |of: fn(&OfGain) -> Estimate| gains.iter().filter(|g| g.peak_s.is_some()).map(of).collect::<Vec<_>>();
+        let seen = |of: fn(&OfGain) -> ParameterEstimate| {
+            gains.iter().filter(|g| g.peak_s.is_some()).map(of).collect::<Vec<_>>()
+        };
         let (gain, drag) = (mean(&seen(|g| g.gain)), mean(&seen(|g| g.drag)));
         let (gain, drag) = gain.zip(drag).ok_or(refused)?;
         Ok(Self { gains, gain, drag, rejected })
@@ -140,8 +140,8 @@ fn of_gain(group: &[Pulse], dead_time_s: f64) -> Option<OfGain> {
     let estimate = |name, of: fn(&TwoPoles) -> f64| {
         let value = of(&whole.plant);
         let logs: Vec<f64> = others.iter().map(|other| of(&other.plant).ln()).collect();
-        let half = student(group.len() - 1) * jackknife(&logs);
-        Estimate { name, value, low: Some(value * (-half).exp()), high: Some(value * half.exp()) }
+        let half = student((group.len() - 1) as f64) * jackknife(&logs);
+        ParameterEstimate { name, value, low: Some(value * (-half).exp()), high: Some(value * half.exp()) }
     };
     Some(OfGain {
         kp_per_mm,
@@ -198,18 +198,10 @@ fn jackknife(without: &[f64]) -> f64 {
     ((n - 1.0) / n * without.iter().map(|x| (x - mean).powi(2)).sum::<f64>()).sqrt()
 }
 
-fn student(degrees: usize) -> f64 {
-    degrees
-        .checked_sub(1)
-        .and_then(|at| STUDENT.get(at))
-        .copied()
-        .unwrap_or(OF_90_PERCENT + 1.6 / degrees.max(1) as f64)
-}
-
 /// The mean of the logarithms, weighted by their intervals. Its interval grows if they scatter by more than that.
-fn mean(all: &[Estimate]) -> Option<Estimate> {
+fn mean(all: &[ParameterEstimate]) -> Option<ParameterEstimate> {
     let first = all.first()?;
-    let log = |of: &Estimate| Some((of.value.ln(), (of.high? / of.low?).ln().max(1e-9).powi(-2)));
+    let log = |of: &ParameterEstimate| Some((of.value.ln(), (of.high? / of.low?).ln().max(1e-9).powi(-2)));
     let logs: Vec<(f64, f64)> = all.iter().filter_map(log).collect();
     let weight: f64 = logs.iter().map(|(_, w)| w).sum();
     let mean = logs.iter().map(|(x, w)| w * x).sum::<f64>() / weight;
@@ -219,5 +211,10 @@ fn mean(all: &[Estimate]) -> Option<Estimate> {
     let wider = (scatter / (logs.len() - 1).max(1) as f64).max(1.0);
     let half = OF_90_PERCENT * wider.sqrt() / (width * weight.sqrt());
     let value = mean.exp();
-    Some(Estimate { name: first.name, value, low: Some(value * (-half).exp()), high: Some(value * half.exp()) })
+    Some(ParameterEstimate {
+        name: first.name,
+        value,
+        low: Some(value * (-half).exp()),
+        high: Some(value * half.exp()),
+    })
 }

@@ -11,7 +11,7 @@ use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Diagram, commanded, duty};
-use diagnose::identify::{Estimate, GreyBox, Poles, Test};
+use diagnose::identify::{GreyBox, ParameterEstimate, Poles, Test};
 use diagnose::{Gap, Recording};
 use maud::{Markup, html};
 use plant::Model;
@@ -90,7 +90,7 @@ fn first(report: &Report<'_>) -> Markup {
 }
 
 fn numbers_first(best: &GreyBox) -> Markup {
-    let line = |estimate: &Estimate| {
+    let line = |estimate: &ParameterEstimate| {
         let (value, about) = value(estimate);
         (name(estimate.name).to_owned(), value, about)
     };

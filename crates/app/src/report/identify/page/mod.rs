@@ -6,7 +6,7 @@ pub mod transient;
 
 use super::digits;
 use crate::report::kit::page::parts::to_copy;
-use diagnose::identify::Estimate;
+use diagnose::identify::ParameterEstimate;
 use maud::{Markup, html};
 
 /// The name of the patch file on the pages.
@@ -17,7 +17,7 @@ const INTERVALS: (&str, &str) =
     ("intervals", "Intervals hold the value nine times in ten, if the plant is what it is taken for.");
 
 /// The value and its interval.
-fn value(estimate: &Estimate) -> (String, String) {
+fn value(estimate: &ParameterEstimate) -> (String, String) {
     let about = match (estimate.low, estimate.high) {
         (Some(low), Some(high)) => format!("{} to {}", digits(low), digits(high)),
         _ => "the record does not bound it".into(),

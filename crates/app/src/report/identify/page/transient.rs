@@ -62,7 +62,7 @@ fn visible(found: &Sweep) -> usize {
 
 fn first(report: &Report<'_>) -> Markup {
     let believed = [report.belief.gain_mm_per_s2_per_percent, report.belief.drag_per_s];
-    let line = |(estimate, believed): (&diagnose::identify::Estimate, f64)| {
+    let line = |(estimate, believed): (&diagnose::identify::ParameterEstimate, f64)| {
         let (value, about) = value(estimate);
         (name(estimate.name).to_owned(), value, format!("{about}; believed: {}", digits(believed)))
     };

@@ -6,7 +6,7 @@
 //!
 //! Source: the thesis, equation 3.1.1.14. The effects come on top, in the order of the signal path.
 
-use crate::acts::Conditions;
+use crate::acts::{Along, Conditions};
 use crate::actuator::Actuator;
 use crate::effect::{Neutral, Param, Scale};
 use crate::effects::Effects;
@@ -129,6 +129,34 @@ impl Model {
         let motion = Motion::at_rest(position_mm, commanded_mm_per_s2);
         let conditions = self.conditions_of(&motion, Input::of(commanded_mm_per_s2));
         Motion { own: self.effects.own_settled(&conditions), ..motion }
+    }
+
+    /// What the sensor shows of a motion, mm, but for its delay and what is random.
+    #[must_use]
+    #[inline]
+    pub fn seen_mm(&self, motion: &Motion, input: Input) -> f64 {
+        if !self.effects.bends_reading() {
+            return motion.sensed_mm;
+        }
+        motion.sensed_mm + self.effects.written.reading_shift(&self.conditions_of_sensor(motion, input))
+    }
+
+    /// The derivative of [`Model::seen_mm`] while the state moves along `along`, a motion per unit.
+    #[must_use]
+    pub fn seen_along(&self, motion: &Motion, input: Input, along: &Motion) -> f64 {
+        let speeds = Along {
+            position: along.sensed_mm,
+            velocity: along.velocity_mm_per_s,
+            fan: along.fan_mm_per_s2,
+            own: along.own,
+        };
+        let conditions = self.conditions_of_sensor(motion, input);
+        along.sensed_mm + self.effects.written.reading_shift_along(&conditions, &speeds)
+    }
+
+    /// The conditions of the sensor, which knows the height behind its inertia.
+    fn conditions_of_sensor(&self, motion: &Motion, input: Input) -> Conditions {
+        Conditions { position_mm: motion.sensed_mm, ..self.conditions_of(motion, input) }
     }
 
     /// Standard deviations of the own states before the first reading, each in its unit.

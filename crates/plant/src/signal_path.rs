@@ -233,6 +233,13 @@ impl Effects {
         any!(self, senses)
     }
 
+    /// Whether the sensor shows another height than that of the ball behind its inertia.
+    #[inline(always)]
+    #[must_use]
+    pub fn bends_reading(&self) -> bool {
+        self.written.bends_reading()
+    }
+
     /// How old a reading is, seconds.
     #[inline(always)]
     #[must_use]

@@ -47,7 +47,7 @@ impl Simulator {
             motion.turbulence_mm_per_s2 = effect.sigma_mm_per_s2 * turbulence.draw();
         }
         let mut sensor = Sensor::new(seed);
-        sensor.follow(&model, 0.0, motion.sensed_mm);
+        sensor.follow(&model, &motion, Input::of(commanded));
         Self {
             motion,
             input: Input::of(commanded),
@@ -86,7 +86,7 @@ impl Simulator {
 
     /// Measures the position now, mm.
     pub fn reading_mm(&mut self) -> f64 {
-        self.sensor.reading(&self.model, self.input.time_s, self.motion.sensed_mm)
+        self.sensor.reading(&self.model, self.input.time_s, self.model.seen_mm(&self.motion, self.input))
     }
 
     /// Flies on to `time_s`, until which the command does not jump.
@@ -110,7 +110,7 @@ impl Simulator {
             let input = Input { commanded_mm_per_s2: commanded, time_s: end - dt };
             motion = motion.step(&self.model, input, dt);
             self.kick(&mut motion, white, coloured, dt);
-            self.sensor.follow(&self.model, end, motion.sensed_mm);
+            self.sensor.follow(&self.model, &motion, Input { time_s: end, ..input });
         }
         (self.motion, self.input) = (motion, Input { commanded_mm_per_s2: commanded, time_s });
     }

@@ -16,7 +16,7 @@ pub struct Definition {
     table: DefinitionTable,
     adds: Formula,
     states: Vec<[Formula; 2]>,
-    is_linear: bool,
+    motion_is_linear: bool,
     uses_time: bool,
 }
 
@@ -46,9 +46,10 @@ impl Definition {
             states.push([rate, names.without_states().formula(&format!("states.{state}.start"), &formulas.start)?]);
         }
         names.all_used(&adds, &states)?;
-        let moves = std::iter::once(&adds).chain(states.iter().map(|[rate, _]| rate));
+        let force = Some(&adds).filter(|_| matches!(table.stage, Stage::Air | Stage::Ball));
+        let mut moves = force.into_iter().chain(states.iter().map(|[rate, _]| rate));
         let definition = Self {
-            is_linear: moves.clone().all(|one| one.is_affine_in(&ALL_BUT_PARAMETERS)),
+            motion_is_linear: moves.all(|one| one.is_affine_in(&ALL_BUT_PARAMETERS)),
             uses_time: adds.uses(names.place("t")),
             entry: entry(name, table),
             table: table.clone(),
@@ -79,12 +80,18 @@ impl Definition {
         self.adds.value(values)
     }
 
+    /// The derivative of what it adds while the values move with the speeds `towards`.
+    pub(super) fn adds_along(&self, values: &[f64], towards: &[f64]) -> f64 {
+        self.adds.dual(values, towards).1
+    }
+
     pub(super) const fn uses_time(&self) -> bool {
         self.uses_time
     }
 
-    pub(super) const fn is_linear(&self) -> bool {
-        self.is_linear
+    /// Whether its force and the rates of its states are linear in what moves.
+    pub(super) const fn motion_is_linear(&self) -> bool {
+        self.motion_is_linear
     }
 
     pub(super) const fn states(&self) -> usize {

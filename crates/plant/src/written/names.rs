@@ -19,17 +19,17 @@ pub(super) struct Names<'a> {
 
 impl<'a> Names<'a> {
     pub(super) fn of(table: &'a DefinitionTable) -> Result<Self, DefinitionError> {
-        let is_force = table.stage != Stage::Actuator;
+        let has_states = table.stage != Stage::Actuator;
         let (mut names, mut bounds): (Vec<&str>, Vec<[f64; 2]>) = variables(table.stage).iter().copied().unzip();
         let variables = names.len();
-        check_count_of_states(table, is_force)?;
+        check_count_of_states(table, has_states)?;
         let mut states: Vec<&str> = table.states.keys().map(String::as_str).collect();
         for state in &states {
             check_new(state, &names, "states")?;
         }
         let count = states.len();
-        // An effect without states has places for them, too, so that every force is evaluated alike.
-        states.resize(if is_force { OWN_STATES } else { 0 }, "");
+        // An effect without states has places for them, too, so that every one is evaluated alike.
+        states.resize(if has_states { OWN_STATES } else { 0 }, "");
         bounds.resize(bounds.len() + states.len(), STATE);
         names.extend(states);
         let parameters = names.len();

@@ -1,6 +1,6 @@
 //! The names that a formula may use, their values, and the bounds within which it must have a value.
 
-use crate::acts::Conditions;
+use crate::acts::{Along, Conditions};
 use crate::effect::Stage;
 
 /// The most parameters of an effect.
@@ -45,7 +45,7 @@ pub(super) fn of_duty(
     values
 }
 
-/// The values of the names of a formula in the air or at the ball. `u` is the commanded acceleration by the gain.
+/// The values of the names of a formula in the air, at the ball or in the sensor. `u` is the commanded acceleration by the gain.
 pub(super) fn of_force(conditions: &Conditions, parameters: &[f64; MOST_PARAMETERS]) -> [f64; 8 + MOST_PARAMETERS] {
     let u = conditions.commanded_mm_per_s2 / conditions.gain_mm_per_s2_per_percent;
     let mut values = [0.0; 8 + MOST_PARAMETERS];
@@ -61,4 +61,9 @@ pub(super) fn of_force(conditions: &Conditions, parameters: &[f64; MOST_PARAMETE
     ]);
     values[8..].copy_from_slice(parameters);
     values
+}
+
+/// The speeds of the same names, the parameters being constant.
+pub(super) fn of_speeds(along: &Along) -> [f64; 8] {
+    [along.position, along.velocity, 0.0, 0.0, 0.0, along.fan, along.own[0], along.own[1]]
 }

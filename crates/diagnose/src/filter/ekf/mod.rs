@@ -3,7 +3,7 @@
 //! ```text
 //! state x = (y, v, A, w, s, own states)             see `plant::Motion`
 //! x ← motion(x, command), P ← Φ·P·Φᵀ + Q            Φ and Q: see `covariance`
-//! reading = y, or s behind a sensor's lag
+//! reading = y, or s behind a sensor's lag           see `measurement` where written effects act in the sensor
 //! ```
 //!
 //! It is exact for linear models, where central differences are accurate to rounding, and for effects that act on the
@@ -13,12 +13,18 @@
 
 mod covariance;
 mod fast_duty;
+mod measurement;
+mod prior;
 mod smoother;
 
 use crate::record::reading_variance::reading_variance;
 pub(crate) use covariance::PropagationCache;
 use covariance::{Active, derivative, motion_of, process_noise, vector};
 use fast_duty::{DutyAveraging, DutyBlock};
+use measurement::{Measured, expected_mm};
+#[cfg(test)]
+pub(crate) use prior::VELOCITY_PRIOR_MM_PER_S;
+use prior::prior;
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
 
 use crate::filter::innovation::{Innovation, Reading};
@@ -32,8 +38,6 @@ type Square = SMatrix<f64, STATES, STATES>;
 
 /// Longest integration step, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
 const MAX_STEP_S: f64 = 0.02;
-/// Standard deviation of the velocity before the first reading: a ball in a pipe stays below 2 m/s.
-pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
 /// Friction is smoothed over at least this speed, or over the speed that friction takes off in a step if that is less.
 const SLOWEST_MM_PER_S: f64 = 1.0;
 /// Friction is smoothed where the velocity's standard deviation exceeds this share of the speed that friction takes off
@@ -57,6 +61,8 @@ pub(crate) struct Ekf<'a> {
     actuator: Actuator,
     /// Time of the filter since the start of the flight, seconds.
     time_s: f64,
+    /// The last command, mm/s².
+    commanded_mm_per_s2: f64,
     /// The next row whose duty has not been written.
     next_write: usize,
     wild_run: u32,
@@ -90,6 +96,7 @@ impl<'a> Ekf<'a> {
             active: Active::of(model),
             actuator: Actuator::new(model, first_duty),
             time_s: time_s.min(0.0),
+            commanded_mm_per_s2: model.commanded(first_duty),
             next_write: 0,
             wild_run: 0,
             reading_mm2: reading_variance(model),
@@ -118,8 +125,18 @@ impl<'a> Ekf<'a> {
 
     /// The expected reading, mm, and its variance, mm².
     pub(crate) fn predicted_reading(&self) -> (f64, f64) {
-        let seen = seen_state(self.model);
-        (self.state[seen], self.covariance[(seen, seen)] + self.reading_mm2)
+        let measured = self.measured(&self.state);
+        let variance_mm2 = measured.change(&measured.towards(&self.covariance));
+        (expected_mm(self.model, &self.state, self.input()), variance_mm2 + self.reading_mm2)
+    }
+
+    /// What a reading measures now, about a state.
+    fn measured(&self, state: &State) -> Measured {
+        Measured::of(self.model, &self.active, state, self.input())
+    }
+
+    fn input(&self) -> Input {
+        Input { commanded_mm_per_s2: self.commanded_mm_per_s2, time_s: self.time_s }
     }
 
     /// The same for a reading as the file holds it, rounded by a quantised sensor.
@@ -148,7 +165,7 @@ impl<'a> Ekf<'a> {
             } else {
                 (innovation.weight, innovation.standardised)
             };
-        let towards = self.covariance.column(seen_state(self.model)).into_owned();
+        let towards = self.measured(&self.state).towards(&self.covariance);
         self.state += towards * (standardised / variance.sqrt());
         self.active.reduce(&mut self.covariance, &towards, weight / variance);
         self.wild_run = if innovation.weight < 0.5 && reading.coarse.is_none() { self.wild_run + 1 } else { 0 };
@@ -240,8 +257,8 @@ impl<'a> Ekf<'a> {
     }
 
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
-        let motion = motion_of(&self.state);
-        let input = Input { commanded_mm_per_s2: commanded, time_s: self.time_s };
+        self.commanded_mm_per_s2 = commanded;
+        let (motion, input) = (motion_of(&self.state), self.input());
         let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
         // An end of the pipe stops the ball but does not reduce the uncertainty: the covariance grows as in an endless
         // pipe.
@@ -280,27 +297,4 @@ fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
 fn reading_time(model: &Model, writes: &[Write], row: usize) -> Option<f64> {
     let since_start_s = writes.get(row)?.time_s - writes.first()?.time_s;
     Some(since_start_s - model.effects.reading_delay_s())
-}
-
-/// State and covariance before the first reading, which then updates them as every other does.
-fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> (State, Square) {
-    let commanded = model.commanded(duty_percent);
-    let effects = &model.effects;
-    // Standard deviation of the fan from its command: it may stand still.
-    let fan = if effects.has_fan_state() {
-        model.hover_duty_percent.abs().max(1.0) * model.gain_mm_per_s2_per_percent
-    } else {
-        0.0
-    };
-    let air = effects.coloured_force().map_or(0.0, |force| force.sigma_mm_per_s2);
-    let sensed = if effects.has_sensor_state() { model.pipe_length_mm } else { 0.0 };
-    let [first, second] = model.own_spread();
-    let deviations = State::from([model.pipe_length_mm, VELOCITY_PRIOR_MM_PER_S, fan, air, sensed, first, second]);
-    let state = vector(&model.at_rest(reading_mm, commanded));
-    (state, Square::from_diagonal(&deviations.component_mul(&deviations)))
-}
-
-/// The index of the state that the reading measures.
-fn seen_state(model: &Model) -> usize {
-    if model.effects.has_sensor_state() { 4 } else { 0 }
 }

@@ -13,6 +13,7 @@
 use crate::flow::Flow;
 use crate::model::Model;
 use crate::root::falling_zero;
+use crate::tangent::Friction;
 
 /// More events than this in one step are the chatter of a ball at rest.
 const MAX_EVENTS: u32 = 8;
@@ -125,6 +126,12 @@ impl Motion {
     #[must_use]
     pub fn slide(&self, model: &Model, input: Input, friction_mm_per_s2: f64, dt_s: f64) -> Self {
         Flow { model, input }.free(self, friction_mm_per_s2, dt_s)
+    }
+
+    /// The derivative of [`Motion::slide`] by the start, along `along`, a motion per unit.
+    #[must_use]
+    pub fn slide_along(&self, model: &Model, input: Input, friction: Friction, dt_s: f64, along: &Self) -> Self {
+        Flow { model, input }.free_along(self, friction, dt_s, along)
     }
 
     #[inline(always)]

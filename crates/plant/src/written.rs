@@ -113,6 +113,12 @@ impl WrittenEffects {
         self.forces().map(|on| on.definition.adds(&scope::of_force(conditions, &on.values))).sum()
     }
 
+    /// The derivative of [`Self::force`] while the state moves with the speeds `along`, mm/s² per unit.
+    pub(crate) fn force_along(&self, conditions: &Conditions, along: &Along) -> f64 {
+        let of = |on: &On| on.definition.adds_along(&scope::of_force(conditions, &on.values), &scope::of_speeds(along));
+        self.forces().map(of).sum()
+    }
+
     /// The effects that are a force.
     fn forces(&self) -> impl Iterator<Item = &On> {
         self.on.iter().filter(|on| matches!(on.definition.stage(), Stage::Air | Stage::Ball))
@@ -159,6 +165,12 @@ impl WrittenEffects {
 
     pub(crate) fn own_rates(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {
         self.with_states().map(|on| on.definition.rates(&scope::of_force(conditions, &on.values)))
+    }
+
+    /// The derivatives of the rates of the own states while the state moves with the speeds `along`.
+    pub(crate) fn own_rates_along(&self, conditions: &Conditions, along: &Along) -> [f64; OWN_STATES] {
+        let (Some(on), speeds) = (self.with_states(), scope::of_speeds(along)) else { return [0.0; OWN_STATES] };
+        on.definition.rates_along(&scope::of_force(conditions, &on.values), &speeds)
     }
 
     pub(crate) fn own_settled(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {

@@ -102,6 +102,11 @@ impl Definition {
         std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.value(values)))
     }
 
+    /// The derivatives of the rates while the values move with the speeds `towards`.
+    pub(super) fn rates_along(&self, values: &[f64], towards: &[f64]) -> [f64; OWN_STATES] {
+        std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.dual(values, towards).1))
+    }
+
     pub(super) fn start(&self, values: &[f64]) -> [f64; OWN_STATES] {
         std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[_, start]| start.value(values)))
     }

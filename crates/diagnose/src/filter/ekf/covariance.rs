@@ -1,7 +1,7 @@
 //! The prediction step of the state covariance: transition matrix and process noise.
 //!
 //! ```text
-//! Φ = ∂motion/∂x                                    by central differences
+//! Φ = ∂motion/∂x                                    by central differences, or automatically: see `step`
 //! Q = PSD·dt/6 · ( g₀·g₀ᵀ + 4·g·gᵀ + g₁·g₁ᵀ )       white acceleration over a step: Simpson's rule of Φ(s)·e_v
 //!     g₀ = e_v, g₁ = Φ·e_v, g = (g₀ + g₁)/2         and δ² of turbulence on w
 //! ```

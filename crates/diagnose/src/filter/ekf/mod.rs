@@ -7,7 +7,7 @@
 //! ```
 //!
 //! It is exact for linear models, where central differences are accurate to rounding, and for effects that act on the
-//! duty alone. A delayed reading belongs to an earlier time, and the filter uses it there. Each integration step has
+//! duty alone. Formulas that a user wrote are differentiated automatically. A delayed reading belongs to an earlier time, and the filter uses it there. Each integration step has
 //! the real time between its ends and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
@@ -16,21 +16,23 @@ mod fast_duty;
 mod measurement;
 mod prior;
 mod smoother;
+mod step;
 
 use crate::record::reading_variance::reading_variance;
 pub(crate) use covariance::PropagationCache;
-use covariance::{Active, derivative, motion_of, process_noise, vector};
+use covariance::{Active, motion_of, process_noise, vector};
 use fast_duty::{DutyAveraging, DutyBlock};
 use measurement::{Measured, expected_mm};
 #[cfg(test)]
 pub(crate) use prior::VELOCITY_PRIOR_MM_PER_S;
 use prior::prior;
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
+use step::Step;
 
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
 use nalgebra::{SMatrix, SVector};
-use plant::{Actuator, Input, Model, Motion, OWN_STATES};
+use plant::{Actuator, Input, Model, OWN_STATES};
 
 const STATES: usize = 5 + OWN_STATES;
 type State = SVector<f64, STATES>;
@@ -38,11 +40,6 @@ type Square = SMatrix<f64, STATES, STATES>;
 
 /// Longest integration step, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
 const MAX_STEP_S: f64 = 0.02;
-/// Friction is smoothed over at least this speed, or over the speed that friction takes off in a step if that is less.
-const SLOWEST_MM_PER_S: f64 = 1.0;
-/// Friction is smoothed where the velocity's standard deviation exceeds this share of the speed that friction takes off
-/// in a step.
-const KNOWN: f64 = 0.25;
 /// Outliers come singly: after this many in a row the filter was wrong, and the next reading counts in full.
 const WILD_IN_A_ROW: u32 = 2;
 /// The same for a sensor that is believed to have outliers: they may come in bursts.
@@ -259,23 +256,10 @@ impl<'a> Ekf<'a> {
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
         self.commanded_mm_per_s2 = commanded;
         let (motion, input) = (motion_of(&self.state), self.input());
-        let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
-        // An end of the pipe stops the ball but does not reduce the uncertainty: the covariance grows as in an endless
-        // pipe.
-        let endless = |nudged: &Motion| {
-            let friction = self.model.effects.friction().map(|friction| friction.acceleration_mm_per_s2);
-            match friction.filter(|friction| roughness > KNOWN * friction * dt) {
-                Some(friction) => {
-                    let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction * dt));
-                    nudged.slide(self.model, input, mean_friction(friction, nudged.velocity_mm_per_s, smooth), dt)
-                }
-                None => nudged.step_in_endless_pipe(self.model, input, dt),
-            }
-        };
-        let next =
-            if self.model.effects.friction().is_some() { endless(&motion) } else { motion.step(self.model, input, dt) };
+        let step = Step::new(self.model, input, dt, self.covariance[(1, 1)].max(0.0).sqrt());
+        let next = step.after(&motion);
         let propagation = known.propagation(dt, || {
-            let transition = derivative(&self.active, endless, &motion);
+            let transition = step.transition(&self.active, &motion);
             (transition, process_noise(self.model, &transition, dt))
         });
         if let Some(back) = &mut self.back {
@@ -285,12 +269,6 @@ impl<'a> Ekf<'a> {
         self.active.predict(propagation, &mut self.covariance);
         self.time_s += dt;
     }
-}
-
-/// Expected acceleration by friction of a ball whose velocity has the standard deviation `roughness`, mm/s²: −f·E
-/// sign(v). Without it a filter would take a slow ball for a stopped one, with too small a covariance.
-fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
-    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
 }
 
 /// The time of the reading of `row`, seconds since the start of the flight. `None`: there is no such row.

@@ -29,6 +29,8 @@ pub struct Readings {
 pub struct Conditions {
     /// Time since the start of the flight, seconds.
     pub time_s: f64,
+    /// The setpoint in force, mm.
+    pub setpoint_mm: f64,
     /// Height of the ball, mm.
     pub position_mm: f64,
     /// Velocity of the ball, mm/s, upward.

@@ -138,6 +138,7 @@ impl Flow<'_> {
     pub(crate) fn conditions(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> Conditions {
         Conditions {
             time_s: drive.time_s,
+            setpoint_mm: self.model.setpoint(self.input.setpoint_mm),
             position_mm: y,
             velocity_mm_per_s: v,
             commanded_mm_per_s2: self.input.commanded_mm_per_s2,

@@ -98,6 +98,7 @@ impl Model {
     pub(crate) const fn conditions(&self) -> Conditions {
         Conditions {
             time_s: 0.0,
+            setpoint_mm: self.setpoint(None),
             position_mm: 0.0,
             velocity_mm_per_s: 0.0,
             commanded_mm_per_s2: 0.0,
@@ -114,6 +115,7 @@ impl Model {
     fn conditions_of(&self, motion: &Motion, input: Input) -> Conditions {
         Conditions {
             time_s: input.time_s,
+            setpoint_mm: self.setpoint(input.setpoint_mm),
             position_mm: motion.position_mm,
             velocity_mm_per_s: motion.velocity_mm_per_s,
             commanded_mm_per_s2: input.commanded_mm_per_s2,
@@ -123,11 +125,26 @@ impl Model {
         }
     }
 
+    /// The setpoint that effects depend on, mm: mid-pipe where none is known.
+    #[inline(always)]
+    pub(crate) const fn setpoint(&self, known_mm: Option<f64>) -> f64 {
+        match known_mm {
+            Some(setpoint_mm) => setpoint_mm,
+            None => 0.5 * self.pipe_length_mm,
+        }
+    }
+
     /// The ball at rest at `position_mm` where a constant command has acted for ever.
     #[must_use]
     pub fn at_rest(&self, position_mm: f64, commanded_mm_per_s2: f64) -> Motion {
-        let motion = Motion::at_rest(position_mm, commanded_mm_per_s2);
-        let conditions = self.conditions_of(&motion, Input::of(commanded_mm_per_s2));
+        self.at_rest_under(position_mm, Input::of(commanded_mm_per_s2))
+    }
+
+    /// The same of a constant input.
+    #[must_use]
+    pub fn at_rest_under(&self, position_mm: f64, input: Input) -> Motion {
+        let motion = Motion::at_rest(position_mm, input.commanded_mm_per_s2);
+        let conditions = self.conditions_of(&motion, input);
         Motion { own: self.effects.own_settled(&conditions), ..motion }
     }
 

@@ -28,13 +28,15 @@ pub struct Input {
     pub commanded_mm_per_s2: f64,
     /// Time at the start of the step, seconds since the start of the flight.
     pub time_s: f64,
+    /// The setpoint in force, mm, where it is known.
+    pub setpoint_mm: Option<f64>,
 }
 
 impl Input {
-    /// A command of so many mm/s² at time 0.
+    /// A command of so many mm/s² at time 0, with no known setpoint.
     #[must_use]
     pub const fn of(commanded_mm_per_s2: f64) -> Self {
-        Self { commanded_mm_per_s2, time_s: 0.0 }
+        Self { commanded_mm_per_s2, time_s: 0.0, setpoint_mm: None }
     }
 
     const fn later(self, by_s: f64) -> Self {

@@ -73,11 +73,11 @@ impl Effects {
         fold!(self, plays, about_hover_percent, |_stands, act, effect| act(effect, stands_percent, about_hover_percent))
     }
 
-    /// The effective duty about hover at a time, percent.
+    /// The effective duty about hover at a time and a setpoint, percent.
     #[inline(always)]
-    pub(crate) fn effective(&self, about_hover_percent: f64, hover_percent: f64, time_s: f64) -> f64 {
+    pub(crate) fn effective(&self, about_hover_percent: f64, hover_percent: f64, time_s: f64, setpoint_mm: f64) -> f64 {
         let u = fold!(self, on_command, about_hover_percent, |u, act, effect| act(effect, u));
-        self.written.effective(u, hover_percent + about_hover_percent, time_s)
+        self.written.effective(u, [hover_percent + about_hover_percent, time_s, setpoint_mm])
     }
 
     /// The gain at an effective duty and a time, in the unit of `gain`.

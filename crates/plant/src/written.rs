@@ -95,12 +95,10 @@ impl WrittenEffects {
         Ok(())
     }
 
-    /// The effective duty about hover, percent.
-    pub(crate) fn effective(&self, about_hover_percent: f64, duty_percent: f64, time_s: f64) -> f64 {
+    /// The effective duty about hover, percent, at a duty in percent, a time in seconds and a setpoint in mm.
+    pub(crate) fn effective(&self, about_hover_percent: f64, at: [f64; 3]) -> f64 {
         let of_duty = self.on.iter().filter(|on| on.definition.stage() == Stage::Actuator);
-        of_duty.fold(about_hover_percent, |u, on| {
-            u + on.definition.adds(&scope::of_duty(u, duty_percent, time_s, &on.values))
-        })
+        of_duty.fold(about_hover_percent, |u, on| u + on.definition.adds(&scope::of_duty(u, at, &on.values)))
     }
 
     /// Whether the effective duty moves with time.

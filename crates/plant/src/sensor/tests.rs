@@ -19,7 +19,7 @@ fn model(sigma_mm: f64, effects: &[(&str, &[f64])]) -> Model {
 fn climb(model: &Model, times_s: &[f64]) -> Vec<f64> {
     let mut sensor = Sensor::new(5);
     let mut steps = (0..2000).map(|k| 0.001 * f64::from(k)).peekable();
-    let at = |t: f64| (Motion::at_rest(100.0 * t, 0.0), Input { commanded_mm_per_s2: 0.0, time_s: t });
+    let at = |t: f64| (Motion::at_rest(100.0 * t, 0.0), Input { time_s: t, ..Input::of(0.0) });
     let mut read = |t: f64| {
         while let Some(step) = steps.next_if(|step| *step <= t) {
             let (motion, input) = at(step);

@@ -3,7 +3,7 @@
 use super::entry::entry;
 use super::intern;
 use super::names::Names;
-use super::scope::ALL_BUT_PARAMETERS;
+use super::scope::{ALL_BUT_PARAMETERS, SETPOINT};
 use super::table::{DefinitionError, DefinitionTable, check_name, check_parameters};
 use crate::effect::{Entry, Stage};
 use crate::motion::OWN_STATES;
@@ -18,6 +18,8 @@ pub struct Definition {
     states: Vec<[Formula; 2]>,
     motion_is_linear: bool,
     uses_time: bool,
+    /// The first formula that uses the setpoint: its key and text, and the column.
+    setpoint: Option<(String, String, usize)>,
 }
 
 // Equal definitions share one place.
@@ -51,6 +53,7 @@ impl Definition {
         let definition = Self {
             motion_is_linear: moves.all(|one| one.is_affine_in(&ALL_BUT_PARAMETERS)),
             uses_time: adds.uses(names.place("t")),
+            setpoint: setpoint_use(table, &names, &adds, &states),
             entry: entry(name, table),
             table: table.clone(),
             adds,
@@ -70,6 +73,14 @@ impl Definition {
     #[must_use]
     pub const fn table(&self) -> &DefinitionTable {
         &self.table
+    }
+
+    /// What is wrong where the setpoint is not known, and `why` it is not. `None`: nothing, as no formula uses it.
+    #[must_use]
+    pub fn without_setpoint(&self, why: &str) -> Option<DefinitionError> {
+        let (key, text, column) = self.setpoint.clone()?;
+        let message = format!("`{text}`, column {column}: `{SETPOINT}` is not known: {why}");
+        Some(DefinitionError { key, message })
     }
 
     pub(super) const fn stage(&self) -> Stage {
@@ -138,4 +149,20 @@ impl Definition {
         }
         Ok(())
     }
+}
+
+/// Key, text and column of the first use of the setpoint.
+fn setpoint_use(
+    table: &DefinitionTable,
+    names: &Names<'_>,
+    adds: &Formula,
+    states: &[[Formula; 2]],
+) -> Option<(String, String, usize)> {
+    let of_states = table.states.keys().zip(states).flat_map(|(name, formulas)| {
+        let keys = ["rate", "start"].map(|key| format!("states.{name}.{key}"));
+        keys.into_iter().zip(formulas)
+    });
+    let mut all = std::iter::once(("adds".to_owned(), adds)).chain(of_states);
+    let place = names.place(SETPOINT);
+    all.find_map(|(key, formula)| Some((key, formula.text().to_owned(), formula.column_of(place)?)))
 }

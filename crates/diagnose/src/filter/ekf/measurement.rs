@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn the_slopes_of_a_reading_are_those_of_central_differences_behind_a_lag_and_without() {
         let state = State::from([280.0, 120.0, 90.0, 10.0, 275.0, 40.0, 0.0]);
-        let input = Input { commanded_mm_per_s2: 100.0, time_s: 3.0 };
+        let input = Input { time_s: 3.0, ..Input::of(100.0) };
         let mut lagging = bent(8.0);
         lagging.effects.set("sensor_lag", &[0.05]);
         for model in [bent(8.0), lagging] {

@@ -84,16 +84,20 @@ impl<'a> Ekf<'a> {
         let first_duty = first.map_or(0.0, |first| first.duty_percent);
         let duration_s = first.zip(last).map_or(0.0, |(first, last)| last.time_s - first.time_s);
         let time_s = reading_time(model, writes, row).unwrap_or_default();
-        let (state, covariance) = prior(model, reading_mm, first_duty);
+        let mut actuator = Actuator::new(model, first_duty);
+        actuator.aim(first.and_then(|first| first.setpoint_mm));
+        let commanded_mm_per_s2 = actuator.clone().commanded(model, 0.0);
+        let before = Input { setpoint_mm: actuator.setpoint_mm(), ..Input::of(commanded_mm_per_s2) };
+        let (state, covariance) = prior(model, reading_mm, before);
         let mut ekf = Self {
             model,
             writes,
             state,
             covariance,
             active: Active::of(model),
-            actuator: Actuator::new(model, first_duty),
+            actuator,
             time_s: time_s.min(0.0),
-            commanded_mm_per_s2: model.commanded(first_duty),
+            commanded_mm_per_s2,
             next_write: 0,
             wild_run: 0,
             reading_mm2: reading_variance(model),
@@ -133,7 +137,8 @@ impl<'a> Ekf<'a> {
     }
 
     fn input(&self) -> Input {
-        Input { commanded_mm_per_s2: self.commanded_mm_per_s2, time_s: self.time_s }
+        let setpoint_mm = self.actuator.setpoint_mm();
+        Input { commanded_mm_per_s2: self.commanded_mm_per_s2, time_s: self.time_s, setpoint_mm }
     }
 
     /// The same for a reading as the file holds it, rounded by a quantised sensor.
@@ -202,10 +207,11 @@ impl<'a> Ekf<'a> {
         let start_s = self.writes.first().map_or(0.0, |first| first.time_s);
         let mut chatter = DutyBlock::from(self.time_s);
         while self.time_s < time_s || self.next_write == 0 {
-            let written = self.writes.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
-            let write_s = written.map_or(f64::INFINITY, |(at_s, _)| at_s);
-            if write_s <= chatter.until_s {
-                self.actuator.write(self.model, write_s.max(0.0), written.map_or(0.0, |(_, duty)| duty));
+            let written = self.writes.get(self.next_write);
+            let write_s = written.map_or(f64::INFINITY, |write| write.time_s - start_s);
+            if let Some(write) = written.filter(|_| write_s <= chatter.until_s) {
+                self.actuator.aim(write.setpoint_mm);
+                self.actuator.write(self.model, write_s.max(0.0), write.duty_percent);
                 self.next_write += 1;
                 continue;
             }

@@ -82,7 +82,7 @@ mod tests {
     use plant::{Effects, Input, Model, Motion, Stage};
 
     const DT: f64 = 0.02;
-    const INPUT: Input = Input { commanded_mm_per_s2: 300.0, time_s: 2.0 };
+    const INPUT: Input = Input { commanded_mm_per_s2: 300.0, time_s: 2.0, setpoint_mm: Some(310.0) };
 
     fn somewhere() -> Motion {
         Motion {
@@ -97,7 +97,7 @@ mod tests {
 
     /// A force that bends in all that it may depend on, and a state that bends, too.
     fn bending(model: Model) -> Model {
-        let adds = "k * tanh(v / 50) * exp(-(x / 300)^2) + 0.1 * k * fan * sin(x / 20) / 100 + k * s^2 / 1000 + k * t";
+        let adds = "k * tanh(v / 50) * exp(-(x / 300)^2) + 0.1 * k * fan * sin(x / 20) / 100 + k * s^2 / 1000 + k * (t + setpoint / 100)";
         with_written(model, Stage::Air, adds, Some(["(fan + v * x / 100 - s) / 0.3 + cos(s)", "fan"]), 20.0)
     }
 

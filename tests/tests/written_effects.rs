@@ -93,3 +93,46 @@ fn a_library_that_cannot_be_read_and_an_unknown_name_are_said() {
     assert_eq!(ran.code, Some(2), "{}", ran.errors);
     assert!(ran.errors.contains("leek") && ran.errors.contains("second_lag"), "{}", ran.errors);
 }
+
+// The controller adds to the duty when the setpoint jumps, and its config does not say so.
+#[test]
+fn an_effect_of_the_setpoint_flies_is_weighed_where_the_record_has_one_and_is_refused_where_not() {
+    let bench = Bench::default();
+    bench.write(
+        "fed.toml",
+        "[effect.fed]\nstage = \"air\"\nadds = \"k * (setpoint - 300)\"\n\
+         parameters.k = { neutral = 0.0, scale = 0.2, low = -10.0, high = 10.0 }\n",
+    );
+    bench.write("on.toml", "[plant.effects.fed]\nk = 1.0\n");
+    let root = root();
+    let at = |file: &str| root.join(file).to_str().unwrap().to_owned();
+    let (config, experiment) = (at("config.toml"), at("experiments/identify.toml"));
+    let fly = ["simulate", "--config", &config, "--effects", "fed.toml", "--experiment", &experiment, "--seed", "3"];
+    for more in [&["--log", "plain.mcap"][..], &["--patch", "on.toml", "--log", "fed.mcap"]] {
+        let said = bench.output(&[&fly[..], more].concat());
+        assert!(said.contains(".mcap"), "{said}");
+    }
+    let ask = ["--config", &config, "--effects", "fed.toml"];
+    let replay = |log: &str, patch: &[&str]| {
+        let said = bench.output(&[&["replay", "--json", log], &ask[..], patch].concat());
+        serde_json::from_str::<Value>(&said).unwrap()["error_mm"][2].as_f64().unwrap()
+    };
+    assert!(replay("fed.mcap", &["--patch", "on.toml"]) < 0.9 * replay("fed.mcap", &[]));
+    assert!(replay("plain.mcap", &["--patch", "on.toml"]) > replay("plain.mcap", &[]));
+
+    // The same rows without their setpoints.
+    let rows = bench.output(&["log", "export", "fed.mcap"]);
+    let column = rows.lines().next().unwrap().split(',').position(|name| name == "setpoint_mm").unwrap();
+    let without = |line: &str| {
+        let cells = line.split(',').enumerate().filter(|(index, _)| *index != column).map(|(_, cell)| cell);
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    bench.write("bare.csv", rows.lines().map(without).collect::<String>());
+    let ran = bench.run(&[&["diagnose", "bare.csv"], &ask[..]].concat());
+    assert_eq!(ran.code, Some(2), "{}", ran.errors);
+    let expected =
+        "fed.toml:3: effect.fed.adds: `k * (setpoint - 300)`, column 6: `setpoint` is not known: bare.csv has none";
+    assert!(ran.errors.contains(expected), "{}", ran.errors);
+    let ran = bench.run(&[&["emulate", "--socket", "rig.socket", "--patch", "on.toml"], &ask[..]].concat());
+    assert!(ran.code == Some(2) && ran.errors.contains("airball run --sim"), "{}", ran.errors);
+}

@@ -65,7 +65,13 @@ impl Formula {
     /// Whether the variable at this place among the names occurs.
     #[must_use]
     pub fn uses(&self, variable: usize) -> bool {
-        self.tree.variables.iter().any(|used| used.index == variable)
+        self.column_of(variable).is_some()
+    }
+
+    /// Where the variable at this place among the names occurs first: the column, in characters, from 1.
+    #[must_use]
+    pub fn column_of(&self, variable: usize) -> Option<usize> {
+        self.tree.variables.iter().find(|used| used.index == variable).map(|used| used.column)
     }
 
     /// Whether the value is affine in these variables together, whatever the others are: a sum of products of one of

@@ -4,7 +4,7 @@
 //! ```text
 //! duty → delays_duty → on_duty → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
 //!   → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds
-//!   → holds → reading
+//!   → holds → reading                          a written effect of the sensor acts behind `senses`
 //! ```
 //!
 //! The code of a place is the only statement that an effect acts there: states, linearity and speed of the motion
@@ -29,6 +29,8 @@ pub struct Readings {
 pub struct Conditions {
     /// Time since the start of the flight, seconds.
     pub time_s: f64,
+    /// The setpoint in force, mm.
+    pub setpoint_mm: f64,
     /// Height of the ball, mm.
     pub position_mm: f64,
     /// Velocity of the ball, mm/s, upward.
@@ -47,6 +49,15 @@ pub struct Conditions {
     pub hover_duty_percent: f64,
     /// Length of the pipe, mm.
     pub pipe_length_mm: f64,
+}
+
+/// How fast the state of the plant moves along one direction, per unit of it: what derivatives are taken by.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Along {
+    pub(crate) position: f64,
+    pub(crate) velocity: f64,
+    pub(crate) fan: f64,
+    pub(crate) own: [f64; OWN_STATES],
 }
 
 /// The fan's acceleration from a constant command, from what it was, and from the seconds since; see [`Acts::follows`].
@@ -240,7 +251,7 @@ impl Summary {
     /// Of an effect that does nothing.
     pub const NONE: Self = Acts::<()>::NONE.summary();
 
-    /// Of a force, or of what is added to the duty, with own states or without.
+    /// Of what is added to the duty, the acceleration or the reading, with own states or without.
     pub(crate) const fn written(has_states: bool) -> Self {
         Self { slots: if has_states { OWN_STATES_SLOT } else { 0 }, ..Self::NONE }
     }

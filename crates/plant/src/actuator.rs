@@ -18,6 +18,8 @@ pub struct Actuator {
     on_their_way: VecDeque<(f64, f64)>,
     /// The duty in force, percent.
     duty_percent: f64,
+    /// The setpoint in force, mm, where it is known.
+    setpoint_mm: Option<f64>,
     /// The state of the play, percent about hover.
     play_percent: f64,
 }
@@ -27,7 +29,7 @@ impl Actuator {
     #[must_use]
     pub fn new(model: &Model, duty_percent: f64) -> Self {
         let play_percent = about_hover(model, duty_percent, 0.0);
-        Self { on_their_way: VecDeque::new(), duty_percent, play_percent }
+        Self { on_their_way: VecDeque::new(), duty_percent, setpoint_mm: None, play_percent }
     }
 
     /// Writes a duty at `time_s`. Times must not fall from call to call, of this and of [`Self::commanded`].
@@ -56,7 +58,27 @@ impl Actuator {
             self.take(model, at_s, duty_percent);
         }
         self.drift_to(model, time_s);
-        force(model, self.play_percent, time_s)
+        self.force(model, time_s)
+    }
+
+    /// The setpoint from now on, mm; none: it stays as it is.
+    #[inline]
+    pub fn aim(&mut self, setpoint_mm: Option<f64>) {
+        self.setpoint_mm = setpoint_mm.or(self.setpoint_mm);
+    }
+
+    /// The setpoint in force, mm, where it is known.
+    #[must_use]
+    pub const fn setpoint_mm(&self) -> Option<f64> {
+        self.setpoint_mm
+    }
+
+    /// The acceleration that the duty commands once it is through the play, mm/s².
+    #[inline]
+    fn force(&self, model: &Model, time_s: f64) -> f64 {
+        let (effects, setpoint_mm) = (&model.effects, model.setpoint(self.setpoint_mm));
+        let u = effects.effective(self.play_percent, model.hover_duty_percent, time_s, setpoint_mm);
+        effects.limited(effects.gain(model.gain_mm_per_s2_per_percent, u, time_s) * u)
     }
 
     /// Whether the command moves between its jumps.
@@ -93,14 +115,6 @@ impl Actuator {
 fn about_hover(model: &Model, duty_percent: f64, time_s: f64) -> f64 {
     let effects = &model.effects;
     effects.duty(duty_percent) - model.hover_duty_percent - effects.hover_shift_percent(time_s)
-}
-
-/// The acceleration that a duty about hover commands once it is through the play, mm/s².
-#[inline]
-fn force(model: &Model, about_hover_percent: f64, time_s: f64) -> f64 {
-    let effects = &model.effects;
-    let u = effects.effective(about_hover_percent, model.hover_duty_percent, time_s);
-    effects.limited(effects.gain(model.gain_mm_per_s2_per_percent, u, time_s) * u)
 }
 
 #[cfg(test)]

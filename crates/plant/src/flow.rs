@@ -26,13 +26,13 @@ pub(crate) struct Flow<'a> {
 
 /// What drives the ball at one instant of a step.
 #[derive(Clone, Copy)]
-struct Drive {
+pub(crate) struct Drive {
     /// The acceleration by everything that depends on neither height nor velocity, mm/s².
-    force: f64,
+    pub(crate) force: f64,
     /// The part of it by the fan, mm/s².
-    fan: f64,
+    pub(crate) fan: f64,
     /// Seconds since the start of the flight.
-    time_s: f64,
+    pub(crate) time_s: f64,
 }
 
 impl Flow<'_> {
@@ -49,42 +49,46 @@ impl Flow<'_> {
     pub(crate) fn free(&self, motion: &Motion, friction: f64, dt_s: f64) -> Motion {
         let (y, v) = (motion.position_mm, motion.velocity_mm_per_s);
         let (fan, turbulence) = (self.fans(motion, dt_s), self.turbulences(motion, dt_s));
-        let force = std::array::from_fn(|i| fan[i] + turbulence[i] + friction);
+        let drives = self.drives(fan, turbulence, friction, dt_s);
         let effects = &self.model.effects;
         let ([position_mm, velocity_mm_per_s], own) = if !effects.has_force() && !effects.has_own_states() {
             let rate = |x: &[f64; 2], force: f64| [x[1], force - self.model.drag_per_s * x[1]];
-            (rk4::step(rate, &[y, v], force, dt_s), motion.own)
+            (rk4::step(rate, &[y, v], drives.map(|drive| drive.force), dt_s), motion.own)
         } else {
-            self.under_effects(motion, force, fan, dt_s)
+            self.under_effects(motion, drives, dt_s)
         };
         Motion {
             position_mm,
             velocity_mm_per_s,
             fan_mm_per_s2: fan[2],
             turbulence_mm_per_s2: turbulence[2],
-            sensed_mm: {
-                let middle = f64::midpoint(y, position_mm) + dt_s / 8.0 * (v - velocity_mm_per_s);
-                effects.sensed(motion.sensed_mm, [y, middle, position_mm], dt_s)
-            },
+            sensed_mm: self.sensed(motion, [position_mm, velocity_mm_per_s], dt_s),
             own,
         }
     }
 
-    /// Position and velocity, and the own states, after `dt_s` under forces that depend on them.
+    /// The sensed position after `dt_s`, at whose end the ball is there.
     #[inline(always)]
-    fn under_effects(
-        &self,
-        motion: &Motion,
-        force: [f64; 3],
-        fan: [f64; 3],
-        dt_s: f64,
-    ) -> ([f64; 2], [f64; OWN_STATES]) {
-        let start = [motion.position_mm, motion.velocity_mm_per_s];
-        let drives = std::array::from_fn(|i| {
+    pub(crate) fn sensed(&self, motion: &Motion, [y, v]: [f64; 2], dt_s: f64) -> f64 {
+        let start = motion.position_mm;
+        let middle = f64::midpoint(start, y) + dt_s / 8.0 * (motion.velocity_mm_per_s - v);
+        self.model.effects.sensed(motion.sensed_mm, [start, middle, y], dt_s)
+    }
+
+    /// What drives the ball at the start, the middle and the end of `dt_s`.
+    #[inline(always)]
+    pub(crate) fn drives(&self, fan: [f64; 3], turbulence: [f64; 3], friction: f64, dt_s: f64) -> [Drive; 3] {
+        std::array::from_fn(|i| {
             #[expect(clippy::cast_precision_loss, reason = "0, 1 or 2")]
             let time_s = self.input.time_s + 0.5 * i as f64 * dt_s;
-            Drive { force: force[i], fan: fan[i], time_s }
-        });
+            Drive { force: fan[i] + turbulence[i] + friction, fan: fan[i], time_s }
+        })
+    }
+
+    /// Position and velocity, and the own states, after `dt_s` under forces that depend on them.
+    #[inline(always)]
+    fn under_effects(&self, motion: &Motion, drives: [Drive; 3], dt_s: f64) -> ([f64; 2], [f64; OWN_STATES]) {
+        let start = [motion.position_mm, motion.velocity_mm_per_s];
         if !self.model.effects.has_own_states() {
             let rate = |x: &[f64; 2], drive: Drive| [x[1], self.acceleration(*x, motion.own, drive)];
             return (rk4::step(rate, &start, drives, dt_s), motion.own);
@@ -126,14 +130,15 @@ impl Flow<'_> {
         rk4::step(rate, &motion.own, drives, dt_s)
     }
 
-    fn acceleration(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> f64 {
+    pub(crate) fn acceleration(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> f64 {
         let linear = drive.force - self.model.drag_per_s * v;
         self.model.effects.accelerated(linear, &self.conditions([y, v], own, drive))
     }
 
-    fn conditions(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> Conditions {
+    pub(crate) fn conditions(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> Conditions {
         Conditions {
             time_s: drive.time_s,
+            setpoint_mm: self.model.setpoint(self.input.setpoint_mm),
             position_mm: y,
             velocity_mm_per_s: v,
             commanded_mm_per_s2: self.input.commanded_mm_per_s2,
@@ -149,7 +154,7 @@ impl Flow<'_> {
     }
 
     /// The fan's acceleration at the start, the middle and the end of `dt_s`.
-    fn fans(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
+    pub(crate) fn fans(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
         if self.model.effects.has_fan_state() {
             // Written out: `map` on an array is a call of its own here.
             [self.fan(motion, 0.0), self.fan(motion, dt_s / 2.0), self.fan(motion, dt_s)]
@@ -159,7 +164,7 @@ impl Flow<'_> {
     }
 
     /// The turbulence at the start, the middle and the end of `dt_s`, without what it adds at random.
-    fn turbulences(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
+    pub(crate) fn turbulences(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
         self.model.effects.coloured_force().map_or([0.0; 3], |turbulence| {
             let after = |t| motion.turbulence_mm_per_s2 * turbulence.decay(t);
             [after(0.0), after(dt_s / 2.0), after(dt_s)]

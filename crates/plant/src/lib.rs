@@ -27,6 +27,7 @@ mod rounding;
 mod sensor;
 mod signal_path;
 mod simulator;
+mod tangent;
 mod unsound;
 mod written;
 
@@ -40,5 +41,6 @@ pub use motion::{Input, Motion, OWN_STATES};
 pub use normal::Normal;
 pub use rotor::Rotor;
 pub use simulator::Simulator;
+pub use tangent::Friction;
 pub use unsound::Unsound;
 pub use written::{Definition, DefinitionError, DefinitionTable, ParameterTable, StateTable, WrittenEffects};

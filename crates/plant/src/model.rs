@@ -6,7 +6,7 @@
 //!
 //! Source: the thesis, equation 3.1.1.14. The effects come on top, in the order of the signal path.
 
-use crate::acts::Conditions;
+use crate::acts::{Along, Conditions};
 use crate::actuator::Actuator;
 use crate::effect::{Neutral, Param, Scale};
 use crate::effects::Effects;
@@ -98,6 +98,7 @@ impl Model {
     pub(crate) const fn conditions(&self) -> Conditions {
         Conditions {
             time_s: 0.0,
+            setpoint_mm: self.setpoint(None),
             position_mm: 0.0,
             velocity_mm_per_s: 0.0,
             commanded_mm_per_s2: 0.0,
@@ -114,6 +115,7 @@ impl Model {
     fn conditions_of(&self, motion: &Motion, input: Input) -> Conditions {
         Conditions {
             time_s: input.time_s,
+            setpoint_mm: self.setpoint(input.setpoint_mm),
             position_mm: motion.position_mm,
             velocity_mm_per_s: motion.velocity_mm_per_s,
             commanded_mm_per_s2: input.commanded_mm_per_s2,
@@ -123,12 +125,55 @@ impl Model {
         }
     }
 
+    /// The setpoint that effects depend on, mm: mid-pipe where none is known.
+    #[inline(always)]
+    pub(crate) const fn setpoint(&self, known_mm: Option<f64>) -> f64 {
+        match known_mm {
+            Some(setpoint_mm) => setpoint_mm,
+            None => 0.5 * self.pipe_length_mm,
+        }
+    }
+
     /// The ball at rest at `position_mm` where a constant command has acted for ever.
     #[must_use]
     pub fn at_rest(&self, position_mm: f64, commanded_mm_per_s2: f64) -> Motion {
-        let motion = Motion::at_rest(position_mm, commanded_mm_per_s2);
-        let conditions = self.conditions_of(&motion, Input::of(commanded_mm_per_s2));
+        self.at_rest_under(position_mm, Input::of(commanded_mm_per_s2))
+    }
+
+    /// The same of a constant input.
+    #[must_use]
+    pub fn at_rest_under(&self, position_mm: f64, input: Input) -> Motion {
+        let motion = Motion::at_rest(position_mm, input.commanded_mm_per_s2);
+        let conditions = self.conditions_of(&motion, input);
         Motion { own: self.effects.own_settled(&conditions), ..motion }
+    }
+
+    /// What the sensor shows of a motion, mm, but for its delay and what is random.
+    #[must_use]
+    #[inline]
+    pub fn seen_mm(&self, motion: &Motion, input: Input) -> f64 {
+        if !self.effects.bends_reading() {
+            return motion.sensed_mm;
+        }
+        motion.sensed_mm + self.effects.written.reading_shift(&self.conditions_of_sensor(motion, input))
+    }
+
+    /// The derivative of [`Model::seen_mm`] while the state moves along `along`, a motion per unit.
+    #[must_use]
+    pub fn seen_along(&self, motion: &Motion, input: Input, along: &Motion) -> f64 {
+        let speeds = Along {
+            position: along.sensed_mm,
+            velocity: along.velocity_mm_per_s,
+            fan: along.fan_mm_per_s2,
+            own: along.own,
+        };
+        let conditions = self.conditions_of_sensor(motion, input);
+        along.sensed_mm + self.effects.written.reading_shift_along(&conditions, &speeds)
+    }
+
+    /// The conditions of the sensor, which knows the height behind its inertia.
+    fn conditions_of_sensor(&self, motion: &Motion, input: Input) -> Conditions {
+        Conditions { position_mm: motion.sensed_mm, ..self.conditions_of(motion, input) }
     }
 
     /// Standard deviations of the own states before the first reading, each in its unit.

@@ -13,6 +13,7 @@
 use crate::flow::Flow;
 use crate::model::Model;
 use crate::root::falling_zero;
+use crate::tangent::Friction;
 
 /// More events than this in one step are the chatter of a ball at rest.
 const MAX_EVENTS: u32 = 8;
@@ -27,13 +28,15 @@ pub struct Input {
     pub commanded_mm_per_s2: f64,
     /// Time at the start of the step, seconds since the start of the flight.
     pub time_s: f64,
+    /// The setpoint in force, mm, where it is known.
+    pub setpoint_mm: Option<f64>,
 }
 
 impl Input {
-    /// A command of so many mm/s² at time 0.
+    /// A command of so many mm/s² at time 0, with no known setpoint.
     #[must_use]
     pub const fn of(commanded_mm_per_s2: f64) -> Self {
-        Self { commanded_mm_per_s2, time_s: 0.0 }
+        Self { commanded_mm_per_s2, time_s: 0.0, setpoint_mm: None }
     }
 
     const fn later(self, by_s: f64) -> Self {
@@ -125,6 +128,12 @@ impl Motion {
     #[must_use]
     pub fn slide(&self, model: &Model, input: Input, friction_mm_per_s2: f64, dt_s: f64) -> Self {
         Flow { model, input }.free(self, friction_mm_per_s2, dt_s)
+    }
+
+    /// The derivative of [`Motion::slide`] by the start, along `along`, a motion per unit.
+    #[must_use]
+    pub fn slide_along(&self, model: &Model, input: Input, friction: Friction, dt_s: f64, along: &Self) -> Self {
+        Flow { model, input }.free_along(self, friction, dt_s, along)
     }
 
     #[inline(always)]

@@ -73,11 +73,11 @@ impl Effects {
         fold!(self, plays, about_hover_percent, |_stands, act, effect| act(effect, stands_percent, about_hover_percent))
     }
 
-    /// The effective duty about hover at a time, percent.
+    /// The effective duty about hover at a time and a setpoint, percent.
     #[inline(always)]
-    pub(crate) fn effective(&self, about_hover_percent: f64, hover_percent: f64, time_s: f64) -> f64 {
+    pub(crate) fn effective(&self, about_hover_percent: f64, hover_percent: f64, time_s: f64, setpoint_mm: f64) -> f64 {
         let u = fold!(self, on_command, about_hover_percent, |u, act, effect| act(effect, u));
-        self.written.effective(u, hover_percent + about_hover_percent, time_s)
+        self.written.effective(u, [hover_percent + about_hover_percent, time_s, setpoint_mm])
     }
 
     /// The gain at an effective duty and a time, in the unit of `gain`.
@@ -149,6 +149,17 @@ impl Effects {
         }) + self.written.force(conditions)
     }
 
+    /// The part of it by the effects of the catalogue, mm/s².
+    pub(crate) fn built_in_force(&self, conditions: &Conditions) -> f64 {
+        fold!(self, force, 0.0, |sum, act, effect| sum + act(effect, conditions))
+    }
+
+    /// Whether one of them is such a force.
+    #[inline(always)]
+    pub(crate) fn has_built_in_force(&self) -> bool {
+        any!(self, force)
+    }
+
     /// The derivatives of the own states.
     #[inline(always)]
     pub(crate) fn own_rates(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
@@ -163,6 +174,12 @@ impl Effects {
     /// Their standard deviations before the first reading.
     pub(crate) fn own_spread(&self, conditions: &Conditions) -> [f64; OWN_STATES] {
         self.written.own_spread(conditions).unwrap_or_default()
+    }
+
+    /// Whether a written effect is a force or has states, so that a step has derivatives of its formulas.
+    #[must_use]
+    pub fn has_written_motion(&self) -> bool {
+        self.written.has_force() || self.has_own_states()
     }
 
     /// The number of own states. Only written effects have any.
@@ -181,7 +198,7 @@ impl Effects {
     /// Whether a force depends on height or velocity.
     #[inline(always)]
     pub(crate) fn has_force(&self) -> bool {
-        any!(self, force) || self.written.has_force()
+        self.has_built_in_force() || self.written.has_force()
     }
 
     /// The random force of the air.
@@ -241,6 +258,13 @@ impl Effects {
     #[must_use]
     pub fn has_sensor_state(&self) -> bool {
         any!(self, senses)
+    }
+
+    /// Whether the sensor shows another height than that of the ball behind its inertia.
+    #[inline(always)]
+    #[must_use]
+    pub fn bends_reading(&self) -> bool {
+        self.written.bends_reading()
     }
 
     /// How old a reading is, seconds.

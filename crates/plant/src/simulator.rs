@@ -47,7 +47,7 @@ impl Simulator {
             motion.turbulence_mm_per_s2 = effect.sigma_mm_per_s2 * turbulence.draw();
         }
         let mut sensor = Sensor::new(seed);
-        sensor.follow(&model, 0.0, motion.sensed_mm);
+        sensor.follow(&model, &motion, Input::of(commanded));
         Self {
             motion,
             input: Input::of(commanded),
@@ -76,6 +76,11 @@ impl Simulator {
         self.actuator.write(&self.model, self.input.time_s, duty_percent);
     }
 
+    /// The setpoint from now on, mm, for effects that depend on it; none: it stays as it is.
+    pub fn aim(&mut self, setpoint_mm: Option<f64>) {
+        self.actuator.aim(setpoint_mm);
+    }
+
     /// Flies on to `time_s`. A time that has passed changes nothing.
     pub fn advance_to(&mut self, time_s: f64) {
         while self.input.time_s < time_s {
@@ -86,7 +91,7 @@ impl Simulator {
 
     /// Measures the position now, mm.
     pub fn reading_mm(&mut self) -> f64 {
-        self.sensor.reading(&self.model, self.input.time_s, self.motion.sensed_mm)
+        self.sensor.reading(&self.model, self.input.time_s, self.model.seen_mm(&self.motion, self.input))
     }
 
     /// Flies on to `time_s`, until which the command does not jump.
@@ -97,7 +102,7 @@ impl Simulator {
         let dt = ahead / steps;
         let white = sqrt(self.model.noise.acceleration_psd_mm2_per_s3 * dt);
         let coloured = self.model.effects.coloured_force().map(|turbulence| turbulence.kick(dt));
-        let drifts = Actuator::drifts(&self.model);
+        let (drifts, setpoint_mm) = (Actuator::drifts(&self.model), self.actuator.setpoint_mm());
         let mut commanded = self.actuator.commanded(&self.model, start);
         let mut motion = self.motion;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive whole number")]
@@ -107,12 +112,12 @@ impl Simulator {
             if drifts {
                 commanded = self.actuator.commanded(&self.model, end - dt / 2.0);
             }
-            let input = Input { commanded_mm_per_s2: commanded, time_s: end - dt };
+            let input = Input { commanded_mm_per_s2: commanded, time_s: end - dt, setpoint_mm };
             motion = motion.step(&self.model, input, dt);
             self.kick(&mut motion, white, coloured, dt);
-            self.sensor.follow(&self.model, end, motion.sensed_mm);
+            self.sensor.follow(&self.model, &motion, Input { time_s: end, ..input });
         }
-        (self.motion, self.input) = (motion, Input { commanded_mm_per_s2: commanded, time_s });
+        (self.motion, self.input) = (motion, Input { commanded_mm_per_s2: commanded, time_s, setpoint_mm });
     }
 
     /// What a step adds at random.

@@ -1,6 +1,7 @@
 //! Effects that users write: the ones that are known to a model, and of these the ones that are on.
 //!
-//! They act as those of the catalogue do: on the duty about hover, or as a force with up to two states of its own.
+//! They act as those of the catalogue do: on the duty about hover, as a force, or on what the sensor shows. A force and
+//! a sensor have up to two states of their own.
 
 mod definition;
 mod entry;
@@ -12,7 +13,7 @@ mod table;
 mod tests;
 mod text;
 
-use crate::acts::Conditions;
+use crate::acts::{Along, Conditions};
 use crate::effect::{Entry, Stage};
 use crate::motion::OWN_STATES;
 use crate::unsound::Unsound;
@@ -94,12 +95,10 @@ impl WrittenEffects {
         Ok(())
     }
 
-    /// The effective duty about hover, percent.
-    pub(crate) fn effective(&self, about_hover_percent: f64, duty_percent: f64, time_s: f64) -> f64 {
+    /// The effective duty about hover, percent, at a duty in percent, a time in seconds and a setpoint in mm.
+    pub(crate) fn effective(&self, about_hover_percent: f64, at: [f64; 3]) -> f64 {
         let of_duty = self.on.iter().filter(|on| on.definition.stage() == Stage::Actuator);
-        of_duty.fold(about_hover_percent, |u, on| {
-            u + on.definition.adds(&scope::of_duty(u, duty_percent, time_s, &on.values))
-        })
+        of_duty.fold(about_hover_percent, |u, on| u + on.definition.adds(&scope::of_duty(u, at, &on.values)))
     }
 
     /// Whether the effective duty moves with time.
@@ -112,9 +111,35 @@ impl WrittenEffects {
         self.forces().map(|on| on.definition.adds(&scope::of_force(conditions, &on.values))).sum()
     }
 
+    /// The derivative of [`Self::force`] while the state moves with the speeds `along`, mm/s² per unit.
+    pub(crate) fn force_along(&self, conditions: &Conditions, along: &Along) -> f64 {
+        let of = |on: &On| on.definition.adds_along(&scope::of_force(conditions, &on.values), &scope::of_speeds(along));
+        self.forces().map(of).sum()
+    }
+
     /// The effects that are a force.
     fn forces(&self) -> impl Iterator<Item = &On> {
-        self.on.iter().filter(|on| on.definition.stage() != Stage::Actuator)
+        self.on.iter().filter(|on| matches!(on.definition.stage(), Stage::Air | Stage::Ball))
+    }
+
+    /// The effects that change what the sensor shows.
+    fn of_sensor(&self) -> impl Iterator<Item = &On> {
+        self.on.iter().filter(|on| on.definition.stage() == Stage::Sensor)
+    }
+
+    pub(crate) fn bends_reading(&self) -> bool {
+        self.of_sensor().next().is_some()
+    }
+
+    /// What they add to the reading of a ball that is seen at the height of `conditions`, mm.
+    pub(crate) fn reading_shift(&self, conditions: &Conditions) -> f64 {
+        self.of_sensor().map(|on| on.definition.adds(&scope::of_force(conditions, &on.values))).sum()
+    }
+
+    /// The derivative of [`Self::reading_shift`] while the state moves with the speeds `along`, mm per unit.
+    pub(crate) fn reading_shift_along(&self, conditions: &Conditions, along: &Along) -> f64 {
+        let of = |on: &On| on.definition.adds_along(&scope::of_force(conditions, &on.values), &scope::of_speeds(along));
+        self.of_sensor().map(of).sum()
     }
 
     pub(crate) fn has_force(&self) -> bool {
@@ -123,7 +148,7 @@ impl WrittenEffects {
 
     /// Whether all forces and the rates of the states are linear in the state, at all times.
     pub(crate) fn motion_is_linear(&self) -> bool {
-        self.forces().all(|on| on.definition.is_linear())
+        self.on.iter().all(|on| on.definition.motion_is_linear())
     }
 
     /// The effect whose states are the own states of the model.
@@ -138,6 +163,12 @@ impl WrittenEffects {
 
     pub(crate) fn own_rates(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {
         self.with_states().map(|on| on.definition.rates(&scope::of_force(conditions, &on.values)))
+    }
+
+    /// The derivatives of the rates of the own states while the state moves with the speeds `along`.
+    pub(crate) fn own_rates_along(&self, conditions: &Conditions, along: &Along) -> [f64; OWN_STATES] {
+        let (Some(on), speeds) = (self.with_states(), scope::of_speeds(along)) else { return [0.0; OWN_STATES] };
+        on.definition.rates_along(&scope::of_force(conditions, &on.values), &speeds)
     }
 
     pub(crate) fn own_settled(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {

@@ -72,6 +72,9 @@ impl Asked {
         let read = |path: &PathBuf| reader::read(path, config.tables.import.as_ref());
         let mut logs = paths.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;
         check_one_rig(&names, &logs)?;
+        for (_, name) in logs.iter().zip(&names).filter(|(log, _)| !log.recording.has_setpoint()) {
+            config.refuse_setpoint(&no_setpoint(name), |effect| !without.iter().any(|left_out| left_out == effect))?;
+        }
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
         logs.iter_mut().for_each(LoadedLog::leave_out_codes);
         Ok(Self { belief, tables: config.tables, logs, names, recordings })
@@ -123,6 +126,11 @@ impl Asked {
         };
         Ok(serde_json::to_string(&found.document(&self.belief, &context))?)
     }
+}
+
+/// Why the setpoint is not known, and what to do.
+pub(super) fn no_setpoint(log: &str) -> String {
+    format!("{log} has none; name its column in [import], or leave the effect out")
 }
 
 /// Refuses a flight that is named twice, which would count as twice the evidence, and logs of two rigs, as far as the

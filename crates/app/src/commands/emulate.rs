@@ -21,6 +21,7 @@ pub fn emulate(args: &EmulateArgs) -> Result<()> {
     let config = Config::read(&args.config.config, &args.config.over())?;
     let model = config.need("emulate", "plant", |tables| tables.plant.as_ref())?;
     let rig = config.need("emulate", "rig", |tables| tables.rig.as_ref())?;
+    config.refuse_setpoint("a rig behind a bus sees the duty alone; fly it with `airball run --sim`", |_| false)?;
     let clock = Monotonic::start();
     let bus = emulated_bus(model, rig, args.seed, clock);
     let listener = listen(&args.socket)?;

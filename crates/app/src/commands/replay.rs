@@ -1,5 +1,6 @@
 //! `airball replay`: the gap between a log and a model.
 
+use super::diagnosing::no_setpoint;
 use super::{may_write, note, say};
 use crate::cli::ReplayArgs;
 use crate::config::Config;
@@ -22,6 +23,9 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     let mut log = reader::read(&args.log, config.tables.import.as_ref())?;
     if let Some(lost) = &log.truncated {
         note(format_args!("{}: {lost}", args.log.display()));
+    }
+    if !log.recording.has_setpoint() {
+        config.refuse_setpoint(&no_setpoint(&args.log.display().to_string()), |_| false)?;
     }
     let findings = check(&log.recording, model);
     for finding in &findings {

@@ -18,6 +18,8 @@ pub struct Config {
     pub tables: Tables,
     /// The file, for messages.
     path: PathBuf,
+    /// It and its patches, for the places of keys.
+    sources: Vec<Source>,
 }
 
 /// What can be wrong with a config file or an experiment file.
@@ -82,7 +84,7 @@ pub enum ConfigError {
 }
 
 /// A file that has been read, for looking up lines.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Source {
     path: PathBuf,
     text: String,
@@ -118,7 +120,7 @@ impl Config {
             place: place(&sources, key),
             message: format!("{key}: {message}"),
         })?;
-        Ok(Self { tables, path: path.to_owned() })
+        Ok(Self { tables, path: path.to_owned(), sources })
     }
 
     /// The config in force, as TOML.
@@ -139,6 +141,18 @@ impl Config {
         get: impl Fn(&'a Tables) -> Option<&'a T>,
     ) -> Result<&'a T, ConfigError> {
         get(&self.tables).ok_or_else(|| self.missing(command, table))
+    }
+
+    /// Refuses written effects that depend on the setpoint, where it is not known, and `why` it is not.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names file, line, key and column of the first one that is on, or that `weighs` says counts though
+    /// it is off.
+    pub fn refuse_setpoint(&self, why: &str, weighs: impl Fn(&str) -> bool) -> Result<(), ConfigError> {
+        match written::setpoint_use(&self.tables, why, weighs) {
+            Some((key, message)) => Err(ConfigError::Key { place: place(&self.sources, &key), key, message }),
+            None => Ok(()),
+        }
     }
 
     /// The error that the table which `command` needs is absent.

@@ -2,7 +2,7 @@
 //! `[plant.effects.NAME]`.
 
 use super::tables::Tables;
-use plant::Definition;
+use plant::{Definition, DefinitionError};
 use toml::{Table, Value};
 
 /// Takes the values of written effects out of the merged files: the tables know the built-in effects only.
@@ -20,11 +20,7 @@ pub(super) fn take(merged: &mut Table) -> Vec<(String, Value)> {
 /// The dotted key, and what is wrong there.
 pub(super) fn define(tables: &mut Tables, values: Vec<(String, Value)>) -> Result<(), (String, String)> {
     for (name, table) in &tables.effect {
-        let definition = Definition::new(name, table).map_err(|error| {
-            let key =
-                if error.key.is_empty() { format!("effect.{name}") } else { format!("effect.{name}.{}", error.key) };
-            (key, error.message)
-        })?;
+        let definition = Definition::new(name, table).map_err(|error| within_effect(name, error))?;
         if let Some(plant) = &mut tables.plant {
             plant.effects.written.define(definition);
         }
@@ -37,6 +33,23 @@ pub(super) fn define(tables: &mut Tables, values: Vec<(String, Value)>) -> Resul
         plant.effects.set(&name, &numbers);
     }
     Ok(())
+}
+
+/// The dotted key in the config, and what is wrong there.
+fn within_effect(name: &str, error: DefinitionError) -> (String, String) {
+    let key = if error.key.is_empty() { format!("effect.{name}") } else { format!("effect.{name}.{}", error.key) };
+    (key, error.message)
+}
+
+/// Key and message of the first written effect that depends on the setpoint, of those that are on, or that `weighs` says
+/// count though they are off.
+pub(super) fn setpoint_use(tables: &Tables, why: &str, weighs: impl Fn(&str) -> bool) -> Option<(String, String)> {
+    let written = &tables.plant.as_ref()?.effects.written;
+    let counts = |known: &Definition| weighs(known.entry().name) || written.present().any(|on| on == known);
+    written.definitions().filter(|known| counts(known)).find_map(|known| {
+        let error = known.without_setpoint(why)?;
+        Some(within_effect(known.entry().name, error))
+    })
 }
 
 /// The numbers of `[plant.effects.NAME]` in the order of the parameters.

@@ -5,6 +5,7 @@ use super::error::StartError;
 use super::lines::{Lines, Pin};
 use super::range::{BEYOND_PIPE_MM, START_ALLOWED_S, kind};
 use super::second::{Apart, Second};
+use super::told::Told;
 use super::{Rig, Sighting};
 use crate::config;
 use control::{Duty, Millimetres};
@@ -38,6 +39,8 @@ pub struct Chips<S: I2c, P: I2c, C: Clock> {
     clock: C,
     sensor_to_bottom_mm: f64,
     sensor_scale: f64,
+    /// How an emulated world learns of the setpoint.
+    told: Told,
 }
 
 impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
@@ -70,7 +73,14 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
             clock,
             sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
             sensor_scale: rig.sensor_scale,
+            told: Told::default(),
         })
+    }
+
+    /// The same chips, which tell an emulated world the setpoint.
+    pub(super) fn telling(mut self, told: Told) -> Self {
+        self.told = told;
+        self
     }
 
     /// The PWM frequency in force, hertz; the chip has an upper limit of 1526 Hz.
@@ -118,6 +128,10 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Rig for Chips<S, P, C> {
 
     fn second_position(&mut self) -> Option<Result<Sighting, ErrorKind>> {
         self.second.as_mut().map(Second::position)
+    }
+
+    fn aim(&mut self, setpoint_mm: Option<f64>) {
+        self.told.tell(setpoint_mm);
     }
 
     fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {

@@ -12,13 +12,14 @@ use std::cell::Cell;
 pub struct Direct {
     simulator: Simulator,
     now_s: Cell<f64>,
+    setpoint_mm: Option<f64>,
 }
 
 impl Direct {
     /// A rig with the ball at the bottom of its travel and the fan off, at time 0.
     #[must_use]
     pub fn new(model: &Model, seed: u64) -> Self {
-        Self { simulator: Simulator::new(model.clone(), seed), now_s: Cell::new(0.0) }
+        Self { simulator: Simulator::new(model.clone(), seed), now_s: Cell::new(0.0), setpoint_mm: None }
     }
 }
 
@@ -42,7 +43,12 @@ impl Rig for Direct {
 
     fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
         self.simulator.advance_to(self.now_s.get());
+        self.simulator.aim(self.setpoint_mm);
         self.simulator.drive(duty.percent());
         Ok(duty)
+    }
+
+    fn aim(&mut self, setpoint_mm: Option<f64>) {
+        self.setpoint_mm = setpoint_mm;
     }
 }

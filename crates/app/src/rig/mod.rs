@@ -30,6 +30,7 @@ mod socket;
 mod socket_lines;
 #[cfg(test)]
 mod tests;
+mod told;
 mod wire;
 
 pub use bench::{bench, claim, turn_off};
@@ -101,6 +102,12 @@ pub trait Rig {
     /// The fan's speed by its tachometer, rpm, without waiting. `None`: the rig has none.
     fn fan_rpm(&mut self) -> Option<f64> {
         None
+    }
+
+    /// The setpoint of the duty that is written next: effects of a simulated rig may depend on it. A real rig sees the
+    /// duty alone.
+    fn aim(&mut self, setpoint_mm: Option<f64>) {
+        let _ = setpoint_mm;
     }
 
     /// Writes a duty and returns the one in the chip.

@@ -5,6 +5,7 @@ use super::clock::{Monotonic, WorldClock};
 use super::error::StartError;
 use super::lines::Lines;
 use super::pulses::Pulses;
+use super::told::Told;
 use crate::config;
 use embedded_hal::i2c::ErrorKind;
 use hal::Clock;
@@ -23,6 +24,8 @@ pub struct PlantWorld {
     sensor_to_bottom_mm: f64,
     sensor_scale: f64,
     time: Time,
+    /// The setpoint of the loop that flies it.
+    told: Told,
 }
 
 /// The second sensor: the true position of the ball, with noise. The sensor effects of the model apply to the first.
@@ -77,6 +80,7 @@ impl World for PlantWorld {
         let now_s = self.now_s();
         self.simulator.advance_to(now_s);
         self.fan_percent = 100.0 * fraction;
+        self.simulator.aim(self.told.setpoint_mm());
         self.simulator.drive(self.fan_percent);
         if let Some(pulses) = &mut self.pulses {
             pulses.drive(now_s, self.fan_percent);
@@ -114,7 +118,9 @@ pub fn simulated_in_real_time(
     seed: u64,
 ) -> Result<SimulatedRig<Monotonic>, SimulatedStartError> {
     let clock = Monotonic::start();
-    start(&emulated_bus(model, rig, seed, clock), clock, rig)
+    let world = world(model, rig, seed, Time::Real(clock));
+    let told = world.told.clone();
+    Ok(start(&with_signals(EmulatedBus::new(world), rig), clock, rig)?.telling(told))
 }
 
 /// The bus of a simulated rig in real time, for other drivers of its chips.
@@ -153,8 +159,10 @@ pub fn simulated_in_virtual_time(
     rig: &config::Rig,
     seed: u64,
 ) -> Result<SimulatedRig<WorldClock<PlantWorld>>, SimulatedStartError> {
-    let bus = with_signals(EmulatedBus::new(PlantWorld::in_virtual_time(model, rig, seed)), rig);
-    start(&bus, WorldClock(bus.clone()), rig)
+    let world = PlantWorld::in_virtual_time(model, rig, seed);
+    let told = world.told.clone();
+    let bus = with_signals(EmulatedBus::new(world), rig);
+    Ok(start(&bus, WorldClock(bus.clone()), rig)?.telling(told))
 }
 
 fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld {
@@ -170,5 +178,6 @@ fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld 
         sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
         sensor_scale: rig.sensor_scale,
         time,
+        told: Told::default(),
     }
 }

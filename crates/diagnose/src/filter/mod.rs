@@ -8,3 +8,5 @@ pub(crate) mod refresh;
 pub(crate) mod run;
 pub(crate) mod tachometer;
 pub(crate) mod track;
+#[cfg(test)]
+mod written_support;

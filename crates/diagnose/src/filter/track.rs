@@ -153,10 +153,12 @@ impl<'a> Track<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::Track;
+    use super::{Track, innovations};
     use crate::filter::ekf::VELOCITY_PRIOR_MM_PER_S;
+    use crate::filter::written_support::with_written;
+    use crate::record::recording::{Recording, Sample};
     use crate::tests_support::{model, record};
-    use plant::{Model, Noise};
+    use plant::{Model, Noise, Simulator, Stage};
 
     #[test]
     fn forecasts_of_a_noiseless_flight_by_its_own_model_are_exact() {
@@ -257,5 +259,32 @@ mod tests {
         let first = track.forecasts(0).next().unwrap();
         // One period later the velocity's prior dominates the variance.
         assert!(first.variance_mm2 > (0.9 * VELOCITY_PRIOR_MM_PER_S * 0.02).powi(2), "{}", first.variance_mm2);
+    }
+
+    #[test]
+    fn the_filter_takes_the_setpoint_of_each_row_and_holds_it_where_a_row_has_none() {
+        let plain = model();
+        for (stage, k) in [(Stage::Air, 2.0), (Stage::Actuator, 0.01)] {
+            let model = with_written(plain.clone(), stage, "k * (setpoint - 300)", None, k);
+            let mut simulator = Simulator::new(model.clone(), 4);
+            let mut row = |k: u32| {
+                let time_s = 0.02 * f64::from(k);
+                let setpoint_mm = if k % 200 < 100 { 350.0 } else { 250.0 };
+                simulator.advance_to(time_s);
+                let reading = simulator.reading_mm();
+                let duty_percent = 21.4 + 0.01 * (300.0 - reading);
+                simulator.aim(Some(setpoint_mm));
+                simulator.drive(duty_percent);
+                let setpoint_mm = Some(setpoint_mm).filter(|_| k.is_multiple_of(100));
+                Sample { time_s, duty_percent, setpoint_mm, position_mm: Some(reading), ..Sample::default() }
+            };
+            let recording = Recording::new((0..2000).map(&mut row).collect()).unwrap();
+            let variance = |model: &Model| {
+                let all = innovations(model, &recording);
+                all.iter().skip(200).map(|one| one.standardised.powi(2)).sum::<f64>() / (all.len() - 200) as f64
+            };
+            let (own, without) = (variance(&model), variance(&plain));
+            assert!((own - 1.0).abs() < 0.1 && without > 1.2, "{stage:?}: {own}, without {without}");
+        }
     }
 }

@@ -27,11 +27,12 @@ pub struct Sample {
     pub position2_mm: Option<f64>,
 }
 
-/// A duty, and when it was written.
+/// A duty, when it was written, and the setpoint of that row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Write {
     pub(crate) time_s: f64,
     pub(crate) duty_percent: f64,
+    pub(crate) setpoint_mm: Option<f64>,
 }
 
 /// Rows in order of time, checked; of one flight, or of several flights of one rig.
@@ -223,6 +224,12 @@ impl Recording {
         self.second
     }
 
+    /// Whether a row has a setpoint.
+    #[must_use]
+    pub fn has_setpoint(&self) -> bool {
+        self.writes.iter().any(|write| write.setpoint_mm.is_some())
+    }
+
     /// Time from the first row to the last, seconds; for several flights, the sum.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
@@ -246,7 +253,12 @@ pub(crate) fn duration_s(flight: &[Sample]) -> f64 {
 }
 
 fn writes(samples: &[Sample]) -> Vec<Write> {
-    samples.iter().map(|&Sample { time_s, duty_percent, .. }| Write { time_s, duty_percent }).collect()
+    let write = |row: &Sample| Write {
+        time_s: row.time_s,
+        duty_percent: row.duty_percent,
+        setpoint_mm: row.setpoint_mm.filter(|setpoint_mm| setpoint_mm.is_finite()),
+    };
+    samples.iter().map(write).collect()
 }
 
 /// The smallest and the largest of some values.

@@ -3,6 +3,8 @@
 use super::Sensor;
 use crate::effects::Effects;
 use crate::model::{Model, Noise, tests::thesis};
+use crate::motion::{Input, Motion};
+use crate::written::{Definition, DefinitionTable};
 
 fn model(sigma_mm: f64, effects: &[(&str, &[f64])]) -> Model {
     let noise = Noise { sensor_mm: sigma_mm, acceleration_psd_mm2_per_s3: 0.0 };
@@ -17,12 +19,15 @@ fn model(sigma_mm: f64, effects: &[(&str, &[f64])]) -> Model {
 fn climb(model: &Model, times_s: &[f64]) -> Vec<f64> {
     let mut sensor = Sensor::new(5);
     let mut steps = (0..2000).map(|k| 0.001 * f64::from(k)).peekable();
+    let at = |t: f64| (Motion::at_rest(100.0 * t, 0.0), Input { time_s: t, ..Input::of(0.0) });
     let mut read = |t: f64| {
         while let Some(step) = steps.next_if(|step| *step <= t) {
-            sensor.follow(model, step, 100.0 * step);
+            let (motion, input) = at(step);
+            sensor.follow(model, &motion, input);
         }
-        sensor.follow(model, t, 100.0 * t);
-        sensor.reading(model, t, 100.0 * t)
+        let (motion, input) = at(t);
+        sensor.follow(model, &motion, input);
+        sensor.reading(model, t, model.seen_mm(&motion, input))
     };
     times_s.iter().map(|t| read(*t)).collect()
 }
@@ -36,6 +41,19 @@ fn near(values: &[f64], exact: &[f64]) {
 fn a_delayed_reading_is_the_position_of_that_instant_and_of_the_start_before_it() {
     let delayed = model(0.0, &[("sensor_delay", &[0.0347])]);
     near(&climb(&delayed, &[0.01, 0.0347, 0.05, 0.9]), &[0.0, 0.0, 1.53, 86.53]);
+}
+
+#[test]
+fn a_written_effect_of_the_sensor_adds_to_the_height_of_the_instant_that_is_read() {
+    let table: DefinitionTable = serde_json::from_value(serde_json::json!({
+        "stage": "sensor", "adds": "k * x + 1000 * k * t", "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 } },
+    }))
+    .unwrap();
+    let mut bent = model(0.0, &[("sensor_delay", &[0.03])]);
+    bent.effects.written.define(Definition::new("bent", &table).unwrap());
+    assert!(bent.effects.set("bent", &[0.5]));
+    // Seen 0.03 s ago at 100 mm/s: 1.5 of the height, and 500 mm/s of the time.
+    near(&climb(&bent, &[0.01, 0.05, 0.9]), &[0.0, 3.0 + 10.0, 130.5 + 435.0]);
 }
 
 #[test]

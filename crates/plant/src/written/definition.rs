@@ -3,7 +3,7 @@
 use super::entry::entry;
 use super::intern;
 use super::names::Names;
-use super::scope::ALL_BUT_PARAMETERS;
+use super::scope::{ALL_BUT_PARAMETERS, SETPOINT};
 use super::table::{DefinitionError, DefinitionTable, check_name, check_parameters};
 use crate::effect::{Entry, Stage};
 use crate::motion::OWN_STATES;
@@ -16,8 +16,10 @@ pub struct Definition {
     table: DefinitionTable,
     adds: Formula,
     states: Vec<[Formula; 2]>,
-    is_linear: bool,
+    motion_is_linear: bool,
     uses_time: bool,
+    /// The first formula that uses the setpoint: its key and text, and the column.
+    setpoint: Option<(String, String, usize)>,
 }
 
 // Equal definitions share one place.
@@ -46,10 +48,12 @@ impl Definition {
             states.push([rate, names.without_states().formula(&format!("states.{state}.start"), &formulas.start)?]);
         }
         names.all_used(&adds, &states)?;
-        let moves = std::iter::once(&adds).chain(states.iter().map(|[rate, _]| rate));
+        let force = Some(&adds).filter(|_| matches!(table.stage, Stage::Air | Stage::Ball));
+        let mut moves = force.into_iter().chain(states.iter().map(|[rate, _]| rate));
         let definition = Self {
-            is_linear: moves.clone().all(|one| one.is_affine_in(&ALL_BUT_PARAMETERS)),
+            motion_is_linear: moves.all(|one| one.is_affine_in(&ALL_BUT_PARAMETERS)),
             uses_time: adds.uses(names.place("t")),
+            setpoint: setpoint_use(table, &names, &adds, &states),
             entry: entry(name, table),
             table: table.clone(),
             adds,
@@ -71,6 +75,14 @@ impl Definition {
         &self.table
     }
 
+    /// What is wrong where the setpoint is not known, and `why` it is not. `None`: nothing, as no formula uses it.
+    #[must_use]
+    pub fn without_setpoint(&self, why: &str) -> Option<DefinitionError> {
+        let (key, text, column) = self.setpoint.clone()?;
+        let message = format!("`{text}`, column {column}: `{SETPOINT}` is not known: {why}");
+        Some(DefinitionError { key, message })
+    }
+
     pub(super) const fn stage(&self) -> Stage {
         self.entry.stage
     }
@@ -79,12 +91,18 @@ impl Definition {
         self.adds.value(values)
     }
 
+    /// The derivative of what it adds while the values move with the speeds `towards`.
+    pub(super) fn adds_along(&self, values: &[f64], towards: &[f64]) -> f64 {
+        self.adds.dual(values, towards).1
+    }
+
     pub(super) const fn uses_time(&self) -> bool {
         self.uses_time
     }
 
-    pub(super) const fn is_linear(&self) -> bool {
-        self.is_linear
+    /// Whether its force and the rates of its states are linear in what moves.
+    pub(super) const fn motion_is_linear(&self) -> bool {
+        self.motion_is_linear
     }
 
     pub(super) const fn states(&self) -> usize {
@@ -93,6 +111,11 @@ impl Definition {
 
     pub(super) fn rates(&self, values: &[f64]) -> [f64; OWN_STATES] {
         std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.value(values)))
+    }
+
+    /// The derivatives of the rates while the values move with the speeds `towards`.
+    pub(super) fn rates_along(&self, values: &[f64], towards: &[f64]) -> [f64; OWN_STATES] {
+        std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.dual(values, towards).1))
     }
 
     pub(super) fn start(&self, values: &[f64]) -> [f64; OWN_STATES] {
@@ -126,4 +149,20 @@ impl Definition {
         }
         Ok(())
     }
+}
+
+/// Key, text and column of the first use of the setpoint.
+fn setpoint_use(
+    table: &DefinitionTable,
+    names: &Names<'_>,
+    adds: &Formula,
+    states: &[[Formula; 2]],
+) -> Option<(String, String, usize)> {
+    let of_states = table.states.keys().zip(states).flat_map(|(name, formulas)| {
+        let keys = ["rate", "start"].map(|key| format!("states.{name}.{key}"));
+        keys.into_iter().zip(formulas)
+    });
+    let mut all = std::iter::once(("adds".to_owned(), adds)).chain(of_states);
+    let place = names.place(SETPOINT);
+    all.find_map(|(key, formula)| Some((key, formula.text().to_owned(), formula.column_of(place)?)))
 }

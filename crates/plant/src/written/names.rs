@@ -1,14 +1,15 @@
 //! The names that the formulas of one definition may use, each at its place among the values of an evaluation.
 
-use super::scope::{STATE, variables};
+use super::scope::{STATE, is_variable, variables};
 use super::table::{DefinitionError, DefinitionTable, check_count_of_states};
 use crate::effect::Stage;
 use crate::motion::OWN_STATES;
-use formula::{Formula, is_free_name};
+use formula::{Formula, Mistake, MistakeKind, is_free_name};
 use std::ops::Range;
 
 /// The names of a definition's formulas, with their bounds.
 pub(super) struct Names<'a> {
+    stage: Stage,
     names: Vec<&'a str>,
     /// The bounds of their values, in the same order.
     pub(super) bounds: Vec<[f64; 2]>,
@@ -19,17 +20,17 @@ pub(super) struct Names<'a> {
 
 impl<'a> Names<'a> {
     pub(super) fn of(table: &'a DefinitionTable) -> Result<Self, DefinitionError> {
-        let is_force = table.stage != Stage::Actuator;
+        let has_states = table.stage != Stage::Actuator;
         let (mut names, mut bounds): (Vec<&str>, Vec<[f64; 2]>) = variables(table.stage).iter().copied().unzip();
         let variables = names.len();
-        check_count_of_states(table, is_force)?;
+        check_count_of_states(table, has_states)?;
         let mut states: Vec<&str> = table.states.keys().map(String::as_str).collect();
         for state in &states {
             check_new(state, &names, "states")?;
         }
         let count = states.len();
-        // An effect without states has places for them, too, so that every force is evaluated alike.
-        states.resize(if is_force { OWN_STATES } else { 0 }, "");
+        // An effect without states has places for them, too, so that every one is evaluated alike.
+        states.resize(if has_states { OWN_STATES } else { 0 }, "");
         bounds.resize(bounds.len() + states.len(), STATE);
         names.extend(states);
         let parameters = names.len();
@@ -38,14 +39,14 @@ impl<'a> Names<'a> {
             names.push(name);
             bounds.push([parameter.low, parameter.high]);
         }
-        Ok(Self { names, bounds, states: variables..variables + count, parameters })
+        Ok(Self { stage: table.stage, names, bounds, states: variables..variables + count, parameters })
     }
 
     /// The same names with none for the own states.
     pub(super) fn without_states(&self) -> Self {
         let mut names = self.names.clone();
         names[self.states.clone()].fill("");
-        Self { names, bounds: self.bounds.clone(), states: self.states.clone(), parameters: self.parameters }
+        Self { names, bounds: self.bounds.clone(), states: self.states.clone(), ..*self }
     }
 
     pub(super) fn place(&self, name: &str) -> usize {
@@ -56,7 +57,19 @@ impl<'a> Names<'a> {
     pub(super) fn formula(&self, key: &str, text: &str) -> Result<Formula, DefinitionError> {
         let bounds: Vec<(f64, f64)> = self.bounds.iter().map(|[low, high]| (*low, *high)).collect();
         let read = Formula::parse(text, &self.names).and_then(|formula| formula.range(&bounds).map(|_| formula));
-        read.map_err(|mistake| DefinitionError { key: key.into(), message: format!("`{text}`, {mistake}") })
+        read.map_err(|mistake| {
+            let message = self.not_here(&mistake).unwrap_or_else(|| mistake.to_string());
+            DefinitionError { key: key.into(), message: format!("`{text}`, {message}") }
+        })
+    }
+
+    /// What is wrong with a name that other stages know.
+    fn not_here(&self, mistake: &Mistake) -> Option<String> {
+        let MistakeKind::UnknownVariable { name, names, .. } = &mistake.kind else { return None };
+        is_variable(name).then(|| {
+            let (column, stage, known) = (mistake.column, self.stage.name(), names.join(", "));
+            format!("column {column}: the stage {stage} does not know `{name}`; there are {known}")
+        })
     }
 
     /// Checks that every parameter and every state occurs.

@@ -1,8 +1,11 @@
 //! The names that a formula may use, their values, and the bounds within which it must have a value.
 
-use crate::acts::Conditions;
+use crate::acts::{Along, Conditions};
 use crate::effect::Stage;
+use crate::motion::OWN_STATES;
 
+/// The name of the variable that only some records have.
+pub(super) const SETPOINT: &str = "setpoint";
 /// The most parameters of an effect.
 pub(super) const MOST_PARAMETERS: usize = 8;
 
@@ -17,48 +20,73 @@ const ACCELERATION: [f64; 2] = [-1e8, 1e8];
 /// A state has the unit that its rate gives it.
 pub(super) const STATE: [f64; 2] = [-1e12, 1e12];
 
-const OF_DUTY: [Variable; 3] = [("u", DUTY), ("duty", DUTY), ("t", TIME)];
-const OF_FORCE: [Variable; 6] =
-    [("x", LENGTH), ("v", SPEED), ("u", DUTY), ("duty", DUTY), ("t", TIME), ("fan", ACCELERATION)];
+const OF_DUTY: [Variable; 4] = [("u", DUTY), ("duty", DUTY), ("t", TIME), (SETPOINT, LENGTH)];
+const OF_FORCE: [Variable; 7] =
+    [("x", LENGTH), ("v", SPEED), ("u", DUTY), ("duty", DUTY), ("t", TIME), ("fan", ACCELERATION), (SETPOINT, LENGTH)];
+/// A sensor does not know what the controller is asked for: the place of the setpoint has no name there.
+const OF_SENSOR: [Variable; 7] = {
+    let mut variables = OF_FORCE;
+    variables[6].0 = "";
+    variables
+};
 
 /// The variables of a stage; the own states and then the parameters follow.
 pub(super) const fn variables(stage: Stage) -> &'static [Variable] {
     match stage {
         Stage::Actuator => &OF_DUTY,
-        _ => &OF_FORCE,
+        Stage::Air | Stage::Ball => &OF_FORCE,
+        Stage::Sensor => &OF_SENSOR,
     }
 }
 
-/// The indices of what a force may be linear in.
-pub(super) const ALL_BUT_PARAMETERS: [usize; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+/// Whether some stage has a variable of this name.
+pub(super) fn is_variable(name: &str) -> bool {
+    OF_FORCE.iter().chain(&OF_DUTY).any(|(known, _)| *known == name)
+}
 
-/// The values of the names of a formula in the actuator.
+/// The variables of the stages with states, and the states.
+const MOVING: usize = OF_FORCE.len() + OWN_STATES;
+
+/// The indices of what a force may be linear in.
+pub(super) const ALL_BUT_PARAMETERS: [usize; MOVING] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+
+/// The values of the names of a formula in the actuator: u, then duty, time and setpoint, then the parameters.
 pub(super) fn of_duty(
     about_hover_percent: f64,
-    duty_percent: f64,
-    time_s: f64,
+    at: [f64; 3],
     parameters: &[f64; MOST_PARAMETERS],
-) -> [f64; 3 + MOST_PARAMETERS] {
-    let mut values = [0.0; 3 + MOST_PARAMETERS];
-    values[..3].copy_from_slice(&[about_hover_percent, duty_percent, time_s]);
-    values[3..].copy_from_slice(parameters);
+) -> [f64; OF_DUTY.len() + MOST_PARAMETERS] {
+    let mut values = [0.0; OF_DUTY.len() + MOST_PARAMETERS];
+    values[0] = about_hover_percent;
+    values[1..OF_DUTY.len()].copy_from_slice(&at);
+    values[OF_DUTY.len()..].copy_from_slice(parameters);
     values
 }
 
-/// The values of the names of a formula in the air or at the ball. `u` is the commanded acceleration by the gain.
-pub(super) fn of_force(conditions: &Conditions, parameters: &[f64; MOST_PARAMETERS]) -> [f64; 8 + MOST_PARAMETERS] {
+/// The values of the names of a formula in the air, at the ball or in the sensor. `u` is the commanded acceleration by
+/// the gain.
+pub(super) fn of_force(
+    conditions: &Conditions,
+    parameters: &[f64; MOST_PARAMETERS],
+) -> [f64; MOVING + MOST_PARAMETERS] {
     let u = conditions.commanded_mm_per_s2 / conditions.gain_mm_per_s2_per_percent;
-    let mut values = [0.0; 8 + MOST_PARAMETERS];
-    values[..8].copy_from_slice(&[
+    let mut values = [0.0; MOVING + MOST_PARAMETERS];
+    values[..MOVING].copy_from_slice(&[
         conditions.position_mm,
         conditions.velocity_mm_per_s,
         u,
         conditions.hover_duty_percent + u,
         conditions.time_s,
         conditions.fan_mm_per_s2,
+        conditions.setpoint_mm,
         conditions.own[0],
         conditions.own[1],
     ]);
-    values[8..].copy_from_slice(parameters);
+    values[MOVING..].copy_from_slice(parameters);
     values
+}
+
+/// The speeds of the same names, the parameters being constant.
+pub(super) fn of_speeds(along: &Along) -> [f64; MOVING] {
+    [along.position, along.velocity, 0.0, 0.0, 0.0, along.fan, 0.0, along.own[0], along.own[1]]
 }

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub struct DefinitionTable {
     /// Where it acts.
     pub stage: Stage,
-    /// What it adds: percent of duty in the actuator, mm/s² elsewhere.
+    /// What it adds: percent of duty in the actuator, mm/s² in the air and at the ball, mm in the sensor.
     pub adds: String,
     /// How a log shows it.
     #[serde(default)]
@@ -87,8 +87,8 @@ pub(super) fn check_name(name: &str) -> Result<(), DefinitionError> {
     Ok(())
 }
 
-pub(super) fn check_count_of_states(table: &DefinitionTable, is_force: bool) -> Result<(), DefinitionError> {
-    let (count, most) = (table.states.len(), if is_force { OWN_STATES } else { 0 });
+pub(super) fn check_count_of_states(table: &DefinitionTable, may_have: bool) -> Result<(), DefinitionError> {
+    let (count, most) = (table.states.len(), if may_have { OWN_STATES } else { 0 });
     if count <= most {
         return Ok(());
     }
@@ -98,12 +98,6 @@ pub(super) fn check_count_of_states(table: &DefinitionTable, is_force: bool) -> 
 
 pub(super) fn check_parameters(table: &DefinitionTable) -> Result<(), DefinitionError> {
     let wrong = |key: &str, message: String| Err(DefinitionError { key: key.into(), message });
-    if table.stage == Stage::Sensor {
-        return wrong(
-            "stage",
-            "a written effect acts in the actuator, the air or at the ball; not in the sensor".into(),
-        );
-    }
     let count = table.parameters.len();
     if count > MOST_PARAMETERS {
         return wrong("parameters", format!("{count} parameters, and an effect has at most {MOST_PARAMETERS}"));

@@ -36,7 +36,7 @@ fn heights(model: &Model) -> Vec<f64> {
     let mut motion = model.at_rest(250.0, 0.0);
     let step = |k: i32| {
         let duty = model.hover_duty_percent + if (k / 40) % 2 == 0 { 0.6 } else { -0.6 };
-        let input = Input { commanded_mm_per_s2: model.commanded(duty), time_s: f64::from(k) * 0.01 };
+        let input = Input { time_s: f64::from(k) * 0.01, ..Input::of(model.commanded(duty)) };
         motion = motion.step(model, input, 0.01);
         motion.position_mm
     };
@@ -99,6 +99,44 @@ fn a_formula_in_the_actuator_changes_the_command_and_may_move_with_time() {
     assert!((at - exact).abs() < 1e-9, "{at}, exact {exact}");
 }
 
+/// A sensor that shows `k` of the square of the height more, and of a state that follows the fan.
+fn bending() -> Model {
+    let bend = table(serde_json::json!({
+        "stage": "sensor", "adds": "k * x^2 + 100 * k * v + k * s", "states": { "s": { "rate": "(fan - s) / 0.5", "start": "fan" } },
+        "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 } },
+    }));
+    with("bending", &[1e-3], Some(&bend))
+}
+
+#[test]
+fn a_formula_in_the_sensor_changes_what_is_seen_and_leaves_the_ball_alone() {
+    let model = bending();
+    let plain = Model { effects: Effects::default(), ..model.clone() };
+    assert_eq!(heights(&model), heights(&plain));
+    assert!(model.effects.bends_reading() && model.effects.motion_is_linear());
+    let motion = Motion { velocity_mm_per_s: -30.0, own: [80.0, 0.0], ..Motion::at_rest(200.0, 0.0) };
+    let seen = model.seen_mm(&motion, Input::of(0.0));
+    let exact = 200.0 + 1e-3 * (200.0_f64.powi(2) - 3000.0 + 80.0);
+    assert!((seen - exact).abs() < 1e-9, "{seen}, exact {exact}");
+    assert_eq!(plain.seen_mm(&motion, Input::of(0.0)), 200.0);
+}
+
+#[test]
+fn the_slopes_of_what_is_seen_are_those_of_the_closed_form() {
+    let model = bending();
+    let motion = Motion::at_rest(200.0, 0.0);
+    let still = Motion::at_rest(0.0, 0.0);
+    for (along, exact) in [
+        (Motion { sensed_mm: 1.0, ..still }, 1.0 + 2.0 * 1e-3 * 200.0),
+        (Motion { velocity_mm_per_s: 1.0, ..still }, 0.1),
+        (Motion { own: [1.0, 0.0], ..still }, 1e-3),
+        (Motion { fan_mm_per_s2: 1.0, ..still }, 0.0),
+    ] {
+        let slope = model.seen_along(&motion, Input::of(0.0), &along);
+        assert!((slope - exact).abs() < 1e-12, "{along:?}: {slope}, exact {exact}");
+    }
+}
+
 #[test]
 fn a_force_of_time_is_integrated_with_its_time() {
     // ÿ = k·cos t from rest: y = k·(1 − cos t).
@@ -106,10 +144,46 @@ fn a_force_of_time_is_integrated_with_its_time() {
     let model = Model { drag_per_s: 0.0, pipe_length_mm: 1e6, ..with("hum", &[80.0], Some(&table)) };
     let mut motion = model.at_rest(5e5, 0.0);
     for k in 0..200 {
-        motion = motion.step(&model, Input { commanded_mm_per_s2: 0.0, time_s: f64::from(k) * 0.01 }, 0.01);
+        motion = motion.step(&model, Input { time_s: f64::from(k) * 0.01, ..Input::of(0.0) }, 0.01);
     }
     let exact = 5e5 + 80.0 * (1.0 - 2.0_f64.cos());
     assert!((motion.position_mm - exact).abs() < 1e-5, "{}, exact {exact}", motion.position_mm);
+}
+
+#[test]
+fn a_formula_of_the_setpoint_takes_that_of_the_input_and_mid_pipe_where_none_is_known() {
+    let rest = Motion::at_rest(100.0, 0.0);
+    let model = Model { drag_per_s: 0.0, ..with("pull", &[2.0], Some(&simple("air", "k * (setpoint - x)"))) };
+    for (setpoint_mm, pull) in [(Some(150.0), 100.0), (None, 2.0 * (291.5 - 100.0))] {
+        let moved = rest.step(&model, Input { setpoint_mm, ..Input::of(0.0) }, 1e-4);
+        let found = moved.velocity_mm_per_s / 1e-4;
+        assert!((found - pull).abs() < 1e-3, "{setpoint_mm:?}: {found}, exact {pull}");
+    }
+    let fed = with("fed", &[0.01], Some(&simple("actuator", "k * (setpoint - 291.5)")));
+    let mut actuator = crate::Actuator::new(&fed, fed.hover_duty_percent);
+    let mut percent = |setpoint_mm| {
+        actuator.aim(setpoint_mm);
+        actuator.commanded(&fed, 0.0) / fed.gain_mm_per_s2_per_percent
+    };
+    // Unknown, then set, then as it was.
+    for (setpoint_mm, exact) in [(None, 0.0), (Some(391.5), 1.0), (None, 1.0), (Some(191.5), -1.0)] {
+        let found = percent(setpoint_mm);
+        assert!((found - exact).abs() < 1e-9, "{setpoint_mm:?}: {found}, exact {exact}");
+    }
+}
+
+#[test]
+fn a_definition_says_where_it_depends_on_the_setpoint() {
+    let said = |table: &DefinitionTable| Definition::new("mine", table).unwrap().without_setpoint("none here");
+    assert_eq!(said(&simple("air", "k * x")), None);
+    let DefinitionError { key, message } = said(&simple("air", "k * (x - setpoint)")).unwrap();
+    let expected = "`k * (x - setpoint)`, column 10: `setpoint` is not known: none here";
+    assert_eq!((key.as_str(), message.as_str()), ("adds", expected));
+    let in_state = table(serde_json::json!({
+        "stage": "air", "adds": "k * s", "states": { "s": { "rate": "x - s", "start": "setpoint" } },
+        "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 } },
+    }));
+    assert_eq!(said(&in_state).map(|error| error.key).as_deref(), Some("states.s.start"));
 }
 
 #[test]
@@ -138,8 +212,13 @@ fn what_is_wrong_is_said_with_key_and_column() {
     ] {
         assert!(said(&simple("air", adds)).contains(part), "{adds}: {}", said(&simple("air", adds)));
     }
-    assert!(said(&simple("actuator", "k * x")).contains("column 5"), "the actuator does not know where the ball is");
-    assert!(said(&simple("sensor", "k * x")).starts_with("stage: "));
+    let unknown = said(&simple("actuator", "k * x"));
+    assert!(
+        unknown.contains("column 5: the stage actuator does not know `x`; there are u, duty, t, setpoint, k"),
+        "{unknown}"
+    );
+    let unknown = said(&simple("sensor", "k * (x - setpoint)"));
+    assert!(unknown.contains("column 10: the stage sensor does not know `setpoint`; there are x, v, u"), "{unknown}");
     let parameter =
         |k: serde_json::Value| table(serde_json::json!({"stage": "air", "adds": "k*x", "parameters": {"k": k}}));
     for (k, part) in [

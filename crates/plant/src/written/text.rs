@@ -10,7 +10,11 @@ impl Definition {
     #[must_use]
     pub fn physics(&self) -> String {
         let table = self.table();
-        let (sum, unit) = if table.stage == Stage::Actuator { ("duty += ", "percent") } else { ("a = ", "mm/s²") };
+        let (sum, unit) = match table.stage {
+            Stage::Actuator => ("duty += ", "percent"),
+            Stage::Air | Stage::Ball => ("a = ", "mm/s²"),
+            Stage::Sensor => ("reading += ", "mm"),
+        };
         let mut lines = format!("An effect that a user wrote.\n\n```text\n{sum}{}      {unit}\n", table.adds);
         for (name, StateTable { rate, start }) in &table.states {
             // Writing to a string cannot fail.

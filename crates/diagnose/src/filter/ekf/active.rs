@@ -73,12 +73,9 @@ impl Active {
     }
 
     /// δ ← Φ·δ, with `half_kick` added to the velocity before and after it.
-    ///
-    /// Returns the change of the state `seen`.
     #[inline(always)]
-    pub(super) fn transfer(&self, transition: &Square, change: &mut State, half_kick: f64, seen: usize) -> f64 {
+    pub(super) fn transfer(&self, transition: &Square, change: &mut State, half_kick: f64) {
         in_active!(self, own => transfer_in(own, transition, change, half_kick));
-        change[seen]
     }
 
     /// δ ← δ − t·share.

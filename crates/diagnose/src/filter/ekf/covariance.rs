@@ -1,7 +1,7 @@
 //! The prediction step of the state covariance: transition matrix and process noise.
 //!
 //! ```text
-//! Φ = ∂motion/∂x                                    by central differences, or exact where a step is a linear map
+//! Φ = ∂motion/∂x                                    see `step`, or exact where a step is a linear map
 //! Q = PSD·dt/6 · ( g₀·g₀ᵀ + 4·g·gᵀ + g₁·g₁ᵀ )       white acceleration over a step: Simpson's rule of Φ(s)·e_v
 //!     g₀ = e_v, g₁ = Φ·e_v, g = (g₀ + g₁)/2         and δ² of turbulence on w
 //! ```
@@ -40,15 +40,8 @@ impl Propagation {
         Self { transition, noise, response: Some(moved(State::zeros(), 1.0)) }
     }
 
-    /// A step with the derivatives of `flow` at `motion`.
-    pub(super) fn linearised(
-        active: &Active,
-        model: &Model,
-        flow: impl Fn(&Motion) -> Motion,
-        motion: &Motion,
-        dt: f64,
-    ) -> Self {
-        let transition = derivative(active, flow, motion);
+    /// A step with this transition matrix.
+    pub(super) fn of(active: &Active, model: &Model, transition: Square, dt: f64) -> Self {
         Self { transition, noise: process_noise(active, model, &transition, dt), response: None }
     }
 
@@ -139,7 +132,7 @@ pub(super) fn motion_of(state: &State) -> Motion {
 }
 
 /// ∂flow/∂x at `motion` by central differences, for the active states.
-fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
+pub(super) fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
     let mut transition = Square::zeros();
     for &i in active.indices() {
         let nudged = |by: f64| {
@@ -155,7 +148,7 @@ fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, motion: &Motion
 #[cfg(test)]
 mod tests {
     use super::super::active::Active;
-    use super::{Propagation, PropagationCache, Square, State, motion_of, vector};
+    use super::{Propagation, PropagationCache, Square, State, derivative, motion_of, vector};
     use crate::tests_support::model;
     use plant::{Effects, Input, Model, Motion};
 
@@ -201,7 +194,7 @@ mod tests {
                 let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, Input::of(commanded), dt);
                 let active = Active::of(&model);
                 let Propagation { transition, .. } =
-                    *cache.propagation(dt, || Propagation::linearised(&active, &model, flow, motion, dt));
+                    *cache.propagation(dt, || Propagation::of(&active, &model, derivative(&active, flow, motion), dt));
                 let expected = by_differences(&model, commanded, motion, dt);
                 let off = (transition - expected).abs().max();
                 assert!(off < 1e-5, "{}: {off}: {transition} for {expected}", entry.name);

@@ -3,30 +3,38 @@
 //! ```text
 //! state x = (y, v, A, w, s, own states)             see `plant::Motion`
 //! x ← motion(x, command), P ← Φ·P·Φᵀ + Q            Φ and Q: see `covariance`
-//! reading = y, or s behind a sensor's lag
+//! reading = y, or s behind a sensor's lag           see `measurement` where written effects act in the sensor
 //! ```
 //!
 //! It is exact for linear models, where central differences are accurate to rounding, and for effects that act on the
-//! duty alone. A delayed reading belongs to an earlier time, and the filter uses it there. Each integration step has
+//! duty alone. Formulas that a user wrote are differentiated automatically. A delayed reading belongs to an earlier time, and the filter uses it there. Each integration step has
 //! the real time between its ends and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
 mod active;
 mod covariance;
 mod fast_duty;
+mod measurement;
+mod prior;
 mod smoother;
+mod step;
 
 use crate::record::reading_variance::reading_variance;
 use active::Active;
 pub(crate) use covariance::PropagationCache;
 use covariance::{Propagation, motion_of, vector};
 use fast_duty::{DutyAveraging, DutyBlock};
+use measurement::{Measured, expected_mm};
+#[cfg(test)]
+pub(crate) use prior::VELOCITY_PRIOR_MM_PER_S;
+use prior::prior;
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
+use step::Step;
 
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
 use nalgebra::{SMatrix, SVector};
-use plant::{Actuator, Input, Model, Motion, OWN_STATES};
+use plant::{Actuator, Input, Model, OWN_STATES};
 
 const STATES: usize = 5 + OWN_STATES;
 type State = SVector<f64, STATES>;
@@ -34,13 +42,6 @@ type Square = SMatrix<f64, STATES, STATES>;
 
 /// Longest integration step, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
 const MAX_STEP_S: f64 = 0.02;
-/// Standard deviation of the velocity before the first reading: a ball in a pipe stays below 2 m/s.
-pub(crate) const VELOCITY_PRIOR_MM_PER_S: f64 = 1000.0;
-/// Friction is smoothed over at least this speed, or over the speed that friction takes off in a step if that is less.
-const SLOWEST_MM_PER_S: f64 = 1.0;
-/// Friction is smoothed where the velocity's standard deviation exceeds this share of the speed that friction takes off
-/// in a step.
-const KNOWN: f64 = 0.25;
 /// Outliers come singly: after this many in a row the filter was wrong, and the next reading counts in full.
 const WILD_IN_A_ROW: u32 = 2;
 /// The same for a sensor that is believed to have outliers: they may come in bursts.
@@ -61,6 +62,8 @@ pub(crate) struct Ekf<'a> {
     actuator: Actuator,
     /// Time of the filter since the start of the flight, seconds.
     time_s: f64,
+    /// The last command, mm/s².
+    commanded_mm_per_s2: f64,
     /// The next row whose duty has not been written.
     next_write: usize,
     wild_run: u32,
@@ -85,7 +88,11 @@ impl<'a> Ekf<'a> {
         let first_duty = first.map_or(0.0, |first| first.duty_percent);
         let duration_s = first.zip(last).map_or(0.0, |(first, last)| last.time_s - first.time_s);
         let time_s = reading_time(model, writes, row).unwrap_or_default();
-        let (state, covariance) = prior(model, reading_mm, first_duty);
+        let mut actuator = Actuator::new(model, first_duty);
+        actuator.aim(first.and_then(|first| first.setpoint_mm));
+        let commanded_mm_per_s2 = actuator.clone().commanded(model, 0.0);
+        let before = Input { setpoint_mm: actuator.setpoint_mm(), ..Input::of(commanded_mm_per_s2) };
+        let (state, covariance) = prior(model, reading_mm, before);
         let mut ekf = Self {
             model,
             writes,
@@ -93,8 +100,9 @@ impl<'a> Ekf<'a> {
             covariance,
             active: Active::of(model),
             linear: model.effects.motion_is_linear_in_command(),
-            actuator: Actuator::new(model, first_duty),
+            actuator,
             time_s: time_s.min(0.0),
+            commanded_mm_per_s2,
             next_write: 0,
             wild_run: 0,
             reading_mm2: reading_variance(model),
@@ -123,8 +131,19 @@ impl<'a> Ekf<'a> {
 
     /// The expected reading, mm, and its variance, mm².
     pub(crate) fn predicted_reading(&self) -> (f64, f64) {
-        let seen = seen_state(self.model);
-        (self.state[seen], self.covariance[(seen, seen)] + self.reading_mm2)
+        let measured = self.measured(&self.state);
+        let variance_mm2 = measured.change(&measured.towards(&self.covariance));
+        (expected_mm(self.model, &self.state, self.input()), variance_mm2 + self.reading_mm2)
+    }
+
+    /// What a reading measures now, about a state.
+    fn measured(&self, state: &State) -> Measured {
+        Measured::of(self.model, &self.active, state, self.input())
+    }
+
+    fn input(&self) -> Input {
+        let setpoint_mm = self.actuator.setpoint_mm();
+        Input { commanded_mm_per_s2: self.commanded_mm_per_s2, time_s: self.time_s, setpoint_mm }
     }
 
     /// The same for a reading as the file holds it, rounded by a quantised sensor.
@@ -153,7 +172,7 @@ impl<'a> Ekf<'a> {
             } else {
                 (innovation.weight, innovation.standardised)
             };
-        let towards = self.covariance.column(seen_state(self.model)).into_owned();
+        let towards = self.measured(&self.state).towards(&self.covariance);
         self.state += towards * (standardised / variance.sqrt());
         self.active.reduce(&mut self.covariance, &towards, weight / variance);
         self.wild_run = if innovation.weight < 0.5 && reading.coarse.is_none() { self.wild_run + 1 } else { 0 };
@@ -193,10 +212,11 @@ impl<'a> Ekf<'a> {
         let start_s = self.writes.first().map_or(0.0, |first| first.time_s);
         let mut chatter = DutyBlock::from(self.time_s);
         while self.time_s < time_s || self.next_write == 0 {
-            let written = self.writes.get(self.next_write).map(|s| (s.time_s - start_s, s.duty_percent));
-            let write_s = written.map_or(f64::INFINITY, |(at_s, _)| at_s);
-            if write_s <= chatter.until_s {
-                self.actuator.write(self.model, write_s.max(0.0), written.map_or(0.0, |(_, duty)| duty));
+            let written = self.writes.get(self.next_write);
+            let write_s = written.map_or(f64::INFINITY, |write| write.time_s - start_s);
+            if let Some(write) = written.filter(|_| write_s <= chatter.until_s) {
+                self.actuator.aim(write.setpoint_mm);
+                self.actuator.write(self.model, write_s.max(0.0), write.duty_percent);
                 self.next_write += 1;
                 continue;
             }
@@ -245,33 +265,18 @@ impl<'a> Ekf<'a> {
     }
 
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
-        let motion = motion_of(&self.state);
-        let input = Input { commanded_mm_per_s2: commanded, time_s: self.time_s };
-        let roughness = self.covariance[(1, 1)].max(0.0).sqrt();
-        // An end of the pipe stops the ball but does not reduce the uncertainty: the covariance grows as in an endless
-        // pipe.
-        let endless = |nudged: &Motion| {
-            let friction = self.model.effects.friction().map(|friction| friction.acceleration_mm_per_s2);
-            match friction.filter(|friction| roughness > KNOWN * friction * dt) {
-                Some(friction) => {
-                    let smooth = roughness.max(SLOWEST_MM_PER_S.min(friction * dt));
-                    nudged.slide(self.model, input, mean_friction(friction, nudged.velocity_mm_per_s, smooth), dt)
-                }
-                None => nudged.step_in_endless_pipe(self.model, input, dt),
-            }
-        };
+        self.commanded_mm_per_s2 = commanded;
+        let (motion, input) = (motion_of(&self.state), self.input());
+        let step = Step::new(self.model, input, dt, self.covariance[(1, 1)].max(0.0).sqrt());
         let propagation = known.propagation(dt, || {
             if self.linear {
                 Propagation::linear(&self.active, self.model, dt)
             } else {
-                Propagation::linearised(&self.active, self.model, endless, &motion, dt)
+                Propagation::of(&self.active, self.model, step.transition(&self.active, &motion), dt)
             }
         });
-        let next = match self.in_the_air(propagation.moved(&self.active, &self.state, commanded)) {
-            Some(next) => next,
-            None if self.model.effects.friction().is_some() => vector(&endless(&motion)),
-            None => vector(&motion.step(self.model, input, dt)),
-        };
+        let next = self.in_the_air(propagation.moved(&self.active, &self.state, commanded));
+        let next = next.unwrap_or_else(|| vector(&step.after(&motion)));
         if let Some(back) = &mut self.back {
             back.go(&propagation.transition);
         }
@@ -290,37 +295,8 @@ impl Ekf<'_> {
     }
 }
 
-/// Expected acceleration by friction of a ball whose velocity has the standard deviation `roughness`, mm/s²: −f·E
-/// sign(v). Without it a filter would take a slow ball for a stopped one, with too small a covariance.
-fn mean_friction(friction: f64, velocity: f64, roughness: f64) -> f64 {
-    -friction * libm::erf(velocity / (std::f64::consts::SQRT_2 * roughness))
-}
-
 /// The time of the reading of `row`, seconds since the start of the flight. `None`: there is no such row.
 fn reading_time(model: &Model, writes: &[Write], row: usize) -> Option<f64> {
     let since_start_s = writes.get(row)?.time_s - writes.first()?.time_s;
     Some(since_start_s - model.effects.reading_delay_s())
-}
-
-/// State and covariance before the first reading, which then updates them as every other does.
-fn prior(model: &Model, reading_mm: f64, duty_percent: f64) -> (State, Square) {
-    let commanded = model.commanded(duty_percent);
-    let effects = &model.effects;
-    // Standard deviation of the fan from its command: it may stand still.
-    let fan = if effects.has_fan_state() {
-        model.hover_duty_percent.abs().max(1.0) * model.gain_mm_per_s2_per_percent
-    } else {
-        0.0
-    };
-    let air = effects.coloured_force().map_or(0.0, |force| force.sigma_mm_per_s2);
-    let sensed = if effects.has_sensor_state() { model.pipe_length_mm } else { 0.0 };
-    let [first, second] = model.own_spread();
-    let deviations = State::from([model.pipe_length_mm, VELOCITY_PRIOR_MM_PER_S, fan, air, sensed, first, second]);
-    let state = vector(&model.at_rest(reading_mm, commanded));
-    (state, Square::from_diagonal(&deviations.component_mul(&deviations)))
-}
-
-/// The index of the state that the reading measures.
-fn seen_state(model: &Model) -> usize {
-    if model.effects.has_sensor_state() { 4 } else { 0 }
 }

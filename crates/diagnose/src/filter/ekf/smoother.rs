@@ -11,7 +11,8 @@
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
 use super::active::Active;
-use super::{Ekf, Square, State, seen_state};
+use super::measurement::Measured;
+use super::{Ekf, Square, State};
 use crate::filter::innovation::Innovation;
 use plant::Model;
 
@@ -56,8 +57,8 @@ pub(crate) struct Segment {
     towards: State,
     /// The states that the model has.
     active: Active,
-    /// The index of the state that the reading measures.
-    seen: usize,
+    /// What the reading measures of the state.
+    measured: Measured,
     /// Filtered position and velocity after the reading, mm and mm/s.
     pub(crate) known: (f64, f64),
 }
@@ -91,11 +92,11 @@ impl Ekf<'_> {
 
     /// The segment up to the last reading. `None`: this filter keeps no memory for the smoother.
     pub(crate) fn leg(&self) -> Option<Segment> {
-        let (transition, (_, expected)) = &self.back.as_ref()?.leg;
-        let seen = seen_state(self.model);
-        let (towards, known) = (expected.column(seen).into_owned(), self.position_and_velocity());
+        let (transition, (state, covariance)) = &self.back.as_ref()?.leg;
+        let measured = self.measured(state);
+        let (towards, known) = (measured.towards(covariance), self.position_and_velocity());
         let (time_s, transition, active) = (self.time_s, *transition, self.active);
-        Some(Segment { time_s, transition, towards, active, seen, known })
+        Some(Segment { time_s, transition, towards, active, measured, known })
     }
 
     /// The same for the smoother.
@@ -119,8 +120,8 @@ impl Sensitivity {
     /// the change of the expected reading, mm, then applies the update with the weight of `taken`.
     pub(crate) fn go(&mut self, leg: &Segment, (dt, push, shift_mm): (f64, f64, f64), taken: &Innovation) -> f64 {
         // Trapezoidal rule for the effect of the changed velocity at the end of the segment.
-        let half_kick = 0.5 * dt * push;
-        let moved_mm = leg.active.transfer(&leg.transition, &mut self.0, half_kick, leg.seen) + shift_mm;
+        leg.active.transfer(&leg.transition, &mut self.0, 0.5 * dt * push);
+        let moved_mm = leg.measured.change(&self.0) + shift_mm;
         let share = taken.weight * moved_mm / taken.variance_mm2;
         leg.active.correct(&mut self.0, &leg.towards, share);
         moved_mm

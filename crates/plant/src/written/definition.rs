@@ -5,6 +5,7 @@ use super::intern;
 use super::names::Names;
 use super::scope::{ALL_BUT_PARAMETERS, SETPOINT};
 use super::table::{DefinitionError, DefinitionTable, check_name, check_parameters};
+use super::text::shown;
 use crate::effect::{Entry, Stage};
 use crate::motion::OWN_STATES;
 use formula::Formula;
@@ -79,7 +80,7 @@ impl Definition {
     #[must_use]
     pub fn without_setpoint(&self, why: &str) -> Option<DefinitionError> {
         let (key, text, column) = self.setpoint.clone()?;
-        let message = format!("`{text}`, column {column}: `{SETPOINT}` is not known: {why}");
+        let message = format!("`{}`, column {column}: `{SETPOINT}` is not known: {why}", shown(&text));
         Some(DefinitionError { key, message })
     }
 

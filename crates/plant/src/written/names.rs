@@ -2,6 +2,7 @@
 
 use super::scope::{STATE, is_variable, variables};
 use super::table::{DefinitionError, DefinitionTable, check_count_of_states};
+use super::text::shown;
 use crate::effect::Stage;
 use crate::motion::OWN_STATES;
 use formula::{Formula, Mistake, MistakeKind, is_free_name};
@@ -59,7 +60,7 @@ impl<'a> Names<'a> {
         let read = Formula::parse(text, &self.names).and_then(|formula| formula.range(&bounds).map(|_| formula));
         read.map_err(|mistake| {
             let message = self.not_here(&mistake).unwrap_or_else(|| mistake.to_string());
-            DefinitionError { key: key.into(), message: format!("`{text}`, {message}") }
+            DefinitionError { key: key.into(), message: format!("`{}`, {message}", shown(text)) }
         })
     }
 
@@ -92,6 +93,6 @@ fn check_new(name: &str, names: &[&str], table: &str) -> Result<(), DefinitionEr
     if is_free_name(name) && !names.contains(&name) {
         return Ok(());
     }
-    let message = format!("`{name}` is a name that formulas have already; choose another");
+    let message = format!("`{}` is a name that formulas have already; choose another", shown(name));
     Err(DefinitionError { key: format!("{table}.{name}"), message })
 }

@@ -1,6 +1,7 @@
 //! The table of a written effect in a config file, and what must hold for it before its formulas are read.
 
 use super::scope::MOST_PARAMETERS;
+use super::text::shown;
 use crate::effect::Stage;
 use crate::effects::Effects;
 use crate::motion::OWN_STATES;
@@ -79,6 +80,7 @@ pub(super) fn check_name(name: &str) -> Result<(), DefinitionError> {
     let wrong = |message: String| Err(DefinitionError { key: String::new(), message });
     let plain = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
     if !name.starts_with(|first: char| first.is_ascii_lowercase()) || !name.chars().all(plain) || name.len() > 40 {
+        let name = shown(name);
         return wrong(format!("`{name}` is no name of an effect; use up to 40 of a-z, 0-9 and _, a letter first"));
     }
     if Effects::built_in(name).is_some() {

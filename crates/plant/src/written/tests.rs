@@ -219,6 +219,13 @@ fn what_is_wrong_is_said_with_key_and_column() {
     );
     let unknown = said(&simple("sensor", "k * (x - setpoint)"));
     assert!(unknown.contains("column 10: the stage sensor does not know `setpoint`; there are x, v, u"), "{unknown}");
+    assert!(
+        said(&simple("air", "k\t* (x\u{1b}[2J")).contains("`k\\t* (x\\u{1b}[2J`, column 7"),
+        "{}",
+        said(&simple("air", "k\t* (x\u{1b}[2J"))
+    );
+    let long = said(&simple("air", &"k+".repeat(2000)));
+    assert!(long.len() < 700 && long.contains("k+…`, column"), "{long}");
     let parameter =
         |k: serde_json::Value| table(serde_json::json!({"stage": "air", "adds": "k*x", "parameters": {"k": k}}));
     for (k, part) in [

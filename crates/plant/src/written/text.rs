@@ -76,3 +76,15 @@ impl Display for Quoted<'_> {
         f.write_char('"')
     }
 }
+
+/// A text of the user for a message: as long as a formula may be, and printable.
+pub(super) fn shown(text: &str) -> String {
+    let mut printable = String::new();
+    for letter in text.chars().take(formula::MAX_CHARACTERS) {
+        if letter.is_control() { printable.extend(letter.escape_debug()) } else { printable.push(letter) }
+    }
+    if text.chars().nth(formula::MAX_CHARACTERS).is_some() {
+        printable.push('…');
+    }
+    printable
+}

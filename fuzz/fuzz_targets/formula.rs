@@ -81,7 +81,7 @@ fn fly(model: Model, numbers: &[f64]) {
     let mut rig = Simulator::new(model, 1);
     for (cycle, number) in (1_u32..=20).zip(numbers.iter().chain(&[21.4]).cycle()) {
         let _ = rig.reading_mm();
-        rig.aim(Some(*number).filter(|setpoint_mm| setpoint_mm.is_finite()));
+        rig.set_setpoint(Some(*number).filter(|setpoint_mm| setpoint_mm.is_finite()));
         rig.drive(if number.is_finite() { number.clamp(0.0, 100.0) } else { 0.0 });
         rig.advance_to(0.02 * f64::from(cycle));
     }

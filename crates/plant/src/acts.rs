@@ -51,9 +51,9 @@ pub struct Conditions {
     pub pipe_length_mm: f64,
 }
 
-/// How fast the state of the plant moves along one direction, per unit of it: what derivatives are taken by.
+/// A direction in the state space, along which derivatives are taken.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Along {
+pub(crate) struct Direction {
     pub(crate) position: f64,
     pub(crate) velocity: f64,
     pub(crate) fan: f64,

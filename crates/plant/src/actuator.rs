@@ -61,9 +61,9 @@ impl Actuator {
         self.force(model, time_s)
     }
 
-    /// The setpoint from now on, mm; none: it stays as it is.
+    /// Sets the setpoint in force, mm; `None` keeps the last one.
     #[inline]
-    pub fn aim(&mut self, setpoint_mm: Option<f64>) {
+    pub fn set_setpoint(&mut self, setpoint_mm: Option<f64>) {
         self.setpoint_mm = setpoint_mm.or(self.setpoint_mm);
     }
 

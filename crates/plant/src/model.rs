@@ -6,7 +6,7 @@
 //!
 //! Source: the thesis, equation 3.1.1.14. The effects come on top, in the order of the signal path.
 
-use crate::acts::{Along, Conditions};
+use crate::acts::{Conditions, Direction};
 use crate::actuator::Actuator;
 use crate::effect::{Neutral, Param, Scale};
 use crate::effects::Effects;
@@ -152,23 +152,23 @@ impl Model {
     #[must_use]
     #[inline]
     pub fn seen_mm(&self, motion: &Motion, input: Input) -> f64 {
-        if !self.effects.bends_reading() {
+        if !self.effects.acts_on_reading() {
             return motion.sensed_mm;
         }
         motion.sensed_mm + self.effects.written.reading_shift(&self.conditions_of_sensor(motion, input))
     }
 
-    /// The derivative of [`Model::seen_mm`] while the state moves along `along`, a motion per unit.
+    /// The directional derivative of [`Model::seen_mm`] by the state, along `along`.
     #[must_use]
     pub fn seen_along(&self, motion: &Motion, input: Input, along: &Motion) -> f64 {
-        let speeds = Along {
+        let direction = Direction {
             position: along.sensed_mm,
             velocity: along.velocity_mm_per_s,
             fan: along.fan_mm_per_s2,
             own: along.own,
         };
         let conditions = self.conditions_of_sensor(motion, input);
-        along.sensed_mm + self.effects.written.reading_shift_along(&conditions, &speeds)
+        along.sensed_mm + self.effects.written.reading_shift_along(&conditions, &direction)
     }
 
     /// The conditions of the sensor, which knows the height behind its inertia.

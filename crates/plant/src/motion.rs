@@ -130,7 +130,7 @@ impl Motion {
         Flow { model, input }.free(self, friction_mm_per_s2, dt_s)
     }
 
-    /// The derivative of [`Motion::slide`] by the start, along `along`, a motion per unit.
+    /// The directional derivative of [`Motion::slide`] by the start, along `along`.
     #[must_use]
     pub fn slide_along(&self, model: &Model, input: Input, friction: Friction, dt_s: f64, along: &Self) -> Self {
         Flow { model, input }.free_along(self, friction, dt_s, along)

@@ -1,7 +1,8 @@
 //! From the position to the reading: what the sensor does after its lag.
 //!
 //! ```text
-//! s → + what written effects add → at t − delay → + σ·n → ± size, now and then → nearest step → held until the next refresh
+//! s → + what written effects add → at t − delay → + σ·n → ± size, now and then → nearest step
+//!   → held until the next refresh
 //! ```
 //!
 //! Where the ball was is interpolated linearly between integration steps of at most 1 ms, which is exact to

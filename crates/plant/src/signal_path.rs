@@ -233,10 +233,7 @@ impl Effects {
         });
         linear && self.written.motion_is_linear()
     }
-}
 
-/// Whether a step is one linear map.
-impl Effects {
     /// Whether a step in an endless pipe is a linear map of state and command that depends on its length alone: no
     /// force acts but the fan's, turbulence and drag.
     #[must_use]
@@ -260,11 +257,11 @@ impl Effects {
         any!(self, senses)
     }
 
-    /// Whether the sensor shows another height than that of the ball behind its inertia.
+    /// Whether a written effect acts in the sensor.
     #[inline(always)]
     #[must_use]
-    pub fn bends_reading(&self) -> bool {
-        self.written.bends_reading()
+    pub fn acts_on_reading(&self) -> bool {
+        self.written.acts_on_reading()
     }
 
     /// How old a reading is, seconds.

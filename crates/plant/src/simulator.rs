@@ -76,9 +76,9 @@ impl Simulator {
         self.actuator.write(&self.model, self.input.time_s, duty_percent);
     }
 
-    /// The setpoint from now on, mm, for effects that depend on it; none: it stays as it is.
-    pub fn aim(&mut self, setpoint_mm: Option<f64>) {
-        self.actuator.aim(setpoint_mm);
+    /// Sets the setpoint in force, mm, for effects that depend on it; `None` keeps the last one.
+    pub fn set_setpoint(&mut self, setpoint_mm: Option<f64>) {
+        self.actuator.set_setpoint(setpoint_mm);
     }
 
     /// Flies on to `time_s`. A time that has passed changes nothing.

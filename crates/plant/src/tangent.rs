@@ -1,4 +1,4 @@
-//! The derivative of a step of the smooth motion by its start, along one direction.
+//! The directional derivative of a step of the smooth motion by its start.
 //!
 //! ```text
 //! dx/dt = f(x, t)      dδ/dt = ∂f/∂x · δ      one RK4 step of both together
@@ -10,14 +10,14 @@
 //! and of the fan's lag are central differences, exact where they are linear.
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, section I.14.
 
-use crate::acts::{Along, Conditions};
+use crate::acts::{Conditions, Direction};
 use crate::flow::{Drive, Flow};
 use crate::motion::{Motion, OWN_STATES};
 use crate::rk4;
 
 /// Step of the differences along a direction, per unit of it: far below what a flight covers, far above rounding.
 const NUDGE: f64 = 1e-2;
-/// y, v and the own states, then their speeds along the direction.
+/// y, v and the own states, then their directional derivatives.
 const STATES: usize = 2 * (2 + OWN_STATES);
 
 /// Dry friction during a step, mm/s², and its derivative by the velocity at the start, 1/s.
@@ -30,7 +30,7 @@ pub struct Friction {
 }
 
 impl Flow<'_> {
-    /// The derivative of [`Flow::free`] by the start, along `along`, a motion per unit.
+    /// The directional derivative of [`Flow::free`] by the start, along `along`.
     pub(crate) fn free_along(&self, motion: &Motion, friction: Friction, dt_s: f64, along: &Motion) -> Motion {
         let drives = self.drives(self.fans(motion, dt_s), self.turbulences(motion, dt_s), friction.mm_per_s2, dt_s);
         let fan = self.fans_along(motion, along.fan_mm_per_s2, dt_s);
@@ -51,12 +51,12 @@ impl Flow<'_> {
         }
     }
 
-    /// The rates of y, v and the own states, and those of their speeds along the direction.
+    /// The rates of y, v and the own states, and those of their directional derivatives.
     fn rate_along(&self, x: &[f64; STATES], drive: Drive, moving: Drive) -> [f64; STATES] {
         let [y, v, p, q, y_along, v_along, p_along, q_along] = *x;
         let effects = &self.model.effects;
         let conditions = self.conditions([y, v], [p, q], drive);
-        let along = Along { position: y_along, velocity: v_along, fan: moving.fan, own: [p_along, q_along] };
+        let along = Direction { position: y_along, velocity: v_along, fan: moving.fan, own: [p_along, q_along] };
         let linear = moving.force - self.model.drag_per_s * v_along;
         let [dp, dq] = effects.own_rates(&conditions);
         let [dp_along, dq_along] = effects.written.own_rates_along(&conditions, &along);
@@ -90,7 +90,7 @@ const fn flat(motion: &Motion, along: &Motion) -> [f64; STATES] {
 
 impl Conditions {
     /// The same where the state has moved so far along a direction.
-    fn moved(&self, along: &Along, by: f64) -> Self {
+    fn moved(&self, along: &Direction, by: f64) -> Self {
         Self {
             position_mm: self.position_mm + by * along.position,
             velocity_mm_per_s: self.velocity_mm_per_s + by * along.velocity,

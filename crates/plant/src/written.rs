@@ -13,7 +13,7 @@ mod table;
 mod tests;
 mod text;
 
-use crate::acts::{Along, Conditions};
+use crate::acts::{Conditions, Direction};
 use crate::effect::{Entry, Stage};
 use crate::motion::OWN_STATES;
 use crate::unsound::Unsound;
@@ -28,6 +28,18 @@ pub(crate) struct On {
     definition: &'static Definition,
     /// In the order of the entry; what is beyond its parameters is 0.
     values: [f64; MOST_PARAMETERS],
+}
+
+impl On {
+    /// What it adds in the air, at the ball or in the sensor, in the unit of its stage.
+    fn adds(&self, conditions: &Conditions) -> f64 {
+        self.definition.adds(&scope::of_force(conditions, &self.values))
+    }
+
+    /// The directional derivative of that by the state.
+    fn adds_along(&self, conditions: &Conditions, along: &Direction) -> f64 {
+        self.definition.adds_along(&scope::of_force(conditions, &self.values), &scope::of_direction(along))
+    }
 }
 
 /// The effects that a user wrote.
@@ -108,13 +120,12 @@ impl WrittenEffects {
 
     /// The acceleration that they add to the ball, mm/s².
     pub(crate) fn force(&self, conditions: &Conditions) -> f64 {
-        self.forces().map(|on| on.definition.adds(&scope::of_force(conditions, &on.values))).sum()
+        self.forces().map(|on| on.adds(conditions)).sum()
     }
 
-    /// The derivative of [`Self::force`] while the state moves with the speeds `along`, mm/s² per unit.
-    pub(crate) fn force_along(&self, conditions: &Conditions, along: &Along) -> f64 {
-        let of = |on: &On| on.definition.adds_along(&scope::of_force(conditions, &on.values), &scope::of_speeds(along));
-        self.forces().map(of).sum()
+    /// The directional derivative of [`Self::force`] by the state.
+    pub(crate) fn force_along(&self, conditions: &Conditions, along: &Direction) -> f64 {
+        self.forces().map(|on| on.adds_along(conditions, along)).sum()
     }
 
     /// The effects that are a force.
@@ -127,19 +138,19 @@ impl WrittenEffects {
         self.on.iter().filter(|on| on.definition.stage() == Stage::Sensor)
     }
 
-    pub(crate) fn bends_reading(&self) -> bool {
+    /// Whether one of them is on.
+    pub(crate) fn acts_on_reading(&self) -> bool {
         self.of_sensor().next().is_some()
     }
 
     /// What they add to the reading of a ball that is seen at the height of `conditions`, mm.
     pub(crate) fn reading_shift(&self, conditions: &Conditions) -> f64 {
-        self.of_sensor().map(|on| on.definition.adds(&scope::of_force(conditions, &on.values))).sum()
+        self.of_sensor().map(|on| on.adds(conditions)).sum()
     }
 
-    /// The derivative of [`Self::reading_shift`] while the state moves with the speeds `along`, mm per unit.
-    pub(crate) fn reading_shift_along(&self, conditions: &Conditions, along: &Along) -> f64 {
-        let of = |on: &On| on.definition.adds_along(&scope::of_force(conditions, &on.values), &scope::of_speeds(along));
-        self.of_sensor().map(of).sum()
+    /// The directional derivative of [`Self::reading_shift`] by the state.
+    pub(crate) fn reading_shift_along(&self, conditions: &Conditions, along: &Direction) -> f64 {
+        self.of_sensor().map(|on| on.adds_along(conditions, along)).sum()
     }
 
     pub(crate) fn has_force(&self) -> bool {
@@ -165,10 +176,10 @@ impl WrittenEffects {
         self.with_states().map(|on| on.definition.rates(&scope::of_force(conditions, &on.values)))
     }
 
-    /// The derivatives of the rates of the own states while the state moves with the speeds `along`.
-    pub(crate) fn own_rates_along(&self, conditions: &Conditions, along: &Along) -> [f64; OWN_STATES] {
-        let (Some(on), speeds) = (self.with_states(), scope::of_speeds(along)) else { return [0.0; OWN_STATES] };
-        on.definition.rates_along(&scope::of_force(conditions, &on.values), &speeds)
+    /// The directional derivatives of the rates of the own states.
+    pub(crate) fn own_rates_along(&self, conditions: &Conditions, along: &Direction) -> [f64; OWN_STATES] {
+        let (Some(on), direction) = (self.with_states(), scope::of_direction(along)) else { return [0.0; OWN_STATES] };
+        on.definition.rates_along(&scope::of_force(conditions, &on.values), &direction)
     }
 
     pub(crate) fn own_settled(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {

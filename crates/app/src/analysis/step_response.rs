@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! overshoot   largest excursion beyond the new setpoint, as a share of the jump
-//! peak        time from the jump to the first peak beyond the new setpoint, if it is over 2.5 % of the jump: smaller ones
-//!             are noise; the peak is that of the transient method
+//! peak        time from the jump to the first peak beyond the new setpoint, found as in the transient method, if it is
+//!             over 2.5 % of the jump: smaller ones are noise
 //! settling    time from the jump until the position stays within ±5 % of the jump for a second
 //! ```
 //!

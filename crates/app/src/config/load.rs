@@ -146,10 +146,9 @@ impl Config {
     /// Refuses written effects that depend on the setpoint, where it is not known, and `why` it is not.
     ///
     /// # Errors
-    /// [`ConfigError`] names file, line, key and column of the first one that is on, or that `weighs` says counts though
-    /// it is off.
-    pub fn refuse_setpoint(&self, why: &str, weighs: impl Fn(&str) -> bool) -> Result<(), ConfigError> {
-        match written::setpoint_use(&self.tables, why, weighs) {
+    /// [`ConfigError`] names file, line, key and column of the first one that is on or `is_tried` by a search.
+    pub fn refuse_setpoint(&self, why: &str, is_tried: impl Fn(&str) -> bool) -> Result<(), ConfigError> {
+        match written::setpoint_use(&self.tables, why, is_tried) {
             Some((key, message)) => Err(ConfigError::Key { place: place(&self.sources, &key), key, message }),
             None => Ok(()),
         }

@@ -41,11 +41,11 @@ fn within_effect(name: &str, error: DefinitionError) -> (String, String) {
     (key, error.message)
 }
 
-/// Key and message of the first written effect that depends on the setpoint, of those that are on, or that `weighs` says
-/// count though they are off.
-pub(super) fn setpoint_use(tables: &Tables, why: &str, weighs: impl Fn(&str) -> bool) -> Option<(String, String)> {
+/// Key and message of the first written effect that depends on the setpoint, of those that are on or `is_tried` by a
+/// search.
+pub(super) fn setpoint_use(tables: &Tables, why: &str, is_tried: impl Fn(&str) -> bool) -> Option<(String, String)> {
     let written = &tables.plant.as_ref()?.effects.written;
-    let counts = |known: &Definition| weighs(known.entry().name) || written.present().any(|on| on == known);
+    let counts = |known: &Definition| is_tried(known.entry().name) || written.present().any(|on| on == known);
     written.definitions().filter(|known| counts(known)).find_map(|known| {
         let error = known.without_setpoint(why)?;
         Some(within_effect(known.entry().name, error))

@@ -158,7 +158,7 @@ impl<'a, R: Rig> Flight<'a, R> {
         }
         let time_s = observed_s - self.start_s;
         let decision = self.pilot.decide(time_s, senses);
-        self.rig.aim(decision.setpoint_mm);
+        self.rig.set_setpoint(decision.setpoint_mm);
         let fan_fault = self.act(decision.duty);
 
         let cycle = Cycle {

@@ -5,7 +5,7 @@ use super::error::StartError;
 use super::lines::{Lines, Pin};
 use super::range::{BEYOND_PIPE_MM, START_ALLOWED_S, kind};
 use super::second::{Apart, Second};
-use super::told::Told;
+use super::shared_setpoint::SharedSetpoint;
 use super::{Rig, Sighting};
 use crate::config;
 use control::{Duty, Millimetres};
@@ -39,8 +39,8 @@ pub struct Chips<S: I2c, P: I2c, C: Clock> {
     clock: C,
     sensor_to_bottom_mm: f64,
     sensor_scale: f64,
-    /// How an emulated world learns of the setpoint.
-    told: Told,
+    /// The setpoint for an emulated world.
+    setpoint: SharedSetpoint,
 }
 
 impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
@@ -73,13 +73,13 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Chips<S, P, C> {
             clock,
             sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
             sensor_scale: rig.sensor_scale,
-            told: Told::default(),
+            setpoint: SharedSetpoint::default(),
         })
     }
 
-    /// The same chips, which tell an emulated world the setpoint.
-    pub(super) fn telling(mut self, told: Told) -> Self {
-        self.told = told;
+    /// The same chips, which share the setpoint with an emulated world.
+    pub(super) fn with_setpoint(mut self, setpoint: SharedSetpoint) -> Self {
+        self.setpoint = setpoint;
         self
     }
 
@@ -130,8 +130,8 @@ impl<S: I2c, P: I2c, C: Clock + Clone> Rig for Chips<S, P, C> {
         self.second.as_mut().map(Second::position)
     }
 
-    fn aim(&mut self, setpoint_mm: Option<f64>) {
-        self.told.tell(setpoint_mm);
+    fn set_setpoint(&mut self, setpoint_mm: Option<f64>) {
+        self.setpoint.set(setpoint_mm);
     }
 
     fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {

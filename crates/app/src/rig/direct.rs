@@ -43,12 +43,12 @@ impl Rig for Direct {
 
     fn drive(&mut self, duty: Duty) -> Result<Duty, ErrorKind> {
         self.simulator.advance_to(self.now_s.get());
-        self.simulator.aim(self.setpoint_mm);
+        self.simulator.set_setpoint(self.setpoint_mm);
         self.simulator.drive(duty.percent());
         Ok(duty)
     }
 
-    fn aim(&mut self, setpoint_mm: Option<f64>) {
+    fn set_setpoint(&mut self, setpoint_mm: Option<f64>) {
         self.setpoint_mm = setpoint_mm;
     }
 }

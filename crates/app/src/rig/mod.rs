@@ -25,12 +25,12 @@ mod lines;
 mod pulses;
 mod range;
 mod second;
+mod shared_setpoint;
 mod simulated;
 mod socket;
 mod socket_lines;
 #[cfg(test)]
 mod tests;
-mod told;
 mod wire;
 
 pub use bench::{bench, claim, turn_off};
@@ -106,7 +106,7 @@ pub trait Rig {
 
     /// The setpoint of the duty that is written next: effects of a simulated rig may depend on it. A real rig sees the
     /// duty alone.
-    fn aim(&mut self, setpoint_mm: Option<f64>) {
+    fn set_setpoint(&mut self, setpoint_mm: Option<f64>) {
         let _ = setpoint_mm;
     }
 

@@ -5,7 +5,7 @@ use super::clock::{Monotonic, WorldClock};
 use super::error::StartError;
 use super::lines::Lines;
 use super::pulses::Pulses;
-use super::told::Told;
+use super::shared_setpoint::SharedSetpoint;
 use crate::config;
 use embedded_hal::i2c::ErrorKind;
 use hal::Clock;
@@ -25,7 +25,7 @@ pub struct PlantWorld {
     sensor_scale: f64,
     time: Time,
     /// The setpoint of the loop that flies it.
-    told: Told,
+    setpoint: SharedSetpoint,
 }
 
 /// The second sensor: the true position of the ball, with noise. The sensor effects of the model apply to the first.
@@ -80,7 +80,7 @@ impl World for PlantWorld {
         let now_s = self.now_s();
         self.simulator.advance_to(now_s);
         self.fan_percent = 100.0 * fraction;
-        self.simulator.aim(self.told.setpoint_mm());
+        self.simulator.set_setpoint(self.setpoint.get());
         self.simulator.drive(self.fan_percent);
         if let Some(pulses) = &mut self.pulses {
             pulses.drive(now_s, self.fan_percent);
@@ -119,8 +119,7 @@ pub fn simulated_in_real_time(
 ) -> Result<SimulatedRig<Monotonic>, SimulatedStartError> {
     let clock = Monotonic::start();
     let world = world(model, rig, seed, Time::Real(clock));
-    let told = world.told.clone();
-    Ok(start(&with_signals(EmulatedBus::new(world), rig), clock, rig)?.telling(told))
+    start_in(world, |_| clock, rig)
 }
 
 /// The bus of a simulated rig in real time, for other drivers of its chips.
@@ -160,9 +159,18 @@ pub fn simulated_in_virtual_time(
     seed: u64,
 ) -> Result<SimulatedRig<WorldClock<PlantWorld>>, SimulatedStartError> {
     let world = PlantWorld::in_virtual_time(model, rig, seed);
-    let told = world.told.clone();
+    start_in(world, |bus| WorldClock(bus.clone()), rig)
+}
+
+/// Starts the chips of `[rig]` in a world, by a clock that may be that of their bus.
+fn start_in<C: Clock + Clone>(
+    world: PlantWorld,
+    clock: impl FnOnce(&EmulatedBus<PlantWorld>) -> C,
+    rig: &config::Rig,
+) -> Result<SimulatedRig<C>, SimulatedStartError> {
+    let setpoint = world.setpoint.clone();
     let bus = with_signals(EmulatedBus::new(world), rig);
-    Ok(start(&bus, WorldClock(bus.clone()), rig)?.telling(told))
+    Ok(start(&bus, clock(&bus), rig)?.with_setpoint(setpoint))
 }
 
 fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld {
@@ -178,6 +186,6 @@ fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld 
         sensor_to_bottom_mm: rig.sensor_to_bottom_mm,
         sensor_scale: rig.sensor_scale,
         time,
-        told: Told::default(),
+        setpoint: SharedSetpoint::default(),
     }
 }

@@ -86,10 +86,9 @@ impl Innovation {
         let wide = -0.5 * (residual / WILD_WIDTH).powi(2) / variance_mm2;
         let wide = scale + wide - WILD_WIDTH.ln() + WILD_SHARE.ln();
         let odds = (wide - good).exp();
-        let (mut log_density, mut weight) = (good + odds.ln_1p(), (1.0 + odds).recip());
-        if !odds.is_finite() {
-            (log_density, weight) = (wide, 0.0);
-        }
+        // So far out that the odds exceed all numbers, the reading is an outlier.
+        let (mut log_density, mut weight) =
+            if odds.is_finite() { (good + odds.ln_1p(), (1.0 + odds).recip()) } else { (wide, 0.0) };
         if share > 0.0 {
             // Outliers scatter about their size.
             let variance = variance_mm2 + (WILD_SCATTER * size_mm).powi(2);

@@ -273,7 +273,7 @@ mod tests {
                 simulator.advance_to(time_s);
                 let reading = simulator.reading_mm();
                 let duty_percent = 21.4 + 0.01 * (300.0 - reading);
-                simulator.aim(Some(setpoint_mm));
+                simulator.set_setpoint(Some(setpoint_mm));
                 simulator.drive(duty_percent);
                 let setpoint_mm = Some(setpoint_mm).filter(|_| k.is_multiple_of(100));
                 Sample { time_s, duty_percent, setpoint_mm, position_mm: Some(reading), ..Sample::default() }

@@ -2,8 +2,8 @@
 
 use plant::{Definition, DefinitionTable, Model, ParameterTable, Stage, StateTable};
 
-/// `model` with an effect of this stage that adds `adds`, of its parameter `k`, neutral at 0, and perhaps of a state `s`
-/// with a rate and a value at rest.
+/// `model` with an effect of this stage that adds `adds`. Its parameter `k` is neutral at 0; a state `s` has a rate and
+/// a value at rest.
 pub(crate) fn with_written(mut model: Model, stage: Stage, adds: &str, s: Option<[&str; 2]>, k: f64) -> Model {
     let parameter =
         ParameterTable { neutral: Some(0.0), value: None, scale: None, low: -100.0, high: 100.0, unit: String::new() };

@@ -13,7 +13,7 @@ pub use open_loop::OpenLoop;
 pub use relay::{Oscillation, oscillation};
 pub use residual_tests::{ResidualTests, Test};
 pub use transient::fan_pole::fan_lag_s;
-pub use transient::peak::highest as first_peak;
+pub use transient::peak::first_peak;
 pub use transient::second_order::{Transient, TwoPoles};
 pub use transient::steps::{Pulse, Rejected, pulses};
 pub use transient::sweep::{NoSweep, OfGain, Sweep};

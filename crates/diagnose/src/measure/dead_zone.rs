@@ -12,7 +12,7 @@
 
 use super::jumps::{Jump, Jumps};
 use super::{Estimate, MeasureError};
-use crate::stats::student::NORMAL;
+use crate::stats::student::NORMAL_QUANTILE;
 use serde::Serialize;
 
 /// Largest distance of a duty from hover, percent.
@@ -112,12 +112,14 @@ fn edge(points: &[Point]) -> Option<(Estimate, (f64, f64))> {
     let (at, best) = *tried.iter().min_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square))?;
     let per_freedom = best.chi_square / (points.len() as f64 - 2.0).max(1.0);
     let wider = if per_freedom > MISFIT { per_freedom } else { 1.0 };
-    let within = || tried.iter().filter(|(_, line)| line.chi_square <= best.chi_square + NORMAL * NORMAL * wider);
+    let within = || {
+        tried.iter().filter(|(_, line)| line.chi_square <= best.chi_square + NORMAL_QUANTILE * NORMAL_QUANTILE * wider)
+    };
     let low = within().map(|(at, _)| *at).fold(at, f64::min);
     let high = within().map(|(at, _)| *at).fold(at, f64::max);
     // The errors of edge and gain are correlated: the gains within the interval of the edge give that part of the
     // error.
-    let by_edge = within().map(|(_, line)| (line.gain - best.gain).abs()).fold(0.0, f64::max) / NORMAL;
+    let by_edge = within().map(|(_, line)| (line.gain - best.gain).abs()).fold(0.0, f64::max) / NORMAL_QUANTILE;
     Some((Estimate { value: at, low, high }, (best.gain, by_edge.hypot(best.gain_deviation * wider.sqrt()))))
 }
 

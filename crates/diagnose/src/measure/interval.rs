@@ -6,7 +6,7 @@
 //!
 //! Source: Abramowitz & Stegun, *Handbook of Mathematical Functions*, 26.4.17.
 
-use crate::stats::student::{NORMAL, student};
+use crate::stats::student::{NORMAL_QUANTILE, student};
 use serde::Serialize;
 
 /// A value with its 90 % interval.
@@ -24,7 +24,7 @@ impl Estimate {
     /// A value with a normal error of this standard deviation.
     #[must_use]
     pub fn normal(value: f64, deviation: f64) -> Self {
-        Self { value, low: value - NORMAL * deviation, high: value + NORMAL * deviation }
+        Self { value, low: value - NORMAL_QUANTILE * deviation, high: value + NORMAL_QUANTILE * deviation }
     }
 
     /// The same if the standard deviation was estimated with so many degrees of freedom.
@@ -50,7 +50,7 @@ impl Estimate {
     #[must_use]
     pub fn of_deviation(deviation: f64, freedom: f64) -> Self {
         let bound = |x: f64| deviation * (freedom / chi_square(freedom, x)).sqrt();
-        Self { value: deviation, low: bound(NORMAL), high: bound(-NORMAL) }
+        Self { value: deviation, low: bound(NORMAL_QUANTILE), high: bound(-NORMAL_QUANTILE) }
     }
 
     /// Linear function of value and ends: `scale·x + offset`.
@@ -74,12 +74,12 @@ fn chi_square(freedom: f64, x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{NORMAL, chi_square};
+    use super::{NORMAL_QUANTILE, chi_square};
 
     #[test]
     fn the_quantiles_are_those_of_the_tables() {
         for (freedom, low, high) in [(10.0, 3.940, 18.307), (50.0, 34.764, 67.505)] {
-            let [found_low, found_high] = [-NORMAL, NORMAL].map(|x| chi_square(freedom, x));
+            let [found_low, found_high] = [-NORMAL_QUANTILE, NORMAL_QUANTILE].map(|x| chi_square(freedom, x));
             assert!((found_low / low - 1.0).abs() < 5e-3 && (found_high / high - 1.0).abs() < 2e-3, "{found_low}");
         }
     }

@@ -64,7 +64,7 @@ pub fn two_ends(recording: &Recording, travel_mm: f64, blind_above_mm: f64) -> R
     let top = seen.filter(|top| top.position_mm < blind_above_mm).map(|top| {
         let reading_mm = mean(&top);
         let way = reading_mm.value - bottom_mm.value;
-        let deviation = half_width(bottom_mm).hypot(half_width(reading_mm)) / crate::stats::student::NORMAL;
+        let deviation = half_width(bottom_mm).hypot(half_width(reading_mm)) / crate::stats::student::NORMAL_QUANTILE;
         let scale = travel_mm / way;
         Top { reading_mm, scale: Estimate::normal(scale, scale * deviation / way), noise_mm: top.sensor_mm.value }
     });

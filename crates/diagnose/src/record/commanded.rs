@@ -9,7 +9,7 @@ pub(crate) fn commanded(model: &Model, recording: &Recording) -> Vec<f64> {
     let mut actuator = Actuator::new(model, writes.first().map_or(0.0, |first| first.duty_percent));
     let start_s = writes.first().map_or(0.0, |first| first.time_s);
     let at_write = writes.iter().map(|write| {
-        actuator.aim(write.setpoint_mm);
+        actuator.set_setpoint(write.setpoint_mm);
         actuator.write(model, write.time_s - start_s, write.duty_percent);
         actuator.commanded(model, write.time_s - start_s)
     });

@@ -8,7 +8,7 @@
 //! Source: Abramowitz & Stegun, *Handbook of Mathematical Functions*, 26.7.5; the closed forms, 26.7.2 and 26.7.3.
 
 /// The 95 % quantile of the standard normal distribution.
-pub(crate) const NORMAL: f64 = 1.644_853_626_951_472;
+pub(crate) const NORMAL_QUANTILE: f64 = 1.644_853_626_951_472;
 
 /// The 95 % quantile of Student's t with `freedom` degrees of freedom, at least 1.
 pub(crate) fn student(freedom: f64) -> f64 {
@@ -18,7 +18,7 @@ pub(crate) fn student(freedom: f64) -> f64 {
     if freedom < 3.0 {
         return 0.9 * (2.0 / (1.0 - 0.9 * 0.9_f64)).sqrt();
     }
-    let (x, x2) = (NORMAL, NORMAL * NORMAL);
+    let (x, x2) = (NORMAL_QUANTILE, NORMAL_QUANTILE * NORMAL_QUANTILE);
     x + x * (x2 + 1.0) / (4.0 * freedom)
         + x * ((5.0 * x2 + 16.0) * x2 + 3.0) / (96.0 * freedom.powi(2))
         + x * (((3.0 * x2 + 19.0) * x2 + 17.0) * x2 - 15.0) / (384.0 * freedom.powi(3))

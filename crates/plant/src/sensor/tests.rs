@@ -46,7 +46,8 @@ fn a_delayed_reading_is_the_position_of_that_instant_and_of_the_start_before_it(
 #[test]
 fn a_written_effect_of_the_sensor_adds_to_the_height_of_the_instant_that_is_read() {
     let table: DefinitionTable = serde_json::from_value(serde_json::json!({
-        "stage": "sensor", "adds": "k * x + 1000 * k * t", "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 } },
+        "stage": "sensor", "adds": "k * x + 1000 * k * t",
+        "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 } },
     }))
     .unwrap();
     let mut bent = model(0.0, &[("sensor_delay", &[0.03])]);

@@ -92,7 +92,7 @@ impl Definition {
         self.adds.value(values)
     }
 
-    /// The derivative of what it adds while the values move with the speeds `towards`.
+    /// The directional derivative of what it adds, along `towards`.
     pub(super) fn adds_along(&self, values: &[f64], towards: &[f64]) -> f64 {
         self.adds.dual(values, towards).1
     }
@@ -114,7 +114,7 @@ impl Definition {
         std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.value(values)))
     }
 
-    /// The derivatives of the rates while the values move with the speeds `towards`.
+    /// The directional derivatives of the rates, along `towards`.
     pub(super) fn rates_along(&self, values: &[f64], towards: &[f64]) -> [f64; OWN_STATES] {
         std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.dual(values, towards).1))
     }

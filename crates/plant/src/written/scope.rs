@@ -1,6 +1,6 @@
 //! The names that a formula may use, their values, and the bounds within which it must have a value.
 
-use crate::acts::{Along, Conditions};
+use crate::acts::{Conditions, Direction};
 use crate::effect::Stage;
 use crate::motion::OWN_STATES;
 
@@ -44,7 +44,7 @@ pub(super) fn is_variable(name: &str) -> bool {
     OF_FORCE.iter().chain(&OF_DUTY).any(|(known, _)| *known == name)
 }
 
-/// The variables of the stages with states, and the states.
+/// The number of the variables of a stage with states, and of the states.
 const MOVING: usize = OF_FORCE.len() + OWN_STATES;
 
 /// The indices of what a force may be linear in.
@@ -86,7 +86,7 @@ pub(super) fn of_force(
     values
 }
 
-/// The speeds of the same names, the parameters being constant.
-pub(super) fn of_speeds(along: &Along) -> [f64; MOVING] {
+/// The direction of the same names, the parameters being constant.
+pub(super) fn of_direction(along: &Direction) -> [f64; MOVING] {
     [along.position, along.velocity, 0.0, 0.0, 0.0, along.fan, 0.0, along.own[0], along.own[1]]
 }

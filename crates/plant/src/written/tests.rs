@@ -102,7 +102,8 @@ fn a_formula_in_the_actuator_changes_the_command_and_may_move_with_time() {
 /// A sensor that shows `k` of the square of the height more, and of a state that follows the fan.
 fn bending() -> Model {
     let bend = table(serde_json::json!({
-        "stage": "sensor", "adds": "k * x^2 + 100 * k * v + k * s", "states": { "s": { "rate": "(fan - s) / 0.5", "start": "fan" } },
+        "stage": "sensor", "adds": "k * x^2 + 100 * k * v + k * s",
+        "states": { "s": { "rate": "(fan - s) / 0.5", "start": "fan" } },
         "parameters": { "k": { "neutral": 0.0, "low": 0.0, "high": 1.0 } },
     }));
     with("bending", &[1e-3], Some(&bend))
@@ -113,7 +114,7 @@ fn a_formula_in_the_sensor_changes_what_is_seen_and_leaves_the_ball_alone() {
     let model = bending();
     let plain = Model { effects: Effects::default(), ..model.clone() };
     assert_eq!(heights(&model), heights(&plain));
-    assert!(model.effects.bends_reading() && model.effects.motion_is_linear());
+    assert!(model.effects.acts_on_reading() && model.effects.motion_is_linear());
     let motion = Motion { velocity_mm_per_s: -30.0, own: [80.0, 0.0], ..Motion::at_rest(200.0, 0.0) };
     let seen = model.seen_mm(&motion, Input::of(0.0));
     let exact = 200.0 + 1e-3 * (200.0_f64.powi(2) - 3000.0 + 80.0);
@@ -162,7 +163,7 @@ fn a_formula_of_the_setpoint_takes_that_of_the_input_and_mid_pipe_where_none_is_
     let fed = with("fed", &[0.01], Some(&simple("actuator", "k * (setpoint - 291.5)")));
     let mut actuator = crate::Actuator::new(&fed, fed.hover_duty_percent);
     let mut percent = |setpoint_mm| {
-        actuator.aim(setpoint_mm);
+        actuator.set_setpoint(setpoint_mm);
         actuator.commanded(&fed, 0.0) / fed.gain_mm_per_s2_per_percent
     };
     // Unknown, then set, then as it was.

@@ -25,7 +25,7 @@ impl Measured {
     /// The slopes about a state.
     pub(super) fn of(model: &Model, active: &Active, state: &State, input: Input) -> Self {
         let seen = seen_state(model);
-        if !model.effects.bends_reading() {
+        if !model.effects.acts_on_reading() {
             return Self::State(seen);
         }
         let mut slopes = State::zeros();

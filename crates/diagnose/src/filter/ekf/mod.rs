@@ -7,8 +7,9 @@
 //! ```
 //!
 //! It is exact for linear models, where central differences are accurate to rounding, and for effects that act on the
-//! duty alone. Formulas that a user wrote are differentiated automatically. A delayed reading belongs to an earlier time, and the filter uses it there. Each integration step has
-//! the real time between its ends and ends where the command jumps.
+//! duty alone. Formulas that a user wrote are differentiated automatically. A delayed reading belongs to an earlier
+//! time, and the filter uses it there. Each integration step has the real time between its ends and ends where the
+//! command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
 mod active;
@@ -89,7 +90,7 @@ impl<'a> Ekf<'a> {
         let duration_s = first.zip(last).map_or(0.0, |(first, last)| last.time_s - first.time_s);
         let time_s = reading_time(model, writes, row).unwrap_or_default();
         let mut actuator = Actuator::new(model, first_duty);
-        actuator.aim(first.and_then(|first| first.setpoint_mm));
+        actuator.set_setpoint(first.and_then(|first| first.setpoint_mm));
         let commanded_mm_per_s2 = actuator.clone().commanded(model, 0.0);
         let before = Input { setpoint_mm: actuator.setpoint_mm(), ..Input::of(commanded_mm_per_s2) };
         let (state, covariance) = prior(model, reading_mm, before);
@@ -215,7 +216,7 @@ impl<'a> Ekf<'a> {
             let written = self.writes.get(self.next_write);
             let write_s = written.map_or(f64::INFINITY, |write| write.time_s - start_s);
             if let Some(write) = written.filter(|_| write_s <= chatter.until_s) {
-                self.actuator.aim(write.setpoint_mm);
+                self.actuator.set_setpoint(write.setpoint_mm);
                 self.actuator.write(self.model, write_s.max(0.0), write.duty_percent);
                 self.next_write += 1;
                 continue;
@@ -284,9 +285,7 @@ impl<'a> Ekf<'a> {
         self.active.predict(&propagation.transition, &propagation.noise, &mut self.covariance);
         self.time_s += dt;
     }
-}
 
-impl Ekf<'_> {
     /// The state after a step, where the step touches no end of the pipe.
     fn in_the_air(&self, next: Option<State>) -> Option<State> {
         let (bottom, top) = self.model.ends_mm();

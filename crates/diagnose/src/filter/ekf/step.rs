@@ -96,9 +96,10 @@ mod tests {
         }
     }
 
-    /// A force that bends in all that it may depend on, and a state that bends, too.
-    fn bending(model: Model) -> Model {
-        let adds = "k * tanh(v / 50) * exp(-(x / 300)^2) + 0.1 * k * fan * sin(x / 20) / 100 + k * s^2 / 1000 + k * (t + setpoint / 100)";
+    /// A force and a state whose rate are non-linear in all that they may depend on.
+    fn non_linear(model: Model) -> Model {
+        let adds = "k * tanh(v / 50) * exp(-(x / 300)^2) + 0.1 * k * fan * sin(x / 20) / 100 \
+                    + k * s^2 / 1000 + k * (t + setpoint / 100)";
         with_written(model, Stage::Air, adds, Some(["(fan + v * x / 100 - s) / 0.3 + cos(s)", "fan"]), 20.0)
     }
 
@@ -119,7 +120,7 @@ mod tests {
     fn the_transition_of_a_written_effect_is_that_of_central_differences_beside_every_other_effect() {
         let bare = Model { effects: Effects::default(), ..model() };
         for entry in Effects::CATALOGUE.iter() {
-            let mut model = bending(bare.clone());
+            let mut model = non_linear(bare.clone());
             model.effects.set(entry.name, entry.sizes[0]);
             let step = Step::new(&model, INPUT, DT, 60.0);
             let active = Active::of(&model);
@@ -150,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_ball_that_friction_may_stop_within_the_step_keeps_its_differences() {
-        let mut model = bending(model());
+        let mut model = non_linear(model());
         model.effects.set("wall_friction", &[200.0]);
         let step = Step::new(&model, INPUT, DT, 1e-3);
         let active = Active::of(&model);

@@ -23,7 +23,7 @@ pub(crate) fn half_way_s(points: &[(f64, f64)]) -> Option<f64> {
 
 /// Time and height of the first peak; `None` if there is none.
 #[must_use]
-pub fn highest(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+pub fn first_peak(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let within_s = PEAK_WITHIN * half_way_s(points)?;
     let early = points.iter().take_while(|(t, _)| *t <= within_s);
     let (top_s, _) = *early.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -46,7 +46,7 @@ pub fn highest(points: &[(f64, f64)]) -> Option<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{half_way_s, highest};
+    use super::{first_peak, half_way_s};
     use crate::identify::transient::second_order::Transient;
 
     #[test]
@@ -56,7 +56,7 @@ mod tests {
             let points: Vec<(f64, f64)> =
                 (0..400).map(|k| 0.02 * f64::from(k)).map(|t| (t, transient.response(t))).collect();
             let (overshoot, peak_s) = transient.step().unwrap();
-            let (found_s, height) = highest(&points).unwrap();
+            let (found_s, height) = first_peak(&points).unwrap();
             assert!((height - 1.0 - overshoot).abs() < 1e-3 * overshoot + 1e-4, "{damping}: {height} of {overshoot}");
             assert!((found_s / peak_s - 1.0).abs() < 2e-3, "{damping}: {found_s} of {peak_s}");
         }

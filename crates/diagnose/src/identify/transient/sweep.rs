@@ -14,7 +14,7 @@
 
 use crate::fit::profile::OF_90_PERCENT;
 use crate::identify::grey_box::ParameterEstimate;
-use crate::identify::transient::peak::{half_way_s, highest};
+use crate::identify::transient::peak::{first_peak, half_way_s};
 use crate::identify::transient::second_order::{Transient, TwoPoles};
 use crate::identify::transient::steps::{Pulse, Rejected, pulses};
 use crate::record::recording::Recording;
@@ -130,9 +130,9 @@ fn of_gain(group: &[Pulse], dead_time_s: f64) -> Option<OfGain> {
     let n = group.len() as f64;
     let kp_per_mm = group.iter().map(|pulse| pulse.kp_per_mm).sum::<f64>() / n;
     let left_out = |k: usize| group.iter().enumerate().filter(move |(other, _)| *other != k).map(|(_, pulse)| pulse);
-    let peaks = (0..group.len()).map(|k| highest(&mean_pulse(left_out(k))).map_or(0.0, |peak| peak.1 - 1.0));
+    let peaks = (0..group.len()).map(|k| first_peak(&mean_pulse(left_out(k))).map_or(0.0, |peak| peak.1 - 1.0));
     let overshoot_sigma = jackknife(&peaks.collect::<Vec<_>>());
-    let is_seen = highest(&mean_pulse(group.iter())).is_some_and(|peak| peak.1 - 1.0 > SEEN * overshoot_sigma);
+    let is_seen = first_peak(&mean_pulse(group.iter())).is_some_and(|peak| peak.1 - 1.0 > SEEN * overshoot_sigma);
     let read = |points: &[(f64, f64)]| reading(points, kp_per_mm, dead_time_s, is_seen);
     let mean_pulse_of_all = mean_pulse(group.iter());
     let whole = read(&mean_pulse_of_all)?;
@@ -159,7 +159,7 @@ fn of_gain(group: &[Pulse], dead_time_s: f64) -> Option<OfGain> {
 /// Evaluates a mean pulse; `None` if it is not a step response.
 fn reading(points: &[(f64, f64)], kp_per_mm: f64, dead_time_s: f64, is_seen: bool) -> Option<Reading> {
     let (overshoot, peak_s, transient) = if is_seen {
-        let (peak_s, height) = highest(points)?;
+        let (peak_s, height) = first_peak(points)?;
         (height - 1.0, Some(peak_s), Transient::of_step(height - 1.0, peak_s - dead_time_s)?)
     } else {
         let omega = HALF_WAY / (half_way_s(points)? - dead_time_s);

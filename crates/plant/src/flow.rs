@@ -130,11 +130,13 @@ impl Flow<'_> {
         rk4::step(rate, &motion.own, drives, dt_s)
     }
 
+    #[inline(always)]
     pub(crate) fn acceleration(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> f64 {
         let linear = drive.force - self.model.drag_per_s * v;
         self.model.effects.accelerated(linear, &self.conditions([y, v], own, drive))
     }
 
+    #[inline(always)]
     pub(crate) fn conditions(&self, [y, v]: [f64; 2], own: [f64; OWN_STATES], drive: Drive) -> Conditions {
         Conditions {
             time_s: drive.time_s,

@@ -119,8 +119,15 @@ impl WrittenEffects {
     }
 
     /// The acceleration that they add to the ball, mm/s².
+    // Inlined up to the usual case, which is that there are none: the conditions then need not be in memory.
+    #[inline(always)]
     pub(crate) fn force(&self, conditions: &Conditions) -> f64 {
-        self.forces().map(|on| on.adds(conditions)).sum()
+        if self.on.is_empty() { 0.0 } else { self.sum_of_forces(*conditions) }
+    }
+
+    #[inline(never)]
+    fn sum_of_forces(&self, conditions: Conditions) -> f64 {
+        self.forces().map(|on| on.adds(&conditions)).sum()
     }
 
     /// The directional derivative of [`Self::force`] by the state.

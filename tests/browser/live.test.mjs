@@ -1,5 +1,6 @@
 // Flies the simulated rig from the live page in Debian's Chromium. tests/tests/live_page.rs starts rig and broker, and says where: URL, the
-// page as its broker serves it; FILE, the same page on the disk; BROKER, the broker's WebSockets; USER_NAME and PASSWORD.
+// page as its broker serves it; FILE, the same page on the disk; BROKER, the broker's WebSockets; USER_NAME and PASSWORD, and
+// RIG_NAME, who may speak as a rig, with the same password.
 // SHOTS, a directory: pictures of the page are left there, to be looked at.
 
 import assert from "node:assert/strict";
@@ -9,7 +10,7 @@ import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 import { DESK, PHONE, complaints, installed, invalid, open as openPage, shoot } from "./browser.mjs";
 
-const { URL: SERVED, FILE, BROKER, USER_NAME, PASSWORD } = process.env;
+const { URL: SERVED, FILE, BROKER, USER_NAME, RIG_NAME, PASSWORD } = process.env;
 const PATIENCE = 60_000;
 
 let browser;
@@ -130,6 +131,7 @@ test("live: a page whose other script never ran can still stop", async () => {
 
 test("live: without a broker the stop button says so, and what to do", async () => {
   const { page } = await open({ url: `${pathToFileURL(FILE).href}?broker=ws://127.0.0.1:1` });
+  await page.getByRole("button", { name: "Use this broker" }).click();
   await page.getByRole("button", { name: "STOP", exact: true }).click();
   await page.getByText("Switch off the fan's supply").waitFor();
 });
@@ -209,7 +211,7 @@ test("live: a fault that lasts and the last one of earlier flights are shown, an
     await say("state", JSON.stringify({ ...state, fault }));
     await say("fault", JSON.stringify({ at: "2026-01-01T12:00:00Z", fault: "the ball does not move", log: null }));
     client.end();
-  }, [fault, USER_NAME, PASSWORD]);
+  }, [fault, RIG_NAME, PASSWORD]);
   await says("no new range for 300 ms");
   const { page } = await open({ url: `${SERVED}?rig=faulty` });
   await connect(page);
@@ -219,10 +221,52 @@ test("live: a fault that lasts and the last one of earlier flights are shown, an
   await until(page, "no fault", async () => (await text(page, "fault")) === "");
 });
 
-test("live: opened as a file it finds the broker that it is told", async () => {
-  const { page, wrong } = await flying({ url: `${pathToFileURL(FILE).href}?broker=${BROKER}` });
+test("live: opened as a file it finds the broker that it is told, once the reader agrees", async () => {
+  const { page } = await open({ url: `${pathToFileURL(FILE).href}?broker=${BROKER}` });
+  await page.getByRole("button", { name: "Use this broker" }).click();
+  await login(page);
   assert.match(await text(page, "link"), /connected/);
-  assert.deepEqual(wrong, []);
+});
+
+test("live: a link to the broker of another host is not followed unasked, and never gets what the browser filled in", async () => {
+  const elsewhere = BROKER.replace("127.0.0.1", "localhost");
+  const { page } = await open({ url: "about:blank" });
+  const sent = [];
+  page.on("websocket", (socket) => socket.on("framesent", ({ payload }) => sent.push([socket.url(), String(payload)])));
+  const filled = () =>
+    page.evaluate(
+      (login) => {
+        for (const [id, value] of Object.entries(login)) {
+          const input = document.getElementById(id);
+          input.value = value;
+          input.dispatchEvent(new Event("input", { bubbles: true }));
+        }
+      },
+      { user: USER_NAME, password: PASSWORD },
+    );
+  const press = async (name) => {
+    await page.locator("#connection").evaluate((details) => (details.open = true));
+    await page.getByRole("button", { name, exact: true }).click();
+  };
+  const there = () => sent.filter(([url]) => url.startsWith(elsewhere));
+  await page.goto(`${SERVED}?broker=${elsewhere}`);
+  await page.getByText(elsewhere).waitFor();
+  await filled();
+  await press("Connect");
+  await page.getByText("rig online", { exact: true }).waitFor();
+  await press("STOP");
+  await page.getByText("Stop sent").waitFor();
+  assert.deepEqual(there(), []);
+
+  await press("Use this broker");
+  await filled();
+  await press("Connect");
+  await press("STOP");
+  await page.getByText("The broker refuses this user").waitFor();
+  assert.ok(there().length > 0);
+  assert.ok(!there().some(([, payload]) => payload.includes(PASSWORD)));
+  await login(page);
+  await until(page, "the typed login arrives", () => there().some(([, payload]) => payload.includes(PASSWORD)));
 });
 
 test("live: a login that is refused is said, and the form to mend it stands open", async () => {

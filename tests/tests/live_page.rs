@@ -8,6 +8,8 @@ use std::process::{Child, Command, Stdio};
 use system_tests::{Bench, Broker, Ran, collect, eventually, password_file, root};
 
 const LOGIN: (&str, &str) = ("pilot", "up and away");
+/// Who may speak as a rig.
+const RIG: &str = "rig";
 
 /// A flight of the simulated rig that ends with the test.
 struct Flight(Child);
@@ -35,6 +37,8 @@ impl Drop for Flight {
 fn shipped(bench: &Bench) -> (Broker, u16) {
     let users = bench.path("airball.users");
     password_file(&users, LOGIN.0, LOGIN.1);
+    let status = Command::new("mosquitto_passwd").arg("-b").arg(&users).args([RIG, LOGIN.1]).status();
+    assert!(status.unwrap().success());
     let config = std::fs::read_to_string(root().join("packaging/mosquitto.conf")).unwrap();
     Broker::configured(&bench.path("mosquitto.conf"), |port, sockets| {
         let changes = [
@@ -42,6 +46,7 @@ fn shipped(bench: &Bench) -> (Broker, u16) {
             ("listener 9001", format!("listener {sockets}")),
             ("/var/lib/airball/live", bench.path("live").display().to_string()),
             ("/etc/mosquitto/airball.users", users.display().to_string()),
+            ("/etc/mosquitto/airball.acl", root().join("packaging/mosquitto.acl").display().to_string()),
         ];
         changes.iter().fold(config.clone(), |config, (ours, here)| {
             assert!(config.contains(ours), "{ours}");
@@ -62,7 +67,11 @@ fn the_live_page_flies_the_rig_and_stops_it_whatever_else_fails() {
     let mut browser = Command::new("node");
     browser.arg("--test").arg(root().join("tests/browser/live.test.mjs"));
     browser.env("URL", format!("http://127.0.0.1:{sockets}/")).env("BROKER", format!("ws://127.0.0.1:{sockets}"));
-    browser.env("FILE", bench.path("live/index.html")).env("USER_NAME", LOGIN.0).env("PASSWORD", LOGIN.1);
+    browser
+        .env("FILE", bench.path("live/index.html"))
+        .env("USER_NAME", LOGIN.0)
+        .env("PASSWORD", LOGIN.1)
+        .env("RIG_NAME", RIG);
     let ran = Ran::from(browser.output().unwrap_or_else(|error| panic!("node: {error}; run scripts/test")));
     assert_eq!(ran.code, Some(0), "{}\n{}", ran.output, ran.errors);
 }

@@ -178,6 +178,7 @@
     event.preventDefault();
     connect();
   });
+  document.addEventListener("broker", () => connect());
 
   // Every cycle, for as long as the box is ticked and the page is looked at: the rig forgets the asking after five seconds.
   const stream = () => client.connected && send("stream", at("full").checked ? "full" : "off");

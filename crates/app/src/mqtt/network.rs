@@ -14,8 +14,10 @@ use crate::config::mqtt::{Credentials, MqttConfig, MqttError};
 use crate::config::topics::Topics;
 use crate::flight::last_fault::LastFault;
 use rumqttc::{
-    Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, QoS, TlsConfiguration, Transport,
+    Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, PublishOptions, QoS, TlsConfiguration,
+    Transport,
 };
+use std::borrow::Cow;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::sync::mpsc::SyncSender;
@@ -30,7 +32,9 @@ pub(super) const LARGEST_IN: usize = 2 << 20;
 /// Largest packet sent; a full batch of cycles is below 40 KB.
 const LARGEST_OUT: usize = 64 * 1024;
 /// After one and a half of these without a packet the broker publishes the last will.
-const KEEP_ALIVE: Duration = Duration::from_secs(5);
+const KEEP_ALIVE_S: u16 = 5;
+/// Of a message that the broker keeps for readers to come.
+pub(super) const RETAINED: PublishOptions = PublishOptions::at_least_once().retained();
 /// First and longest pause between two attempts to connect.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(5));
 
@@ -64,7 +68,7 @@ impl Line {
     /// Publishes the last fault, if one is known.
     pub(super) fn publish_fault(&self, client: &Client, topics: &Topics) -> bool {
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        fault.is_none_or(|fault| client.try_publish(&topics.fault, QoS::AtLeastOnce, true, fault).is_ok())
+        fault.is_none_or(|fault| client.try_publish(&topics.fault, fault, RETAINED).is_ok())
     }
 
     pub(super) fn stop(&self) {
@@ -114,8 +118,8 @@ pub(super) fn options(config: &MqttConfig, rig: &str, topics: &Topics) -> Result
 
 /// The broker's address, and the client's identity.
 pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, MqttError> {
-    let mut options = MqttOptions::new(id, config.host.clone(), config.port());
-    options.set_keep_alive(KEEP_ALIVE).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
+    let mut options = MqttOptions::new(id, (config.host.clone(), config.port()));
+    options.set_keep_alive(KEEP_ALIVE_S).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
     if let Some(Credentials { user, password }) = config.credentials()? {
         options.set_credentials(user, password);
     }
@@ -151,7 +155,7 @@ impl Network {
 
     /// One connection, until it fails.
     fn session(&mut self) -> ConnectionError {
-        let (client, mut connection) = Client::new(self.options.clone(), QUEUE);
+        let (client, mut connection) = Client::builder(self.options.clone()).capacity(QUEUE).build();
         loop {
             match connection.recv() {
                 Ok(Ok(Event::Incoming(Packet::ConnAck(_)))) => {
@@ -177,8 +181,8 @@ impl Network {
         let mut held = self.line.client();
         let greeted = !self.line.stopping()
             && self.hearing.subscribe(client, &self.topics)
-            && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "online").is_ok()
-            && client.try_publish(&self.topics.about, QoS::AtLeastOnce, true, self.line.about.clone()).is_ok()
+            && client.try_publish(&self.topics.status, "online", RETAINED).is_ok()
+            && client.try_publish(&self.topics.about, self.line.about.clone(), RETAINED).is_ok()
             && self.line.publish_fault(client, &self.topics);
         if greeted {
             *held = Some(client.clone());
@@ -206,7 +210,7 @@ impl Network {
                 What::Refused("busy: too many commands wait already; send fewer, and wait for the replies".to_owned())
             }
         };
-        self.tell(Aside { topic: self.topics.short(&message.topic).to_owned(), what });
+        self.tell(Aside { topic: self.topics.short(&topic(message)).to_owned(), what });
     }
 
     fn tell(&self, aside: Aside) {
@@ -230,8 +234,13 @@ impl Network {
         if message.retain {
             return Err(ParseError::Retained);
         }
-        parse(&self.topics, &message.topic, &message.payload)
+        parse(&self.topics, &topic(message), &message.payload)
     }
+}
+
+/// The topic of a message; the client has refused one that is no UTF-8.
+pub(super) fn topic(message: &Publish) -> Cow<'_, str> {
+    String::from_utf8_lossy(&message.topic)
 }
 
 /// Writes a line to standard error, where there is one. A closed standard error must not stop MQTT.

@@ -7,12 +7,12 @@
 use super::count::{Counters, count};
 use super::mailbox::ROOM;
 use super::message::{CyclesMessage, Reply, StateMessage};
-use super::network::{Aside, Line, What};
+use super::network::{Aside, Line, RETAINED, What};
 use super::stream::Stream;
 use crate::config::topics::{ORIGINAL_POSITION, Topics};
 use crate::flight::state::{Answer, InForce, State};
 use rtrb::Consumer;
-use rumqttc::QoS;
+use rumqttc::PublishOptions;
 use serde::Serialize;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -60,7 +60,7 @@ impl Publisher {
             self.in_force = Some(state.in_force());
         }
         for reply in self.replies(now) {
-            self.send_json(&self.topics.reply, QoS::AtLeastOnce, &reply);
+            self.send_json(&self.topics.reply, PublishOptions::at_least_once(), &reply);
         }
         if let Some(state) = newest {
             self.send_state(state);
@@ -101,25 +101,29 @@ impl Publisher {
         }
         self.due = next(self.due, now);
         let message = StateMessage { state, link: self.counters.read() };
-        self.send_json(&self.topics.state, QoS::AtMostOnce, &message);
+        self.send_json(&self.topics.state, PublishOptions::at_most_once(), &message);
         if let Some((cycles, dropped)) = self.stream.batch(now) {
-            self.send_json(&self.topics.cycles, QoS::AtMostOnce, &CyclesMessage { cycles: &cycles, dropped });
+            self.send_json(
+                &self.topics.cycles,
+                PublishOptions::at_most_once(),
+                &CyclesMessage { cycles: &cycles, dropped },
+            );
         }
         if let Some(position_mm) = state.cycle.position_mm {
-            self.send(ORIGINAL_POSITION, QoS::AtMostOnce, format!("{position_mm:.1}"));
+            self.send(ORIGINAL_POSITION, PublishOptions::at_most_once(), format!("{position_mm:.1}"));
         }
     }
 
-    fn send_json(&self, topic: &str, qos: QoS, message: &impl Serialize) {
+    fn send_json(&self, topic: &str, options: PublishOptions, message: &impl Serialize) {
         match serde_json::to_vec(message) {
-            Ok(payload) => self.send(topic, qos, payload),
+            Ok(payload) => self.send(topic, options, payload),
             Err(_) => count(&self.counters.dropped),
         }
     }
 
-    fn send(&self, topic: &str, qos: QoS, payload: impl Into<Vec<u8>>) {
+    fn send(&self, topic: &str, options: PublishOptions, payload: impl Into<Vec<u8>>) {
         if let Some(client) = self.line.client().as_ref()
-            && client.try_publish(topic, qos, false, payload).is_err()
+            && client.try_publish(topic, payload.into(), options).is_err()
         {
             count(&self.counters.dropped);
         }
@@ -130,7 +134,7 @@ impl Publisher {
     fn farewell(&self) {
         if let Some(client) = self.line.client().as_ref()
             && self.line.publish_fault(client, &self.topics)
-            && client.try_publish(&self.topics.status, QoS::AtLeastOnce, true, "offline").is_ok()
+            && client.try_publish(&self.topics.status, "offline", RETAINED).is_ok()
         {
             let _ = client.try_disconnect();
         }

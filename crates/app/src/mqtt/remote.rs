@@ -8,7 +8,7 @@ use super::seen::{Said, Seen};
 use crate::config::mqtt::{MqttConfig, MqttError};
 use crate::config::topics::{Quantity, Topics};
 use crate::flight::last_fault::LastFault;
-use rumqttc::{Client, ConnectionError, Event, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
+use rumqttc::{Client, ConnectionError, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
 use serde::de::DeserializeOwned;
 use std::process;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -83,7 +83,9 @@ impl Remote {
     pub fn send(&self, quantity: Quantity, payload: &str) -> bool {
         let client = self.client.lock().unwrap_or_else(PoisonError::into_inner);
         let topic = self.topics.set(quantity);
-        client.as_ref().is_some_and(|client| client.try_publish(topic, QoS::AtLeastOnce, false, payload).is_ok())
+        client
+            .as_ref()
+            .is_some_and(|client| client.try_publish(topic, payload, PublishOptions::at_least_once()).is_ok())
     }
 }
 
@@ -114,7 +116,7 @@ impl Session {
 
     /// One connection, until it fails. `None`: the receiver is gone.
     fn listen(&self) -> Option<ConnectionError> {
-        let (client, mut connection) = Client::new(self.options.clone(), ROOM);
+        let (client, mut connection) = Client::builder(self.options.clone()).capacity(ROOM).build();
         loop {
             let heard = match connection.recv() {
                 Ok(Ok(Event::Incoming(Packet::ConnAck(_)))) => {

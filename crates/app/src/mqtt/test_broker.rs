@@ -1,7 +1,8 @@
 //! The environment of the link's tests: a broker, a second client, and a connection that can be cut.
 
+use super::network::RETAINED;
 use crate::config::mqtt::MqttConfig;
-use rumqttc::{Client, Event, MqttOptions, Packet, Publish, QoS, SubscribeFilter};
+use rumqttc::{Client, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
@@ -120,12 +121,12 @@ impl Outside {
     pub(super) fn with_login(port: u16, login: Option<(&str, &str)>) -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let id = format!("outside-{}", COUNT.fetch_add(1, Relaxed));
-        let mut options = MqttOptions::new(id, "127.0.0.1", port);
+        let mut options = MqttOptions::new(id, ("127.0.0.1", port));
         options.set_max_packet_size(16 << 20, 16 << 20);
         if let Some((user, password)) = login {
-            options.set_credentials(user, password);
+            options.set_credentials(user, password.to_owned());
         }
-        let (client, mut connection) = Client::new(options, 1000);
+        let (client, mut connection) = Client::builder(options).capacity(1000).build();
         let filters = ["airball/#", "ball/#"].map(|all| SubscribeFilter::new(all.into(), QoS::AtLeastOnce));
         client.subscribe_many(filters).unwrap();
         let (hear, heard) = channel();
@@ -144,11 +145,11 @@ impl Outside {
     }
 
     pub(super) fn say(&self, topic: &str, payload: impl Into<Vec<u8>>) {
-        self.client.publish(topic, QoS::AtLeastOnce, false, payload).unwrap();
+        self.client.publish(topic, payload.into(), PublishOptions::at_least_once()).unwrap();
     }
 
     pub(super) fn say_retained(&self, topic: &str, payload: impl Into<Vec<u8>>) {
-        self.client.publish(topic, QoS::AtLeastOnce, true, payload).unwrap();
+        self.client.publish(topic, payload.into(), RETAINED).unwrap();
         self.hear(topic);
     }
 

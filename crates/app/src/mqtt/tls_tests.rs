@@ -67,7 +67,7 @@ fn over_tls(broker: &Broker, tls: TlsConfig) -> MqttConfig {
 /// Connects once: the broker's acknowledgement, or the line for standard error.
 fn connect(config: &MqttConfig) -> Result<(), String> {
     let topics = Topics::new("rig1").unwrap();
-    let (_client, mut connection) = Client::new(network::options(config, "rig1", &topics).unwrap(), 10);
+    let (_client, mut connection) = Client::builder(network::options(config, "rig1", &topics).unwrap()).build();
     let said = |cause: &ConnectionError| Outage::new("broker".into()).began(cause).unwrap();
     match connection.recv().unwrap() {
         Ok(Event::Incoming(Packet::ConnAck(_))) => Ok(()),

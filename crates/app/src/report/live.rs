@@ -29,10 +29,12 @@ pub struct Place<'a> {
 pub fn page(place: &Place<'_>) -> String {
     let script = [MQTT_SCRIPT, CHART_SCRIPT, CHARTS, LIVE_SCRIPT].join("\n");
     let style = format!("{}{CHART_STYLE}\n{STYLE}\n{LIVE_STYLE}", palette::stylesheet());
+    let hosts = place.broker.and_then(hosts_of).unwrap_or_else(|| "ws: wss:".to_owned());
     let policy = format!(
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{}' 'sha256-{}'; connect-src ws: wss:; img-src data:; base-uri 'none'; form-action 'none'",
+        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{}' 'sha256-{}'; connect-src {}; img-src data:; base-uri 'none'; form-action 'none'",
         hash_of(STOP_SCRIPT),
-        hash_of(&script)
+        hash_of(&script),
+        hosts
     );
     let page = html! {
         (DOCTYPE)
@@ -50,6 +52,7 @@ pub fn page(place: &Place<'_>) -> String {
             body {
                 header.bar { (bar(place.rig)) }
                 main {
+                    (foreign())
                     (connection())
                     div.live {
                         div { (now()) (pictures()) (timing()) }
@@ -66,6 +69,14 @@ pub fn page(place: &Place<'_>) -> String {
         }
     };
     page.into_string()
+}
+
+/// The sources of a policy that allow every port of a broker's host and no other host. `None`: a policy cannot name it.
+fn hosts_of(broker: &str) -> Option<String> {
+    let (_, place) = broker.split_once("://")?;
+    let host = place.split(['/', '?', '#']).next()?.split(':').next()?;
+    let fit = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '.');
+    (!host.is_empty() && host.chars().all(fit)).then(|| format!("ws://{host}:* wss://{host}:*"))
 }
 
 fn bar(rig: &str) -> Markup {
@@ -171,6 +182,16 @@ fn experiment() -> Markup {
     }
 }
 
+/// Shown where the page's address names the broker of another host.
+fn foreign() -> Markup {
+    html! {
+        div #foreign role="alert" hidden {
+            p #foreign-said {}
+            button #foreign-use type="button" { "Use this broker" }
+        }
+    }
+}
+
 fn connection() -> Markup {
     html! {
         details #connection {
@@ -204,6 +225,15 @@ mod tests {
     fn what_a_stranger_wrote_into_a_config_stays_words() {
         let page = page(&Place { rig: "\"><img src=x>", broker: Some("ws://\"><b>"), ..PLACE });
         assert!(!page.contains("<img") && !page.contains("\"><b>"));
+    }
+
+    #[test]
+    fn a_page_for_one_broker_may_speak_to_its_host_alone() {
+        let allowed = |broker| page(&Place { broker, ..PLACE }).contains("connect-src ws://b.local:* wss://b.local:*;");
+        assert!(allowed(Some("wss://b.local:1/mqtt")) && !allowed(None));
+        for odd in ["ws://a;script-src *", "ws://[::1]:9001", "ws://user@host", "ws://"] {
+            assert!(page(&Place { broker: Some(odd), ..PLACE }).contains("connect-src ws: wss:;"), "{odd}");
+        }
     }
 
     #[test]

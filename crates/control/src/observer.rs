@@ -10,7 +10,9 @@
 //!
 //! The steady-state filter costs a tenth of the time and is right while readings come on time; the time-varying one
 //! uses the age of its estimate. Without a reading both only predict. Several consecutive outliers are not outliers:
-//! the filter then restarts from the reading. x·x neglects a quarter of a·t, and the share of the wandering hover in x
+//! the filter then restarts from the reading. A start from a ball in the air knows nothing of its velocity: until S has
+//! come down to that of the steady state, the gain is time-varying whatever is set, so the next readings give the
+//! velocity. A ball that lies at the bottom is at rest. x·x neglects a quarter of a·t, and the share of the wandering hover in x
 //! and v over one step is left out.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
 
@@ -33,6 +35,11 @@ const FIRST_VELOCITY_MM_PER_S: f64 = 300.0;
 const FIRST_WANDERING_S: f64 = 100.0;
 /// Consecutive rejected readings after which the estimate is discarded.
 const REFUSALS: u32 = 10;
+/// A ball whose first reading is no more than so many sigma above the bottom lies there.
+const AT_BOTTOM_SIGMA: f64 = 4.0;
+/// The steady-state gain is used again once the variance of an innovation is at most so many times that of the steady
+/// state.
+const CAUGHT: f64 = 1.2;
 /// A steady-state filter takes steps that differ by less than this share of its period for one period.
 const ON_TIME: f64 = 0.1;
 
@@ -114,6 +121,8 @@ pub struct Estimator {
     steady: Steady,
     filter: Kalman<4>,
     seen: bool,
+    /// Since a start in the air the variances have not come down to those of the steady state.
+    catching: bool,
     refusals: u32,
 }
 
@@ -191,7 +200,13 @@ impl Estimator {
     pub fn new(set: Observer, period_s: f64) -> Result<Self, DesignError> {
         let transition = set.believed.over(period_s);
         let steady = Steady::of(&set, period_s, &transition)?;
-        Ok(Self { set, period_s, transition, steady, filter: set.first(State::zeros()), seen: false, refusals: 0 })
+        let filter = set.first(State::zeros());
+        Ok(Self { set, period_s, transition, steady, filter, seen: false, catching: false, refusals: 0 })
+    }
+
+    /// How the gain is found now.
+    const fn gain(&self) -> Gain {
+        if self.catching { Gain::TimeVarying } else { self.set.gain }
     }
 
     /// What is believed of the plant.
@@ -209,7 +224,7 @@ impl Estimator {
 
     /// Lets `dt_s` pass, in which `control` acted.
     pub fn predict(&mut self, control: f64, dt_s: f64) {
-        let steady = self.set.gain == Gain::SteadyState;
+        let steady = self.gain() == Gain::SteadyState;
         let on_time = steady && fabs(dt_s - self.period_s) < ON_TIME * self.period_s;
         let transition = if on_time { self.transition } else { self.set.believed.over(dt_s) };
         let next = transition.apply(&self.filter.state, control);
@@ -248,7 +263,7 @@ impl Estimator {
     /// Takes the fan's speed as a measurement of its state: the control value at which it would remain.
     pub fn update_fan(&mut self, control: f64) {
         let (Some(tachometer), Some(weight)) = (self.set.measured_fan(), self.steady.fan) else { return };
-        match self.set.gain {
+        match self.gain() {
             Gain::SteadyState => self.filter.state += weight.gain * (control - self.filter.state[2]),
             Gain::TimeVarying => {
                 self.filter.update(control, &FAN, tachometer.control * tachometer.control);
@@ -262,7 +277,7 @@ impl Estimator {
             self.start(position_mm);
             return None;
         }
-        let (expected_mm, expected_variance) = match self.set.gain {
+        let (expected_mm, expected_variance) = match self.gain() {
             Gain::SteadyState => (self.filter.state[0], weight.variance),
             Gain::TimeVarying => self.filter.expect(&POSITION, variance),
         };
@@ -276,12 +291,13 @@ impl Estimator {
             }
         } else {
             self.refusals = 0;
-            match self.set.gain {
+            match self.gain() {
                 Gain::SteadyState => self.filter.state += weight.gain * innovation_mm,
                 Gain::TimeVarying => {
                     self.filter.update(position_mm, &POSITION, variance);
                 }
             }
+            self.catching &= expected_variance > CAUGHT * weight.variance;
         }
         Some(Innovation { innovation_mm, test_ratio })
     }
@@ -291,10 +307,12 @@ impl Estimator {
         self.seen = false;
     }
 
-    /// Starts from a reading: the ball is there and at rest, fan and hover have their believed values.
+    /// Starts from a reading: the ball is there, at rest at the bottom and with unknown velocity elsewhere; fan and
+    /// hover have their believed values.
     fn start(&mut self, position_mm: f64) {
         let [_, _, fan, disturbance] = self.filter.state.data.0[0];
         self.filter = self.set.first(vector![position_mm, 0.0, fan, disturbance]);
+        self.catching = position_mm > AT_BOTTOM_SIGMA * self.set.sensor_mm;
         (self.seen, self.refusals) = (true, 0);
     }
 }

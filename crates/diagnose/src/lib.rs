@@ -89,6 +89,7 @@ pub use filter::missing_force::MissingForce;
 pub use filter::track::Forecast;
 pub use gap::divergence::kl_divergence;
 pub use gap::forecast_error::{FreeRun, free_runs};
+pub use record::absurd::{DutyScale, without_wild};
 pub use record::check::without_codes;
 pub use record::free_flight::in_free_flight;
 pub use record::prepare::prepared;

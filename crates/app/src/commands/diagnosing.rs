@@ -76,11 +76,11 @@ impl Asked {
             config.refuse_setpoint(&no_setpoint(name), |effect| !without.iter().any(|left_out| left_out == effect))?;
         }
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
-        logs.iter_mut().for_each(LoadedLog::leave_out_codes);
+        logs.iter_mut().for_each(|log| log.leave_out_no_positions(&belief));
         Ok(Self { belief, tables: config.tables, logs, names, recordings })
     }
 
-    /// Their rows without the codes of a sensor that saw no target, log by log.
+    /// Their rows without the readings that show no position of a ball in the pipe, log by log.
     pub(super) fn seen(&self) -> impl Iterator<Item = Recording> {
         self.logs.iter().map(|log| log.recording.clone())
     }

@@ -8,7 +8,8 @@ use super::flight::{self, Flight};
 use super::header::About;
 use super::packed::unpacked;
 use crate::flight::vocabulary::Cycle;
-use diagnose::{Recording, Sample, without_codes};
+use diagnose::{Recording, Sample, without_codes, without_wild};
+use plant::Model;
 use rows::Import;
 use std::{fs, path::Path};
 
@@ -30,9 +31,13 @@ pub struct LoadedLog {
 }
 
 impl LoadedLog {
-    /// Removes the codes by which a sensor reports that it saw no target.
-    pub fn leave_out_codes(&mut self) {
+    /// Removes the readings that show no position of a ball in the pipe of `model`: codes of the sensor for "no target",
+    /// and readings far outside.
+    pub fn leave_out_no_positions(&mut self, model: &Model) {
         if let Some(seen) = without_codes(&self.recording) {
+            self.recording = seen;
+        }
+        if let Some(seen) = without_wild(&self.recording, model) {
             self.recording = seen;
         }
     }

@@ -1,5 +1,6 @@
 //! What `observer.rs` promises.
 
+mod catching;
 mod signals;
 
 use super::{Estimator, Gain, Observer};

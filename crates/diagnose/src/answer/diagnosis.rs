@@ -8,6 +8,8 @@ use crate::answer::evidence::add_odds;
 use crate::answer::forecast::best_forecast;
 use crate::answer::ladder::{Ladder, Rest, Rung};
 use crate::answer::verdict::{Verdict, rest_matters, verdict};
+use crate::filter::innovation::Innovation;
+use crate::filter::track::innovations;
 use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::Fit;
 use crate::fit::intervals::{Reach, reaches};
@@ -75,9 +77,9 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
     let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| FlightFinding { flight, finding });
-    let too_few = too_few(recording, &folds).filter(|_| can_answer);
-    findings.extend(too_few.into_iter().flat_map(about_all));
-    let mut answers = can_answer && too_few.is_none();
+    let hindrance = hindrance(belief, recording, &folds).filter(|_| can_answer);
+    findings.extend(hindrance.into_iter().flat_map(about_all));
+    let mut answers = can_answer && hindrance.is_none();
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
     let asks = answers && !is_quiet(&refitted);
     let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
@@ -140,6 +142,18 @@ fn impossible(bounds: &Bounds, fits: [&Fit; 2]) -> Option<Finding> {
         Impossible::OutOfRecord(parameter) => parameter.key(),
     };
     Some(Finding::Impossible { key })
+}
+
+/// Whether every innovation of the belief is a number: without it nothing can be compared.
+fn has_finite_errors(belief: &Model, recording: &Recording) -> bool {
+    let is_number = |seen: &Innovation| seen.repeat || (seen.expected_mm + seen.variance_mm2).is_finite();
+    innovations(belief, recording).iter().all(is_number)
+}
+
+/// The finding that leaves a record without a verdict, if there is one.
+fn hindrance(belief: &Model, recording: &Recording, folds: &Folds) -> Option<Finding> {
+    let not_finite = || (!has_finite_errors(belief, recording)).then_some(Finding::NotFinite);
+    too_few(recording, folds).or_else(not_finite)
 }
 
 /// The finding for fewer readings than a diagnosis needs.

@@ -7,6 +7,9 @@
 //! free run: the forecasts of all readings in windows of 10 s, each from the state at its start
 //! ```
 //!
+//! Readings that are no position of the ball were counted as empty before (`record::absurd`): one of them would be the
+//! whole of E. What is left is off by no more than a pipe's length or so. A root that is not finite is `None`.
+//!
 //! A right model has E = F at every horizon. This holds in closed loop too: forecasts use the duty as recorded, and
 //! only the noise after reading k can separate them from the readings.
 
@@ -60,7 +63,7 @@ impl MeanSquare {
     }
 
     fn root(self) -> Option<f64> {
-        (self.count > 0.0).then(|| (self.sum / self.count).sqrt())
+        (self.count > 0.0).then(|| (self.sum / self.count).sqrt()).filter(|root| root.is_finite())
     }
 }
 
@@ -83,7 +86,8 @@ impl Tally {
     /// Mean squares at the longest horizon: of the model, and of its noise floor.
     pub(crate) fn squares_at_1_s(&self) -> Option<(f64, f64)> {
         let Errors { model, floor, .. } = self.horizons[2];
-        (model.count > 0.0).then(|| (model.sum / model.count, floor.sum / floor.count))
+        let squares = (model.count > 0.0).then(|| (model.sum / model.count, floor.sum / floor.count))?;
+        (squares.0.is_finite() && squares.1.is_finite()).then_some(squares)
     }
 
     /// The total of several.

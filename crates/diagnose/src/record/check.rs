@@ -3,6 +3,7 @@
 //! Works on the rows alone, before any model runs. Every finding is a sentence with its values that ends in what to do.
 //! Spread is estimated robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
 
+use crate::record::absurd::{DutyScale, duty_beyond_percent, wild};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::OTHER_RIG;
@@ -44,6 +45,39 @@ pub enum Finding {
         "every duty lies within 0 to 1, as fractions do; if they are fractions, say [import] duty_percent.scale = 100"
     )]
     FractionalDuty,
+    /// Duties that no fan takes.
+    #[error("{count} duties lie beyond {limit_percent:.0} %, the first in row {row}: {duty_percent:.4e}; {scale}")]
+    DutyBeyondPercent {
+        /// Number of such duties.
+        count: usize,
+        /// The row of the first, counted from 1.
+        row: usize,
+        /// The first, as the record has it.
+        duty_percent: f64,
+        /// The limit, percent, in both directions.
+        limit_percent: f64,
+        /// Percent per unit of the column, where its unit is another; `None` where single rows are wrong.
+        scale: DutyScale,
+    },
+    /// Readings that cannot be positions of the ball.
+    #[error(
+        "{count} readings are no position of the ball: they lie more than half the pipe's length outside of it, or jump by \
+         three quarters of it and back, the first in row {row}: {reading_mm:.4e} mm; they count as empty"
+    )]
+    Wild {
+        /// Number of such readings.
+        count: usize,
+        /// The row of the first, counted from 1.
+        row: usize,
+        /// The first, mm.
+        reading_mm: f64,
+    },
+    /// Numbers that grew beyond any bound.
+    #[error(
+        "the forecasts of the model are not finite, so nothing can be compared; look for absurd numbers in the record, and in \
+         the tables [plant] and [import]"
+    )]
+    NotFinite,
     /// The position never moves.
     #[error(
         "the position is {position_mm} mm in every row; check that the sensor was read, and the column of [import]"
@@ -54,8 +88,9 @@ pub enum Finding {
     },
     /// Readings outside the model's pipe.
     #[error(
-        "{count} readings lie outside the model's pipe of 0 to {length_mm} mm, the furthest at {furthest_mm:.1} mm; check \
-         plant.pipe_length_mm and the scale and offset of [import]"
+        "{count} readings lie outside the model's pipe of 0 to {length_mm} mm, the furthest at {} mm; check \
+         plant.pipe_length_mm and the scale and offset of [import]",
+        short(*furthest_mm)
     )]
     OutsidePipe {
         /// Number of such readings.
@@ -179,18 +214,23 @@ pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
         vec![readings.first().map(|&position_mm| Finding::StillPosition { position_mm })]
     } else {
         let seen: Vec<f64> = readings.iter().copied().filter(|reading| !is_code(*reading)).collect();
-        vec![no_target(&readings), outside_pipe(&seen, model), outliers(&seen, model), repeats(&seen)]
+        let wild = wild(samples, model, is_code);
+        vec![no_target(&readings), wild, outside_pipe(&seen, model), outliers(&seen, model), repeats(&seen)]
     };
-    duty(samples).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
+    duty(samples, model).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
 }
 
-fn duty(samples: &[Sample]) -> [Option<Finding>; 2] {
+fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 3] {
     let (low, high) = samples
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.duty_percent), high.max(s.duty_percent)));
     let fraction = low >= 0.0 && high <= 1.0 && high > low;
     let still = high - low < STILL_PERCENT && !fraction;
-    [fraction.then_some(Finding::FractionalDuty), still.then_some(Finding::StillDuty { range_percent: high - low })]
+    [
+        fraction.then_some(Finding::FractionalDuty),
+        still.then_some(Finding::StillDuty { range_percent: high - low }),
+        duty_beyond_percent(samples, model),
+    ]
 }
 
 fn clock(samples: &[Sample]) -> [Option<Finding>; 2] {
@@ -200,6 +240,11 @@ fn clock(samples: &[Sample]) -> [Option<Finding>; 2] {
     let longest_s = long().copied().fold(0.0, f64::max);
     let gaps = (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s });
     [(usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+}
+
+/// A number with one decimal; a very large one by its power of ten, not by three hundred digits.
+fn short(value: f64) -> String {
+    if value.abs() < 1e6 { format!("{value:.1}") } else { format!("{value:.3e}") }
 }
 
 fn is_code(reading: f64) -> bool {
@@ -243,7 +288,10 @@ fn repeats(readings: &[f64]) -> Option<Finding> {
 pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &Model) -> bool {
     let readings = recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
     findings.iter().any(|finding| match finding {
-        Finding::StillDuty { .. } | Finding::StillPosition { .. } | Finding::SlowRows { .. } => true,
+        Finding::StillDuty { .. }
+        | Finding::StillPosition { .. }
+        | Finding::SlowRows { .. }
+        | Finding::DutyBeyondPercent { .. } => true,
         Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
         Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,
         _ => false,

@@ -1,5 +1,6 @@
 //! Recorded rows of a rig, checked and prepared for a comparison with a model.
 
+pub(crate) mod absurd;
 pub(crate) mod airborne;
 pub(crate) mod check;
 pub(crate) mod commanded;

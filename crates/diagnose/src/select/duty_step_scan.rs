@@ -20,6 +20,8 @@ const FINEST_PERCENT: f64 = 0.3;
 const COARSEST_PERCENT: f64 = 2.5;
 /// Neighbouring steps move an edge at the usual duty by one part of a step in so many.
 const PARTS: f64 = 16.0;
+/// The largest usual duty, percent: beyond it no duty is a percent.
+const LARGEST_USUAL_PERCENT: f64 = 150.0;
 /// Number of best steps that are refined, and at which shares of the spacing.
 const BEST: usize = 12;
 const CLOSER: [f64; 5] = [-0.4, -0.2, 0.0, 0.2, 0.4];
@@ -55,10 +57,10 @@ pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f6
     (closer.collect(), comb.len())
 }
 
-/// Root mean square, at least 1 percent.
+/// Root mean square, 1 to 150 percent: the comb has as many steps as it is large.
 fn usual_duty(duties: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = duties.clone().count().max(1) as f64;
-    (duties.map(|duty| duty * duty).sum::<f64>() / count).sqrt().max(1.0)
+    (duties.map(|duty| duty * duty).sum::<f64>() / count).sqrt().clamp(1.0, LARGEST_USUAL_PERCENT)
 }
 
 fn spacing(step: f64, usual_percent: f64) -> f64 {
@@ -72,7 +74,7 @@ fn comb(usual_percent: f64) -> impl Iterator<Item = f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{comb, steps};
+    use super::{comb, steps, usual_duty};
     use crate::fit::estimate::Problem;
     use crate::fit::parameter::{BASE, Prior};
     use crate::record::folds::Folds;
@@ -107,6 +109,14 @@ mod tests {
         let problem = Problem { recording: &recording, belief: &known, folds: &folds, prior: Prior::Belief };
         let found = steps(&problem, &problem.fit(&known, &BASE), Effects::built_in("duty_quantisation").unwrap()).0;
         assert!(found.iter().any(|found| (found / step_percent - 1.0).abs() < 1e-3), "{found:?} of {step_percent}");
+    }
+
+    #[test]
+    fn no_duty_makes_the_comb_longer_than_a_percent_does() {
+        for duty in [f64::NAN, 1e3, -1e6, 1e308] {
+            let usual = usual_duty([20.0, duty].into_iter());
+            assert!(comb(usual.max(1.0)).take(10_000).count() < 10_000, "{duty}");
+        }
     }
 
     #[test]

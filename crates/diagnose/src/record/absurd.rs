@@ -1,0 +1,199 @@
+//! Numbers of a record that no rig can have: duties far from any percent, and readings far from the pipe.
+//!
+//! A duty has no neighbour that could stand in for it, so one that is absurd ends the diagnosis. A reading is only a
+//! look at the ball: without it, the filter goes on.
+
+use crate::record::check::Finding;
+use crate::record::recording::{Recording, Sample};
+use crate::stats::median::median;
+use plant::Model;
+use std::fmt::{self, Display, Formatter};
+
+/// Duties beyond this are no percent, in either direction.
+const NO_PERCENT: f64 = 150.0;
+/// The same in believed hover duties, for a rig whose duty is not in percent.
+const HOVERS: f64 = 7.0;
+/// From this share of the rows on, the unit is wrong, and not single rows.
+const UNIT: f64 = 0.1;
+/// Largest counts of usual PWM chips, of 8, 10, 12 and 16 bits.
+const FULL_COUNTS: [f64; 4] = [255.0, 1023.0, 4095.0, 65535.0];
+/// A scale that gives the believed hover within this factor is that of the counts.
+const NEAR: f64 = 2.0;
+/// A reading further outside the pipe than this share of its length is no position of the ball.
+const FAR: f64 = 0.5;
+/// A reading that jumps by this share of the pipe's length and back is none either.
+const JUMP: f64 = 0.75;
+/// No ball moves there and back in this time, seconds.
+const THERE_AND_BACK_S: f64 = 0.2;
+/// Beyond this no fan turns, revolutions per minute.
+const FASTEST_RPM: f64 = 1e6;
+
+/// What to do about duties beyond any percent.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[serde(transparent)]
+pub struct DutyScale(pub(crate) Option<f64>);
+
+impl Display for DutyScale {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(scale) => write!(
+                f,
+                "the column holds another unit; if it is counts, write under [import]: duty_percent = {{ column = \
+                 \"duty_percent\", scale = {scale:.4e} }}, with the column's own name"
+            ),
+            None => write!(f, "remove these rows or mend the recorder"),
+        }
+    }
+}
+
+/// The finding about duties that are no percent.
+pub(crate) fn duty_beyond_percent(samples: &[Sample], model: &Model) -> Option<Finding> {
+    let limit_percent = NO_PERCENT.max(HOVERS * model.hover_duty_percent.abs());
+    let is_beyond = |sample: &Sample| sample.duty_percent.abs() > limit_percent;
+    let first = samples.iter().position(is_beyond)?;
+    let count = samples.iter().filter(|sample| is_beyond(sample)).count();
+    let usual = median(samples.iter().map(|sample| sample.duty_percent.abs()).collect())?;
+    let all = count as f64 > UNIT * samples.len() as f64;
+    let scale = DutyScale(all.then(|| scale(usual, model.hover_duty_percent.abs())));
+    Some(Finding::DutyBeyondPercent {
+        count,
+        row: first + 1,
+        duty_percent: samples[first].duty_percent,
+        limit_percent,
+        scale,
+    })
+}
+
+/// Percent per count: of the chip whose counts come nearest to the believed hover; of none, what gives that hover.
+fn scale(usual: f64, hover_percent: f64) -> f64 {
+    let wanted = if hover_percent > 0.0 { hover_percent / usual } else { 100.0 / usual };
+    let off = |scale: &f64| (scale / wanted).ln().abs();
+    let chips = FULL_COUNTS.map(|counts| 100.0 / counts);
+    chips.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|scale| off(scale) < NEAR.ln()).unwrap_or(wanted)
+}
+
+/// The finding about readings that are no position of the ball; `is_code` tells codes of the sensor, which are
+/// another finding.
+pub(crate) fn wild(samples: &[Sample], model: &Model, is_code: impl Fn(f64) -> bool) -> Option<Finding> {
+    let wild = wild_rows(samples, model);
+    let (first, reading_mm) = wild.iter().find_map(|row| Some((*row, samples[*row].position_mm?)))?;
+    let count = wild.iter().filter(|row| samples[**row].position_mm.is_some_and(|mm| !is_code(mm))).count();
+    (count > 0).then_some(Finding::Wild { count, row: first + 1, reading_mm })
+}
+
+/// The rows whose reading is no position of the ball; none where they are many: then the unit is wrong.
+fn wild_rows(samples: &[Sample], model: &Model) -> Vec<usize> {
+    let readings: Vec<(usize, f64)> =
+        samples.iter().enumerate().filter_map(|(row, sample)| Some((row, sample.position_mm?))).collect();
+    let near: Vec<(usize, f64)> = readings.iter().copied().filter(|(_, mm)| !is_far(*mm, model)).collect();
+    let jumps = near.windows(3).filter(|three| {
+        let [(from, before), (_, mm), (to, after)] = [three[0], three[1], three[2]];
+        let limit_mm = JUMP * model.pipe_length_mm;
+        let quick = samples[to].time_s - samples[from].time_s < THERE_AND_BACK_S;
+        quick && (mm - before).abs() > limit_mm && (mm - after).abs() > limit_mm && (mm - before) * (mm - after) > 0.0
+    });
+    let far = readings.iter().filter(|(_, mm)| is_far(*mm, model)).map(|(row, _)| *row);
+    let mut rows: Vec<usize> = far.chain(jumps.map(|three| three[1].0)).collect();
+    let many = rows.len() as f64 > UNIT * readings.len() as f64;
+    rows.sort_unstable();
+    rows.retain(|_| !many);
+    rows
+}
+
+fn is_far(position_mm: f64, model: &Model) -> bool {
+    (-position_mm).max(position_mm - model.pipe_length_mm) > FAR * model.pipe_length_mm
+}
+
+/// The recording without the readings that are no position of the ball, and without absurd fan speeds; `None` if it
+/// has none of them, or too few others.
+#[must_use]
+pub fn without_wild(recording: &Recording, model: &Model) -> Option<Recording> {
+    let is_near = |mm: &f64| !is_far(*mm, model);
+    let turns = |rpm: &f64| rpm.abs() < FASTEST_RPM;
+    let mut samples = recording.samples().to_vec();
+    wild_rows(&samples, model).into_iter().for_each(|row| samples[row].position_mm = None);
+    for sample in &mut samples {
+        sample.position2_mm = sample.position2_mm.filter(is_near);
+        sample.fan_rpm = sample.fan_rpm.filter(turns);
+    }
+    (samples != recording.samples()).then(|| Recording::new(samples).ok())?
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{duty_beyond_percent, scale, without_wild};
+    use crate::gap::forecast_error::Gap;
+    use crate::record::check::Finding;
+    use crate::tests_support::{model, record};
+    use crate::{Options, Recording, Sample, Verdict, diagnose};
+
+    fn rows_where(spoil: impl Fn(usize, &mut Sample)) -> Recording {
+        let mut rows = record(&model(), 1, 40).samples().to_vec();
+        rows.iter_mut().enumerate().for_each(|(row, sample)| spoil(row, sample));
+        Recording::new(rows).unwrap()
+    }
+
+    #[test]
+    fn duties_in_counts_are_found_with_the_scale_to_paste() {
+        for (counts, line) in
+            [(255.0, "3.9216e-1"), (1023.0, "9.7752e-2"), (4095.0, "2.4420e-2"), (65535.0, "1.5259e-3")]
+        {
+            let record = rows_where(|_, row| row.duty_percent *= counts / 100.0);
+            let finding = duty_beyond_percent(record.samples(), &model());
+            // 8 bits stay within what a percent can be.
+            assert_eq!(finding.is_some(), counts > 1000.0, "{finding:?}");
+            let said = finding.map(|finding| finding.to_string()).unwrap_or_default();
+            assert!(counts < 1000.0 || said.contains(line), "{said}");
+        }
+        assert_eq!(scale(2e8, 20.0), 1e-7);
+    }
+
+    #[test]
+    fn a_record_with_absurd_duties_has_no_verdict_and_says_the_row() {
+        type Spoil = fn(usize, &mut Sample);
+        let units: [(&str, Spoil); 5] = [
+            ("counts", |_, row| row.duty_percent *= 655.35),
+            ("millions", |_, row| row.duty_percent *= 1e6),
+            ("one large", |k, row| row.duty_percent = if k == 900 { 1e5 } else { row.duty_percent }),
+            ("one huge", |k, row| row.duty_percent = if k == 900 { 1e308 } else { row.duty_percent }),
+            ("one below", |k, row| row.duty_percent = if k == 900 { -1e6 } else { row.duty_percent }),
+        ];
+        for (what, spoil) in units {
+            let found = diagnose(&model(), &rows_where(spoil), &Options::default());
+            assert_eq!(found.verdict, Verdict::InsufficientData, "{what}");
+            let said = found.findings.iter().map(|noted| noted.finding.to_string()).collect::<String>();
+            assert!(said.contains(if what.starts_with("one") { "row 901" } else { "[import]" }), "{what}: {said}");
+        }
+    }
+
+    #[test]
+    fn a_wild_reading_counts_as_empty_and_moves_no_forecast_error() {
+        let good = rows_where(|_, _| {});
+        let empty = rows_where(|k, row| row.position_mm = row.position_mm.filter(|_| k != 900));
+        let expected = Gap::measure(&model(), &empty);
+        assert!(without_wild(&good, &model()).is_none());
+        for wild_mm in [1e3, -1e4, 1e6, 1e308, f64::MAX] {
+            let spoilt = rows_where(|k, row| row.position_mm = if k == 900 { Some(wild_mm) } else { row.position_mm });
+            let seen = without_wild(&spoilt, &model()).unwrap();
+            assert_eq!(Gap::measure(&model(), &seen), expected, "{wild_mm}");
+            let found = crate::check(&spoilt, &model());
+            assert!(found.iter().any(|f| matches!(f, Finding::Wild { count: 1, row: 901, .. })), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn one_huge_reading_leaves_the_verdict_as_it_is_without_the_reading() {
+        let with = |mm: Option<f64>| {
+            let record = rows_where(|k, row| row.position_mm = if k == 900 { mm } else { row.position_mm });
+            let found = diagnose(&model(), &record, &Options::default());
+            (found.verdict, found.gaps)
+        };
+        assert_eq!(with(Some(1e308)), with(None));
+    }
+
+    #[test]
+    fn a_forecast_error_that_is_no_number_is_none() {
+        let spoilt = rows_where(|k, row| row.position_mm = if k == 900 { Some(1e308) } else { row.position_mm });
+        assert_eq!(Gap::measure(&model(), &spoilt).error_mm, [None; 3]);
+    }
+}

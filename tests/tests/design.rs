@@ -145,3 +145,28 @@ fn a_relay_flown_within_limits_tunes_a_pid_that_flies() {
     assert!(found["sampled"]["stable"].as_bool().unwrap());
     let _ = bench.output(&["simulate", "--patch", "tuned.toml", "--duration", "40", "--log", "t.mcap"]);
 }
+
+#[test]
+fn a_design_about_a_duty_has_the_gain_and_drag_of_the_air_there() {
+    let bench = Bench::default();
+    bench.write("air.toml", "[plant]\ngain_mm_per_s2_per_percent = 200.0\ndrag_per_s = 2.0\nhover_duty_percent = 20.0\n[plant.effects.relative_airflow]\ninverse_speed_s_per_mm = 1e-3\n");
+    let of = |more: &[&str]| design(&bench, &[&["pid", "--patch", "air.toml"], more].concat());
+    let drag = |found: &Value| found["plant"]["drag_per_s"].as_f64().unwrap();
+    let (plain, there) = (of(&[]), of(&["--about-duty", "30"]));
+    // a·√(1 + 2·q·A/a) with A = 200·10.
+    let exact = 2.0 * 3.0_f64.sqrt();
+    assert!(drag(&plain) == 2.0 && (drag(&there) / exact - 1.0).abs() < 1e-5, "{}", drag(&there));
+    assert!(plain["about"].is_null() && there["about"]["duty_percent"] == 30.0, "{}", there["about"]);
+    // More drag needs less derivative for the same poles.
+    let td = |found: &Value| found["pid"]["td_s"].as_f64().unwrap();
+    assert!(td(&there) < td(&plain), "{} and {}", td(&there), td(&plain));
+    let observed = design(&bench, &["observer", "--patch", "air.toml", "--about-duty", "30"]);
+    assert!((observed["observer"]["believed"]["drag_per_s"].as_f64().unwrap() / exact - 1.0).abs() < 1e-5);
+    assert!(bench.output(&["design", "pid", "--patch", "air.toml", "--about-duty", "30"]).contains("drag 3.46 1/s"));
+    for (flags, said) in
+        [(["--about-duty", "130"], "give 0 to 100 %"), (["--about-height", "nan"], "give a height within the pipe")]
+    {
+        let ran = bench.run(&[&["design", "pid", "--patch", "air.toml"], &flags[..]].concat());
+        assert!(ran.code == Some(1) && ran.errors.contains(said), "{}", ran.errors);
+    }
+}

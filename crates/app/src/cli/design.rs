@@ -30,6 +30,9 @@ pub struct DesignArgs {
     /// Which model.
     #[command(flatten)]
     pub config: ConfigArgs,
+    /// Linearised where.
+    #[command(flatten)]
+    pub about: AboutArgs,
     /// Write the design as a config patch for --patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
@@ -42,6 +45,17 @@ pub struct DesignArgs {
     /// Write the design as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// About which height and duty a design linearises the model.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct AboutArgs {
+    /// Linearise the model about this duty, percent, 0 to 100 [default: hover]
+    #[arg(long, value_name = "PERCENT")]
+    pub about_duty: Option<f64>,
+    /// Linearise the model about this height, mm [default: mid-pipe]
+    #[arg(long, value_name = "MM")]
+    pub about_height: Option<f64>,
 }
 
 /// `airball design pid`
@@ -108,6 +122,9 @@ pub struct ObserverArgs {
     /// Which model.
     #[command(flatten)]
     pub config: ConfigArgs,
+    /// Linearised where.
+    #[command(flatten)]
+    pub about: AboutArgs,
     /// Write the observer as a config patch for --patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,

@@ -6,7 +6,8 @@ mod identify;
 mod measure;
 
 pub use design::{
-    CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs, RelayRule,
+    AboutArgs, CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs,
+    RelayRule,
 };
 pub use flight::{FlightArgs, ReplayArgs, RunArgs, SimulateArgs};
 pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};

@@ -1,5 +1,6 @@
 //! `airball design`: gains for the model of a config, and the margins of the loop.
 
+mod about;
 mod critical_gain;
 mod gains;
 mod observer;
@@ -7,11 +8,11 @@ mod patch;
 
 use super::{may_write, note, say, write};
 use crate::analysis::loop_margins::{Closing, Loop};
-use crate::cli::{DesignArgs, DesignCommand};
+use crate::cli::{AboutArgs, DesignArgs, DesignCommand};
 use crate::config::Config;
 use crate::report::design::page::{Report, page as html};
 use crate::report::design::plot;
-use crate::report::design::words::{AtDuty, Document, Feedback, words};
+use crate::report::design::words::{About, AtDuty, Document, Feedback, words};
 use crate::report::kit::page;
 use anyhow::Result;
 use control::design::Linear;
@@ -43,21 +44,24 @@ struct Ground {
     model: Model,
     /// The linear part of the model, its gain per unit of the control value.
     plant: Linear,
+    /// Linearised where; `None`: about hover, and of linear effects alone.
+    about: Option<About>,
 }
 
 impl Ground {
     fn read(args: &DesignArgs) -> Result<Self> {
         may_write(args.plot.as_deref(), args.html.as_deref())?;
-        Self::of(Config::read(&args.config.config, &args.config.over())?)
+        Self::of(Config::read(&args.config.config, &args.config.over())?, args.about)
     }
 
-    fn of(config: Config) -> Result<Self> {
+    fn of(config: Config, about: AboutArgs) -> Result<Self> {
         let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?.clone();
         let curve = config.tables.compensation.as_ref().and_then(|table| table.predistortion.as_ref());
         let percent_per_control = curve.map(Predistortion::curve).map_or(1.0, |curve| curve.percent_per_mm_per_s2());
-        let linear = model.linear();
+        let about = about::asked(&model, about)?;
+        let linear = about.as_ref().map_or_else(|| model.linear(), |about| about.linear(&model));
         let plant = Linear { gain: linear.gain * percent_per_control, ..linear };
-        Ok(Self { config, model, plant })
+        Ok(Self { config, model, plant, about })
     }
 
     /// Time between samples, seconds, where the config has it.
@@ -68,13 +72,15 @@ impl Ground {
     /// The plant at the lowest duty that the config allows, at hover and at the highest.
     fn over_duties(&self) -> Vec<AtDuty> {
         let Some(safety) = self.config.tables.safety.as_ref() else { return Vec::new() };
-        AtDuty::over(&self.model, &[safety.duty_min_percent, self.model.hover_duty_percent, safety.duty_max_percent])
+        let height_mm = self.about.map_or(self.model.pipe_length_mm / 2.0, |about| about.position_mm);
+        let duties = [safety.duty_min_percent, self.model.hover_duty_percent, safety.duty_max_percent];
+        AtDuty::over(&self.model, height_mm, &duties)
     }
 
     /// Assesses the controller, writes the requested files and prints the result.
     fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
         let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
-        let document = Document::of(&of, feedback, self.over_duties())?;
+        let document = Document::of(&of, feedback, self.about, self.over_duties())?;
         let patch = || patch::of(&closing, document.state_feedback.as_ref());
         if let Some(path) = &args.patch_out {
             write("patch", path, &patch()?)?;
@@ -92,9 +98,7 @@ impl Ground {
             return say(serde_json::to_string(&document)?);
         }
         for name in self.model.not_linear() {
-            note(format_args!(
-                "{name} is on in the model and not linear: the design does not see it; try it in `airball simulate`"
-            ));
+            note(about::not_linear(name, self.about.as_ref()));
         }
         words(&document).into_iter().try_for_each(say)
     }

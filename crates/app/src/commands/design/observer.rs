@@ -49,7 +49,7 @@ impl Ground {
 
 pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
     may_write(None, args.html.as_deref())?;
-    let ground = Ground::of(Config::read(&args.config.config, &args.config.over())?)?;
+    let ground = Ground::of(Config::read(&args.config.config, &args.config.over())?, args.about)?;
     let period_s = ground.config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s;
     let (plant, observer) = (ground.plant, ground.observer()?);
     let (psd, sensor_mm) = (observer.acceleration_psd_mm2_per_s3, observer.sensor_mm);

@@ -3,7 +3,7 @@
 use super::critical_gain::{RIG, Table as CriticalTable};
 use crate::analysis::loop_margins::{Assessment, Closing, Loop, Pid, Plant};
 use crate::report::kit::table::empty;
-use control::design::DesignError;
+use control::design::{DesignError, Linear};
 use control::state_feedback::{Integral, Lqg};
 use plant::Model;
 use serde::Serialize;
@@ -45,6 +45,9 @@ pub struct Document {
     pub state_feedback: Option<Feedback>,
     /// The controller where it needs an observer.
     pub lqg: Option<Estimated>,
+    /// Where the model was linearised, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub about: Option<About>,
     /// In continuous time.
     pub continuous: Assessment,
     /// Period of the sampled loop, seconds.
@@ -54,6 +57,41 @@ pub struct Document {
     /// Gain and drag at the lowest duty of a flight, at hover and at the highest, where an effect moves them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub over_duties: Vec<AtDuty>,
+}
+
+/// The slopes of a model at the height and the duty about which it was linearised.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct About {
+    /// The duty, percent.
+    pub duty_percent: f64,
+    /// The height, mm.
+    pub position_mm: f64,
+    /// Acceleration per percent of duty there, mm/s² per percent.
+    pub gain_mm_per_s2_per_percent: f64,
+    /// Linear drag there, 1/s.
+    pub drag_per_s: f64,
+    /// Decrease of the lift with height there, 1/s².
+    pub gradient_per_s2: f64,
+}
+
+impl About {
+    /// The linear plant with these slopes; its lags and delays are those of the model.
+    #[must_use]
+    pub fn linear(&self, model: &Model) -> Linear {
+        let Self { gain_mm_per_s2_per_percent: gain, drag_per_s, gradient_per_s2, .. } = *self;
+        Linear { gain, drag_per_s, gradient_per_s2, ..model.linear() }
+    }
+
+    /// In words.
+    fn words(&self) -> String {
+        let Self { duty_percent, position_mm, gain_mm_per_s2_per_percent, drag_per_s, gradient_per_s2 } = self;
+        // An even pipe has a gradient of 0, but for the rounding of the differences.
+        let gradient = if gradient_per_s2.abs() < SAME { 0.0 } else { *gradient_per_s2 };
+        format!(
+            "linearised at {duty_percent:.1} % and {position_mm:.0} mm: gain {gain_mm_per_s2_per_percent:.0} mm/s² per \
+             percent, drag {drag_per_s:.2} 1/s, gradient {gradient:.2} 1/s²"
+        )
+    }
 }
 
 /// The plant about one duty.
@@ -68,11 +106,11 @@ pub struct AtDuty {
 }
 
 impl AtDuty {
-    /// The plant about each of these duties at mid-pipe; none if gain and drag are the same at all of them.
+    /// The plant about each of these duties at this height; none if gain and drag are the same at all of them.
     #[must_use]
-    pub fn over(model: &Model, duties_percent: &[f64]) -> Vec<Self> {
+    pub fn over(model: &Model, height_mm: f64, duties_percent: &[f64]) -> Vec<Self> {
         let at = |duty_percent: &f64| {
-            let slopes = model.slopes_at(model.pipe_length_mm / 2.0, *duty_percent);
+            let slopes = model.slopes_at(height_mm, *duty_percent);
             let plant::Slopes { gain_mm_per_s2_per_percent, drag_per_s, .. } = slopes;
             Self { duty_percent: *duty_percent, gain_mm_per_s2_per_percent, drag_per_s }
         };
@@ -91,7 +129,12 @@ impl Document {
     ///
     /// # Errors
     /// [`DesignError`]: a delay that is too long, an observer that has no steady gain.
-    pub fn of(of: &Loop, feedback: Option<Feedback>, over_duties: Vec<AtDuty>) -> Result<Self, DesignError> {
+    pub fn of(
+        of: &Loop,
+        feedback: Option<Feedback>,
+        about: Option<About>,
+        over_duties: Vec<AtDuty>,
+    ) -> Result<Self, DesignError> {
         let (pid, lqg) = match &of.closing {
             Closing::Pid(gains, weights) => (Some(Pid::of(gains, weights)), None),
             Closing::Lqg(observed) => {
@@ -106,6 +149,7 @@ impl Document {
             pid,
             state_feedback: feedback,
             lqg,
+            about,
             continuous: of.continuous()?,
             period_s: of.period_s,
             sampled: of.sampled()?,
@@ -147,6 +191,7 @@ pub fn law(document: &Document) -> Vec<(&'static str, String)> {
         let gain: Vec<String> = observer_gain.iter().map(|l| format!("{l:.6}")).collect();
         lines.push(("observer", format!("L = [{}] a reading: position, velocity, fan, hover", gain.join(", "))));
     }
+    lines.extend(document.about.map(|about| ("about", about.words())));
     if !document.over_duties.is_empty() {
         let list = |value: fn(&AtDuty) -> String| document.over_duties.iter().map(value).collect::<Vec<_>>().join(", ");
         lines.push((
@@ -251,11 +296,11 @@ mod tests {
 
     #[test]
     fn the_drag_at_each_duty_is_that_of_the_air_there_and_a_linear_plant_has_no_list() {
-        assert_eq!(AtDuty::over(&model(Effects::default()), &[10.0, 20.0, 30.0]), []);
+        assert_eq!(AtDuty::over(&model(Effects::default()), 300.0, &[10.0, 20.0, 30.0]), []);
         let air = RelativeAirflow { inverse_speed_s_per_mm: 1e-3 };
         let model = model(Effects { relative_airflow: Some(air), ..Effects::default() });
         // Drag a·√(1 + 2·q·A/a) with A = gain·(duty − hover): 2·√1, 2·√3.
-        for (at, drag) in AtDuty::over(&model, &[20.0, 30.0]).iter().zip([2.0, 2.0 * 3.0_f64.sqrt()]) {
+        for (at, drag) in AtDuty::over(&model, 300.0, &[20.0, 30.0]).iter().zip([2.0, 2.0 * 3.0_f64.sqrt()]) {
             assert!((at.drag_per_s - drag).abs() < 1e-5, "{at:?}, exact {drag}");
             assert!((at.gain_mm_per_s2_per_percent - 200.0).abs() < 1e-5, "{at:?}");
         }

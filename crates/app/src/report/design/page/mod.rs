@@ -172,7 +172,9 @@ fn warnings(report: &Report<'_>) -> Markup {
                 li { (format!("A delay of {delay_s:.3} s brings the loop to its edge, and a period is {period_s} s: late cycles can be felt.")) }
             }
             @for name in report.not_linear {
-                li { strong { (name.replace('_', " ")) } " is on in the model and not linear: the design does not see it; try it in "
+                li { strong { (name.replace('_', " ")) } " is on in the model and not linear: the design sees "
+                    @if report.document.about.is_some() { "at most the slopes of its force there" } @else { "nothing of it" }
+                    "; try it in "
                     (command("airball simulate")) "." }
             }
             li { "Limits of the duty, quantised duty and noise: a step that asks for more than the fan can give is slower than the one above." }

@@ -12,8 +12,8 @@
 //! uses the age of its estimate. Without a reading both only predict. Several consecutive outliers are not outliers:
 //! the filter then restarts from the reading. A start from a ball in the air knows nothing of its velocity: until S has
 //! come down to that of the steady state, the gain is time-varying whatever is set, so the next readings give the
-//! velocity. A ball that lies at the bottom is at rest. x·x neglects a quarter of a·t, and the share of the wandering hover in x
-//! and v over one step is left out.
+//! velocity. A ball that lies at the bottom is at rest. x·x neglects a quarter of a·t, and the share of the wandering
+//! hover in x and v over one step is left out.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 4; the test ratio is that of PX4's estimator.
 
 mod steady;

@@ -11,9 +11,9 @@ use std::fmt::{self, Display, Formatter};
 
 /// Duties beyond this are no percent, in either direction.
 const NO_PERCENT: f64 = 150.0;
-/// The same in believed hover duties, for a rig whose duty is not in percent.
-const HOVERS: f64 = 7.0;
-/// From this share of the rows on, the unit is wrong, and not single rows.
+/// The same in believed hover duties, and for single rows in usual duties, for a rig whose duty is not in percent.
+const TIMES: f64 = 7.0;
+/// Readings that are wild from this share of the rows on are in another unit.
 const UNIT: f64 = 0.1;
 /// Largest counts of usual PWM chips, of 8, 10, 12 and 16 bits.
 const FULL_COUNTS: [f64; 4] = [255.0, 1023.0, 4095.0, 65535.0];
@@ -46,15 +46,19 @@ impl Display for DutyScale {
     }
 }
 
-/// The finding about duties that are no percent.
+/// The finding about duties that are no percent. The median of a flight in the air is near hover: where it is far
+/// beyond, the unit is wrong. A single row is compared with the others too, since a rig whose hover is near 0 may have
+/// an input of any unit.
 pub(crate) fn duty_beyond_percent(samples: &[Sample], model: &Model) -> Option<Finding> {
-    let limit_percent = NO_PERCENT.max(HOVERS * model.hover_duty_percent.abs());
+    let unit_percent = NO_PERCENT.max(TIMES * model.hover_duty_percent.abs());
+    let middle = median(samples.iter().map(|sample| sample.duty_percent).collect())?.abs();
+    let usual = median(samples.iter().map(|sample| sample.duty_percent.abs()).collect())?;
+    let is_other_unit = middle > unit_percent;
+    let limit_percent = if is_other_unit { unit_percent } else { unit_percent.max(TIMES * usual) };
     let is_beyond = |sample: &Sample| sample.duty_percent.abs() > limit_percent;
     let first = samples.iter().position(is_beyond)?;
     let count = samples.iter().filter(|sample| is_beyond(sample)).count();
-    let usual = median(samples.iter().map(|sample| sample.duty_percent.abs()).collect())?;
-    let all = count as f64 > UNIT * samples.len() as f64;
-    let scale = DutyScale(all.then(|| scale(usual, model.hover_duty_percent.abs())));
+    let scale = DutyScale(is_other_unit.then(|| scale(usual, model.hover_duty_percent.abs())));
     Some(Finding::DutyBeyondPercent {
         count,
         row: first + 1,
@@ -126,6 +130,7 @@ mod tests {
     use crate::record::check::Finding;
     use crate::tests_support::{model, record};
     use crate::{Options, Recording, Sample, Verdict, diagnose};
+    use plant::Model;
 
     fn rows_where(spoil: impl Fn(usize, &mut Sample)) -> Recording {
         let mut rows = record(&model(), 1, 40).samples().to_vec();
@@ -146,6 +151,20 @@ mod tests {
             assert!(counts < 1000.0 || said.contains(line), "{said}");
         }
         assert_eq!(scale(2e8, 20.0), 1e-7);
+    }
+
+    #[test]
+    fn a_rig_that_hovers_near_0_may_have_an_input_of_any_unit() {
+        let belief = Model { hover_duty_percent: 2.0, ..model() };
+        let signed = |k: usize, row: &mut Sample| row.duty_percent = if k % 3 == 0 { 240.0 } else { -100.0 };
+        let record = rows_where(signed);
+        assert_eq!(duty_beyond_percent(record.samples(), &belief), None);
+        let spoilt = rows_where(|k, row| {
+            signed(k, row);
+            row.duty_percent *= if k == 900 { 100.0 } else { 1.0 };
+        });
+        let found = duty_beyond_percent(spoilt.samples(), &belief);
+        assert!(matches!(found, Some(Finding::DutyBeyondPercent { count: 1, row: 901, .. })), "{found:?}");
     }
 
     #[test]

@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn a_rig_that_hovers_near_0_may_have_an_input_of_any_unit() {
         let belief = Model { hover_duty_percent: 2.0, ..model() };
-        let signed = |k: usize, row: &mut Sample| row.duty_percent = if k % 3 == 0 { 240.0 } else { -100.0 };
+        let signed = |k: usize, row: &mut Sample| row.duty_percent = if k.is_multiple_of(3) { 240.0 } else { -100.0 };
         let record = rows_where(signed);
         assert_eq!(duty_beyond_percent(record.samples(), &belief), None);
         let spoilt = rows_where(|k, row| {

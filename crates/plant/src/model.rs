@@ -112,7 +112,8 @@ impl Model {
     }
 
     /// The conditions of a motion under an input.
-    fn conditions_of(&self, motion: &Motion, input: Input) -> Conditions {
+    #[must_use]
+    pub fn conditions_of(&self, motion: &Motion, input: Input) -> Conditions {
         Conditions {
             time_s: input.time_s,
             setpoint_mm: self.setpoint(input.setpoint_mm),

@@ -3,6 +3,7 @@
 //! They act as those of the catalogue do: on the duty about hover, as a force, or on what the sensor shows. A force and
 //! a sensor have up to two states of their own.
 
+mod apart;
 mod definition;
 mod entry;
 mod intern;

@@ -9,6 +9,7 @@ use crate::record::read_off::read_off;
 use crate::record::recording::Recording;
 use crate::select::duty_step_scan;
 use crate::select::search::Search;
+use crate::select::written_scan::scan;
 use crate::stats::line::line;
 use crate::stats::quantile::quantile;
 use plant::{Entry, Model, Start};
@@ -23,8 +24,10 @@ const STOPS: [(f64, f64); 6] = [(0.003, 0.0), (0.003, 1.0), (0.003, 2.0), (0.02,
 /// Initial values, and the number of values they were chosen from.
 pub(crate) struct Starts {
     pub(crate) values: Vec<Vec<f64>>,
-    /// The number of values that do not come from the belief. They come first.
+    /// The number of values that come neither from the belief nor from a scan. They come first.
     pub(crate) usual: usize,
+    /// The number of values that a scan over the record found. They come next.
+    pub(crate) scanned: usize,
     pub(crate) among: usize,
     /// Whether each is a separate local maximum, so that the choice among them is part of the score.
     pub(crate) are_tops: bool,
@@ -42,7 +45,8 @@ impl Starts {
         };
         let nearer = |share: &f64| self.values.iter().map(|values| at(values, *share)).collect::<Vec<_>>();
         let values: Vec<_> = shares.iter().flat_map(nearer).collect();
-        Some(Self { usual: values.len(), among: self.among + values.len(), are_tops: false, values })
+        let among = self.among + values.len();
+        Some(Self { usual: values.len(), scanned: 0, among, are_tops: false, values })
     }
 }
 
@@ -52,14 +56,20 @@ pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
     if entry.start == Start::DutySteps {
         let (steps, among) = duty_step_scan::steps(problem, fit, entry);
         let values: Vec<_> = steps.into_iter().map(|step| vec![step]).collect();
-        return Starts { usual: values.len(), values, among, are_tops: true };
+        return Starts { usual: values.len(), scanned: 0, values, among, are_tops: true };
     }
     let mut values = by_rule(entry, &fit.model, problem.recording);
     let usual = values.len();
+    let written = problem.belief.effects.written.definition(entry.name);
+    let found = written.and_then(|written| scan(problem, fit, written)).unwrap_or_default();
+    values.extend(found.values);
+    let scanned = values.len() - usual;
     if search.is_far(fit) {
         values.extend(as_believed(entry, problem));
     }
-    Starts { usual, among: values.len(), are_tops: false, values }
+    // Of the local maxima only the best are among the values.
+    let among = values.len() - scanned + found.tops;
+    Starts { usual, scanned, among, are_tops: false, values }
 }
 
 fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>> {

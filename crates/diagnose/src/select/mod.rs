@@ -12,3 +12,4 @@ pub(crate) mod refit;
 pub(crate) mod screening;
 pub(crate) mod search;
 pub(crate) mod stepwise;
+pub(crate) mod written_scan;

@@ -28,6 +28,8 @@ struct InitialPoint {
     place: usize,
     /// Whether these values follow from the belief.
     as_believed: bool,
+    /// Whether a scan over the record found these values.
+    scanned: bool,
     model: Model,
     parameters: Vec<Parameter>,
     by_fold: LogLikByFold,
@@ -90,8 +92,13 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &S
     // A recorded fan speed determines the timing sharply: the maxima are narrow, and the rating cannot tell which is
     // near.
     let narrow = search.problem.recording.has_fan_speed();
-    let as_good = |start: &&InitialPoint| narrow || worth(start) > rated.first().map_or(0.0, worth) - AS_GOOD;
-    let mut from: Vec<&InitialPoint> = rated.iter().take(STARTS).filter(as_good).collect();
+    let mut from: Vec<&InitialPoint> = Vec::new();
+    // What a scan found rates higher than usual values, but may end lower: its sizes are fitted already.
+    for scanned in [false, true] {
+        let mut own = rated.iter().filter(|start| start.scanned == scanned).take(STARTS).peekable();
+        let best = own.peek().map_or(0.0, |best| worth(best));
+        from.extend(own.filter(|start| narrow || worth(start) > best - AS_GOOD));
+    }
     // The best of other base parameters, and the values that follow from the belief there, rate lower but may end
     // higher.
     let elsewhere = |start: &&InitialPoint| rated.first().is_some_and(|best| best.place != start.place);
@@ -122,14 +129,15 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &S
 /// The initial values of the effect, rated by log-likelihood, the best first.
 fn rated(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts) -> Vec<InitialPoint> {
     let rated = all.values.par_iter().enumerate().flat_map_iter(|(at, values)| {
-        let as_believed = at >= all.usual;
+        let (scanned, as_believed) =
+            ((all.usual..all.usual + all.scanned).contains(&at), at >= all.usual + all.scanned);
         let start = added(so_far, entry, values);
         let models =
             start.iter().flat_map(|(model, _)| places_to_start(search, so_far, model, entry)).collect::<Vec<_>>();
         let parameters = start.map(|(_, parameters)| parameters).unwrap_or_default();
         models.into_iter().enumerate().map(move |(place, model)| {
             let by_fold = search.problem.by_fold(&model);
-            InitialPoint { place, as_believed, model, parameters: parameters.clone(), by_fold }
+            InitialPoint { place, as_believed, scanned, model, parameters: parameters.clone(), by_fold }
         })
     });
     let mut rated: Vec<InitialPoint> = rated.collect();

@@ -22,7 +22,7 @@ pub(super) fn entry(name: &str, table: &DefinitionTable) -> Entry {
         intern::list(parameters.iter().map(|parameter| size(parameter, steps, share)).collect())
     };
     let mut starts = Vec::new();
-    // From the value itself and from the quarters of its range, since a height or a period has many optima.
+    // From the value itself and from the quarters of its range. The diagnosis scans the range as well.
     let has_value = parameters.iter().any(|parameter| parameter.value.is_some());
     for share in [None, Some(0.25), Some(0.75)].into_iter().take(if has_value { 3 } else { 1 }) {
         starts.extend([1.0, -1.0].map(|side| at(side, share)));

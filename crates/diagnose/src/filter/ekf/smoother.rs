@@ -11,10 +11,11 @@
 //! Source: Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA Journal 3 (1965).
 
 use super::active::Active;
+use super::covariance::motion_of;
 use super::measurement::Measured;
 use super::{Ekf, Square, State};
 use crate::filter::innovation::Innovation;
-use plant::Model;
+use plant::{Model, Motion};
 
 /// Added to the diagonal as a share of the variance, so that the inverse exists where two states are fully correlated.
 const JITTER: f64 = 1e-12;
@@ -61,6 +62,8 @@ pub(crate) struct Segment {
     measured: Measured,
     /// Filtered position and velocity after the reading, mm and mm/s.
     pub(crate) known: (f64, f64),
+    /// The filtered state after the reading.
+    pub(crate) motion: Motion,
 }
 
 /// The same segment, as the smoother needs it.
@@ -96,7 +99,7 @@ impl Ekf<'_> {
         let measured = self.measured(state);
         let (towards, known) = (measured.towards(covariance), self.position_and_velocity());
         let (time_s, transition, active) = (self.time_s, *transition, self.active);
-        Some(Segment { time_s, transition, towards, active, measured, known })
+        Some(Segment { time_s, transition, towards, active, measured, known, motion: motion_of(&self.state) })
     }
 
     /// The same for the smoother.

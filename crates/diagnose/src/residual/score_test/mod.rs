@@ -19,13 +19,15 @@
 //! (1984); Wilson and Hilferty, "The distribution of chi-square", Proc. Natl. Acad. Sci. 17 (1931).
 
 mod bursts;
+mod conditions;
 mod moments;
 mod projection;
 mod scores;
 mod sensitivities;
 mod terms;
 
-pub(crate) use projection::ProjectedInnovations;
+pub(crate) use conditions::Before;
+pub(crate) use projection::{Joint, ProjectedInnovations};
 pub(crate) use sensitivities::FilterRun;
 
 use crate::fit::estimate::{Fit, Problem};

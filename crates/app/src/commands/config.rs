@@ -3,6 +3,7 @@
 use super::say;
 use crate::cli::ConfigArgs;
 use crate::config::Config;
+use crate::config::mqtt::MqttConfig;
 use anyhow::Result;
 
 /// Checks a config and prints the result.
@@ -15,7 +16,8 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
     let names: Vec<&str> = effects.iter().map(|entry| entry.name).collect();
     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
     say(format_args!("{} is sound; effects of the plant that are on: {names}", args.config.display()))?;
-    Ok(())
+    let exposures = config.tables.mqtt.as_ref().map_or_else(Vec::new, MqttConfig::exposures);
+    exposures.iter().try_for_each(|exposure| say(format_args!("warning: {exposure}")))
 }
 
 /// Prints the config in force.

@@ -3,6 +3,8 @@
 //! The password is in a file of its own, so that neither the config nor a log that holds it contains it.
 
 use serde::{Deserialize, Serialize};
+use std::net::IpAddr;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
@@ -104,6 +106,24 @@ impl MqttConfig {
         self.port.unwrap_or(if self.tls.is_some() { PORTS.1 } else { PORTS.0 })
     }
 
+    /// How the password may get to others, in sentences that end in what to do.
+    #[must_use]
+    pub fn exposures(&self) -> Vec<String> {
+        let Some(file) = &self.password_file else { return Vec::new() };
+        let mut found = Vec::new();
+        if let Some(mode) =
+            fs::metadata(file).ok().map(|about| about.permissions().mode() & 0o777).filter(|m| m & 7 != 0)
+        {
+            let path = file.display();
+            found.push(format!("[mqtt] password_file {path} has mode {mode:o}, so that every user of this computer has the password; `chmod 600 {path}`"));
+        }
+        if self.tls.is_none() && !is_local(&self.host) {
+            let host = &self.host;
+            found.push(format!("[mqtt] the password goes to {host} unencrypted, and whoever reads the network has it; give `tls.ca_file`, see `broker-certificates` in docs/live.md"));
+        }
+        found
+    }
+
     /// Reads the password. `None` where the broker needs none.
     pub(crate) fn credentials(&self) -> Result<Option<Credentials>, MqttError> {
         let password = self.password_file.as_deref().map(read_password).transpose()?;
@@ -115,6 +135,11 @@ impl MqttConfig {
     }
 }
 
+/// Whether a host is this computer, by its name or address.
+fn is_local(host: &str) -> bool {
+    host == "localhost" || host.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
+}
+
 /// The file's text without the line end that editors add.
 fn read_password(path: &Path) -> Result<String, MqttError> {
     let text = fs::read_to_string(path).map_err(|cause| MqttError::Password { path: path.to_owned(), cause })?;
@@ -124,6 +149,7 @@ fn read_password(path: &Path) -> Result<String, MqttError> {
 #[cfg(test)]
 mod tests {
     use super::{MqttConfig, MqttError};
+    use std::os::unix::fs::PermissionsExt;
 
     fn config(text: &str) -> MqttConfig {
         toml::from_str(text).unwrap()
@@ -157,6 +183,27 @@ mod tests {
     fn a_password_file_that_cannot_be_read_is_named() {
         let error = config("host = 'a'\nuser = 'u'\npassword_file = '/no/such/file'").credentials().err().unwrap();
         assert!(error.to_string().contains("/no/such/file"), "{error}");
+    }
+
+    #[test]
+    fn a_password_that_others_can_read_or_that_goes_to_another_host_unencrypted_is_warned_of() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let mode = |mode| std::fs::set_permissions(file.path(), std::fs::Permissions::from_mode(mode)).unwrap();
+        let with = |text: &str| MqttConfig { password_file: Some(file.path().into()), ..config(text) };
+        mode(0o640);
+        for safe in ["host = 'localhost'", "host = '127.0.0.1'", "host = '::1'", "host = 'pi'\ntls.ca_file = 'ca.pem'"]
+        {
+            assert!(with(safe).exposures().is_empty(), "{safe}");
+        }
+        let plain = with("host = 'pi'").exposures();
+        assert!(
+            plain.len() == 1 && plain[0].contains("pi unencrypted") && plain[0].contains("tls.ca_file"),
+            "{plain:?}"
+        );
+        mode(0o644);
+        let open = with("host = 'localhost'").exposures();
+        assert!(open.len() == 1 && open[0].contains("mode 644") && open[0].contains("chmod 600"), "{open:?}");
+        assert!(config("host = 'pi'").exposures().is_empty());
     }
 
     #[test]

@@ -99,7 +99,7 @@ impl<'a> Found<'a> {
             .collect()
     }
 
-    /// The column in our units; an empty cell is `None`.
+    /// The column in our units; a cell without a reading, empty or NaN, is `None`.
     fn converted(&self, table: &Table<'_>, time_s: &[f64]) -> Result<Vec<Option<f64>>, RowsError> {
         let raw = (0..table.len()).map(|row| self.number(table, row)).collect::<Result<Vec<_>, _>>()?;
         let raw = if self.integrate { integral(&raw, time_s) } else { raw };
@@ -112,7 +112,11 @@ impl<'a> Found<'a> {
         if cell.is_empty() {
             return Ok(None);
         }
-        let value = cell.parse().map_err(|_| self.wrong(table, row, CellProblem::NotANumber(cell.into())))?;
+        let value: f64 = cell.parse().map_err(|_| self.wrong(table, row, CellProblem::NotANumber(cell.into())))?;
+        // MATLAB, numpy and C write "no reading" so.
+        if value.is_nan() {
+            return Ok(None);
+        }
         self.finite(table, row, value).map(Some)
     }
 

@@ -47,15 +47,26 @@ fn a_mark_windows_line_ends_spaces_and_empty_lines_do_no_harm() {
 #[test]
 fn a_wrong_cell_is_named_by_line_column_and_value() {
     for (cell, words) in
-        [("abc", "`abc` is no number"), ("21,5", "cells"), ("inf", "not finite"), ("NaN", "not finite")]
+        [("abc", "`abc` is no number"), ("21,5", "cells"), ("inf", "not finite"), ("-inf", "not finite")]
     {
         let said = complaint(&with_line(7, &format!("0.10,300,0.5,{cell},205")));
         assert!(said.starts_with("rig.csv, line 7") && said.contains(words), "{said}");
     }
     let said = complaint(&with_line(7, "0.10,300,0.5,,205"));
-    assert!(said.starts_with("rig.csv, line 7, column `duty_percent`: the cell is empty"), "{said}");
+    assert!(said.starts_with("rig.csv, line 7, column `duty_percent`: the cell holds no reading"), "{said}");
     let decimal_comma = with_line(7, "0.10,300,0.5,x,205").replace(',', ";").replace('x', "21,5");
     assert!(complaint(&decimal_comma).contains("`21,5` is no number; write it with a decimal point"));
+}
+
+#[test]
+fn a_cell_of_nan_is_no_reading_wherever_an_empty_one_is_none() {
+    let empty = parse(&with_line(7, "0.10,,,21.5,")).unwrap();
+    assert_eq!(empty.samples()[5].position_mm, None);
+    for nan in ["NaN", "nan", "-nan", "NAN"] {
+        assert_eq!(parse(&with_line(7, &format!("0.10,{nan},{nan},21.5,{nan}"))).unwrap(), empty, "{nan}");
+        let said = complaint(&with_line(7, &format!("0.10,300,0.5,{nan},205")));
+        assert!(said.starts_with("rig.csv, line 7, column `duty_percent`: the cell holds no reading"), "{said}");
+    }
 }
 
 #[test]

@@ -70,6 +70,20 @@ fn a_cell_of_nan_is_no_reading_wherever_an_empty_one_is_none() {
 }
 
 #[test]
+fn text_of_a_file_is_shown_short_and_cannot_act_on_a_terminal() {
+    let cell = format!("\u{1b}]0;title\u{7}\u{202e}{}", "x".repeat(10_000_000));
+    let said = complaint(&with_line(7, &format!("0.10,300,0.5,{cell},205")));
+    assert!(said.contains("`\\u001b]0;title\\u0007\\u202ex") && said.contains("x…`"), "{said}");
+    let header: String = (0..200_000).map(|k| format!(",\u{1b}[31m{k}")).collect();
+    let wide = complaint(&format!("time_s{header}\n0{}\n", ",0".repeat(200_000)));
+    assert!(wide.contains("`\\u001b[31m18` and 199981 more"), "{wide}");
+    for message in [said, wide] {
+        assert!(message.chars().count() < 1000 && !message.chars().any(char::is_control), "{message}");
+    }
+    assert_eq!(crate::printable("a\tb\n\r\0"), "a\tb\n\\u000d\\u0000");
+}
+
+#[test]
 fn lines_are_counted_with_the_empty_ones() {
     let said = complaint(&with_line(7, "\n\r\n0.10,300,0.5,abc,205"));
     assert!(said.starts_with("rig.csv, line 9,"), "{said}");

@@ -2,18 +2,20 @@
 
 use crate::report::kit::{file, page, plot};
 use anyhow::{Result, anyhow};
+use rows::printable;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 
-/// A line of the result on standard output.
+/// A line of the result on standard output, control characters, which a log or an experiment may hold, escaped.
 pub(super) fn say(line: impl Display) -> Result<()> {
-    Ok(writeln!(stdout().lock(), "{line}")?)
+    Ok(writeln!(stdout().lock(), "{}", printable(&line.to_string()))?)
 }
 
-/// A note for the user at the terminal, on standard error. A closed standard error is not a failure.
+/// A note for the user at the terminal, on standard error, control characters escaped. A closed standard error is not a
+/// failure.
 pub fn note(line: impl Display) {
-    let _ = writeln!(stderr().lock(), "airball: {line}");
+    let _ = writeln!(stderr().lock(), "airball: {}", printable(&line.to_string()));
 }
 
 /// An error, with those of its causes that its own text does not name.

@@ -4,6 +4,7 @@
 
 use crate::error::{CellProblem, RowsError};
 use crate::import::{Column, Import};
+use crate::shown::{listed, shown};
 use crate::table::Table;
 use diagnose::Sample;
 
@@ -58,7 +59,7 @@ impl<'a> Found<'a> {
             line: table.header_line(),
             column: column.column.clone(),
             quantity,
-            found: table.columns().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+            found: listed(table.columns()),
         };
         Self::look_up(table, &column.column)?.map(|index| Self::at(index, column)).ok_or_else(missing)
     }
@@ -99,7 +100,7 @@ impl<'a> Found<'a> {
             .collect()
     }
 
-    /// The column in our units; an empty cell is `None`.
+    /// The column in our units; a cell without a reading, empty or NaN, is `None`.
     fn converted(&self, table: &Table<'_>, time_s: &[f64]) -> Result<Vec<Option<f64>>, RowsError> {
         let raw = (0..table.len()).map(|row| self.number(table, row)).collect::<Result<Vec<_>, _>>()?;
         let raw = if self.integrate { integral(&raw, time_s) } else { raw };
@@ -112,12 +113,16 @@ impl<'a> Found<'a> {
         if cell.is_empty() {
             return Ok(None);
         }
-        let value = cell.parse().map_err(|_| self.wrong(table, row, CellProblem::NotANumber(cell.into())))?;
+        let value: f64 = cell.parse().map_err(|_| self.wrong(table, row, CellProblem::NotANumber(shown(cell))))?;
+        // MATLAB, numpy and C write "no reading" so.
+        if value.is_nan() {
+            return Ok(None);
+        }
         self.finite(table, row, value).map(Some)
     }
 
     fn finite(&self, table: &Table<'_>, row: usize, value: f64) -> Result<f64, RowsError> {
-        let cell = || CellProblem::NotFinite(table.cell(row, self.index).into());
+        let cell = || CellProblem::NotFinite(shown(table.cell(row, self.index)));
         if value.is_finite() { Ok(value) } else { Err(self.wrong(table, row, cell())) }
     }
 
@@ -125,7 +130,7 @@ impl<'a> Found<'a> {
         match table.cell(row, self.index).to_ascii_lowercase().as_str() {
             "1" | "true" => Ok(true),
             "0" | "false" => Ok(false),
-            other => Err(self.wrong(table, row, CellProblem::NotAFlag(other.into()))),
+            other => Err(self.wrong(table, row, CellProblem::NotAFlag(shown(other)))),
         }
     }
 

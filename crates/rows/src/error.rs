@@ -130,15 +130,15 @@ pub enum RowsError {
 /// What is wrong with a cell.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CellProblem {
-    /// It is empty.
+    /// It is empty or NaN.
     #[error(
-        "the cell is empty; only position, setpoint, control and the optional sensors may be missing: fill it or remove the row"
+        "the cell holds no reading, it is empty or NaN; only position, setpoint, control and the optional sensors may be missing: fill it or remove the row"
     )]
     Empty,
     /// It is not a number.
     #[error("`{0}` is no number; write it with a decimal point and without a unit")]
     NotANumber(String),
-    /// NaN, an infinity, or a number that scale and offset take out of range.
+    /// An infinity, or a number that scale and offset take out of range.
     #[error("`{0}` is not finite; leave the cell empty where there was no reading, or remove the row")]
     NotFinite(String),
     /// It is not a truth value.

@@ -9,6 +9,7 @@
 mod columns;
 mod error;
 mod import;
+mod shown;
 mod table;
 
 #[cfg(test)]
@@ -16,6 +17,7 @@ mod tests;
 
 pub use error::{CellProblem, RowsError};
 pub use import::{Column, Import};
+pub use shown::{printable, shown};
 
 use diagnose::{Recording, Sample};
 use table::Table;

@@ -47,15 +47,40 @@ fn a_mark_windows_line_ends_spaces_and_empty_lines_do_no_harm() {
 #[test]
 fn a_wrong_cell_is_named_by_line_column_and_value() {
     for (cell, words) in
-        [("abc", "`abc` is no number"), ("21,5", "cells"), ("inf", "not finite"), ("NaN", "not finite")]
+        [("abc", "`abc` is no number"), ("21,5", "cells"), ("inf", "not finite"), ("-inf", "not finite")]
     {
         let said = complaint(&with_line(7, &format!("0.10,300,0.5,{cell},205")));
         assert!(said.starts_with("rig.csv, line 7") && said.contains(words), "{said}");
     }
     let said = complaint(&with_line(7, "0.10,300,0.5,,205"));
-    assert!(said.starts_with("rig.csv, line 7, column `duty_percent`: the cell is empty"), "{said}");
+    assert!(said.starts_with("rig.csv, line 7, column `duty_percent`: the cell holds no reading"), "{said}");
     let decimal_comma = with_line(7, "0.10,300,0.5,x,205").replace(',', ";").replace('x', "21,5");
     assert!(complaint(&decimal_comma).contains("`21,5` is no number; write it with a decimal point"));
+}
+
+#[test]
+fn a_cell_of_nan_is_no_reading_wherever_an_empty_one_is_none() {
+    let empty = parse(&with_line(7, "0.10,,,21.5,")).unwrap();
+    assert_eq!(empty.samples()[5].position_mm, None);
+    for nan in ["NaN", "nan", "-nan", "NAN"] {
+        assert_eq!(parse(&with_line(7, &format!("0.10,{nan},{nan},21.5,{nan}"))).unwrap(), empty, "{nan}");
+        let said = complaint(&with_line(7, &format!("0.10,300,0.5,{nan},205")));
+        assert!(said.starts_with("rig.csv, line 7, column `duty_percent`: the cell holds no reading"), "{said}");
+    }
+}
+
+#[test]
+fn text_of_a_file_is_shown_short_and_cannot_act_on_a_terminal() {
+    let cell = format!("\u{1b}]0;title\u{7}\u{202e}{}", "x".repeat(10_000_000));
+    let said = complaint(&with_line(7, &format!("0.10,300,0.5,{cell},205")));
+    assert!(said.contains("`\\u001b]0;title\\u0007\\u202ex") && said.contains("x…`"), "{said}");
+    let header: String = (0..200_000).map(|k| format!(",\u{1b}[31m{k}")).collect();
+    let wide = complaint(&format!("time_s{header}\n0{}\n", ",0".repeat(200_000)));
+    assert!(wide.contains("`\\u001b[31m18` and 199981 more"), "{wide}");
+    for message in [said, wide] {
+        assert!(message.chars().count() < 1000 && !message.chars().any(char::is_control), "{message}");
+    }
+    assert_eq!(crate::printable("a\tb\n\r\0"), "a\tb\n\\u000d\\u0000");
 }
 
 #[test]

@@ -26,7 +26,12 @@ const TICK: Duration = Duration::from_millis(120);
 /// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be
 /// written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
-    may_write(args.plot.as_deref(), args.html.as_deref())?;
+    let tables = [
+        ("patch", args.patch_out.as_ref()),
+        ("experiment", args.next_out.as_ref()),
+        ("missing force", args.missing_force.as_ref()),
+    ];
+    may_write(args.plot.as_deref(), args.html.as_deref(), &tables)?;
     let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.over(), &args.without)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {
@@ -42,6 +47,8 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     let options = Options { progress, without: args.without.clone() };
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
+    // The answer first: a full disk takes files only. They are written also where the reader has closed the output.
+    let told = tell(args, &asked, &answer);
     if let Some(path) = &args.patch_out {
         write("patch", path, &answer.found.patch_toml())?;
     }
@@ -49,10 +56,15 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
         write_next(path, &answer.advice)?;
     }
     draw(args, &asked, &answer)?;
+    told
+}
+
+/// Prints the result.
+fn tell(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     if args.json {
-        return say(asked.document(&answer)?);
+        return say(asked.document(answer)?);
     }
-    let about = asked.about(&answer);
+    let about = asked.about(answer);
     for (name, finding) in findings(&answer.found, &about) {
         note(format_args!("{name}: {finding}"));
     }
@@ -83,7 +95,7 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     }
     let picture = Series::of(&answer.found, &asked.belief, &asked.recordings);
     if let Some(path) = &args.missing_force {
-        missing_force::write(path, &picture.missing)?;
+        write("missing force", path, &missing_force::table(&picture.missing)?)?;
     }
     if let Some(path) = &args.plot {
         let title = format!("{}: free runs, and the force that the belief lacks", asked.names.join(", "));
@@ -117,6 +129,22 @@ fn write_next(path: &Path, advice: &Advice) -> Result<()> {
         None => {
             note(format_args!("no further experiment is called for; {} was not written", path.display()));
             Ok(())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::cli::{Cli, Command};
+    use clap::Parser;
+
+    #[test]
+    fn a_folder_that_cannot_take_a_file_is_refused_before_a_log_is_read() {
+        for flag in ["--plot", "--html", "--patch-out", "--next-out", "--missing-force"] {
+            let cli = Cli::try_parse_from(["airball", "diagnose", "nosuch.csv", flag, "nosuch/file"]).unwrap();
+            let Command::Diagnose(args) = cli.command else { panic!("{flag}") };
+            let said = super::diagnose(&args).unwrap_err().to_string();
+            assert!(said.starts_with("cannot write") && said.contains("nosuch/file"), "{flag}: {said}");
         }
     }
 }

@@ -1,19 +1,21 @@
 //! Standard output and standard error, either of which may be closed at any time: `println!` would panic.
 
-use crate::report::kit::{page, plot};
+use crate::report::kit::{file, page, plot};
 use anyhow::{Result, anyhow};
+use rows::printable;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// A line of the result on standard output.
+/// A line of the result on standard output, control characters, which a log or an experiment may hold, escaped.
 pub(super) fn say(line: impl Display) -> Result<()> {
-    Ok(writeln!(stdout().lock(), "{line}")?)
+    Ok(writeln!(stdout().lock(), "{}", printable(&line.to_string()))?)
 }
 
-/// A note for the user at the terminal, on standard error. A closed standard error is not a failure.
+/// A note for the user at the terminal, on standard error, control characters escaped. A closed standard error is not a
+/// failure.
 pub fn note(line: impl Display) {
-    let _ = writeln!(stderr().lock(), "airball: {line}");
+    let _ = writeln!(stderr().lock(), "airball: {}", printable(&line.to_string()));
 }
 
 /// An error, with those of its causes that its own text does not name.
@@ -30,13 +32,20 @@ pub fn with_causes(error: &anyhow::Error) -> String {
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// Refuses names for a picture and a page that another file has, before the computation begins.
+/// Refuses names for a picture and a page that another file has, and folders that cannot take these or the `others`,
+/// each with what it is, before the computation begins.
 ///
 /// # Errors
-/// The file that is kept.
-pub(super) fn may_write(picture: Option<&Path>, html: Option<&Path>) -> Result<()> {
+/// The file that is kept, or that cannot be written.
+pub(super) fn may_write(
+    picture: Option<&Path>,
+    html: Option<&Path>,
+    others: &[(&str, Option<&PathBuf>)],
+) -> Result<()> {
     picture.map_or(Ok(()), plot::may_write)?;
-    Ok(html.map_or(Ok(()), page::may_write)?)
+    html.map_or(Ok(()), page::may_write)?;
+    let asked = others.iter().filter_map(|(what, path)| Some((what, (*path)?)));
+    asked.into_iter().try_for_each(|(what, path)| file::may_be_made(path).map_err(|error| failed(what, path, &error)))
 }
 
 /// Writes a requested file; `what` names it in the message.
@@ -44,8 +53,11 @@ pub(super) fn may_write(picture: Option<&Path>, html: Option<&Path>) -> Result<(
 /// # Errors
 /// The file cannot be written; the message names it.
 pub(super) fn write(what: &str, path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, text)
-        .map_err(|error| anyhow!("cannot write the {what} {}: {error}; check the folder", path.display()))
+    file::write(path, text.as_bytes()).map_err(|error| failed(what, path, &error))
+}
+
+fn failed(what: &str, path: &Path, error: &std::io::Error) -> anyhow::Error {
+    anyhow!("cannot write the {what} {}: {error}; check the folder", path.display())
 }
 
 /// Whether a command failed only because the reader of its output has closed it, as `head` does.
@@ -57,8 +69,9 @@ pub fn reader_is_gone(error: &anyhow::Error) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::with_causes;
+    use super::{may_write, with_causes};
     use anyhow::anyhow;
+    use std::path::Path;
 
     #[test]
     fn causes_that_an_error_does_not_name_follow_it_in_its_line_and_others_are_not_said_twice() {
@@ -69,5 +82,16 @@ mod tests {
         );
         let named = anyhow!("no such\n  device").context("bus 1: no such device; check the wires");
         assert_eq!(with_causes(&named), "bus 1: no such device; check the wires");
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_refused_for_every_kind_of_file() {
+        let path = Path::new("nosuch/file");
+        let (picture, page) = (may_write(Some(path), None, &[]), may_write(None, Some(path), &[]));
+        let patch = may_write(None, None, &[("patch", Some(&path.to_owned()))]);
+        for (what, refused) in [("picture", picture), ("page", page), ("patch", patch)] {
+            let said = refused.unwrap_err().to_string();
+            assert!(said.starts_with(&format!("cannot write the {what} nosuch/file: ")), "{said}");
+        }
     }
 }

@@ -17,7 +17,7 @@ use diagnose::{Gap, check, free_runs};
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a picture that cannot be written.
 pub fn replay(args: &ReplayArgs) -> Result<()> {
-    may_write(args.plot.as_deref(), args.html.as_deref())?;
+    may_write(args.plot.as_deref(), args.html.as_deref(), &[])?;
     let config = Config::read(&args.config.config, &args.config.over())?;
     let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
     let mut log = reader::read(&args.log, config.tables.import.as_ref())?;

@@ -94,7 +94,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     say_pwm(table.fan_pwm_hz, rig.fan_pwm_hz());
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !sim);
     let last = kept.and_then(LastFault::read);
-    if let Some(LastFault { at, fault, .. }) = &last {
+    if let Some(LastFault { at, fault, acknowledged: None, .. }) = &last {
         note(format_args!("the last fault, at {at}: {fault}"));
     }
     let seed = sim.then_some(args.seed);
@@ -113,7 +113,11 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let outcome = flight.fly(duration_s, stop);
     let watched = watch.finish(outcome.fan_still_on.is_none());
     let files = queue.files();
-    let fault = worst(&outcome, &watched).map(|why| LastFault::now(why, Some(&files.current())));
+    let flown = outcome.punctuality.cycles > 0;
+    let fault = match worst(&outcome, &watched) {
+        Some(why) => Some(LastFault::now(why, Some(&files.current()))),
+        None => kept.filter(|_| flown).and_then(|path| acknowledged(path, last.as_ref())),
+    };
     if let Some(fault) = &fault {
         keep(kept, fault);
     }
@@ -174,6 +178,12 @@ fn keep(kept: Option<&Path>, fault: &LastFault) {
     }
 }
 
+/// The fault before a flight that had none, acknowledged, so that it is not said again. A newer one in the file, as of
+/// the guard, is not.
+fn acknowledged(kept: &Path, last: Option<&LastFault>) -> Option<LastFault> {
+    LastFault::read(kept).filter(|now| Some(now) == last)?.acknowledged()
+}
+
 fn say_commands(counts: Counts) -> Result<()> {
     let Counts { commands_received, commands_refused, commands_busy, .. } = counts;
     if commands_received == 0 {
@@ -186,10 +196,26 @@ fn say_commands(counts: Counts) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::{GuardError, Outcome, worst};
+    use super::{GuardError, Outcome, acknowledged, worst};
     use crate::flight::deadline::Deadlines;
+    use crate::flight::last_fault::LastFault;
     use crate::flight::vocabulary::{End, Fault};
     use embedded_hal::i2c::ErrorKind;
+
+    #[test]
+    fn a_flight_without_a_fault_acknowledges_the_last_one_once_and_none_that_came_meanwhile() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("last-fault.json");
+        let (first, newer) = (LastFault::now("stuck".into(), None), LastFault::now("of the guard".into(), None));
+        assert_eq!(acknowledged(&path, None), None);
+        first.keep(&path).unwrap();
+        let known = acknowledged(&path, Some(&first)).unwrap();
+        assert!(known.acknowledged.is_some() && known.fault == "stuck", "{known:?}");
+        known.keep(&path).unwrap();
+        assert_eq!(acknowledged(&path, LastFault::read(&path).as_ref()), None);
+        newer.keep(&path).unwrap();
+        assert_eq!(acknowledged(&path, Some(&known)), None);
+    }
 
     #[test]
     fn a_fan_that_stays_on_comes_before_a_lost_guard_and_that_before_a_fault_and_none_is_hidden() {

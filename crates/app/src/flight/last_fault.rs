@@ -16,13 +16,23 @@ pub struct LastFault {
     pub fault: String,
     /// The log of that flight, if it had one.
     pub log: Option<PathBuf>,
+    /// When the first flight without a fault after it has ended, as `at`; `None`: there was none so far.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acknowledged: Option<String>,
 }
 
 impl LastFault {
     /// A fault at the present time.
     #[must_use]
     pub fn now(fault: String, log: Option<&Path>) -> Self {
-        Self { at: rfc3339(SystemTime::now()), fault, log: log.map(Path::to_owned) }
+        Self { at: rfc3339(SystemTime::now()), fault, log: log.map(Path::to_owned), acknowledged: None }
+    }
+
+    /// The fault, acknowledged at the present time by a flight without one; `None` if an earlier flight has done so.
+    #[must_use]
+    pub fn acknowledged(self) -> Option<Self> {
+        let now = || rfc3339(SystemTime::now());
+        self.acknowledged.is_none().then(|| Self { acknowledged: Some(now()), ..self })
     }
 
     /// Writes the file, completely or not at all, and forces it onto the disk: a power cut may follow.
@@ -70,6 +80,8 @@ mod tests {
         let second = LastFault::now("no new range".into(), None);
         second.keep(&path).unwrap();
         assert_eq!(LastFault::read(&path), Some(second));
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(!text.contains("acknowledged"), "{text}");
         std::fs::write(&path, "half of a fi").unwrap();
         assert_eq!(LastFault::read(&path), None);
     }

@@ -59,8 +59,9 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Flight, LogError> {
     if gathered.flight.cycles.is_empty() {
         return no_cycles(path, gathered.why_none(damage, bytes.len()));
     }
+    // A lost chunk is no gap in the numbers of a channel that has no later message.
+    let complete = gathered.is_complete() && !damage.as_ref().is_some_and(|damage| damage.of_messages);
     let truncated = gathered.missing(damage, bytes.len());
-    let complete = gathered.is_complete();
     Ok(Flight { truncated, complete, ..gathered.flight })
 }
 
@@ -152,7 +153,7 @@ impl Gathered {
         let cycles = &self.flight.cycles;
         let until_s = cycles.last().map_or(0.0, |cycle| cycle.time_s);
         let read = format!("read were {} cycles up to {until_s:.2} s", cycles.len());
-        if let Some(Damage { at_byte, cause, records }) = damage {
+        if let Some(Damage { at_byte, cause, records, .. }) = damage {
             let count = if records == 1 { String::new() } else { format!(" ({records} such places)") };
             return Some(format!("the log is not whole: at byte {at_byte} of {file_bytes}, {cause}{count}; {read}"));
         }

@@ -35,6 +35,9 @@ pub(super) struct Damage {
     pub(super) cause: String,
     /// Unreadable places in all.
     pub(super) records: usize,
+    /// One of them held messages, or may have: it was a chunk, or it lay before one. What follows the last chunk is an
+    /// index and holds none.
+    pub(super) of_messages: bool,
 }
 
 /// Passes every channel, message and metadata record to `each`, in the order of the file, and returns the unreadable
@@ -50,8 +53,9 @@ pub(super) fn walk(file: &[u8], each: &mut dyn FnMut(Record<'_>)) -> Option<Dama
             Ok(Some(length)) => at_byte += length,
             Ok(None) => return damage,
             Err(cause) => {
-                note(&mut damage, at_byte, cause);
-                let Some(next) = next_chunk(file, at_byte + 1) else { return damage };
+                let next = next_chunk(file, at_byte + 1);
+                note(&mut damage, at_byte, cause, next.is_some() || is_chunk(file.get(at_byte..).unwrap_or_default()));
+                let Some(next) = next else { return damage };
                 at_byte = next;
             }
         }
@@ -63,6 +67,9 @@ fn one(file: &[u8], at_byte: usize, each: &mut dyn FnMut(Record<'_>)) -> Result<
     let rest = file.get(at_byte..).unwrap_or_default();
     let Some((opcode, body, whole)) = frame(rest) else { return Err("the file ends without a summary".into()) };
     let length = FRAME + body.len();
+    if opcode != op::CHUNK && is_chunk(rest) {
+        return Err("a chunk has the opcode of another record".into());
+    }
     if opcode != op::CHUNK && next_chunk(&rest[..length], 1).is_some() {
         return Err("the length of this record is wrong".into());
     }
@@ -99,8 +106,15 @@ fn next_chunk(bytes: &[u8], from: usize) -> Option<usize> {
     })
 }
 
-fn note(damage: &mut Option<Damage>, at_byte: usize, cause: String) {
-    damage.get_or_insert(Damage { at_byte, cause, records: 0 }).records += 1;
+/// Whether a record is a chunk, by its opcode or by what is in it.
+fn is_chunk(record: &[u8]) -> bool {
+    record.first() == Some(&op::CHUNK) || record.get(SIGN_AT..).is_some_and(|rest| rest.starts_with(SIGN))
+}
+
+fn note(damage: &mut Option<Damage>, at_byte: usize, cause: String, of_messages: bool) {
+    let damage = damage.get_or_insert(Damage { at_byte, cause, records: 0, of_messages: false });
+    damage.records += 1;
+    damage.of_messages |= of_messages;
 }
 
 /// The first record of `bytes`: opcode, the available part of its body, and whether it is complete.

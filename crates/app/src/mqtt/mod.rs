@@ -13,7 +13,7 @@
 //! | `airball/<rig>/cycles` | out, 10 Hz, when asked | JSON: `cycles` since the last message, `dropped`: lost ones |
 //! | `airball/<rig>/about` | out, retained | JSON (`airball.about/1`): limits, units, controllers, gains, experiments |
 //! | `airball/<rig>/status` | out, retained | `online`, or `offline` by last will |
-//! | `airball/<rig>/fault` | out, retained | JSON: the last fault that ended a flight, `at`, `fault`, `log` |
+//! | `airball/<rig>/fault` | out, retained | JSON: the last fault that ended a flight, `at`, `fault`, `log`, `acknowledged` |
 //! | `ball/parameters/reference` | in | the original rig's name of `set/setpoint_mm` |
 //! | `ball/measures/position` | out, 10 Hz | the original rig's position, a number in mm |
 //!

@@ -28,7 +28,7 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     {
         above_zero(flag, value)?;
     }
-    may_write(None, args.html.as_deref())?;
+    may_write(None, args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
     let patch = args.patch_out.as_ref().map(|_| patch(args)).transpose()?;
     if let Some((path, patch)) = args.patch_out.as_ref().zip(patch.as_ref()) {
         write("patch", path, patch)?;

@@ -50,7 +50,7 @@ struct Ground {
 
 impl Ground {
     fn read(args: &DesignArgs) -> Result<Self> {
-        may_write(args.plot.as_deref(), args.html.as_deref())?;
+        may_write(args.plot.as_deref(), args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
         Self::of(Config::read(&args.config.config, &args.config.over())?, args.about)
     }
 

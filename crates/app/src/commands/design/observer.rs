@@ -48,7 +48,7 @@ impl Ground {
 }
 
 pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
-    may_write(None, args.html.as_deref())?;
+    may_write(None, args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
     let ground = Ground::of(Config::read(&args.config.config, &args.config.over())?, args.about)?;
     let period_s = ground.config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s;
     let (plant, observer) = (ground.plant, ground.observer()?);

@@ -31,7 +31,7 @@ pub fn identify(command: &IdentifyCommand) -> Result<()> {
 
 /// Reads the logs and the initial model.
 fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
-    may_write(args.plot.as_deref(), args.html.as_deref())?;
+    may_write(args.plot.as_deref(), args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
     let asked = Asked::read(NAME, logs, &args.config.config, &args.config.over(), &[])?;
     has_one_lag(&asked.belief)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {

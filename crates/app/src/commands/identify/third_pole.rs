@@ -15,7 +15,8 @@ use control::design::critical::critical_integral_time;
 use control::design::law::{Gains, Weights};
 
 pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
-    may_write(args.identify.plot.as_deref(), args.identify.html.as_deref())?;
+    let asked = &args.identify;
+    may_write(asked.plot.as_deref(), asked.html.as_deref(), &[("patch", asked.patch_out.as_ref())])?;
     let read = Config::read(&args.identify.config.config, &args.identify.config.over())?;
     let model = read.need(NAME, "plant", |tables| tables.plant.as_ref())?;
     has_one_lag(model)?;

@@ -30,7 +30,7 @@ const NAME: &str = "measure";
 /// written.
 pub fn measure(args: &MeasureArgs) -> Result<()> {
     check(args)?;
-    may_write(args.flight.plot.as_deref(), args.html.as_deref())?;
+    may_write(args.flight.plot.as_deref(), args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
     let (config, path) = match &args.from {
         Some(log) => (Config::read(&args.flight.config.config, &args.flight.config.over())?, log.clone()),
         None => fly(args)?,

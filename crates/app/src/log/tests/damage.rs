@@ -78,6 +78,13 @@ fn every_byte_of_a_short_flight_can_be_spoilt_and_costs_a_second_at_most() {
 }
 
 #[test]
+fn a_flight_whose_last_chunk_holds_only_its_end_is_complete_only_where_no_cycle_is_lost() {
+    for count in [100, 101, 102] {
+        spoil(count, 3, &|place| vec![SPOILERS[place / 3 % SPOILERS.len()]]);
+    }
+}
+
+#[test]
 fn a_spoilt_byte_costs_a_second_at_most_and_invents_nothing() {
     spoil(CYCLES, 11, &|_| SPOILERS.to_vec());
 }

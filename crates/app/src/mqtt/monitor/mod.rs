@@ -55,6 +55,7 @@ impl Monitor {
             Heard::Online(online) => self.online = online,
             Heard::About(about) => self.about = Some(*about),
             Heard::State(seen) => self.see(*seen),
+            Heard::Fault(fault) if fault.acknowledged.is_some() => {}
             Heard::Fault(fault) => self.word = format!("last fault, {}: {}", fault.at, fault.fault),
             Heard::Reply(said) => {
                 self.wanted_mm = self.wanted_mm.filter(|_| said.accepted);

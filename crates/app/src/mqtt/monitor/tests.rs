@@ -108,7 +108,10 @@ fn a_fault_a_lost_broker_and_a_rig_that_is_off_are_said_in_words() {
     let mut monitor = monitor();
     let fault = Some("no new range for 0.30 s".to_owned());
     monitor.hear(Heard::State(Box::new(Seen { fault, ..seen(11.0, 300.0) })));
-    monitor.hear(Heard::Fault(LastFault { at: "2026-01-02T03:04:05Z".into(), fault: "stuck".into(), log: None }));
+    let (at, stuck) = (String::from("2026-01-02T03:04:05Z"), LastFault::now("stuck".into(), None));
+    monitor.hear(Heard::Fault(LastFault { at, ..stuck }));
+    let passed = LastFault::now("of last week".into(), None).acknowledged().unwrap();
+    monitor.hear(Heard::Fault(passed));
     let drawn = screen(&monitor, 100, 30).join("\n");
     assert!(
         drawn.contains("FAULT no new range for 0.30 s") && drawn.contains("2026-01-02T03:04:05Z: stuck"),

@@ -8,7 +8,7 @@ pub mod parts;
 pub mod record;
 pub mod stretch;
 
-use super::palette;
+use super::{file, palette};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use record::Record;
@@ -50,18 +50,19 @@ pub enum PageError {
     Draw(#[from] super::plot::PlotError),
 }
 
-/// Refuses a page's name that another file has: a config, a log, somebody's own page. An older page of this program may
-/// be replaced.
+/// Refuses a page's name that another file has: a config, a log, somebody's own page; and a folder that cannot take it.
+/// An older page of this program may be replaced.
 ///
 /// # Errors
-/// [`PageError::Taken`] names the file.
+/// [`PageError`] names the file.
 pub fn may_write(path: &Path) -> Result<(), PageError> {
-    let Ok(file) = File::open(path) else { return Ok(()) };
+    let can_be_made = || file::may_be_made(path).map_err(|source| PageError::Write { path: path.to_owned(), source });
+    let Ok(file) = File::open(path) else { return can_be_made() };
     let mut head = Vec::new();
     let read = file.take(WITHIN).read_to_end(&mut head);
     let text = String::from_utf8_lossy(&head);
     let is_ours = read.is_ok() && text.starts_with(BEGINNING) && text.contains(MAKER);
-    if is_ours { Ok(()) } else { Err(PageError::Taken { path: path.to_owned() }) }
+    if is_ours { can_be_made() } else { Err(PageError::Taken { path: path.to_owned() }) }
 }
 
 /// Writes a page.
@@ -70,7 +71,7 @@ pub fn may_write(path: &Path) -> Result<(), PageError> {
 /// [`PageError`] names the file.
 pub fn write(path: &Path, page: &str) -> Result<(), PageError> {
     may_write(path)?;
-    std::fs::write(path, page).map_err(|source| PageError::Write { path: path.to_owned(), source })
+    file::write(path, page.as_bytes()).map_err(|source| PageError::Write { path: path.to_owned(), source })
 }
 
 /// A part of a page with a heading for the table of contents.

@@ -6,6 +6,7 @@ mod thinned;
 
 pub use panel::{Diagram, Line, drawn, failed, panel, shapes, titled};
 
+use super::file;
 use super::palette::{DUTY, RECORDED, SETPOINT};
 use diagnose::{FreeRun, Recording};
 use plotters::style::RGBColor;
@@ -40,14 +41,15 @@ pub enum PlotError {
     Nothing,
 }
 
-/// Refuses a picture's name that another file has: a config, a log, a record. An older picture may be replaced.
+/// Refuses a picture's name that another file has: a config, a log, a record; and a folder that cannot take it. An
+/// older picture may be replaced.
 ///
 /// # Errors
-/// [`PlotError::Taken`] names the file.
+/// [`PlotError`] names the file.
 pub fn may_write(path: &Path) -> Result<(), PlotError> {
     match std::fs::read(path) {
         Ok(bytes) if !bytes.starts_with(b"<svg") => Err(PlotError::Taken { path: path.to_owned() }),
-        _ => Ok(()),
+        _ => file::may_be_made(path).map_err(|source| PlotError::Write { path: path.to_owned(), source }),
     }
 }
 
@@ -104,5 +106,5 @@ pub fn draw(path: &Path, size: (u32, u32), title: &str, position: Vec<Line>, dut
 /// Writes a picture, unless another kind of file has its name.
 pub fn write(path: &Path, svg: &str) -> Result<(), PlotError> {
     may_write(path)?;
-    std::fs::write(path, svg).map_err(|source| PlotError::Write { path: path.to_owned(), source })
+    file::write(path, svg.as_bytes()).map_err(|source| PlotError::Write { path: path.to_owned(), source })
 }

@@ -2,6 +2,7 @@
 //! which a service stores.
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use system_tests::{Bench, Broker, Ran};
 
 /// Its base64 has no padding and begins at a whole group of bytes, whatever follows.
@@ -13,6 +14,8 @@ const WITH_USER: &str = "cmlnOlp3MWViYWNrLXVuZC1LYWVzZS00Mg";
 /// A flight of two seconds with this password: its output, its log's bytes, and the output of `log info`.
 fn flown(bench: &Bench, password: &str) -> (Ran, Vec<u8>, String) {
     bench.write("password", format!("{password}\n"));
+    // A file that others can read is warned of.
+    fs::set_permissions(bench.path("password"), fs::Permissions::from_mode(0o600)).unwrap();
     let ran = bench.run(&["run", "--sim", "--duration", "2", "--log", "f.mcap"]);
     let log = fs::read(bench.path("f.mcap")).unwrap();
     let info = bench.output(&["log", "info", "f.mcap"]);

@@ -94,7 +94,8 @@ fn a_bad_csv_is_named_with_file_line_and_column() {
         ("time_s,duty_percent,position_mm\n".into(), &["f.csv has a header and no rows"]),
         ("t,u,y\n0,1,2\n".into(), &["f.csv, line 1", "`time_s`", "[import]"]),
         (rows("0.60,fast,130\n"), &["f.csv, line 32", "`duty_percent`", "fast"]),
-        (rows("0.60,21.4,NaN\n"), &["f.csv, line 32", "`position_mm`", "not finite"]),
+        (rows("0.60,21.4,inf\n"), &["f.csv, line 32", "`position_mm`", "not finite"]),
+        (rows("0.60,NaN,130\n"), &["f.csv, line 32", "`duty_percent`", "no reading"]),
         (rows("0.10,21.4,130\n"), &["f.csv, line 32", "time goes backwards", "0.58", "0.1"]),
         (rows("0.60,21.4\n"), &["f.csv, line 32", "2 cells"]),
     ] {

@@ -160,11 +160,11 @@ fn a_picture_never_replaces_anything_but_a_picture() {
 }
 
 #[test]
-fn a_fault_is_reported_even_when_the_picture_fails_too() {
+fn a_picture_in_no_folder_is_refused_before_the_flight() {
     let bench = Bench::default();
     bench.write("wild.toml", WILD);
     let ran = bench.run(&["simulate", "--experiment", "wild.toml", "--log", "w.mcap", "--plot", "nowhere/p.svg"]);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.errors.contains("nowhere/p.svg") && ran.errors.contains("below 350 mm"), "{}", ran.errors);
-    assert!(ran.output.contains("flight "), "{}", ran.output);
+    assert!(ran.errors.contains("nowhere/p.svg") && ran.output.is_empty(), "{}{}", ran.errors, ran.output);
+    assert!(!bench.path("w.mcap").exists());
 }

@@ -10,6 +10,7 @@ mod analysis;
 pub mod cli;
 pub mod commands;
 mod config;
+mod files;
 mod flight;
 mod log;
 mod mqtt;

@@ -1,6 +1,7 @@
 //! Standard output and standard error, either of which may be closed at any time: `println!` would panic.
 
-use crate::report::kit::{file, page, plot};
+use crate::files;
+use crate::report::kit::{page, plot};
 use anyhow::{Result, anyhow};
 use rows::printable;
 use std::fmt::Display;
@@ -45,7 +46,7 @@ pub(super) fn may_write(
     picture.map_or(Ok(()), plot::may_write)?;
     html.map_or(Ok(()), page::may_write)?;
     let asked = others.iter().filter_map(|(what, path)| Some((what, (*path)?)));
-    asked.into_iter().try_for_each(|(what, path)| file::may_be_made(path).map_err(|error| failed(what, path, &error)))
+    asked.into_iter().try_for_each(|(what, path)| files::may_be_made(path).map_err(|error| failed(what, path, &error)))
 }
 
 /// Writes a requested file; `what` names it in the message.
@@ -53,7 +54,7 @@ pub(super) fn may_write(
 /// # Errors
 /// The file cannot be written; the message names it.
 pub(super) fn write(what: &str, path: &Path, text: &str) -> Result<()> {
-    file::write(path, text.as_bytes()).map_err(|error| failed(what, path, &error))
+    files::write(path, text.as_bytes()).map_err(|error| failed(what, path, &error))
 }
 
 fn failed(what: &str, path: &Path, error: &std::io::Error) -> anyhow::Error {

@@ -1,9 +1,10 @@
 //! The last fault, in a small file of JSON, so that it is known after a restart of the program or of the computer.
 
+use crate::files;
 use crate::flight::wall_clock::rfc3339;
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -43,11 +44,7 @@ impl LastFault {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
         }
-        let unfinished = path.with_extension("part");
-        let mut file = File::create(&unfinished)?;
-        file.write_all(self.json().as_bytes())?;
-        file.sync_all()?;
-        fs::rename(&unfinished, path)
+        files::write(path, self.json().as_bytes())
     }
 
     /// The stored fault, if there is one that can be read.

@@ -1,6 +1,5 @@
 //! The parts of all reports: pages, pictures, tables and colours.
 
-pub mod file;
 pub mod page;
 pub mod palette;
 pub mod plot;

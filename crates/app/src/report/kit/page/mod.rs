@@ -8,7 +8,8 @@ pub mod parts;
 pub mod record;
 pub mod stretch;
 
-use super::{file, palette};
+use super::palette;
+use crate::files;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use record::Record;
@@ -56,7 +57,7 @@ pub enum PageError {
 /// # Errors
 /// [`PageError`] names the file.
 pub fn may_write(path: &Path) -> Result<(), PageError> {
-    let can_be_made = || file::may_be_made(path).map_err(|source| PageError::Write { path: path.to_owned(), source });
+    let can_be_made = || files::may_be_made(path).map_err(|source| PageError::Write { path: path.to_owned(), source });
     let Ok(file) = File::open(path) else { return can_be_made() };
     let mut head = Vec::new();
     let read = file.take(WITHIN).read_to_end(&mut head);
@@ -71,7 +72,7 @@ pub fn may_write(path: &Path) -> Result<(), PageError> {
 /// [`PageError`] names the file.
 pub fn write(path: &Path, page: &str) -> Result<(), PageError> {
     may_write(path)?;
-    file::write(path, page.as_bytes()).map_err(|source| PageError::Write { path: path.to_owned(), source })
+    files::write(path, page.as_bytes()).map_err(|source| PageError::Write { path: path.to_owned(), source })
 }
 
 /// A part of a page with a heading for the table of contents.

@@ -6,8 +6,8 @@ mod thinned;
 
 pub use panel::{Diagram, Line, drawn, failed, panel, shapes, titled};
 
-use super::file;
 use super::palette::{DUTY, RECORDED, SETPOINT};
+use crate::files;
 use diagnose::{FreeRun, Recording};
 use plotters::style::RGBColor;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ pub enum PlotError {
 pub fn may_write(path: &Path) -> Result<(), PlotError> {
     match std::fs::read(path) {
         Ok(bytes) if !bytes.starts_with(b"<svg") => Err(PlotError::Taken { path: path.to_owned() }),
-        _ => file::may_be_made(path).map_err(|source| PlotError::Write { path: path.to_owned(), source }),
+        _ => files::may_be_made(path).map_err(|source| PlotError::Write { path: path.to_owned(), source }),
     }
 }
 
@@ -106,5 +106,5 @@ pub fn draw(path: &Path, size: (u32, u32), title: &str, position: Vec<Line>, dut
 /// Writes a picture, unless another kind of file has its name.
 pub fn write(path: &Path, svg: &str) -> Result<(), PlotError> {
     may_write(path)?;
-    file::write(path, svg.as_bytes()).map_err(|source| PlotError::Write { path: path.to_owned(), source })
+    files::write(path, svg.as_bytes()).map_err(|source| PlotError::Write { path: path.to_owned(), source })
 }

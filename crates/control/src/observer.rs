@@ -35,11 +35,12 @@ const FIRST_VELOCITY_MM_PER_S: f64 = 300.0;
 const FIRST_WANDERING_S: f64 = 100.0;
 /// Consecutive rejected readings after which the estimate is discarded.
 const REFUSALS: u32 = 10;
-/// A ball whose first reading is no more than so many sigma above the bottom lies there.
+/// A ball whose first reading is no more than so many sigma above the bottom lies there: one in 30,000 that lies there
+/// reads higher.
 const AT_BOTTOM_SIGMA: f64 = 4.0;
 /// The steady-state gain is used again once the variance of an innovation is at most so many times that of the steady
-/// state.
-const CAUGHT: f64 = 1.2;
+/// state: its deviation then is a tenth larger.
+const CONVERGED: f64 = 1.2;
 /// A steady-state filter takes steps that differ by less than this share of its period for one period.
 const ON_TIME: f64 = 0.1;
 
@@ -122,7 +123,7 @@ pub struct Estimator {
     filter: Kalman<4>,
     seen: bool,
     /// Since a start in the air the variances have not come down to those of the steady state.
-    catching: bool,
+    converging: bool,
     refusals: u32,
 }
 
@@ -201,12 +202,12 @@ impl Estimator {
         let transition = set.believed.over(period_s);
         let steady = Steady::of(&set, period_s, &transition)?;
         let filter = set.first(State::zeros());
-        Ok(Self { set, period_s, transition, steady, filter, seen: false, catching: false, refusals: 0 })
+        Ok(Self { set, period_s, transition, steady, filter, seen: false, converging: false, refusals: 0 })
     }
 
     /// How the gain is found now.
     const fn gain(&self) -> Gain {
-        if self.catching { Gain::TimeVarying } else { self.set.gain }
+        if self.converging { Gain::TimeVarying } else { self.set.gain }
     }
 
     /// What is believed of the plant.
@@ -297,7 +298,7 @@ impl Estimator {
                     self.filter.update(position_mm, &POSITION, variance);
                 }
             }
-            self.catching &= expected_variance > CAUGHT * weight.variance;
+            self.converging &= expected_variance > CONVERGED * weight.variance;
         }
         Some(Innovation { innovation_mm, test_ratio })
     }
@@ -312,7 +313,7 @@ impl Estimator {
     fn start(&mut self, position_mm: f64) {
         let [_, _, fan, disturbance] = self.filter.state.data.0[0];
         self.filter = self.set.first(vector![position_mm, 0.0, fan, disturbance]);
-        self.catching = position_mm > AT_BOTTOM_SIGMA * self.set.sensor_mm;
+        self.converging = position_mm > AT_BOTTOM_SIGMA * self.set.sensor_mm;
         (self.seen, self.refusals) = (true, 0);
     }
 }

@@ -1,6 +1,6 @@
 //! What `observer.rs` promises.
 
-mod catching;
+mod converging;
 mod signals;
 
 use super::{Estimator, Gain, Observer};

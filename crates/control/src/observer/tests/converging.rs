@@ -11,7 +11,7 @@ const SETS: [Observer; 3] = [
 ];
 
 /// The readings that are refused, and the errors of position and velocity 0.3 s after the start and later, at most.
-fn caught(set: Observer, speed: f64, seed: u32) -> (u32, f64, f64) {
+fn refusals_and_errors(set: Observer, speed: f64, seed: u32) -> (u32, f64, f64) {
     let mut truth = Truth::new(0.0);
     truth.random = rand_pcg::Pcg32::new(u64::from(seed), 11);
     truth.state = vector![500.0, speed, 0.0, 0.0];
@@ -41,7 +41,7 @@ fn a_ball_that_moves_at_the_start_is_followed_at_once_and_known_after_three_tent
     for set in SETS {
         for seed in 0..40 {
             let speed = 40.0 * f64::from(seed) - 800.0;
-            let (refused, x, v) = caught(set, speed, seed);
+            let (refused, x, v) = refusals_and_errors(set, speed, seed);
             assert!(refused == 0 && x < 12.0 && v < 90.0, "{speed} mm/s: {refused} refused, off by {x} mm, {v} mm/s");
         }
     }
@@ -52,13 +52,13 @@ fn a_ball_that_lies_at_the_bottom_is_at_rest_and_the_steady_gain_goes_on() {
     let start = |reading: f64| {
         let mut estimator = Estimator::new(OBSERVER, T).unwrap();
         estimator.update(reading);
-        estimator.catching
+        estimator.converging
     };
     assert!(!start(3.0) && start(100.0));
 }
 
 #[test]
-fn the_steady_gain_takes_over_once_the_ball_is_caught() {
+fn the_steady_gain_takes_over_once_the_estimate_has_converged() {
     let mut truth = Truth::new(0.0);
     let mut estimator = Estimator::new(OBSERVER, T).unwrap();
     let mut last = 0;
@@ -66,9 +66,9 @@ fn the_steady_gain_takes_over_once_the_ball_is_caught() {
         let reading = truth.step(&OBSERVER.believed, control(k), T);
         estimator.predict(control(k), T);
         estimator.update(reading);
-        if estimator.catching {
+        if estimator.converging {
             last = k;
         }
     }
-    assert!(last < 50, "caught after {last} readings");
+    assert!(last < 50, "converged after {last} readings");
 }

@@ -31,9 +31,9 @@ struct State {
 type Act = fn(&mut State) -> (f64, f64);
 
 /// Normal numbers: twelve uniform ones of a linear congruential generator (Knuth's MMIX), summed.
-struct Chance(u64);
+struct NormalNumbers(u64);
 
-impl Chance {
+impl NormalNumbers {
     fn normal(&mut self) -> f64 {
         let mut uniform = || {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -46,10 +46,10 @@ impl Chance {
 /// A record of 60 s: a controller leads the ball through five heights while four sines shake the duty.
 fn flown(act: Act) -> String {
     let mut state = State { x: 250.0, ..State::default() };
-    let (mut chance, mut last) = (Chance(7), 250.0);
+    let (mut normals, mut last) = (NormalNumbers(7), 250.0);
     let mut rows = String::from("time_s,setpoint_mm,duty_percent,position_mm\n");
     for row in 0..3000 {
-        let reading = state.x + act(&mut state.clone()).1 + SENSOR_MM * chance.normal();
+        let reading = state.x + act(&mut state.clone()).1 + SENSOR_MM * normals.normal();
         let setpoint = [250.0, 420.0, 150.0, 480.0, 330.0][row / 200 % 5];
         let shake: f64 = [0.41, 0.83, 1.37, 2.3].iter().map(|hz| (TAU * hz * state.t).sin()).sum();
         let wanted = 0.010 * (setpoint - reading) - 0.0045 * (reading - last) / 0.02;
@@ -59,7 +59,7 @@ fn flown(act: Act) -> String {
         for _ in 0..STEPS {
             state.fan += (GAIN * (duty - HOVER) - state.fan) * STEP_S / LAG_S;
             let force = state.fan - DRAG * state.v + act(&mut state).0;
-            state.v += force * STEP_S + (AIR * STEP_S).sqrt() * chance.normal();
+            state.v += force * STEP_S + (AIR * STEP_S).sqrt() * normals.normal();
             state.x += state.v * STEP_S;
             state.t += STEP_S;
         }

@@ -76,7 +76,7 @@ impl Asked {
             config.refuse_setpoint(&no_setpoint(name), |effect| !without.iter().any(|left_out| left_out == effect))?;
         }
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
-        logs.iter_mut().for_each(|log| log.leave_out_no_positions(&belief));
+        logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
         Ok(Self { belief, tables: config.tables, logs, names, recordings })
     }
 

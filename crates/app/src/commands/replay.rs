@@ -31,7 +31,7 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     for finding in &findings {
         note(format_args!("{}: {finding}", args.log.display()));
     }
-    log.leave_out_no_positions(model);
+    log.discard_implausible_readings(model);
     let gap = Gap::measure(model, &log.recording);
     if args.json {
         say(serde_json::to_string(&gap::ReplayDocument::of(&gap))?)?;

@@ -115,11 +115,17 @@ impl MqttConfig {
             fs::metadata(file).ok().map(|about| about.permissions().mode() & 0o777).filter(|m| m & 7 != 0)
         {
             let path = file.display();
-            found.push(format!("[mqtt] password_file {path} has mode {mode:o}, so that every user of this computer has the password; `chmod 600 {path}`"));
+            found.push(format!(
+                "[mqtt] password_file {path} has mode {mode:o}, so that every user of this computer has the password; \
+                 `chmod 600 {path}`"
+            ));
         }
         if self.tls.is_none() && !is_local(&self.host) {
             let host = &self.host;
-            found.push(format!("[mqtt] the password goes to {host} unencrypted, and whoever reads the network has it; give `tls.ca_file`, see `broker-certificates` in docs/live.md"));
+            found.push(format!(
+                "[mqtt] the password goes to {host} unencrypted, and whoever reads the network has it; give \
+                 `tls.ca_file`, see `broker-certificates` in docs/live.md"
+            ));
         }
         found
     }

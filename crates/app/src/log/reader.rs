@@ -8,7 +8,7 @@ use super::flight::{self, Flight};
 use super::header::About;
 use super::packed::unpacked;
 use crate::flight::vocabulary::Cycle;
-use diagnose::{Recording, Sample, without_codes, without_wild};
+use diagnose::{Recording, Sample, without_codes, without_implausible_readings};
 use plant::Model;
 use rows::Import;
 use std::{fs, path::Path};
@@ -31,13 +31,13 @@ pub struct LoadedLog {
 }
 
 impl LoadedLog {
-    /// Removes the readings that show no position of a ball in the pipe of `model`: codes of the sensor for "no target",
-    /// and readings far outside.
-    pub fn leave_out_no_positions(&mut self, model: &Model) {
+    /// Discards the readings that are no position of a ball in the pipe of `model`: the sensor's codes for "no target",
+    /// and those far outside.
+    pub fn discard_implausible_readings(&mut self, model: &Model) {
         if let Some(seen) = without_codes(&self.recording) {
             self.recording = seen;
         }
-        if let Some(seen) = without_wild(&self.recording, model) {
+        if let Some(seen) = without_implausible_readings(&self.recording, model) {
             self.recording = seen;
         }
     }

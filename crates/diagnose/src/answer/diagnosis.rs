@@ -77,9 +77,9 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
     let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| FlightFinding { flight, finding });
-    let hindrance = hindrance(belief, recording, &folds).filter(|_| can_answer);
-    findings.extend(hindrance.into_iter().flat_map(about_all));
-    let mut answers = can_answer && hindrance.is_none();
+    let insufficiency = if can_answer { insufficiency(belief, recording, &folds) } else { None };
+    findings.extend(insufficiency.into_iter().flat_map(about_all));
+    let mut answers = can_answer && insufficiency.is_none();
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
     let asks = answers && !is_quiet(&refitted);
     let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
@@ -151,7 +151,7 @@ fn has_finite_errors(belief: &Model, recording: &Recording) -> bool {
 }
 
 /// The finding that leaves a record without a verdict, if there is one.
-fn hindrance(belief: &Model, recording: &Recording, folds: &Folds) -> Option<Finding> {
+fn insufficiency(belief: &Model, recording: &Recording, folds: &Folds) -> Option<Finding> {
     let not_finite = || (!has_finite_errors(belief, recording)).then_some(Finding::NotFinite);
     too_few(recording, folds).or_else(not_finite)
 }

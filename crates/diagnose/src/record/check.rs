@@ -3,7 +3,7 @@
 //! Works on the rows alone, before any model runs. Every finding is a sentence with its values that ends in what to do.
 //! Spread is estimated robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
 
-use crate::record::absurd::{DutyScale, duty_beyond_percent, wild};
+use crate::record::implausible::{DutyScale, duty_beyond_percent, implausible_readings};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::OTHER_RIG;
@@ -64,7 +64,7 @@ pub enum Finding {
         "{count} readings are no position of the ball: they lie more than half the pipe's length outside of it, or jump by \
          three quarters of it and back, the first in row {row}: {reading_mm:.4e} mm; they count as empty"
     )]
-    Wild {
+    ImplausibleReadings {
         /// Number of such readings.
         count: usize,
         /// The row of the first, counted from 1.
@@ -74,7 +74,7 @@ pub enum Finding {
     },
     /// Numbers that grew beyond any bound.
     #[error(
-        "the forecasts of the model are not finite, so nothing can be compared; look for absurd numbers in the record, and in \
+        "the forecasts of the model are not finite, so nothing can be compared; look for implausible numbers in the record, and in \
          the tables [plant] and [import]"
     )]
     NotFinite,
@@ -214,8 +214,8 @@ pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
         vec![readings.first().map(|&position_mm| Finding::StillPosition { position_mm })]
     } else {
         let seen: Vec<f64> = readings.iter().copied().filter(|reading| !is_code(*reading)).collect();
-        let wild = wild(samples, model, is_code);
-        vec![no_target(&readings), wild, outside_pipe(&seen, model), outliers(&seen, model), repeats(&seen)]
+        let implausible = implausible_readings(samples, model, is_code);
+        vec![no_target(&readings), implausible, outside_pipe(&seen, model), outliers(&seen, model), repeats(&seen)]
     };
     duty(samples, model).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
 }
@@ -320,68 +320,4 @@ pub fn without_codes(recording: &Recording) -> Option<Recording> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Finding, check};
-    use crate::tests_support::{model, record};
-    use crate::{Recording, Sample};
-
-    /// The findings about a good flight after `spoil` has changed its rows.
-    fn findings(spoil: impl FnOnce(&mut Vec<Sample>)) -> Vec<Finding> {
-        let mut samples = record(&model(), 1, 40).samples().to_vec();
-        spoil(&mut samples);
-        check(&Recording::new(samples).unwrap(), &model())
-    }
-
-    #[test]
-    fn a_good_flight_has_no_findings() {
-        for seed in 0..10 {
-            assert_eq!(check(&record(&model(), seed, 40), &model()), []);
-        }
-    }
-
-    #[test]
-    fn single_wild_readings_are_counted() {
-        let found = findings(|rows| [300, 900, 1500].iter().for_each(|&k| rows[k].position_mm = Some(500.0)));
-        assert!(matches!(found[..], [Finding::Outliers { count: 3, .. }]), "{found:?}");
-    }
-
-    #[test]
-    fn codes_of_the_sensor_are_told_from_positions() {
-        assert_eq!(findings(|rows| rows[700].position_mm = Some(8190.0)), [Finding::NoTarget { count: 1 }]);
-    }
-
-    #[test]
-    fn a_hole_in_time_is_a_gap() {
-        let found = findings(|rows| drop(rows.drain(500..520)));
-        assert!(
-            matches!(found[..], [Finding::Gaps { count: 1, longest_s, .. }] if (longest_s - 0.42).abs() < 1e-9),
-            "{found:?}"
-        );
-    }
-
-    #[test]
-    fn rows_in_milliseconds_are_too_far_apart_to_be_seconds() {
-        let found = findings(|rows| rows.iter_mut().for_each(|row| row.time_s *= 1000.0));
-        assert!(matches!(found[..], [Finding::SlowRows { usual_s }] if (usual_s - 20.0).abs() < 1e-6), "{found:?}");
-    }
-
-    #[test]
-    fn a_sensor_that_refreshes_late_shows_in_repeats() {
-        let found = findings(|rows| {
-            for k in 0..rows.len() {
-                rows[k].position_mm = rows[k - k % 5].position_mm;
-            }
-        });
-        assert!(found.iter().any(|f| matches!(f, Finding::Repeats { longest, .. } if *longest >= 5)), "{found:?}");
-    }
-
-    #[test]
-    fn a_duty_that_is_a_fraction_or_never_moves_and_a_position_that_never_moves_are_named() {
-        let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent /= 100.0));
-        assert!(found.contains(&Finding::FractionalDuty), "{found:?}");
-        let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent = 21.4));
-        assert!(found.contains(&Finding::StillDuty { range_percent: 0.0 }), "{found:?}");
-        let found = findings(|rows| rows.iter_mut().for_each(|row| row.position_mm = Some(7.0)));
-        assert_eq!(found, [Finding::StillPosition { position_mm: 7.0 }]);
-    }
-}
+mod tests;

@@ -1,6 +1,5 @@
 //! Recorded rows of a rig, checked and prepared for a comparison with a model.
 
-pub(crate) mod absurd;
 pub(crate) mod airborne;
 pub(crate) mod check;
 pub(crate) mod commanded;
@@ -8,6 +7,7 @@ pub(crate) mod decimate;
 mod error;
 pub(crate) mod folds;
 pub(crate) mod free_flight;
+pub(crate) mod implausible;
 pub(crate) mod prepare;
 pub(crate) mod quantisation;
 pub(crate) mod read_off;

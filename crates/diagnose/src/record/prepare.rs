@@ -4,10 +4,10 @@
 //! cannot be diagnosed, or is of another rig, is left out where there are others. The flights are then sorted by
 //! content, so that the answer does not depend on the order in which they were given.
 
-use crate::record::absurd::without_wild;
 use crate::record::airborne::airborne;
 use crate::record::check::{Finding, check, is_hopeless, without_codes};
 use crate::record::decimate::decimated;
+use crate::record::implausible::without_implausible_readings;
 use crate::record::quantisation::coarse_step;
 use crate::record::reading_variance::reading_variance;
 use crate::record::recording::{Recording, Sample};
@@ -73,7 +73,7 @@ fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Fin
     let mut findings = check(flight, belief);
     let flight = without_codes(flight).map_or(Cow::Borrowed(flight), Cow::Owned);
     let answers = !is_hopeless(&findings, &flight, belief);
-    let flight = without_wild(&flight, belief).map_or(flight, Cow::Owned);
+    let flight = without_implausible_readings(&flight, belief).map_or(flight, Cow::Owned);
     let flight = match airborne(&flight, belief) {
         Some((finding, airborne)) => {
             findings.push(finding);

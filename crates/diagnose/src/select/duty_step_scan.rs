@@ -11,6 +11,7 @@
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::record::commanded::commanded;
+use crate::record::implausible::NO_PERCENT;
 use crate::residual::score_test::{FilterRun, ProjectedInnovations};
 use plant::{Entry, Model};
 use rayon::prelude::*;
@@ -20,8 +21,6 @@ const FINEST_PERCENT: f64 = 0.3;
 const COARSEST_PERCENT: f64 = 2.5;
 /// Neighbouring steps move an edge at the usual duty by one part of a step in so many.
 const PARTS: f64 = 16.0;
-/// The largest usual duty, percent: beyond it no duty is a percent.
-const LARGEST_USUAL_PERCENT: f64 = 150.0;
 /// Number of best steps that are refined, and at which shares of the spacing.
 const BEST: usize = 12;
 const CLOSER: [f64; 5] = [-0.4, -0.2, 0.0, 0.2, 0.4];
@@ -60,7 +59,7 @@ pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f6
 /// Root mean square, 1 to 150 percent: the comb has as many steps as it is large.
 fn usual_duty(duties: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = duties.clone().count().max(1) as f64;
-    (duties.map(|duty| duty * duty).sum::<f64>() / count).sqrt().clamp(1.0, LARGEST_USUAL_PERCENT)
+    (duties.map(|duty| duty * duty).sum::<f64>() / count).sqrt().clamp(1.0, NO_PERCENT)
 }
 
 fn spacing(step: f64, usual_percent: f64) -> f64 {

@@ -68,7 +68,7 @@ pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
         values.extend(as_believed(entry, problem));
     }
     // Of the local maxima only the best are among the values.
-    let among = values.len() - scanned + found.tops;
+    let among = values.len() - scanned + found.maxima;
     Starts { usual, scanned, among, are_tops: false, values }
 }
 

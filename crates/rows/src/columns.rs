@@ -9,7 +9,7 @@ use crate::table::Table;
 use diagnose::Sample;
 
 /// Finds the columns and converts their numbers.
-pub(crate) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, RowsError> {
+pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsError> {
     import.check()?;
     let time = Found::required(table, "time_s", &import.time_s)?;
     let setpoint = Found::optional(table, "setpoint_mm", import.setpoint_mm.as_ref())?;
@@ -46,6 +46,8 @@ pub(crate) fn map(table: &Table<'_>, import: &Import) -> Result<Vec<Sample>, Row
 /// A column of the table, and the conversion of its numbers to our units.
 struct Found<'a> {
     index: usize,
+    /// The column that is subtracted.
+    minus: Option<usize>,
     name: &'a str,
     scale: f64,
     offset: f64,
@@ -53,35 +55,41 @@ struct Found<'a> {
 }
 
 impl<'a> Found<'a> {
-    fn required(table: &Table<'_>, quantity: &'static str, column: &'a Column) -> Result<Self, RowsError> {
-        let missing = || RowsError::MissingColumn {
+    fn required(table: &Table, quantity: &'static str, column: &'a Column) -> Result<Self, RowsError> {
+        let missing = |name: &str| RowsError::MissingColumn {
             name: table.name.clone(),
             line: table.header_line(),
-            column: column.column.clone(),
+            column: name.into(),
             quantity,
             found: listed(table.columns()),
         };
-        Self::look_up(table, &column.column)?.map(|index| Self::at(index, column)).ok_or_else(missing)
+        let find = |name: &str| Self::look_up(table, name)?.ok_or_else(|| missing(name));
+        let minus = column.minus.as_deref().map(find).transpose()?;
+        Ok(Self { minus, ..Self::at(find(&column.column)?, column) })
     }
 
     /// A column that `[import]` maps must exist; another one is used if a column of its own name exists.
-    fn optional(
-        table: &Table<'_>,
-        quantity: &'static str,
-        column: Option<&'a Column>,
-    ) -> Result<Option<Self>, RowsError> {
+    fn optional(table: &Table, quantity: &'static str, column: Option<&'a Column>) -> Result<Option<Self>, RowsError> {
         let Some(column) = column else {
             let index = Self::look_up(table, quantity)?;
-            return Ok(index.map(|index| Self { index, name: quantity, scale: 1.0, offset: 0.0, integrate: false }));
+            return Ok(index.map(|index| Self {
+                index,
+                minus: None,
+                name: quantity,
+                scale: 1.0,
+                offset: 0.0,
+                integrate: false,
+            }));
         };
         Self::required(table, quantity, column).map(Some)
     }
 
     fn at(index: usize, column: &'a Column) -> Self {
-        Self { index, name: &column.column, scale: column.scale, offset: column.offset, integrate: column.integrate }
+        let Column { column: name, scale, offset, integrate, .. } = column;
+        Self { index, minus: None, name, scale: *scale, offset: *offset, integrate: *integrate }
     }
 
-    fn look_up(table: &Table<'_>, name: &str) -> Result<Option<usize>, RowsError> {
+    fn look_up(table: &Table, name: &str) -> Result<Option<usize>, RowsError> {
         let times = table.columns().filter(|column| *column == name).count();
         if times > 1 {
             let (file, line) = (table.name.clone(), table.header_line());
@@ -91,7 +99,7 @@ impl<'a> Found<'a> {
     }
 
     /// The column in our units, every cell a number.
-    fn all(&self, table: &Table<'_>) -> Result<Vec<f64>, RowsError> {
+    fn all(&self, table: &Table) -> Result<Vec<f64>, RowsError> {
         (0..table.len())
             .map(|row| self.number(table, row)?.ok_or_else(|| self.wrong(table, row, CellProblem::Empty)))
             .map(|value| Ok(value? * self.scale + self.offset))
@@ -101,32 +109,40 @@ impl<'a> Found<'a> {
     }
 
     /// The column in our units; a cell without a reading, empty or NaN, is `None`.
-    fn converted(&self, table: &Table<'_>, time_s: &[f64]) -> Result<Vec<Option<f64>>, RowsError> {
+    fn converted(&self, table: &Table, time_s: &[f64]) -> Result<Vec<Option<f64>>, RowsError> {
         let raw = (0..table.len()).map(|row| self.number(table, row)).collect::<Result<Vec<_>, _>>()?;
         let raw = if self.integrate { integral(&raw, time_s) } else { raw };
         let ours = raw.into_iter().map(|value| value.map(|value| value * self.scale + self.offset));
         ours.enumerate().map(|(row, value)| value.map(|value| self.finite(table, row, value)).transpose()).collect()
     }
 
-    fn number(&self, table: &Table<'_>, row: usize) -> Result<Option<f64>, RowsError> {
-        let cell = table.cell(row, self.index);
+    fn number(&self, table: &Table, row: usize) -> Result<Option<f64>, RowsError> {
+        let Some(value) = self.in_column(table, row, self.index)? else { return Ok(None) };
+        let Some(minus) = self.minus else { return Ok(Some(value)) };
+        Ok(self.in_column(table, row, minus)?.map(|other| value - other))
+    }
+
+    /// The number in a cell; `None` where it is empty or says that there is none.
+    fn in_column(&self, table: &Table, row: usize, column: usize) -> Result<Option<f64>, RowsError> {
+        let cell = table.cell(row, column);
         if cell.is_empty() {
             return Ok(None);
         }
-        let value: f64 = cell.parse().map_err(|_| self.wrong(table, row, CellProblem::NotANumber(shown(cell))))?;
-        // MATLAB, numpy and C write "no reading" so.
+        let not_a_number = || self.wrong(table, row, CellProblem::NotANumber(shown(cell)));
+        let value = table.number(row, column).ok_or_else(not_a_number)?;
+        // MATLAB, numpy and C write "no reading" as NaN.
         if value.is_nan() {
             return Ok(None);
         }
         self.finite(table, row, value).map(Some)
     }
 
-    fn finite(&self, table: &Table<'_>, row: usize, value: f64) -> Result<f64, RowsError> {
+    fn finite(&self, table: &Table, row: usize, value: f64) -> Result<f64, RowsError> {
         let cell = || CellProblem::NotFinite(shown(table.cell(row, self.index)));
         if value.is_finite() { Ok(value) } else { Err(self.wrong(table, row, cell())) }
     }
 
-    fn flag(&self, table: &Table<'_>, row: usize) -> Result<bool, RowsError> {
+    fn flag(&self, table: &Table, row: usize) -> Result<bool, RowsError> {
         match table.cell(row, self.index).to_ascii_lowercase().as_str() {
             "1" | "true" => Ok(true),
             "0" | "false" => Ok(false),
@@ -134,7 +150,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    fn wrong(&self, table: &Table<'_>, row: usize, problem: CellProblem) -> RowsError {
+    fn wrong(&self, table: &Table, row: usize, problem: CellProblem) -> RowsError {
         RowsError::Cell { name: table.name.clone(), line: table.line(row), column: self.name.into(), problem }
     }
 }
@@ -154,7 +170,7 @@ fn integral(values: &[Option<f64>], time_s: &[f64]) -> Vec<Option<f64>> {
     values.iter().zip(time_s).map(integrate).collect()
 }
 
-fn check_order(table: &Table<'_>, time_s: &[f64]) -> Result<(), RowsError> {
+fn check_order(table: &Table, time_s: &[f64]) -> Result<(), RowsError> {
     match time_s.windows(2).position(|pair| pair[1] < pair[0]) {
         Some(row) => Err(RowsError::TimeBackwards {
             name: table.name.clone(),

@@ -65,6 +65,24 @@ pub enum RowsError {
         /// Offset in bytes, counted from 0.
         byte: usize,
     },
+    /// Not UTF-16 text, though it begins as such.
+    #[error("{name}, line {line}: not UTF-16 text, though it begins as such; save the table as CSV in UTF-8")]
+    NotUtf16 {
+        /// The file.
+        name: String,
+        /// The line.
+        line: usize,
+    },
+    /// A file of another format.
+    #[error("{name} is {format}, and no CSV; {advice}")]
+    Foreign {
+        /// The file.
+        name: String,
+        /// Its format.
+        format: &'static str,
+        /// How to make a CSV of it.
+        advice: &'static str,
+    },
     /// Text that is not a table.
     #[error("{name} is no table: {cause}; save it as CSV with one header line")]
     NotATable {

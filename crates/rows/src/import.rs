@@ -3,6 +3,7 @@
 //! ```text
 //! quantity = value·scale + offset
 //! quantity = scale·∫ value dt + offset      with integrate = true, for a column that holds a speed
+//! value = column − other                    with minus = "other", for a servo whose input is the error of its position
 //! ```
 //!
 //! The integral is by trapezoids over the file's own time, from 0 at the first reading; `offset` is then the initial
@@ -47,6 +48,9 @@ pub struct Column {
     /// Added after scaling, in our unit.
     #[serde(default)]
     pub offset: f64,
+    /// The name of another column, subtracted before scaling.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub minus: Option<String>,
     /// The column holds a speed; integrate it over time.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub integrate: bool,
@@ -56,7 +60,7 @@ impl Column {
     /// A column whose numbers are already in our unit.
     #[must_use]
     pub fn named(name: &str) -> Self {
-        Self { column: name.into(), scale: one(), offset: 0.0, integrate: false }
+        Self { column: name.into(), scale: one(), offset: 0.0, minus: None, integrate: false }
     }
 }
 
@@ -99,6 +103,9 @@ fn check_column(quantity: &'static str, column: &Column) -> Result<(), RowsError
     }
     if !column.offset.is_finite() {
         return wrong("offset", column.offset.to_string(), "it must be a finite number");
+    }
+    if let Some(other) = column.minus.as_ref().filter(|_| quantity == "time_s") {
+        return wrong("minus", format!("{other:?}"), "times are not subtracted; give the column of the time alone");
     }
     if column.integrate && !matches!(quantity, "position_mm" | "position2_mm") {
         return wrong("integrate", true.to_string(), "only the speed of the ball can be integrated, to a position");

@@ -8,15 +8,22 @@
 
 mod columns;
 mod error;
+mod foreign;
 mod import;
+mod number;
+mod sheet;
 mod shown;
 mod table;
+mod text;
 
+#[cfg(test)]
+mod dialect_tests;
 #[cfg(test)]
 mod tests;
 
 pub use error::{CellProblem, RowsError};
 pub use import::{Column, Import};
+pub use sheet::{Sheet, SheetColumn, sheet};
 pub use shown::{printable, shown};
 
 use diagnose::{Recording, Sample};

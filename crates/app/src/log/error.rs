@@ -14,11 +14,19 @@ pub enum LogError {
         /// What the system reported.
         source: io::Error,
     },
+    /// A folder.
+    #[error("{} is a folder, and no log; name the log in it (of a ROS 2 bag, its topic exported as CSV)", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The file cannot be unpacked.
-    #[error("cannot unpack {} (zstd): {cause}; copy the file again, or pack it again with `zstd`", path.display())]
+    #[error("cannot unpack {} ({program}): {cause}; copy the file again, or pack it again with `{program}`", path.display())]
     Packed {
         /// The file.
         path: PathBuf,
+        /// The program that packs so.
+        program: &'static str,
         /// What went wrong.
         cause: String,
     },

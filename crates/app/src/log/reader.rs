@@ -1,4 +1,4 @@
-//! From any log to a recording: our own MCAP, or any CSV, packed with zstd or not.
+//! From any log to a recording: our own MCAP, or any CSV, packed with zstd or gzip or not.
 //!
 //! A cycle becomes a row, with a position only if it was measured in that cycle; a repeated one is no reading.
 
@@ -45,9 +45,12 @@ impl LoadedLog {
 
 /// Reads a log, recognised by its first bytes. `import` maps the columns of a CSV.
 ///
-/// [`LogError`] names the file, the position, what is there and the next step.
+/// # Errors
 /// [`LogError`] names the file, the place, what is there and what to do.
 pub fn read(path: &Path, import: Option<&Import>) -> Result<LoadedLog, LogError> {
+    if path.is_dir() {
+        return Err(LogError::Folder { path: path.into() });
+    }
     let bytes = fs::read(path).map_err(|source| LogError::Open { path: path.into(), source })?;
     parse(path, &unpacked(path, &bytes)?, import)
 }

@@ -1,0 +1,122 @@
+//! How other programs write a CSV, and files of theirs that are none.
+
+use crate::{Column, Import, RowsError, recording, sheet};
+use diagnose::Recording;
+
+/// Rows of time, duty and position that every dialect here holds.
+fn numbers() -> impl Iterator<Item = [f64; 3]> {
+    (0..40).map(|k| [0.25 * f64::from(k), 21.5, 200.0 + 0.5 * f64::from(k)])
+}
+
+/// The rows in a dialect.
+fn table(header: &str, separator: &str, write: impl Fn(f64) -> String) -> String {
+    let rows = numbers().map(|row| row.map(&write).join(separator) + "\n");
+    format!("{header}\n{}", rows.collect::<String>())
+}
+
+fn plain() -> String {
+    table("time_s,duty_percent,position_mm", ",", |value| value.to_string())
+}
+
+fn read(bytes: &[u8]) -> Result<Recording, RowsError> {
+    recording("rig.csv", bytes, &Import::default())
+}
+
+#[test]
+fn every_dialect_reads_as_the_plain_table() {
+    let expected = read(plain().as_bytes()).unwrap();
+    let german = table("time_s;duty_percent;position_mm", ";", |value| value.to_string().replace('.', ","));
+    let text = |value: f64| value.to_string();
+    for (dialect, table) in [
+        ("decimal comma", german.clone()),
+        ("a spreadsheet's first line", format!("sep=;\r\n{}", german.replace('\n', "\r\n"))),
+        ("comments", plain().replace("\n5,", "\n# a mark\n5,") + "# the end\n"),
+        ("comments before the header", format!("% rig 7\n// monday\n{}", plain())),
+        ("a commented header", format!("# rig 7\n# {}", plain())),
+        ("a row of units", plain().replacen('\n', "\ns,%,mm\n", 1)),
+        ("spaces", table("time_s  duty_percent position_mm", "   ", text)),
+        ("a commented header with spaces", table("# time_s duty_percent position_mm", " ", text)),
+        ("spaces before each row", table("time_s duty_percent position_mm", " ", text).replace('\n', "\n  ")),
+    ] {
+        assert_eq!(read(table.as_bytes()).unwrap_or_else(|error| panic!("{dialect}: {error}")), expected, "{dialect}");
+    }
+    let little: Vec<u8> = format!("\u{feff}{german}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = format!("\u{feff}{german}").encode_utf16().flat_map(u16::to_be_bytes).collect();
+    assert_eq!((read(&little).unwrap(), read(&big).unwrap()), (expected.clone(), expected));
+}
+
+#[test]
+fn moments_are_read_as_seconds() {
+    let row = |k: u32| format!("2026-03-01T12:{:02}:{:02}.500+01:00,21.5,{k}\n", k / 60, k % 60);
+    let text = format!("time_s,duty_percent,position_mm\n{}", (0..90).map(row).collect::<String>());
+    let log = read(text.as_bytes()).unwrap();
+    assert_eq!(log.duration_s(), 89.0);
+}
+
+#[test]
+fn words_for_no_number_are_no_reading() {
+    for word in ["NaN", "NA", "null", "None", "-", "#N/A"] {
+        let text = plain().replace(",205\n", &format!(",{word}\n"));
+        let log = read(text.as_bytes()).unwrap();
+        assert_eq!(log.readings(), 39, "{word}");
+    }
+}
+
+#[test]
+fn columns_without_a_header_have_numbers_for_names() {
+    let import = Import {
+        time_s: Column::named("column1"),
+        duty_percent: Column::named("column2"),
+        position_mm: Column::named("column3"),
+        ..Import::default()
+    };
+    let text = plain().split_once('\n').unwrap().1.to_owned();
+    assert_eq!(recording("rig.csv", text.as_bytes(), &import).unwrap(), read(plain().as_bytes()).unwrap());
+    let said = read(text.as_bytes()).unwrap_err().to_string();
+    assert!(said.contains("`column1`, `column2`, `column3`"), "{said}");
+}
+
+#[test]
+fn the_difference_of_two_columns_is_an_input() {
+    let rows: String = (0..40).map(|k| format!("{k},{},{}\n", 3 * k, k)).collect();
+    let error = Column { minus: Some("position_mm".into()), scale: 2.0, ..Column::named("command") };
+    let import = Import { duty_percent: error, ..Import::default() };
+    let log = recording("rig.csv", format!("time_s,command,position_mm\n{rows}").as_bytes(), &import).unwrap();
+    assert_eq!(log.samples()[10].duty_percent, 40.0);
+    let time = Import { time_s: Column { minus: Some("x".into()), ..Column::named("t") }, ..Import::default() };
+    assert!(time.check().unwrap_err().to_string().starts_with("[import] time_s: minus = \"x\";"));
+}
+
+#[test]
+fn files_of_other_formats_are_refused_by_their_name_and_with_the_way_to_a_csv() {
+    for (bytes, words) in [
+        (&b"MATLAB 5.0 MAT-file, Platform: GLNXA64"[..], "a MATLAB file"),
+        (b"\x89HDF\r\n\x1a\n\0\0", "HDF5"),
+        (b"PK\x03\x04\x14", ".xlsx"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0", ".xls"),
+        (b"PAR1\x15\x04", "Parquet"),
+        (b"\x93NUMPY\x01", "numpy"),
+        (b"#ROSBAG V2.0\n", "ROS 1"),
+        (b"SQLite format 3\0", "ROS 2"),
+        (b"ULog\x01\x12\x35\x01", "ULog"),
+        (b"TDSm\x0e", "TDMS"),
+        (b"%PDF-1.7", "PDF"),
+        (b"{\"a\": 1}", "JSON"),
+        (b"<svg xmlns=\"x\">", "SVG"),
+        (b"# my rig\n\n[plant]\ndrag_per_s = 1\n", "TOML"),
+        (b"title = \"steps\"\n", "TOML"),
+    ] {
+        let said = read(bytes).unwrap_err().to_string();
+        assert!(said.starts_with("rig.csv is ") && said.contains(words) && said.contains("; "), "{words}: {said}");
+    }
+}
+
+#[test]
+fn a_sheet_holds_every_column_of_numbers_and_its_unit() {
+    let found = sheet("rig.csv", b"t;u;note;y\ns;V;;m\n0;1,5;a;0,1\n1;;b;NaN\n").unwrap();
+    let names: Vec<&str> = found.columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!((names, found.rows), (vec!["t", "u", "note", "y"], 2));
+    let values: Vec<_> = found.columns.iter().map(|column| column.values.clone()).collect();
+    assert_eq!(values, [vec![Some(0.0), Some(1.0)], vec![Some(1.5), None], vec![], vec![Some(0.1), None]]);
+    assert_eq!((found.columns[3].unit.as_deref(), found.columns[2].unit.as_deref()), (Some("m"), None));
+}

@@ -15,6 +15,7 @@ use crate::fit::estimate::Fit;
 use crate::fit::intervals::{Reach, reaches};
 use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::Closed;
+use crate::mistakes::mistakes;
 use crate::options::Options;
 use crate::record::check::{Finding, other_rig};
 use crate::record::folds::Folds;
@@ -77,9 +78,9 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
     let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| FlightFinding { flight, finding });
-    let insufficiency = if can_answer { insufficiency(belief, recording, &folds) } else { None };
-    findings.extend(insufficiency.into_iter().flat_map(about_all));
-    let mut answers = can_answer && insufficiency.is_none();
+    let obstacles = if can_answer { obstacles(belief, recordings.as_ref(), recording, &folds) } else { Vec::new() };
+    let mut answers = can_answer && obstacles.is_empty();
+    findings.extend(obstacles);
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
     let asks = answers && !is_quiet(&refitted);
     let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
@@ -133,6 +134,14 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     }
 }
 
+impl Diagnosis {
+    /// Whether there is no verdict because units, signs or columns are wrong.
+    #[must_use]
+    pub fn has_mistake(&self) -> bool {
+        self.verdict == Verdict::InsufficientData && self.findings.iter().any(|noted| noted.finding.is_mistake())
+    }
+}
+
 /// The finding for a fit that ended at an impossible model. Fits keep their parameters within bounds, so only fixed
 /// values can be impossible.
 fn impossible(bounds: &Bounds, fits: [&Fit; 2]) -> Option<Finding> {
@@ -148,6 +157,17 @@ fn impossible(bounds: &Bounds, fits: [&Fit; 2]) -> Option<Finding> {
 fn has_finite_errors(belief: &Model, recording: &Recording) -> bool {
     let is_number = |seen: &Innovation| seen.repeat || (seen.expected_mm + seen.variance_mm2).is_finite();
     innovations(belief, recording).iter().all(is_number)
+}
+
+/// The findings that leave logs without a verdict before any search: mistakes of units, signs and columns; else what all
+/// rows together, `recording`, are insufficient for.
+fn obstacles(belief: &Model, logs: &[Recording], recording: &Recording, folds: &Folds) -> Vec<FlightFinding> {
+    let mistakes = mistakes(belief, logs);
+    if !mistakes.is_empty() {
+        return mistakes;
+    }
+    let insufficiency = insufficiency(belief, recording, folds).into_iter();
+    insufficiency.flat_map(|finding| (0..logs.len()).map(move |flight| FlightFinding { flight, finding })).collect()
 }
 
 /// The finding that leaves a record without a verdict, if there is one.
@@ -209,8 +229,12 @@ mod tests {
             }
             assert_eq!(found.verdict, Verdict::InsufficientData, "{what}: {:?}", found.effects);
             assert!(found.effects.is_empty(), "{what}");
-            let other_rig = found.findings.iter().any(|noted| matches!(noted.finding, Finding::OtherRig { .. }));
-            assert_eq!(other_rig, what == "in centimetres", "{what}: {:?}", found.findings);
+            // Metres before the search; centimetres, of which an effect could take as much gain away, after it.
+            let is_unit = |noted: &crate::FlightFinding| {
+                matches!(noted.finding, Finding::PositionUnit { .. } | Finding::OtherRig { .. })
+            };
+            let unit = found.findings.iter().any(is_unit);
+            assert_eq!(unit, ["in centimetres", "in metres"].contains(&what), "{what}: {:?}", found.findings);
         }
     }
 
@@ -221,6 +245,7 @@ mod tests {
         assert!(found.effects.is_empty(), "{:?}", found.effects);
         let ratio = found.findings.iter().find_map(|noted| match noted.finding {
             Finding::OtherRig { number: "gain_mm_per_s2_per_percent", ratio } => Some(ratio),
+            Finding::PositionUnit { ratio, .. } => Some(ratio),
             _ => None,
         });
         assert!(ratio.is_some_and(|ratio| (6.0..8.5).contains(&(1.0 / ratio))), "{:?}", found.findings);

@@ -28,6 +28,9 @@ const LAGS_S: [f64; 3] = [0.05, 0.2, 0.6];
 /// Smallest number of scoring steps from each before they are compared.
 const FIRST_LOOK: usize = 4;
 
+/// Held-out log-likelihood gain that a third pole needs, nats: by chance one more parameter gains half a nat.
+const WORTH_A_POLE: f64 = 2.0;
+
 /// The number of poles of the plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -99,6 +102,14 @@ impl GreyBox {
         let held_out = HeldOut::of(&problem, &fit);
         Ok(Self { poles, fit, estimates, residuals, held_out })
     }
+}
+
+/// The plant of fewer poles, unless another forecasts the held-out part significantly better. `None`: there is no
+/// plant.
+#[must_use]
+pub fn better(found: &[GreyBox]) -> Option<&GreyBox> {
+    let likelihood = |found: &GreyBox| found.held_out.log_likelihood;
+    found.iter().reduce(|best, next| if likelihood(next) > likelihood(best) + WORTH_A_POLE { next } else { best })
 }
 
 /// The initial model with a fan lag for three poles, and without for two.

@@ -2,13 +2,15 @@
 //! relay.
 
 pub(crate) mod grey_box;
+mod initial;
 pub(crate) mod open_loop;
 mod relay;
 pub(crate) mod residual_tests;
 pub(crate) mod transient;
 pub(crate) mod validation;
 
-pub use grey_box::{GreyBox, ParameterEstimate, Poles, TooLittle};
+pub use grey_box::{GreyBox, ParameterEstimate, Poles, TooLittle, better};
+pub use initial::{Initial, NoPlant, initial};
 pub use open_loop::OpenLoop;
 pub use relay::{Oscillation, oscillation};
 pub use residual_tests::{ResidualTests, Test};

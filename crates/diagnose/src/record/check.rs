@@ -3,7 +3,9 @@
 //! Works on the rows alone, before any model runs. Every finding is a sentence with its values that ends in what to do.
 //! Spread is estimated robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
 
-use crate::record::implausible::{DutyScale, duty_beyond_percent, implausible_readings};
+pub use crate::record::finding::Finding;
+
+use crate::record::implausible::{duty_beyond_percent, implausible_readings};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::OTHER_RIG;
@@ -12,7 +14,7 @@ use plant::Model;
 /// A time between rows that is this many times longer than usual is a gap.
 const GAP: f64 = 3.0;
 /// A reading this many robust deviations away from its neighbours is an outlier: noise gives one in 10⁸.
-const OUTLIER: f64 = 6.0;
+pub(crate) const OUTLIER: f64 = 6.0;
 /// More exact repeats in a row than this, of a position that otherwise moves, show a sensor that refreshes slowly.
 const REPEATS: usize = 3;
 /// The codes by which a VL53L0X reports that it has no target.
@@ -26,183 +28,6 @@ const FRACTION_OF_HOVER: f64 = 2.0;
 const ELSEWHERE: f64 = 0.1;
 /// Rows further apart than this, the longest forecast horizon, seconds, are too slow.
 const SLOWEST_S: f64 = 1.0;
-
-/// A finding about a record that its reader should know.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, thiserror::Error)]
-#[serde(rename_all = "snake_case")]
-pub enum Finding {
-    /// The duty hardly moves.
-    #[error(
-        "the duty stays within {range_percent:.3} %, which excites nothing: gain, lag and dead zone cannot be told from such \
-         a record; fly one with a moving setpoint"
-    )]
-    StillDuty {
-        /// Largest minus smallest duty, percent.
-        range_percent: f64,
-    },
-    /// The duty seems to be recorded as a fraction.
-    #[error(
-        "every duty lies within 0 to 1, as fractions do; if they are fractions, say [import] duty_percent.scale = 100"
-    )]
-    FractionalDuty,
-    /// Duties that no fan takes.
-    #[error("{count} duties lie beyond {limit_percent:.0} %, the first in row {row}: {duty_percent:.4e}; {scale}")]
-    DutyBeyondPercent {
-        /// Number of such duties.
-        count: usize,
-        /// The row of the first, counted from 1.
-        row: usize,
-        /// The first, as the record has it.
-        duty_percent: f64,
-        /// The limit, percent, in both directions.
-        limit_percent: f64,
-        /// Percent per unit of the column, where its unit is another; `None` where single rows are wrong.
-        scale: DutyScale,
-    },
-    /// Readings that cannot be positions of the ball.
-    #[error(
-        "{count} readings are no position of the ball: they lie more than half the pipe's length outside of it, or jump by \
-         three quarters of it and back, the first in row {row}: {reading_mm:.4e} mm; they count as empty"
-    )]
-    ImplausibleReadings {
-        /// Number of such readings.
-        count: usize,
-        /// The row of the first, counted from 1.
-        row: usize,
-        /// The first, mm.
-        reading_mm: f64,
-    },
-    /// Numbers that grew beyond any bound.
-    #[error(
-        "the forecasts of the model are not finite, so nothing can be compared; look for implausible numbers in the record, and in \
-         the tables [plant] and [import]"
-    )]
-    NotFinite,
-    /// The position never moves.
-    #[error(
-        "the position is {position_mm} mm in every row; check that the sensor was read, and the column of [import]"
-    )]
-    StillPosition {
-        /// The one position, mm.
-        position_mm: f64,
-    },
-    /// Readings outside the model's pipe.
-    #[error(
-        "{count} readings lie outside the model's pipe of 0 to {length_mm} mm, the furthest at {} mm; check \
-         plant.pipe_length_mm and the scale and offset of [import]",
-        short(*furthest_mm)
-    )]
-    OutsidePipe {
-        /// Number of such readings.
-        count: usize,
-        /// The reading furthest outside, mm.
-        furthest_mm: f64,
-        /// Length of the model's pipe, mm.
-        length_mm: f64,
-    },
-    /// Readings that are codes for "no target".
-    #[error("{count} readings are 8190 or 8191, which a VL53L0X says without a target: they count as empty")]
-    NoTarget {
-        /// Number of such readings.
-        count: usize,
-    },
-    /// The time between rows is uneven.
-    #[error(
-        "{count} gaps between rows, the longest {longest_s:.3} s where {usual_s:.4} s is usual; forecasts cross them by the duty before them"
-    )]
-    Gaps {
-        /// Number of gaps.
-        count: usize,
-        /// The longest gap, seconds.
-        longest_s: f64,
-        /// The usual time between rows, seconds.
-        usual_s: f64,
-    },
-    /// The rows are too far apart.
-    #[error(
-        "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
-    )]
-    SlowRows {
-        /// The usual time between rows, seconds.
-        usual_s: f64,
-    },
-    /// Too few readings.
-    #[error(
-        "{readings} readings in free flight, and the diagnosis needs {needed}: fly longer, or name more flights of this rig together"
-    )]
-    TooFew {
-        /// Readings in free flight.
-        readings: usize,
-        /// Readings that are needed.
-        needed: usize,
-    },
-    /// Readings far from their neighbours.
-    #[error(
-        "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of all; a reading so far off counts for little in the fits: look at them first"
-    )]
-    Outliers {
-        /// Number of such readings.
-        count: usize,
-        /// Share of all readings, percent.
-        percent: f64,
-        /// The limit for a jump, mm.
-        limit_mm: f64,
-    },
-    /// A log among several that cannot be diagnosed.
-    #[error("this log is left out of the diagnosis, and the others are used without it")]
-    LeftOut,
-    /// The diagnosis used fewer readings.
-    #[error("a fast clock: the diagnosis used every duty, and one reading in {merged}")]
-    Decimated {
-        /// One reading out of this many was used.
-        merged: usize,
-    },
-    /// The diagnosis used means of readings.
-    #[error("a fast clock: the diagnosis used every duty, and the means of {merged} readings each")]
-    Averaged {
-        /// Number of readings in each mean.
-        merged: usize,
-    },
-    /// The record and the belief do not match.
-    #[error(
-        "the record fits a {number} that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.{number}"
-    )]
-    OtherRig {
-        /// The base parameter, as the config names it.
-        number: &'static str,
-        /// Ratio of the fitted value to the believed one.
-        ratio: f64,
-    },
-    /// The fitted model is outside the bounds that the record sets.
-    #[error(
-        "no model that this record allows fits it: {key} ends outside its bounds; check the scales of [import] and the table [plant]"
-    )]
-    Impossible {
-        /// The key of the parameter that is outside, in its table of the config.
-        key: &'static str,
-    },
-    /// Rows before the take-off or after the landing.
-    #[error(
-        "the ball lies at an end of the pipe for {before_s:.2} s before it takes off and {after_s:.2} s after it lands: these rows are left out"
-    )]
-    AtEnd {
-        /// Time before the take-off, seconds.
-        before_s: f64,
-        /// Time after the landing, seconds.
-        after_s: f64,
-    },
-    /// The same reading is repeated many times.
-    #[error(
-        "{percent:.0} % of the readings are repeated, up to {longest} times: the ball stands still, the readings are coarse, or \
-         the sensor refreshes slower than the loop reads; in the last case mark repeats by a column `fresh` or leave them empty"
-    )]
-    Repeats {
-        /// Share of readings in such runs, percent.
-        percent: f64,
-        /// The longest run, rows.
-        longest: usize,
-    },
-}
 
 /// The findings about `recording`, which is one flight, to know before it is compared with `model`.
 #[must_use]
@@ -240,11 +65,6 @@ fn clock(samples: &[Sample]) -> [Option<Finding>; 2] {
     let longest_s = long().copied().fold(0.0, f64::max);
     let gaps = (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s });
     [(usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
-}
-
-/// A number with one decimal; a very large one by its power of ten, not by three hundred digits.
-fn short(value: f64) -> String {
-    if value.abs() < 1e6 { format!("{value:.1}") } else { format!("{value:.3e}") }
 }
 
 fn is_code(reading: f64) -> bool {

@@ -5,6 +5,7 @@ pub(crate) mod check;
 pub(crate) mod commanded;
 pub(crate) mod decimate;
 mod error;
+mod finding;
 pub(crate) mod folds;
 pub(crate) mod free_flight;
 pub(crate) mod implausible;

@@ -1,0 +1,305 @@
+//! A first belief about a rig of which nothing is known but a record: a linear plant with its noise.
+//!
+//! ```text
+//! forms of a linear plant → does the input drive an acceleration? of which sign? → grey-box fits of 2 and 3 poles
+//! ```
+//!
+//! The forms are those of [`linear`](crate::linear). A plant of first order, whose reading follows the input as a speed
+//! does, is no rig of ours and refused. A force that returns the rig to one place is believed only where the input
+//! shows nothing without it: dry friction looks a little like one.
+
+use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
+use crate::linear::{LinearFit, Order, linear_fit};
+use crate::record::prepare::prepared;
+use crate::record::recording::{Recording, Sample};
+use plant::{Effects, Model, Noise};
+use rayon::prelude::*;
+
+/// Rows that the forms are fitted to: 60 s at 200 Hz.
+const MOST_ROWS: usize = 12_000;
+/// A gain that lies this many of its deviations from 0 is seen.
+const SEEN: f64 = 4.0;
+/// The same, for a form to be preferred to one with a spring.
+const WELL_SEEN: f64 = 8.0;
+/// A plant of first order must be seen so well, and a form of second order may be better by so much a reading, nats: it
+/// describes the noise of a speed better.
+const FIRST_ORDER_SEEN: f64 = 10.0;
+const FIRST_ORDER_NEAR: f64 = 0.15;
+/// Share of the forecasts' variance that an input of the other sign must explain, with or without a spring.
+const TURNED: f64 = 0.15;
+/// A grey-box gain below this share of the form's has lost it, to noise that follows the record instead.
+const LOST: f64 = 0.2;
+/// A lag shorter than this share of the time between readings is none.
+const NO_LAG: f64 = 0.25;
+/// The stiffest return that a model takes, 1/s²: the bound of `height_dependent_flow`.
+const STIFFEST_PER_S2: f64 = 50.0;
+
+/// A first belief.
+#[derive(Clone, Debug)]
+pub struct Initial {
+    /// The plant, by the grey-box fit that is kept.
+    pub found: GreyBox,
+    /// The model to believe.
+    pub model: Model,
+    /// Whether the position falls where the input rises; the model is that of the input with its sign turned.
+    pub is_turned: bool,
+    /// Whether the grey-box fit has lost the gain, so that gain, drag and hover are those of the form.
+    pub gain_is_lost: bool,
+    /// Whether the sign is seen at all.
+    pub sign_is_seen: bool,
+    /// The form that the fit began with.
+    pub form: LinearFit,
+}
+
+/// Why there is no first belief.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoPlant {
+    /// Input or position never moves.
+    #[error(
+        "the input or the position never moves, or there are too few readings; record what moves, for 30 s or more"
+    )]
+    Still,
+    /// The input does nothing that can be seen.
+    #[error(
+        "the position does not answer the input (its gain is {deviations:.1} of its standard deviations); choose other columns, \
+         or record an experiment in which the input moves the rig"
+    )]
+    NoAnswer {
+        /// The gain in its standard deviations.
+        deviations: f64,
+    },
+    /// The plant is of first order.
+    #[error(
+        "the reading follows the input as a plant of first order, with a time constant of {time_constant_s:.3} s, as a temperature or \
+         a speed does: ẏ = K·u − a·y. A plant here is of second order, ÿ = K·(u − hover) − a·ẏ: the input is a force. If the column \
+         holds a speed, say so, and it is integrated"
+    )]
+    FirstOrder {
+        /// 1/a, seconds.
+        time_constant_s: f64,
+    },
+    /// The position returns too stiffly.
+    #[error(
+        "the position follows the input as a servo does (it returns by {per_s2:.0} per s², and a model takes {STIFFEST_PER_S2}); if the \
+         input is a commanded position, name it as the setpoint: the input is then setpoint minus position"
+    )]
+    Servo {
+        /// k, 1/s².
+        per_s2: f64,
+    },
+    /// Too little to identify.
+    #[error(transparent)]
+    TooLittle(#[from] TooLittle),
+    /// The fit left the bounds of a model.
+    #[error("the fit ends outside the bounds of a model: {0}; choose other scales of the columns")]
+    OutOfBounds(String),
+}
+
+/// The forms of a linear plant, fitted to a record.
+struct Forms {
+    first: LinearFit,
+    second: LinearFit,
+    spring: LinearFit,
+    drifting: LinearFit,
+    readings: f64,
+}
+
+impl Forms {
+    fn of(recording: &Recording) -> Option<Self> {
+        let orders = [Order::First, Order::Second, Order::Spring, Order::Drifting];
+        let fits: Vec<LinearFit> = orders.par_iter().filter_map(|order| linear_fit(recording, *order)).collect();
+        let [first, second, spring, drifting] = fits[..] else { return None };
+        Some(Self { first, second, spring, drifting, readings: recording.readings() as f64 })
+    }
+
+    /// The time constant of a plant of first order, seconds, if the record is of one.
+    fn first_order_s(&self) -> Option<f64> {
+        let ahead = (self.spring.log_likelihood - self.first.log_likelihood) / self.readings;
+        let second_is_blind = self.second.gain_in_deviations.abs() < SEEN && ahead < FIRST_ORDER_NEAR;
+        let is_first = self.first.log_likelihood > self.second.log_likelihood || second_is_blind;
+        let is_seen = self.first.gain_in_deviations.abs() > FIRST_ORDER_SEEN;
+        (is_first && is_seen).then_some(1.0 / self.first.drag_per_s)
+    }
+
+    /// Share of the forecasts' variance that the input explains in a form.
+    fn explained(&self, form: &LinearFit) -> f64 {
+        1.0 - (-2.0 * form.of_input / self.readings).exp()
+    }
+
+    /// Whether every form says that the position falls where the input rises.
+    fn are_turned(&self) -> bool {
+        let turned = |form: &LinearFit| form.gain < 0.0 && self.explained(form) > TURNED;
+        (turned(&self.second) || turned(&self.spring)) && self.drifting.gain_in_deviations < -SEEN
+    }
+
+    /// The form to begin with; `sign` is that of the input.
+    fn start(&self, sign: f64) -> LinearFit {
+        let is_seen = |form: &&LinearFit, least: f64| sign * form.gain_in_deviations > least;
+        let spring = is_seen(&&self.spring, SEEN) && self.spring.log_likelihood > self.second.log_likelihood;
+        match [&self.second, &self.drifting].into_iter().find(|form| is_seen(form, SEEN)) {
+            _ if is_seen(&&self.second, WELL_SEEN) => self.second,
+            _ if spring => self.spring,
+            Some(form) => *form,
+            None => self.second,
+        }
+    }
+
+    fn best_deviations(&self) -> f64 {
+        let forms = [&self.second, &self.spring, &self.drifting];
+        forms.map(|form| form.gain_in_deviations.abs()).into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// A first belief about the rig of `recordings`, in a pipe of this length.
+///
+/// # Errors
+/// [`NoPlant`]: the record is of no plant of ours, or too short.
+pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial, NoPlant> {
+    let flight = recordings.iter().max_by_key(|one| one.readings()).ok_or(NoPlant::Still)?;
+    let forms = Forms::of(&beginning(flight)).ok_or(NoPlant::Still)?;
+    if let Some(time_constant_s) = forms.first_order_s() {
+        return Err(NoPlant::FirstOrder { time_constant_s });
+    }
+    if forms.best_deviations() < SEEN {
+        return Err(NoPlant::NoAnswer { deviations: forms.best_deviations() });
+    }
+    let is_turned = forms.are_turned();
+    let sign = if is_turned { -1.0 } else { 1.0 };
+    let form = forms.start(sign);
+    if form.spring_per_s2 > STIFFEST_PER_S2 {
+        return Err(NoPlant::Servo { per_s2: form.spring_per_s2 });
+    }
+    let start = model(&form, sign, pipe_length_mm);
+    let turned: Vec<Recording> = recordings.iter().map(|one| with_sign(one, sign)).collect();
+    let (_, recording) = prepared(&turned, &start);
+    let identify = |poles: &Poles| GreyBox::identify(&start, &recording, *poles);
+    let found = [Poles::Two, Poles::Three].par_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
+    let found = better(&found).cloned().ok_or(NoPlant::Still)?;
+    let fitted = &found.fit.model;
+    let gain_is_lost = fitted.gain_mm_per_s2_per_percent < LOST * start.gain_mm_per_s2_per_percent;
+    let kept = if gain_is_lost { Model { noise: fitted.noise, ..start.clone() } } else { fitted.clone() };
+    let shortest_s = NO_LAG * recording.flights().first().map_or(0.0, |flight| recording.reading_period_s(flight));
+    let model = within_bounds(&without_short_lag(kept, shortest_s));
+    model.check().map_err(|(_, unsound)| NoPlant::OutOfBounds(unsound.to_string()))?;
+    let sign_is_seen = sign * form.gain_in_deviations > SEEN;
+    Ok(Initial { model, is_turned, gain_is_lost, sign_is_seen, form, found })
+}
+
+/// The model without a lag that is shorter than this.
+fn without_short_lag(model: Model, shortest_s: f64) -> Model {
+    match model.effects.fan_lag_s() {
+        Some(lag_s) if lag_s < shortest_s => Model { effects: model.effects.with_fan_lag(None), ..model },
+        _ => model,
+    }
+}
+
+/// The first rows of a long flight.
+fn beginning(flight: &Recording) -> Recording {
+    let rows = flight.samples();
+    let first = || Recording::new(rows.get(..MOST_ROWS)?.to_vec()).ok();
+    first().unwrap_or_else(|| flight.clone())
+}
+
+/// The flight with an input of this sign.
+fn with_sign(flight: &Recording, sign: f64) -> Recording {
+    let row = |row: &Sample| Sample { duty_percent: sign * row.duty_percent, ..*row };
+    Recording::new(flight.samples().iter().map(row).collect()).unwrap_or_else(|_| flight.clone())
+}
+
+/// The model that a fit begins with.
+fn model(form: &LinearFit, sign: f64, pipe_length_mm: f64) -> Model {
+    let mut effects = Effects::default();
+    if form.spring_per_s2 > 0.0 {
+        effects.set("height_dependent_flow", &[form.spring_per_s2]);
+    }
+    within_bounds(&Model {
+        gain_mm_per_s2_per_percent: form.gain.abs(),
+        drag_per_s: form.drag_per_s,
+        hover_duty_percent: sign * form.hover,
+        pipe_length_mm,
+        noise: Noise { sensor_mm: form.sensor, acceleration_psd_mm2_per_s3: form.psd },
+        effects,
+    })
+}
+
+/// The model with each number within what a config takes.
+fn within_bounds(model: &Model) -> Model {
+    Model {
+        gain_mm_per_s2_per_percent: model.gain_mm_per_s2_per_percent.clamp(Model::GAIN.min, Model::GAIN.max),
+        drag_per_s: model.drag_per_s.clamp(Model::DRAG.min, Model::DRAG.max),
+        hover_duty_percent: model.hover_duty_percent.clamp(Model::HOVER.min, Model::HOVER.max),
+        noise: Noise {
+            sensor_mm: model.noise.sensor_mm.clamp(0.0, 1e3),
+            acceleration_psd_mm2_per_s3: model.noise.acceleration_psd_mm2_per_s3.clamp(0.0, 1e9),
+        },
+        ..model.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Initial, NoPlant, initial};
+    use crate::tests_support::{model, record, shaken};
+    use crate::{Recording, Sample};
+
+    fn changed(recording: &Recording, change: impl Fn(usize, &Sample) -> Sample) -> Recording {
+        Recording::new(recording.samples().iter().enumerate().map(|(k, row)| change(k, row)).collect()).unwrap()
+    }
+
+    fn of(recording: Recording) -> Result<Initial, NoPlant> {
+        initial(&[recording], 583.0)
+    }
+
+    #[test]
+    fn a_rig_is_found_with_its_lag_and_its_noise() {
+        let found = of(shaken(&model(), 2, 60)).unwrap();
+        let close = |value: f64, truth: f64, share: f64| (value / truth - 1.0).abs() < share;
+        let model = &found.model;
+        assert!(
+            close(model.gain_mm_per_s2_per_percent, 254.6, 0.2) && close(model.noise.sensor_mm, 2.5, 0.1),
+            "{model:?}"
+        );
+        assert!(close(model.hover_duty_percent, 21.4, 0.02), "{model:?}");
+        assert!(model.effects.fan_lag_s().is_some_and(|lag_s| close(lag_s, 0.2, 0.3)), "{model:?}");
+        assert!(!found.is_turned && found.sign_is_seen && !found.gain_is_lost);
+    }
+
+    #[test]
+    fn a_turned_input_is_turned_back() {
+        let turned = |_, row: &Sample| Sample { duty_percent: -row.duty_percent, ..*row };
+        let [plain, other] = [of(record(&model(), 2, 60)), of(changed(&record(&model(), 2, 60), turned))];
+        let (plain, other) = (plain.unwrap(), other.unwrap());
+        assert!(other.is_turned && !plain.is_turned);
+        assert_eq!(plain.model, other.model);
+    }
+
+    #[test]
+    fn a_speed_read_as_a_position_is_refused_as_of_first_order_and_a_stranger_as_no_input() {
+        // ẏ = 0.4·u − y/0.5, without noise but for the rounding of the file.
+        let mut speed = 0.0;
+        let rows = (0..3000).map(|k| {
+            let duty_percent = if (k / 100) % 2 == 0 { 10.0 } else { -10.0 } + f64::from(k % 37) / 37.0;
+            let row = Sample {
+                time_s: 0.02 * f64::from(k),
+                duty_percent,
+                position_mm: Some((1e3 * speed + 200.0 * f64::from(k * 7919 % 13) / 13.0_f64).round() / 1e3),
+                ..Sample::default()
+            };
+            speed += 0.02 * (0.4 * duty_percent - speed / 0.5);
+            row
+        });
+        let refused = of(Recording::new(rows.collect()).unwrap()).unwrap_err();
+        assert!(
+            matches!(refused, NoPlant::FirstOrder { time_constant_s } if (time_constant_s / 0.5 - 1.0).abs() < 0.3),
+            "{refused:?}"
+        );
+        // A random input, which the motion does not know.
+        let stranger = |k: usize, row: &Sample| {
+            #[expect(clippy::cast_precision_loss, reason = "a small number")]
+            let duty_percent = ((k / 20).wrapping_mul(2_654_435_761) % 1000) as f64 / 50.0;
+            Sample { duty_percent, ..*row }
+        };
+        let refused = of(changed(&record(&model(), 2, 60), stranger)).unwrap_err();
+        assert!(matches!(refused, NoPlant::NoAnswer { .. }), "{refused:?}");
+    }
+}

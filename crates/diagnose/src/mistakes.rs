@@ -1,0 +1,304 @@
+//! Mistakes of units, signs and columns, found before the search: no effect is blamed for them.
+//!
+//! ```text
+//! gain and hover of the record, by least squares over the innovations, with the believed drag and lag
+//! gain < 0: a sign      hover far off: the unit of the duty      gain far off: a unit      more if exchanged: columns
+//! several logs: gains or hovers that differ by more than chance and by more than one rig's do
+//! ```
+//!
+//! The limits were chosen on the 240 records of `tests/blind`, rigs with up to four effects that their beliefs lack.
+//! There, every gain is above 0; the gain is 0.08 to 4.6 times the believed one; hover is off by less than 0.9 %; with
+//! columns exchanged, the gain lies within 9 deviations of 0; and of two halves of a record, no gains differ by a
+//! factor of 1.6 and 6 deviations, and no hovers by 0.7 %.
+
+use crate::linear::{LinearFit, Order, linear_fit, linear_fit_at};
+use crate::record::airborne::airborne;
+use crate::record::check::{Finding, without_codes};
+use crate::record::implausible::without_implausible_readings;
+use crate::record::prepare::FlightFinding;
+use crate::record::recording::{Recording, Sample};
+use crate::stats::median::median;
+use plant::Model;
+
+/// Rows that are looked at.
+const MOST_ROWS: usize = 12_000;
+/// A gain that lies this many of its deviations from 0 is seen.
+const SEEN: f64 = 8.0;
+/// A gain so many times the believed one, or so few, is in other units; a small one only where the input explains so
+/// large a share of the forecasts' variance, because an effect may take most of a gain away.
+const MORE: f64 = 6.5;
+const LESS: f64 = 0.2;
+const LESS_EXPLAINS: f64 = 0.25;
+const FAR_LESS: f64 = 0.02;
+/// A hover off by such a factor is in other units, where the believed one is not near 0, percent.
+const HOVER: f64 = 1.5;
+const NEAR_ZERO_PERCENT: f64 = 2.0;
+/// With columns exchanged the gain is seen so well, and explains so much more.
+const EXCHANGED_SEEN: f64 = 15.0;
+const EXCHANGED_EXPLAINS: f64 = 0.05;
+/// Two logs of one rig differ by no more than this factor of their gains, and so many deviations.
+const GAINS: f64 = 1.6;
+const GAINS_DEVIATIONS: f64 = 8.0;
+/// Their hovers by no more than this share of them and this share of the range of duties.
+const HOVERS: f64 = 0.08;
+const HOVERS_OF_RANGE: f64 = 0.1;
+
+/// A log as a linear plant.
+struct Look {
+    flight: usize,
+    fit: LinearFit,
+    readings: f64,
+}
+
+/// The mistakes of several logs, by log.
+pub(crate) fn mistakes(belief: &Model, recordings: &[Recording]) -> Vec<FlightFinding> {
+    let mut found = Vec::new();
+    let mut looks: Vec<Look> = Vec::new();
+    for (flight, recording) in recordings.iter().enumerate() {
+        let recording = beginning(recording, belief);
+        match of_one(belief, &recording) {
+            Ok(Some(fit)) => looks.push(Look { flight, fit, readings: recording.readings() as f64 }),
+            Ok(None) => {}
+            Err(finding) => found.push(FlightFinding { flight, finding }),
+        }
+    }
+    if found.is_empty() { several(&looks, recordings) } else { found }
+}
+
+/// The log's linear plant; `None` where nothing is seen.
+fn of_one(belief: &Model, recording: &Recording) -> Result<Option<LinearFit>, Finding> {
+    let lag_s = belief.effects.fan_lag_s().unwrap_or_default();
+    let Some(fit) = linear_fit_at(recording, belief.drag_per_s, lag_s) else { return Ok(None) };
+    let readings = recording.readings() as f64;
+    if fit.gain_in_deviations.abs() < SEEN {
+        return exchanged(&fit, recording, readings).map_or(Ok(None), Err);
+    }
+    let sign = (fit.gain < 0.0).then(|| sign(belief, &fit, recording));
+    match sign.or_else(|| unit(belief, &fit, readings)) {
+        Some(finding) => Err(finding),
+        None => Ok(Some(fit)),
+    }
+}
+
+/// The first rows, without those on the ground, codes of the sensor and other readings that are no position.
+fn beginning(recording: &Recording, belief: &Model) -> Recording {
+    let rows = recording.samples();
+    let first = rows.get(..MOST_ROWS).and_then(|rows| Recording::new(rows.to_vec()).ok());
+    let first = first.unwrap_or_else(|| recording.clone());
+    let first = without_codes(&first).unwrap_or(first);
+    let first = without_implausible_readings(&first, belief).unwrap_or(first);
+    // A ball that lies still shows no gain; one that seems to lie still all the time is in another unit.
+    let flies = airborne(&first, belief).filter(|(_, flies)| 2 * flies.readings() > first.readings());
+    flies.map_or(first, |(_, flies)| flies)
+}
+
+/// Share of the forecasts' variance that the input explains.
+fn explained(fit: &LinearFit, readings: f64) -> f64 {
+    1.0 - (-2.0 * fit.of_input / readings.max(1.0)).exp()
+}
+
+/// Whose sign is wrong: a duty near the believed hover is right.
+fn sign(belief: &Model, fit: &LinearFit, recording: &Recording) -> Finding {
+    let hover = belief.hover_duty_percent;
+    let usual = median(recording.samples().iter().map(|row| row.duty_percent).collect()).unwrap_or_default();
+    let deviations = fit.gain_in_deviations.abs();
+    if hover.abs() < NEAR_ZERO_PERCENT {
+        return Finding::SignReversed { deviations };
+    }
+    if usual * hover > 0.0 {
+        return Finding::PositionReversed { deviations, offset_mm: belief.pipe_length_mm };
+    }
+    Finding::InputReversed { deviations }
+}
+
+fn unit(belief: &Model, fit: &LinearFit, readings: f64) -> Option<Finding> {
+    let ratio = fit.gain / belief.gain_mm_per_s2_per_percent;
+    let (hover, seen) = (belief.hover_duty_percent, fit.hover);
+    // A belief in a fraction is compared too: the record then hovers far from 0.
+    let has_hover = hover.abs().max(seen.abs()) > NEAR_ZERO_PERCENT && hover * seen > 0.0;
+    if has_hover && (seen / hover).ln().abs() > HOVER.ln() {
+        return Some(Finding::DutyUnit { hover_percent: seen, believed_percent: hover, scale: hover / seen });
+    }
+    let much_less = ratio < FAR_LESS || (ratio < LESS && explained(fit, readings) > LESS_EXPLAINS);
+    if !(ratio > MORE || much_less) {
+        return None;
+    }
+    let gain = fit.gain;
+    Some(if has_hover { Finding::PositionUnit { ratio, gain } } else { Finding::GainUnit { ratio, gain } })
+}
+
+/// The finding that position and duty are exchanged.
+fn exchanged(fit: &LinearFit, recording: &Recording, readings: f64) -> Option<Finding> {
+    let exchange =
+        |row: &Sample| Some(Sample { duty_percent: row.position_mm?, position_mm: Some(row.duty_percent), ..*row });
+    let rows: Vec<Sample> = recording.samples().iter().filter_map(exchange).collect();
+    let other = linear_fit(&Recording::new(rows).ok()?, Order::Second)?;
+    let more = explained(&other, readings) - explained(fit, readings);
+    (other.gain_in_deviations.abs() > EXCHANGED_SEEN && more > EXCHANGED_EXPLAINS).then_some(Finding::Exchanged)
+}
+
+/// Logs whose gain or hover differs from the first one's.
+fn several(looks: &[Look], recordings: &[Recording]) -> Vec<FlightFinding> {
+    let Some((first, others)) = looks.split_first() else { return Vec::new() };
+    let range = recordings.iter().map(|one| one.duty_range()[1] - one.duty_range()[0]).fold(0.0, f64::max);
+    let differs = |look: &&Look| {
+        let (a, b) = (&first.fit, &look.fit);
+        let ratio = (b.gain / a.gain).ln().abs();
+        let deviation = a.gain_in_deviations.recip().hypot(b.gain_in_deviations.recip());
+        let hovers = HOVERS * a.hover.abs().max(b.hover.abs()) + HOVERS_OF_RANGE * range;
+        (ratio > GAINS.ln() && ratio > GAINS_DEVIATIONS * deviation) || (b.hover - a.hover).abs() > hovers
+    };
+    let finding = |look: &Look| Finding::SeveralRigs {
+        gain_ratio: look.fit.gain / first.fit.gain,
+        hover_percent: look.fit.hover,
+        first_hover_percent: first.fit.hover,
+    };
+    let enough = |look: &&Look| look.readings >= crate::thresholds::ENOUGH_READINGS as f64;
+    let others = others.iter().filter(enough).filter(differs);
+    others.map(|look| FlightFinding { flight: look.flight, finding: finding(look) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mistakes;
+    use crate::tests_support::{model, record};
+    use crate::{Finding, Options, Recording, Sample, Verdict, diagnose};
+    use plant::{Effects, Model};
+
+    /// A flight of a rig with a dead zone that nobody believes, its rows changed.
+    fn spoilt(belief: &Model, spoil: impl Fn(&mut Sample)) -> Recording {
+        let mut rig = belief.clone();
+        rig.effects.set("dead_zone", &[-0.3, 0.3]);
+        let mut rows = record(&rig, 6, 60).samples().to_vec();
+        rows.iter_mut().for_each(spoil);
+        Recording::new(rows).unwrap()
+    }
+
+    /// The findings of one log that are mistakes; its diagnosis must name no effect.
+    fn found(belief: &Model, recording: &Recording) -> Vec<Finding> {
+        let named: Vec<Finding> =
+            mistakes(belief, std::slice::from_ref(recording)).into_iter().map(|noted| noted.finding).collect();
+        if !named.is_empty() {
+            let answer = diagnose(belief, recording, &Options::default());
+            assert_eq!(answer.verdict, Verdict::InsufficientData);
+            assert!(answer.effects.is_empty() && answer.rounds.is_empty(), "{:?}", answer.effects);
+            assert!(answer.findings.iter().any(|noted| named.contains(&noted.finding)), "{:?}", answer.findings);
+        }
+        named
+    }
+
+    /// The one finding in words.
+    fn said(belief: &Model, spoil: impl Fn(&mut Sample)) -> String {
+        let found = found(belief, &spoilt(belief, spoil));
+        assert_eq!(found.len(), 1, "{found:?}");
+        found[0].to_string()
+    }
+
+    #[test]
+    fn a_record_in_our_units_has_no_mistake() {
+        assert_eq!(found(&model(), &spoilt(&model(), |_| {})), []);
+    }
+
+    #[test]
+    fn a_distance_from_above_is_named_with_scale_and_offset() {
+        let said = said(&model(), |row| row.position_mm = row.position_mm.map(|mm| 583.0 - mm));
+        assert!(said.contains("position_mm = { column = \"position_mm\", scale = -1.0, offset = 583.0 }"), "{said}");
+    }
+
+    #[test]
+    fn a_turned_input_is_named_with_its_scale() {
+        let said = said(&model(), |row| row.duty_percent = -row.duty_percent);
+        assert!(said.contains("duty_percent = { column = \"duty_percent\", scale = -1.0 }"), "{said}");
+    }
+
+    #[test]
+    fn a_turned_sign_of_a_rig_that_rests_at_0_is_named_with_both_lines() {
+        // The same motions with the duty about 0.
+        let level = Model { hover_duty_percent: 0.0, ..model() };
+        let turned = spoilt(&model(), |row| row.duty_percent = 21.4 - row.duty_percent);
+        let found = found(&level, &turned);
+        let said = found.first().map(ToString::to_string).unwrap_or_default();
+        assert!(said.contains("duty_percent = {") && said.contains("position_mm = {"), "{said}");
+    }
+
+    #[test]
+    fn metres_are_named_with_their_scale() {
+        let said = said(&model(), |row| row.position_mm = row.position_mm.map(|mm| 1e-3 * mm));
+        assert!(
+            said.contains("metres") && said.contains("position_mm = { column = \"position_mm\", scale = 1000 }"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn a_pwm_of_8_bits_is_named_with_its_scale() {
+        let said = said(&model(), |row| row.duty_percent *= 2.55);
+        assert!(said.contains("duty_percent = { column = \"duty_percent\", scale = 0.3922 }"), "{said}");
+    }
+
+    #[test]
+    fn a_fraction_with_a_sign_and_volts_are_named_with_their_scales() {
+        // A tenth of the gain, and ten times the duty, of which 100 % are 1 or 12 V.
+        let gain_mm_per_s2_per_percent = 0.1 * model().gain_mm_per_s2_per_percent;
+        let level = Model { hover_duty_percent: 0.0, gain_mm_per_s2_per_percent, ..model() };
+        for (by, scales) in [(0.01, 99.9..100.1), (0.12, 6.5..9.0)] {
+            let mut rows = record(&model(), 6, 60).samples().to_vec();
+            rows.iter_mut().for_each(|row| row.duty_percent = 10.0 * by * (row.duty_percent - 21.4));
+            let found = found(&level, &Recording::new(rows).unwrap());
+            let said = found.first().map(ToString::to_string).unwrap_or_default();
+            let (_, scale) = said.split_once("column = \"duty_percent\", scale = ").unwrap_or_default();
+            let scale: f64 = scale.split(' ').next().unwrap_or_default().parse().unwrap_or_default();
+            assert!(scales.contains(&scale), "{by}: {said}");
+        }
+    }
+
+    #[test]
+    fn a_believed_hover_in_another_unit_is_named() {
+        let fraction = Model { hover_duty_percent: 0.214, ..model() };
+        let found = found(&fraction, &spoilt(&model(), |_| {}));
+        let said = found.first().map(ToString::to_string).unwrap_or_default();
+        assert!(said.contains("plant.hover_duty_percent = 21.") && said.contains("0.214"), "{said}");
+    }
+
+    #[test]
+    fn exchanged_columns_are_named() {
+        let exchanged = |row: &mut Sample| {
+            let position = row.position_mm.unwrap_or_default();
+            (row.duty_percent, row.position_mm) = (position, Some(row.duty_percent));
+        };
+        // A pipe and a hover that both columns could be of.
+        let belief = Model { hover_duty_percent: 200.0, ..model() };
+        let rig = spoilt(&model(), exchanged);
+        let named: Vec<Finding> = mistakes(&belief, rig.as_ref()).into_iter().map(|noted| noted.finding).collect();
+        assert_eq!(named, [Finding::Exchanged]);
+    }
+
+    #[test]
+    fn logs_of_two_rigs_are_told_apart_and_two_of_one_rig_are_not() {
+        let other = Model { gain_mm_per_s2_per_percent: 2.0 * model().gain_mm_per_s2_per_percent, ..model() };
+        let logs = [record(&model(), 1, 60), record(&model(), 2, 60), record(&other, 3, 60)];
+        let gains = logs
+            .each_ref()
+            .map(|log| super::of_one(&model(), log).unwrap().map(|fit| (fit.gain, fit.gain_in_deviations)));
+        assert!(gains.iter().all(Option::is_some), "{gains:?}");
+        assert_eq!(mistakes(&model(), &logs[..2]), []);
+        let found = mistakes(&model(), &logs);
+        assert!(
+            matches!(found[..], [crate::FlightFinding { flight: 2, finding: Finding::SeveralRigs { .. } }]),
+            "{found:?} {gains:?}"
+        );
+        let answer = diagnose(&model(), &logs, &Options::default());
+        assert_eq!((answer.verdict, answer.effects.len()), (Verdict::InsufficientData, 0));
+    }
+
+    #[test]
+    fn a_gain_that_an_effect_takes_away_is_no_mistake() {
+        let mut rig = model();
+        rig.effects.set("dead_zone", &[-2.0, 2.0]);
+        assert_eq!(mistakes(&model(), record(&rig, 2, 60).as_ref()), []);
+        let weak = Model { gain_mm_per_s2_per_percent: 0.4 * model().gain_mm_per_s2_per_percent, ..model() };
+        assert_eq!(mistakes(&model(), record(&weak, 2, 60).as_ref()), []);
+        let lagless = Model { effects: Effects::default(), ..model() };
+        assert_eq!(mistakes(&lagless, record(&model(), 2, 60).as_ref()), []);
+    }
+}

@@ -3,7 +3,7 @@
 use airball::ConfigError;
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    Usage, config, design, diagnose, emulate, fan_off, guard, identify, live, log, measure, monitor, note,
+    Usage, config, design, diagnose, emulate, fan_off, guard, identify, init, live, log, measure, monitor, note,
     reader_is_gone, replay, run, simulate, with_causes,
 };
 use clap::Parser;
@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Measure(args) => measure::measure(&args),
+        Command::Init(args) => init::init(&args),
         Command::Replay(args) => replay::replay(&args),
         Command::Diagnose(args) => diagnose::diagnose(&args),
         Command::Design(command) => design::design(&command),

@@ -1,6 +1,7 @@
 //! Analyses of a recorded flight besides its diagnosis, and virtual flights of a model.
 
 pub mod closed_loop;
+pub mod first_belief;
 pub mod loop_deviations;
 pub mod loop_margins;
 pub mod measurement;

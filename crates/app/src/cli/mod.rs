@@ -1,16 +1,20 @@
 //! The command line. Flags mean the same everywhere.
 
 mod design;
+mod each;
 mod flight;
 mod identify;
+mod init;
 mod measure;
 
 pub use design::{
     AboutArgs, CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs,
     RelayRule,
 };
+pub use each::{EachArgs, Shard};
 pub use flight::{FlightArgs, ReplayArgs, RunArgs, SimulateArgs};
 pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};
+pub use init::{ColumnArgs, InitArgs};
 pub use measure::{MeasureArgs, Measurement};
 
 use crate::rig::EnableLine;
@@ -39,6 +43,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Measure the rig by an experiment: dead zone, force curve, critical gain, steps, noise, calibration
     Measure(MeasureArgs),
+    /// Propose a config for a CSV of a rig that has none: columns, units and a linear plant, fitted to the record
+    Init(InitArgs),
     /// Run a log through a model: how far its forecasts are off, beside what noise alone gives
     Replay(ReplayArgs),
     /// Say which effect separates logs of a rig from a model, where, and how far it closes the gap
@@ -93,12 +99,17 @@ impl ConfigArgs {
 /// `airball diagnose`
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
-    /// The log, MCAP of this program or CSV; several of one rig are used together
+    /// The log, MCAP of this program or CSV; several of one rig are used together. With --each, a folder stands for the
+    /// logs in it
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
     /// Which model, and how to read a foreign CSV.
     #[command(flatten)]
     pub config: ConfigArgs,
+    /// Propose a config from the logs and diagnose with it, as `airball init` does; without a config in the folder this
+    /// is done anyway
+    #[arg(long, conflicts_with = "config")]
+    pub init: bool,
     /// Write the mended model as a config patch for --patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
@@ -121,6 +132,12 @@ pub struct DiagnoseArgs {
     /// Write the diagnosis as JSON, and nothing else, to standard output
     #[arg(long)]
     pub json: bool,
+    /// Many logs, each by itself.
+    #[command(flatten)]
+    pub each: EachArgs,
+    /// Which column is what, where a config is proposed.
+    #[command(flatten, next_help_heading = "Columns, where a config is proposed")]
+    pub columns: ColumnArgs,
 }
 
 /// `airball monitor`

@@ -1,6 +1,8 @@
 //! `airball diagnose`: the differences between the logs of a rig and a model.
 
 use super::diagnosing::{Answer, Asked};
+use super::each;
+use super::init::propose;
 use super::{may_write, note, say, write};
 use crate::analysis::next_experiment::Advice;
 use crate::analysis::virtual_flight::Desk;
@@ -11,11 +13,15 @@ use crate::report::diagnosis::plot;
 use crate::report::diagnosis::words::words;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
 use crate::report::kit::page;
-use ::diagnose::{Options, Progress, ProgressStep, Series};
+use ::diagnose::{Finding, Options, Progress, ProgressStep, Series};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// The config of a folder, and the one that is proposed where there is none.
+const CONFIG: &str = "config.toml";
+const PROPOSED: &str = "rig.toml";
 
 /// Time between two frames of the progress bar's spinner.
 const TICK: Duration = Duration::from_millis(120);
@@ -26,13 +32,18 @@ const TICK: Duration = Duration::from_millis(120);
 /// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be
 /// written.
 pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
+    if args.each.each {
+        let named = &args.config.config;
+        return each::each(args, (!is_missing(named)).then_some(named.as_path()));
+    }
     let tables = [
         ("patch", args.patch_out.as_ref()),
         ("experiment", args.next_out.as_ref()),
         ("missing force", args.missing_force.as_ref()),
     ];
     may_write(args.plot.as_deref(), args.html.as_deref(), &tables)?;
-    let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.over(), &args.without)?;
+    let config = belief(args)?;
+    let asked = Asked::read("diagnose", &args.logs, &config, &args.config.over(), &args.without)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {
             note(format_args!("{name}: {lost}"));
@@ -59,17 +70,45 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     told
 }
 
+/// Whether this is the usual config of a folder, and the folder has none.
+fn is_missing(config: &Path) -> bool {
+    config == Path::new(CONFIG) && !config.exists()
+}
+
+/// The config with the belief: the named one, or where there is none, one that is proposed from the logs.
+fn belief(args: &DiagnoseArgs) -> Result<PathBuf> {
+    let named = &args.config.config;
+    if !args.init && !is_missing(named) {
+        return Ok(named.clone());
+    }
+    let proposed = PathBuf::from(PROPOSED);
+    if !args.init && proposed.exists() {
+        note(format_args!("there is no {CONFIG} here; {PROPOSED} is used"));
+        return Ok(proposed);
+    }
+    let found = propose(&args.logs, &proposed, false, &args.columns, false)?;
+    let why = if args.init { "as said" } else { "there is no belief: no config.toml, and no --config" };
+    note(format_args!("{why}; so {PROPOSED} is proposed and written:"));
+    found.lines.into_iter().chain(found.warnings).for_each(note);
+    Ok(proposed)
+}
+
 /// Prints the result.
 fn tell(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     if args.json {
         return say(asked.document(answer)?);
     }
     let about = asked.about(answer);
-    for (name, finding) in findings(&answer.found, &about) {
+    // Beside a mistake of units, signs or columns, other findings are its consequences.
+    let is_said = |finding: &Finding| !answer.found.has_mistake() || finding.is_mistake();
+    for (name, finding) in findings(&answer.found, &about).filter(|(_, finding)| is_said(finding)) {
         note(format_args!("{name}: {finding}"));
     }
     if let Some(line) = about.words() {
         say(line)?;
+    }
+    if let Some(meaning) = about.belief {
+        say(format_args!("{meaning}."))?;
     }
     for (name, stage) in about.upstream() {
         note(format_args!("{name}: {}: {}", stage.name, stage.finding));
@@ -102,21 +141,26 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
         plot::diagnosis(path, &title, &picture, &answer.found.regions())?;
     }
     if let Some(path) = &args.html {
-        page::write(path, &report(args, asked, answer, &picture))?;
+        page::write(path, &with_report(asked, answer, &picture, html))?;
     }
     Ok(())
 }
 
-/// The diagnosis as a page.
-fn report(args: &DiagnoseArgs, asked: &Asked, answer: &Answer, picture: &Series) -> String {
+/// The diagnosis as `make` makes a page of it.
+pub(super) fn with_report(
+    asked: &Asked,
+    answer: &Answer,
+    picture: &Series,
+    make: impl Fn(&Report<'_>) -> String,
+) -> String {
     let desk = asked.desk();
-    html(&Report {
+    make(&Report {
         found: &answer.found,
         belief: &asked.belief,
         closed_loop: &answer.looped,
         advice: &answer.advice,
         logs: &asked.about(answer),
-        config: &args.config.config.display().to_string(),
+        config: &asked.config.display().to_string(),
         compensation: desk.as_ref().map(Desk::compensation),
         picture,
     })

@@ -8,6 +8,7 @@ use crate::analysis::virtual_flight::Desk;
 use crate::config::{Config, Tables};
 use crate::log::reader::{self, LoadedLog};
 use crate::report::diagnosis::logs::Logs;
+use crate::report::first_belief;
 use anyhow::{Result, bail};
 use diagnose::{ClosedLoop, Context, Diagnosis, Options, Recording, Verdict};
 use plant::Model;
@@ -21,8 +22,12 @@ pub(super) const STEPS: [&str; 3] =
 pub(super) struct Asked {
     /// The belief.
     pub(super) belief: Model,
-    /// The config that it is part of.
+    /// The file of the config that it is part of.
+    pub(super) config: PathBuf,
+    /// Its tables.
     tables: Tables,
+    /// Whether it was fitted to a record by `airball init`.
+    is_fitted: bool,
     /// Each log, without the codes of a sensor that saw no target, and its name.
     pub(super) logs: Vec<LoadedLog>,
     pub(super) names: Vec<String>,
@@ -65,6 +70,7 @@ impl Asked {
         patches: &[PathBuf],
         without: &[String],
     ) -> Result<Self> {
+        let path = config.to_owned();
         let config = Config::read(config, patches)?;
         let belief = config.need(command, "plant", |tables| tables.plant.as_ref())?.clone();
         check_names(without, &belief)?;
@@ -77,7 +83,8 @@ impl Asked {
         }
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
         logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
-        Ok(Self { belief, tables: config.tables, logs, names, recordings })
+        let is_fitted = config.begins_with(first_belief::HEAD);
+        Ok(Self { belief, config: path, tables: config.tables, is_fitted, logs, names, recordings })
     }
 
     /// Their rows without the readings that show no position of a ball in the pipe, log by log.
@@ -88,7 +95,8 @@ impl Asked {
     /// The statements about the logs themselves.
     pub(super) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
         let duration_s = self.recordings.iter().map(Recording::duration_s).sum();
-        Logs { names: &self.names, duration_s, upstream: &answer.upstream }
+        let belief = self.is_fitted.then_some(first_belief::MEANING);
+        Logs { names: &self.names, duration_s, upstream: &answer.upstream, belief }
     }
 
     /// Diagnoses the logs, and reports to `progress` which of its [`STEPS`] begins.
@@ -101,7 +109,9 @@ impl Asked {
         let looped = closed_loop::measure(&self.logs, &self.tables, &self.belief, mended);
         progress(choose);
         let together = Recording::together(self.seen());
-        let advice = advise(&found, &together, self.desk(), &self.belief);
+        // No flight mends a unit.
+        let mistaken = found.has_mistake();
+        let advice = if mistaken { Advice::default() } else { advise(&found, &together, self.desk(), &self.belief) };
         let of_log = |(number, log)| upstream(log, &found.mended.model).into_iter().map(move |stage| (number, stage));
         let upstream = self.logs.iter().enumerate().flat_map(of_log).collect();
         Answer { found, looped, advice, upstream }

@@ -26,7 +26,7 @@ pub struct Config {
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file cannot be read.
-    #[error("cannot read {}: {source}; name the file with `{flag}`", path.display())]
+    #[error("cannot read {}: {source}; name the file with `{flag}`{}", path.display(), or_init(flag))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -83,6 +83,14 @@ pub enum ConfigError {
     },
 }
 
+/// How a config is made where there is none.
+fn or_init(flag: &str) -> &'static str {
+    if flag == CONFIG_FLAG { ", or let `airball init LOG` propose one for a log" } else { "" }
+}
+
+/// The flag that names a config.
+const CONFIG_FLAG: &str = "--config FILE";
+
 /// A file that has been read, for looking up lines.
 #[derive(Clone, Debug, PartialEq)]
 struct Source {
@@ -96,7 +104,7 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] names file, line and key.
     pub fn read(path: &Path, patches: &[PathBuf]) -> Result<Self, ConfigError> {
-        let mut sources = vec![read_source(path, "--config FILE")?];
+        let mut sources = vec![read_source(path, CONFIG_FLAG)?];
         for patch in patches {
             sources.push(read_source(patch, "--patch FILE")?);
         }
@@ -128,6 +136,12 @@ impl Config {
     pub fn to_toml(&self) -> String {
         // Every table serialises: its keys are strings and its values numbers, strings and tables.
         toml::to_string(&self.tables).unwrap_or_default()
+    }
+
+    /// Whether the file, and not one of its patches, begins with this.
+    #[must_use]
+    pub fn begins_with(&self, head: &str) -> bool {
+        self.sources.first().is_some_and(|source| source.text.starts_with(head))
     }
 
     /// The table that `command` needs.

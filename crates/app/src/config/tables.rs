@@ -125,6 +125,9 @@ pub struct Stuck {
     pub after_s: f64,
 }
 
+/// Two hover duties of one rig that differ by more than this factor are in different units.
+const HOVERS: f64 = 5.0;
+
 /// For configs from before this limit existed.
 fn half_a_second() -> f64 {
     0.5
@@ -218,6 +221,7 @@ impl Tables {
             return Err(("mqtt.port", "no broker listens on port 0; the usual one is 1883, 8883 with TLS".into()));
         }
         self.check_observed()?;
+        self.check_hover().map_err(|message| ("plant.hover_duty_percent", message))?;
         self.check_stall().map_err(|message| ("safety.stall_s", message))?;
         self.check_controller().map_err(|message| ("controller", message))?;
         self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))
@@ -236,6 +240,21 @@ impl Tables {
             return Err(("observer.second_sensor_mm", missing("rig.second_sensor")));
         }
         Ok(())
+    }
+
+    /// Whether the two tables that hold the hover duty mean the same unit. A plant that differs from what its
+    /// controllers believe is a gap; one that differs by a factor is a fraction, or counts.
+    fn check_hover(&self) -> Result<(), String> {
+        let Some((plant, compensation)) = self.plant.as_ref().zip(self.compensation.as_ref()) else { return Ok(()) };
+        let (here, there) = (plant.hover_duty_percent, compensation.hover_duty_percent);
+        let differ = here != 0.0 && there != 0.0 && !(1.0 / HOVERS..=HOVERS).contains(&(here / there));
+        if !differ {
+            return Ok(());
+        }
+        Err(format!(
+            "it is {here}, and [compensation] hover_duty_percent = {there}: one of them is in another unit (a fraction, or counts); both are in \
+             percent of duty: hover_duty_percent = {there}"
+        ))
     }
 
     /// Whether a flight tolerates one late cycle.

@@ -10,7 +10,7 @@ use super::packed::unpacked;
 use crate::flight::vocabulary::Cycle;
 use diagnose::{Recording, Sample, without_codes, without_implausible_readings};
 use plant::Model;
-use rows::Import;
+use rows::{Import, Sheet};
 use std::{fs, path::Path};
 
 /// A log for replay and diagnosis.
@@ -48,11 +48,37 @@ impl LoadedLog {
 /// # Errors
 /// [`LogError`] names the file, the place, what is there and what to do.
 pub fn read(path: &Path, import: Option<&Import>) -> Result<LoadedLog, LogError> {
+    parse(path, &bytes(path)?, import)
+}
+
+/// The bytes of a log, unpacked.
+fn bytes(path: &Path) -> Result<Vec<u8>, LogError> {
     if path.is_dir() {
         return Err(LogError::Folder { path: path.into() });
     }
     let bytes = fs::read(path).map_err(|source| LogError::Open { path: path.into(), source })?;
-    parse(path, &unpacked(path, &bytes)?, import)
+    Ok(unpacked(path, &bytes)?.into_owned())
+}
+
+/// A log of a rig that nobody has described: our own flight, or a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Undescribed {
+    /// A flight, and the config that it holds.
+    Flight(Option<String>),
+    /// A table, column by column.
+    Table(Sheet),
+}
+
+/// Reads what a log says about itself.
+///
+/// # Errors
+/// As [`read`].
+pub fn undescribed(path: &Path) -> Result<Undescribed, LogError> {
+    let bytes = bytes(path)?;
+    if flight::is_mcap(&bytes) {
+        return Ok(Undescribed::Flight(flight::parse(path, &bytes)?.config_toml));
+    }
+    Ok(Undescribed::Table(rows::sheet(&path.display().to_string(), &bytes)?))
 }
 
 /// Reads the bytes of a log that is not packed; `path` is only its name in messages.

@@ -2,6 +2,8 @@
 
 pub mod design;
 pub mod diagnosis;
+pub mod each;
+pub mod first_belief;
 pub mod flight;
 pub mod identify;
 pub mod kit;

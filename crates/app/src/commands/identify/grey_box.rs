@@ -3,12 +3,12 @@
 use super::{conclude, config, read, said, write_patch};
 use crate::cli::{GreyBoxArgs, PolesArg};
 use crate::commands::note;
-use crate::report::identify::grey_box::{Document, better, words};
+use crate::report::identify::grey_box::{Document, words};
 use crate::report::identify::page::grey_box::{Report, page as html};
 use crate::report::identify::patch;
 use crate::report::identify::plot::grey_box as draw;
 use crate::report::kit::page;
-use ::diagnose::identify::{GreyBox, HeldOut, OpenLoop, Poles};
+use ::diagnose::identify::{GreyBox, HeldOut, OpenLoop, Poles, better};
 use ::diagnose::{Recording, prepared};
 use anyhow::{Result, bail};
 use plant::Model;

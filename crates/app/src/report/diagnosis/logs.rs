@@ -13,6 +13,8 @@ pub struct Logs<'a> {
     pub duration_s: f64,
     /// Deviations of the loop from its config, with the number of the log.
     pub upstream: &'a [(usize, Upstream)],
+    /// What the belief is, where nobody wrote it.
+    pub belief: Option<&'static str>,
 }
 
 impl<'a> Logs<'a> {
@@ -30,9 +32,10 @@ impl<'a> Logs<'a> {
         self.upstream.iter().map(|(_, stage)| (stage.name, stage.nats)).collect()
     }
 
-    /// The same in sentences, with the log's name where there are several logs.
+    /// The same in sentences, with the log's name where there are several logs, after what the belief is.
     pub fn findings_of_loop(&self) -> impl Iterator<Item = String> {
-        self.upstream().map(|(name, stage)| self.named(name, stage.finding.clone()))
+        let of_loop = self.upstream().map(|(name, stage)| self.named(name, stage.finding.clone()));
+        self.belief.map(Into::into).into_iter().chain(of_loop)
     }
 
     /// A finding after the name of its log where there are several.

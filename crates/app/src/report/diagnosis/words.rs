@@ -8,12 +8,19 @@ use std::fmt::Write;
 /// The advice after a record with too little information.
 const FLY_ANOTHER: &str = "Fly one with a moving setpoint, at least 30 s in free flight.";
 
+/// The same where units, signs or columns are wrong.
+const MEND_FIRST: &str = "Correct units, signs or columns as said above, and diagnose it again.";
+
 /// The result in a sentence, then a line for each finding. `compensation`: the one of the recorded flight.
 #[must_use]
 pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     let mut words = format!("{}.", found.verdict_in_words());
     if found.verdict == Verdict::InsufficientData {
-        let _ = write!(words, " {FLY_ANOTHER}");
+        let advice = if found.has_mistake() { MEND_FIRST } else { FLY_ANOTHER };
+        let _ = write!(words, " {advice}");
+    }
+    if found.has_mistake() {
+        return words;
     }
     for named in &found.effects {
         let _ = write!(words, "\n{}", effect(named, found, compensation));

@@ -6,8 +6,6 @@ use diagnose::Recording;
 use diagnose::identify::{GreyBox, ParameterEstimate, Percent, Poles, ResidualTests, Test};
 use serde::Serialize;
 
-/// Held-out log-likelihood gain that a third pole needs, nats: by chance one more parameter gains half a nat.
-const WORTH_A_POLE: f64 = 2.0;
 /// A test with a smaller p-value rejects the model.
 const REJECTED: f64 = 0.01;
 
@@ -63,14 +61,6 @@ impl<'a> Document<'a> {
         let (chosen, version) = (best.poles, env!("CARGO_PKG_VERSION"));
         Self { schema: SCHEMA, method: "grey_box", open_loop, chosen, models, version }
     }
-}
-
-/// The plant of fewer poles, unless another forecasts the held-out part significantly better. `None`: there is no
-/// plant.
-#[must_use]
-pub fn better(found: &[GreyBox]) -> Option<&GreyBox> {
-    let likelihood = |found: &GreyBox| found.held_out.log_likelihood;
-    found.iter().reduce(|best, next| if likelihood(next) > likelihood(best) + WORTH_A_POLE { next } else { best })
 }
 
 /// The result of the residual tests of a plant.

@@ -1,0 +1,98 @@
+//! A first belief about the rig of a foreign CSV: which column is what, in which units, and a linear plant.
+//!
+//! ```text
+//! columns of numbers → roles (names, units, numbers) → scales → rows → linear plant (`diagnose::identify`)
+//! ```
+//!
+//! What a user says comes before what is guessed, and every guess says what it rests on.
+
+mod names;
+mod roles;
+mod scales;
+
+pub use roles::{Asked, Named, Role, Roles, roles};
+pub use scales::{Scaled, Scales, scales};
+
+use crate::log::LogError;
+use crate::log::reader::{self, LoadedLog};
+use diagnose::Recording;
+use diagnose::identify::{Initial, NoPlant, initial};
+use rows::{Column, Import, Sheet};
+use std::path::PathBuf;
+
+/// A first belief, with the origin of each of its numbers.
+#[derive(Clone, Debug)]
+pub struct FirstBelief {
+    /// Which column is what.
+    pub roles: Roles,
+    /// In which units.
+    pub scales: Scales,
+    /// The table `[import]`.
+    pub import: Import,
+    /// The plant.
+    pub plant: Initial,
+    /// Length of all logs, seconds, and their readings.
+    pub duration_s: f64,
+    /// Number of readings.
+    pub readings: usize,
+}
+
+/// Why there is no first belief.
+#[derive(Debug, thiserror::Error)]
+pub enum NoBelief {
+    /// A log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The record is of no plant of ours.
+    #[error("{path}: with {} as the input and {} as the {}: {source}", roles.input(), roles.position.column, roles.output(), path = path.display())]
+    Plant {
+        /// The log.
+        path: PathBuf,
+        /// The columns that were tried.
+        roles: Box<Roles>,
+        /// The reason.
+        source: NoPlant,
+    },
+}
+
+/// A first belief about the rig of `logs`, whose columns have the `roles` of the first of them.
+///
+/// # Errors
+/// A log that cannot be read with these columns, or is of no plant of ours.
+pub fn first_belief(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Asked) -> Result<FirstBelief, NoBelief> {
+    let scales = scales(sheet, roles, asked);
+    let mut import = import(roles, &scales);
+    let read = |path: &PathBuf| reader::read(path, Some(&import));
+    let logs_read = logs.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;
+    let recordings: Vec<Recording> = logs_read.into_iter().map(|log| log.recording).collect();
+    let of_first = || logs.first().cloned().unwrap_or_default();
+    let no_plant = |source| NoBelief::Plant { path: of_first(), roles: Box::new(roles.clone()), source };
+    let plant = initial(&recordings, scales.length_mm).map_err(no_plant)?;
+    if plant.is_turned {
+        import.duty_percent.scale = -import.duty_percent.scale;
+    }
+    Ok(FirstBelief {
+        roles: roles.clone(),
+        scales,
+        import,
+        plant,
+        duration_s: recordings.iter().map(Recording::duration_s).sum(),
+        readings: recordings.iter().map(Recording::readings).sum(),
+    })
+}
+
+fn import(roles: &Roles, scales: &Scales) -> Import {
+    let column = |named: &Named, scaled: &Scaled| Column {
+        scale: scaled.scale,
+        offset: scaled.offset,
+        ..Column::named(&named.column)
+    };
+    let position = column(&roles.position, &scales.position);
+    Import {
+        time_s: column(&roles.time, &scales.time),
+        setpoint_mm: roles.setpoint.as_ref().filter(|_| !roles.is_speed).map(|named| column(named, &scales.position)),
+        duty_percent: Column { minus: roles.minus.clone(), ..column(&roles.input, &scales.input) },
+        position_mm: Column { integrate: roles.is_speed, ..position },
+        ..Import::default()
+    }
+}

@@ -1,0 +1,80 @@
+//! What the name of a column says: its words, its number and its unit.
+
+use rows::SheetColumn;
+
+/// A name in parts: `command0_rad` is command, 0, rad.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Name {
+    words: Vec<String>,
+    /// The number in it, of several alike.
+    pub(super) number: String,
+    /// The unit, in lower case.
+    pub(super) unit: Option<String>,
+}
+
+/// Units that stand behind a name; `s`, `m` and the like only behind another word.
+const UNITS: [&str; 36] = [
+    "s", "sec", "ms", "us", "ns", "min", "m", "cm", "mm", "um", "in", "rad", "deg", "rev", "v", "mv", "a", "ma", "n",
+    "nm", "mnm", "pct", "percent", "%", "norm", "rpm", "counts", "hz", "w", "pwm", "°", "°c", "c", "k", "pa", "bar",
+];
+
+impl Name {
+    pub(super) fn of(column: &SheetColumn) -> Self {
+        let mut words = words(&column.name);
+        let number = column.name.chars().filter(char::is_ascii_digit).collect();
+        let bracketed = column.name.split_once(['[', '(']).and_then(|(_, rest)| rest.split([']', ')']).next());
+        let of_row = column.unit.as_deref().or(bracketed).map(|unit| unit.trim().to_lowercase());
+        let is_unit = |word: &String| UNITS.contains(&word.as_str());
+        let behind = (words.len() > 1).then(|| words.last().filter(|word| is_unit(word)).cloned()).flatten();
+        if behind.is_some() {
+            words.pop();
+        }
+        Self { words, number, unit: of_row.or(behind) }
+    }
+
+    /// Whether any of its words is one of these.
+    pub(super) fn says(&self, known: &[&str]) -> bool {
+        self.words.iter().any(|word| known.contains(&word.as_str()))
+    }
+}
+
+/// The words of a name in lower case: parted by what is no letter, and where a capital follows a small letter.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut before = ' ';
+    for letter in name.chars() {
+        let parts = before.is_lowercase() && letter.is_uppercase();
+        if parts || !(letter.is_alphabetic() || matches!(letter, '%' | '°')) {
+            words.push(String::new());
+        }
+        if letter.is_alphabetic() || matches!(letter, '%' | '°') {
+            words.last_mut().into_iter().for_each(|word| word.extend(letter.to_lowercase()));
+        }
+        before = letter;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Name;
+    use rows::SheetColumn;
+
+    #[test]
+    fn a_name_has_words_a_number_and_a_unit() {
+        for (name, words, number, unit) in [
+            ("command0_rad", &["command"][..], "0", Some("rad")),
+            ("hoop_speed_V", &["hoop", "speed"], "", Some("v")),
+            ("motorVoltage", &["motor", "voltage"], "", None),
+            ("Angle [deg]", &["angle"], "", Some("deg")),
+            ("y", &["y"], "", None),
+            ("s", &["s"], "", None),
+            ("", &[], "", None),
+        ] {
+            let found = Name::of(&SheetColumn { name: name.into(), unit: None, values: vec![] });
+            let expected: Vec<&str> = found.words.iter().map(String::as_str).collect();
+            assert_eq!((&expected[..], found.number.as_str(), found.unit.as_deref()), (words, number, unit), "{name}");
+        }
+    }
+}

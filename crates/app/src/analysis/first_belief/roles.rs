@@ -1,0 +1,357 @@
+//! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
+
+use super::names::Name;
+use diagnose::linear::{Order, linear_fit};
+use diagnose::{Recording, Sample};
+use rows::{Sheet, SheetColumn, shown};
+use std::fmt::{self, Display, Formatter};
+
+/// What a user says about the columns; `None`: it is guessed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// The column of the time.
+    pub time: Option<String>,
+    /// The column of the input.
+    pub input: Option<String>,
+    /// The column of the position.
+    pub position: Option<String>,
+    /// The column of a speed, which is integrated to the position.
+    pub speed: Option<String>,
+    /// The column of the setpoint.
+    pub setpoint: Option<String>,
+    /// Percent per unit of the input.
+    pub input_scale: Option<f64>,
+    /// Millimetres per unit of the position.
+    pub position_scale: Option<f64>,
+    /// Length of the way, mm, between ends at 0 and there.
+    pub length_mm: Option<f64>,
+}
+
+/// A quantity that a column may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Time.
+    Time,
+    /// What drives the rig.
+    Input,
+    /// Where it is.
+    Position,
+    /// Where it shall be.
+    Setpoint,
+}
+
+/// A column, and what its role rests on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named {
+    /// Its name.
+    pub column: String,
+    /// The reason, in words.
+    pub why: &'static str,
+}
+
+/// The roles of the columns of a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Roles {
+    /// Time.
+    pub time: Named,
+    /// What drives the rig; of a servo, its command.
+    pub input: Named,
+    /// The column that is subtracted from the input: of a servo, its position.
+    pub minus: Option<String>,
+    /// Where it is, or its speed.
+    pub position: Named,
+    /// Whether the column of the position holds a speed.
+    pub is_speed: bool,
+    /// Where it shall be.
+    pub setpoint: Option<Named>,
+}
+
+impl Roles {
+    /// The input in words.
+    #[must_use]
+    pub fn input(&self) -> String {
+        let minus = self.minus.as_ref().map_or(String::new(), |other| format!(" minus `{}`", shown(other)));
+        format!("`{}`{minus}", shown(&self.input.column))
+    }
+
+    /// What the column of the position holds.
+    #[must_use]
+    pub const fn output(&self) -> &'static str {
+        if self.is_speed { "speed" } else { "position" }
+    }
+}
+
+/// Why a column is not found.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoRole {
+    /// No column has the name that was given.
+    #[error("no column `{name}` for the {role}; there are {columns}")]
+    Unknown {
+        /// The role.
+        role: Role,
+        /// The name.
+        name: String,
+        /// The columns.
+        columns: String,
+    },
+    /// No column looks like it.
+    #[error("no column looks like the {role}; name it with {} COLUMN; there are {columns}", role.flag())]
+    NotFound {
+        /// The role.
+        role: Role,
+        /// The columns.
+        columns: String,
+    },
+}
+
+impl Role {
+    /// The flag that names its column.
+    #[must_use]
+    pub const fn flag(self) -> &'static str {
+        match self {
+            Self::Time => "--time",
+            Self::Input => "--input",
+            Self::Position => "--position",
+            Self::Setpoint => "--setpoint",
+        }
+    }
+}
+
+impl Display for Role {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Time => "time",
+            Self::Input => "input",
+            Self::Position => "position",
+            Self::Setpoint => "setpoint",
+        })
+    }
+}
+
+const TIMES: &[&str] = &["t", "time", "timestamp", "stamp", "zeit", "seconds", "sec", "elapsed", "clock", "temps"];
+const INPUTS: &[&str] = &[
+    "u",
+    "input",
+    "duty",
+    "pwm",
+    "voltage",
+    "volt",
+    "volts",
+    "torque",
+    "force",
+    "throttle",
+    "current",
+    "thrust",
+    "power",
+    "effort",
+    "drive",
+    "actuation",
+    "control",
+    "tau",
+    "motor",
+    "heater",
+    "valve",
+    "spannung",
+    "moment",
+];
+const POSITIONS: &[&str] = &[
+    "y",
+    "x",
+    "z",
+    "q",
+    "position",
+    "pos",
+    "angle",
+    "theta",
+    "phi",
+    "height",
+    "alt",
+    "altitude",
+    "distance",
+    "range",
+    "level",
+    "displacement",
+    "encoder",
+    "output",
+    "weg",
+    "winkel",
+    "temperature",
+    "temp",
+    "pitch",
+    "roll",
+    "yaw",
+];
+const SPEEDS: &[&str] =
+    &["speed", "velocity", "vel", "omega", "rpm", "rate", "tacho", "tachometer", "geschwindigkeit", "drehzahl"];
+const SETPOINTS: &[&str] =
+    &["r", "ref", "reference", "setpoint", "sp", "target", "desired", "goal", "soll", "sollwert"];
+/// Setpoint beside another input or of a servo, and else the input.
+const COMMANDS: &[&str] = &["command", "cmd", "commanded"];
+
+const BY_USER: &str = "as said";
+const BY_NAME: &str = "by its name";
+const BY_ORDER: &str = "it only grows";
+const BY_FIT: &str = "of the columns without a telling name, the one that fits";
+const SERVO: &str = "a servo: its command minus its position";
+
+/// A column with what is known of it.
+struct Candidate<'a> {
+    column: &'a SheetColumn,
+    name: Name,
+}
+
+/// The roles of the columns of a table.
+///
+/// # Errors
+/// [`NoRole`]: a named column does not exist, or none looks like the time, the input or the position.
+pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
+    let all: Vec<Candidate<'_>> =
+        sheet.columns.iter().map(|column| Candidate { column, name: Name::of(column) }).collect();
+    let look = Look { all: &all };
+    let time = look.time(asked)?;
+    let moving: Vec<&Candidate<'_>> = all.iter().filter(|one| one.column.name != time.column && moves(one)).collect();
+    let (position, is_speed) = look.position(asked, &moving)?;
+    let others: Vec<&Candidate<'_>> = match &position {
+        Some(found) => moving.iter().filter(|one| one.column.name != found.column).copied().collect(),
+        None => moving.clone(),
+    };
+    let number = position.as_ref().and_then(|found| all.iter().find(|one| one.column.name == found.column));
+    let number = number.map(|one| one.name.number.clone()).unwrap_or_default();
+    let said = |words: &[&str]| first(&others, &number, words);
+    let input = match look.given(Role::Input, asked.input.as_deref())? {
+        Some(found) => Some(found),
+        None => said(INPUTS),
+    };
+    let setpoint = match look.given(Role::Setpoint, asked.setpoint.as_deref())? {
+        Some(found) => Some(found),
+        None => said(SETPOINTS).or_else(|| said(COMMANDS).filter(|_| input.is_some() || position.is_some())),
+    };
+    let setpoint = setpoint.filter(|found| input.as_ref().is_none_or(|input| input.column != found.column));
+    match (input, position, setpoint) {
+        (Some(input), Some(position), setpoint) => Ok(Roles { time, input, minus: None, position, is_speed, setpoint }),
+        (None, Some(position), Some(setpoint)) if !is_speed => {
+            let input = Named { why: SERVO, ..setpoint.clone() };
+            let minus = Some(position.column.clone());
+            Ok(Roles { time, input, minus, position, is_speed, setpoint: Some(setpoint) })
+        }
+        (input, position, setpoint) => {
+            let free = moving.iter().filter(|one| setpoint.as_ref().is_none_or(|set| set.column != one.column.name));
+            let free: Vec<&Candidate<'_>> = free.copied().collect();
+            let time_column = all.iter().find(|one| one.column.name == time.column);
+            let pair = time_column.and_then(|time| by_fit(time, &free, input.as_ref(), position.as_ref()));
+            let missing = if position.is_none() { Role::Position } else { Role::Input };
+            let (found_input, found_position) = pair.ok_or_else(|| look.not_found(missing))?;
+            let (input, position) = (input.unwrap_or(found_input), position.unwrap_or(found_position));
+            Ok(Roles { time, input, minus: None, position, is_speed, setpoint })
+        }
+    }
+}
+
+/// The columns of a table.
+struct Look<'a> {
+    all: &'a [Candidate<'a>],
+}
+
+impl Look<'_> {
+    fn names(&self) -> String {
+        let names: Vec<String> = self.all.iter().map(|one| format!("`{}`", shown(&one.column.name))).take(20).collect();
+        names.join(", ")
+    }
+
+    fn not_found(&self, role: Role) -> NoRole {
+        NoRole::NotFound { role, columns: self.names() }
+    }
+
+    /// The column that a user names.
+    fn given(&self, role: Role, name: Option<&str>) -> Result<Option<Named>, NoRole> {
+        let Some(name) = name else { return Ok(None) };
+        let is_there = self.all.iter().any(|one| one.column.name == name && !one.column.values.is_empty());
+        let unknown = || NoRole::Unknown { role, name: shown(name), columns: self.names() };
+        is_there.then(|| Some(Named { column: name.into(), why: BY_USER })).ok_or_else(unknown)
+    }
+
+    fn time(&self, asked: &Asked) -> Result<Named, NoRole> {
+        if let Some(given) = self.given(Role::Time, asked.time.as_deref())? {
+            return Ok(given);
+        }
+        let grows: Vec<&Candidate<'_>> = self.all.iter().filter(|one| grows(one)).collect();
+        let named = first(&grows, "", TIMES);
+        let unnamed = || grows.iter().rev().find(|one| !one.column.name.is_empty());
+        let by_order = || unnamed().map(|one| Named { column: one.column.name.clone(), why: BY_ORDER });
+        named.or_else(by_order).ok_or_else(|| self.not_found(Role::Time))
+    }
+
+    /// The column of the position, and whether it holds a speed.
+    fn position(&self, asked: &Asked, moving: &[&Candidate<'_>]) -> Result<(Option<Named>, bool), NoRole> {
+        if let Some(given) = self.given(Role::Position, asked.speed.as_deref())? {
+            return Ok((Some(given), true));
+        }
+        if let Some(given) = self.given(Role::Position, asked.position.as_deref())? {
+            return Ok((Some(given), false));
+        }
+        let is_input = |one: &&&Candidate<'_>| asked.input.as_deref() == Some(one.column.name.as_str());
+        let free: Vec<&Candidate<'_>> = moving.iter().filter(|one| !is_input(one)).copied().collect();
+        let speeds = |one: &&&Candidate<'_>| !one.name.says(SPEEDS) && !one.name.says(SETPOINTS);
+        let slow: Vec<&Candidate<'_>> = free.iter().filter(speeds).copied().collect();
+        if let Some(found) = first(&slow, "", POSITIONS) {
+            return Ok((Some(found), false));
+        }
+        let found = first(&free, "", SPEEDS);
+        let is_speed = found.is_some();
+        Ok((found, is_speed))
+    }
+}
+
+/// The first column with one of these words, one with this number before others.
+fn first(among: &[&Candidate<'_>], number: &str, words: &[&str]) -> Option<Named> {
+    let mut named = among.iter().filter(|one| one.name.says(words)).peekable();
+    let one = named.clone().find(|one| one.name.number == number).or_else(|| named.peek().copied())?;
+    Some(Named { column: one.column.name.clone(), why: BY_NAME })
+}
+
+fn moves(one: &&Candidate<'_>) -> bool {
+    let mut values = one.column.values.iter().flatten();
+    let first = values.next();
+    values.any(|value| Some(value) != first)
+}
+
+/// Whether every row has a number, and none is smaller than the one before.
+fn grows(one: &&Candidate<'_>) -> bool {
+    let values = &one.column.values;
+    let whole = values.len() > 1 && values.iter().all(Option::is_some) && values.first() != values.last();
+    whole && values.windows(2).all(|pair| pair[0] <= pair[1])
+}
+
+/// Most columns of which every pair is tried.
+const MOST_TRIED: usize = 5;
+/// Rows that a pair is tried on.
+const TRIED_ROWS: usize = 4000;
+
+/// The input and the position that fit best, of the columns whose names say nothing.
+fn by_fit(
+    time: &Candidate<'_>,
+    free: &[&Candidate<'_>],
+    input: Option<&Named>,
+    position: Option<&Named>,
+) -> Option<(Named, Named)> {
+    let allowed =
+        |given: Option<&Named>, one: &Candidate<'_>| given.is_none_or(|named| named.column == one.column.name);
+    let pairs = free.iter().take(MOST_TRIED).flat_map(|u| free.iter().take(MOST_TRIED).map(move |y| (u, y)));
+    let pairs = pairs.filter(|(u, y)| u.column.name != y.column.name && allowed(input, u) && allowed(position, y));
+    let rated = pairs.filter_map(|(u, y)| {
+        let fit = linear_fit(&recording(time, u, y)?, Order::Second)?;
+        Some((fit.of_input, u, y))
+    });
+    let (_, u, y) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let named = |one: &Candidate<'_>| Named { column: one.column.name.clone(), why: BY_FIT };
+    Some((named(u), named(y)))
+}
+
+fn recording(time: &Candidate<'_>, u: &Candidate<'_>, y: &Candidate<'_>) -> Option<Recording> {
+    let [time, u, y] = [time, u, y].map(|one| &one.column.values);
+    let rows = time.iter().zip(u).zip(y).take(TRIED_ROWS);
+    let row = |((time_s, duty), position): ((&Option<f64>, &Option<f64>), &Option<f64>)| {
+        Some(Sample { time_s: (*time_s)?, duty_percent: (*duty)?, position_mm: *position, ..Sample::default() })
+    };
+    Recording::new(rows.filter_map(row).collect()).ok()
+}

@@ -1,0 +1,193 @@
+//! From the units of a table to ours: seconds, percent, millimetres. What is no length is read as one.
+//!
+//! ```text
+//! time       by its unit, or by the usual step: 1 to 1000 is milliseconds, more is microseconds or nanoseconds
+//! input      by a power of ten to within ±100 %; 0 to 255 is a PWM of 8 bits
+//! position   a length by its unit; anything else by a power of ten to a range of 100 to 1000 mm
+//! ```
+
+use super::names::Name;
+use super::roles::{Asked, Roles};
+use rows::{Sheet, SheetColumn};
+
+/// A scale, an offset, and what they rest on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scaled {
+    /// Ours per theirs.
+    pub scale: f64,
+    /// Added after scaling.
+    pub offset: f64,
+    /// The smallest and the largest value in the file.
+    pub range: [f64; 2],
+    /// The unit in the file, or what it is read as.
+    pub read_as: String,
+}
+
+/// The scales of a table, and the length of the pipe that holds the record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scales {
+    /// To seconds.
+    pub time: Scaled,
+    /// The usual time between rows, seconds.
+    pub step_s: f64,
+    /// To percent.
+    pub input: Scaled,
+    /// To millimetres.
+    pub position: Scaled,
+    /// Length of the pipe, mm.
+    pub length_mm: f64,
+    /// Whether a user gave the length, and so the ends.
+    pub has_ends: bool,
+}
+
+/// Range of the record beside the length of a pipe whose ends it never meets.
+const ROOM: f64 = 3.0;
+
+/// The scales of the columns of a table.
+#[must_use]
+pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
+    let column = |name: &str| sheet.columns.iter().find(|column| column.name == name);
+    let time = column(&roles.time.column).map_or_else(nothing, time);
+    let step_s = column(&roles.time.column).map_or(0.0, |column| step(column) * time.scale);
+    let times = column(&roles.time.column).map(|column| &column.values[..]).unwrap_or_default();
+    let input = column(&roles.input.column).map_or_else(nothing, |u| {
+        let minus = roles.minus.as_deref().and_then(column);
+        let values = difference(u, minus);
+        Scaled { scale: asked.input_scale.unwrap_or_else(|| input_scale(u, &values)), ..of(&values, &unit(u)) }
+    });
+    let position = column(&roles.position.column).map_or_else(nothing, |y| {
+        let values = if roles.is_speed { integral(&y.values, times, time.scale) } else { y.values.clone() };
+        let by_unit = (!roles.is_speed).then(|| Name::of(y).unit.and_then(|unit| length_mm(&unit))).flatten();
+        let own = (y.name == "position_mm").then_some(1.0);
+        let range = of(&values, "");
+        let scale = asked.position_scale.or(own).or(by_unit.filter(|scale| is_usual(scale * span(range.range))));
+        Scaled { scale: scale.unwrap_or_else(|| to_hundreds(span(range.range))), ..of(&values, &unit(y)) }
+    });
+    let (length_mm, offset) = match asked.length_mm {
+        Some(length_mm) => (length_mm, 0.0),
+        None => around(&position),
+    };
+    Scales {
+        time,
+        step_s,
+        input,
+        position: Scaled { offset, ..position },
+        length_mm,
+        has_ends: asked.length_mm.is_some(),
+    }
+}
+
+fn nothing() -> Scaled {
+    Scaled { scale: 1.0, offset: 0.0, range: [0.0, 1.0], read_as: String::new() }
+}
+
+/// The range of some values, unscaled.
+fn of(values: &[Option<f64>], read_as: &str) -> Scaled {
+    let numbers = values.iter().flatten();
+    let range = numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
+    let range = if range[0] <= range[1] { range } else { [0.0, 0.0] };
+    Scaled { scale: 1.0, offset: 0.0, range, read_as: read_as.into() }
+}
+
+fn unit(column: &SheetColumn) -> String {
+    Name::of(column).unit.unwrap_or_else(|| "unit".into())
+}
+
+fn span([low, high]: [f64; 2]) -> f64 {
+    high - low
+}
+
+/// The usual step of a column that grows.
+fn step(column: &SheetColumn) -> f64 {
+    let mut steps: Vec<f64> = column.values.windows(2).filter_map(|pair| Some(pair[1]? - pair[0]?)).collect();
+    steps.retain(|step| *step > 0.0);
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(1.0)
+}
+
+fn time(column: &SheetColumn) -> Scaled {
+    let named = Name::of(column).unit;
+    let by_unit = named.as_deref().and_then(|unit| {
+        let known = [("s", 1.0), ("sec", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)];
+        known.into_iter().find(|(name, _)| *name == unit)
+    });
+    // Rows are 0.1 ms to 1 s apart.
+    let step = step(column);
+    let by_step = match step {
+        step if step < 1.0 => ("s", 1.0),
+        step if step < 1e3 => ("ms", 1e-3),
+        step if step < 1e6 => ("us", 1e-6),
+        _ => ("ns", 1e-9),
+    };
+    let (read_as, scale) = by_unit.unwrap_or(by_step);
+    Scaled { scale, ..of(&column.values, read_as) }
+}
+
+fn input_scale(column: &SheetColumn, values: &[Option<f64>]) -> f64 {
+    let [low, high] = of(values, "").range;
+    let largest = high.abs().max(low.abs());
+    let name = Name::of(column);
+    let is_percent =
+        name.says(&["pct", "percent", "duty"]) || matches!(name.unit.as_deref(), Some("pct" | "percent" | "%"));
+    let is_whole = values.iter().flatten().all(|value| value.fract() == 0.0);
+    if is_percent && largest > 1.5 && largest <= 150.0 {
+        return 1.0;
+    }
+    if is_whole && low >= 0.0 && (200.0..=255.0).contains(&largest) {
+        return 100.0 / 255.0;
+    }
+    if largest > 0.0 { 10f64.powf(2.0 - (largest * (1.0 - 1e-9)).log10().ceil()) } else { 1.0 }
+}
+
+/// Millimetres of a unit of length.
+fn length_mm(unit: &str) -> Option<f64> {
+    let known = [("m", 1000.0), ("cm", 10.0), ("mm", 1.0), ("um", 1e-3), ("in", 25.4)];
+    known.into_iter().find(|(name, _)| *name == unit).map(|(_, scale)| scale)
+}
+
+/// Whether a range is one of a rig, mm.
+fn is_usual(range_mm: f64) -> bool {
+    (10.0..1e5).contains(&range_mm)
+}
+
+/// The power of ten by which a range becomes 100 to 1000.
+fn to_hundreds(range: f64) -> f64 {
+    if range > 0.0 { 10f64.powf(3.0 - (range * (1.0 - 1e-9)).log10().ceil()) } else { 1.0 }
+}
+
+/// Length and offset of a pipe in whose middle the record lies, mm, both round.
+fn around(position: &Scaled) -> (f64, f64) {
+    let [low, high] = position.range;
+    let length = round(ROOM * span(position.range) * position.scale, 2).clamp(1.0, 1e6);
+    let offset = 0.5 * length - 0.5 * (low + high) * position.scale;
+    let grid = 10f64.powf(length.log10().floor() - 2.0);
+    (length, (offset / grid).round() * grid)
+}
+
+/// A number with so many significant digits.
+fn round(value: f64, digits: i32) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent of a number")]
+    let power = digits - 1 - value.abs().log10().floor() as i32;
+    (value * 10f64.powi(power)).round() / 10f64.powi(power)
+}
+
+fn difference(u: &SheetColumn, minus: Option<&SheetColumn>) -> Vec<Option<f64>> {
+    let Some(minus) = minus else { return u.values.clone() };
+    u.values.iter().zip(&minus.values).map(|(a, b)| Some((*a)? - (*b)?)).collect()
+}
+
+/// The integral of a speed by trapezoids.
+fn integral(values: &[Option<f64>], times: &[Option<f64>], scale: f64) -> Vec<Option<f64>> {
+    let (mut sum, mut last) = (0.0, None);
+    let one = |(value, time): (&Option<f64>, &Option<f64>)| {
+        let (value, time) = ((*value)?, (*time)? * scale);
+        let (before, then) = last.unwrap_or((value, time));
+        sum += 0.5 * (value + before) * (time - then);
+        last = Some((value, time));
+        Some(sum)
+    };
+    values.iter().zip(times).map(one).collect()
+}

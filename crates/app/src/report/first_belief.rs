@@ -1,0 +1,217 @@
+//! A first belief as a config with the origin of each number, and in words.
+
+use crate::analysis::first_belief::{FirstBelief, Named, Scaled};
+use diagnose::decimals;
+use diagnose::identify::ParameterEstimate;
+use diagnose::linear::Order;
+use rows::{Column, shown};
+use std::fmt::Write;
+
+/// The meaning of a diagnosis with a belief that was fitted to the same record.
+pub const MEANING: &str = "the belief is a linear model fitted to this record, so what follows is how the rig differs from a linear model of itself; \
+     wrong numbers of a belief of your own cannot show";
+
+/// How the config of a first belief begins.
+pub const HEAD: &str = "# A first belief about ";
+
+/// Where the comments of the config begin.
+const COMMENT_COLUMN: usize = 46;
+
+/// The config.
+#[must_use]
+pub fn config(belief: &FirstBelief, logs: &[String]) -> String {
+    let mut text = format!(
+        "{HEAD}{}, written by `airball init` ({} s, {} readings).\n\
+         # Gain, drag, hover and noise are those of a linear model fitted to this record, so that a diagnosis with it says how the rig\n\
+         # differs from a linear model of itself. Put in what you know: a diagnosis against it then says more.\n\n[import]\n",
+        logs.iter().map(|log| shown(log)).collect::<Vec<_>>().join(", "),
+        number(belief.duration_s),
+        belief.readings,
+    );
+    let import = &belief.import;
+    let mut column = |key: &str, column: &Column, why: &str| line(&mut text, key, &toml_of(column), why);
+    column("time_s", &import.time_s, &time(belief));
+    if let Some(setpoint) = &import.setpoint_mm {
+        column("setpoint_mm", setpoint, "read as the position is");
+    }
+    column("duty_percent", &import.duty_percent, &input(belief));
+    column("position_mm", &import.position_mm, &position(belief));
+    plant(&mut text, belief);
+    text
+}
+
+fn plant(text: &mut String, belief: &FirstBelief) {
+    let model = &belief.plant.model;
+    text.push_str("\n[plant]\n");
+    let fitted = |key: &str| origin(belief, key);
+    let mut set = |key: &str, value: f64, why: &str| line(text, key, &number(value), why);
+    set("gain_mm_per_s2_per_percent", model.gain_mm_per_s2_per_percent, &fitted("gain_mm_per_s2_per_percent"));
+    set("drag_per_s", model.drag_per_s, &fitted("drag_per_s"));
+    set("hover_duty_percent", model.hover_duty_percent, &fitted("hover_duty_percent"));
+    let ends = if belief.scales.has_ends {
+        "as said: it stops at 0 and here"
+    } else {
+        "no ends: three times the range of the record"
+    };
+    set("pipe_length_mm", model.pipe_length_mm, ends);
+    text.push_str("\n[plant.noise]\n");
+    let mut set = |key: &str, value: f64| line(text, key, &number(value), "fitted");
+    set("sensor_mm", model.noise.sensor_mm);
+    set("acceleration_psd_mm2_per_s3", model.noise.acceleration_psd_mm2_per_s3);
+    if let Some(lag_s) = model.effects.fan_lag_s() {
+        text.push_str("\n[plant.effects.fan_lag]\n");
+        line(text, "time_constant_s", &number(lag_s), &origin(belief, "fan_lag.time_constant_s"));
+    }
+    if let Some(values) = model.effects.values("height_dependent_flow") {
+        text.push_str("\n[plant.effects.height_dependent_flow]\n");
+        let why = "a force returns it to one place, as gravity or a spring does: without one the input shows nothing";
+        values.iter().for_each(|value| line(text, "gradient_per_s2", &number(*value), why));
+    }
+}
+
+/// A line of a config, its comment in the column of the others.
+fn line(text: &mut String, key: &str, value: &str, why: &str) {
+    let set = format!("{key} = {value}");
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{set:COMMENT_COLUMN$} # {why}");
+}
+
+/// A column as an inline table.
+fn toml_of(column: &Column) -> String {
+    let word = |text: &str| toml::Value::String(text.into()).to_string();
+    let mut keys = vec![format!("column = {}", word(&column.column))];
+    keys.extend(column.minus.iter().map(|other| format!("minus = {}", word(other))));
+    let numbers = [("scale", column.scale, 1.0), ("offset", column.offset, 0.0)];
+    keys.extend(
+        numbers
+            .iter()
+            .filter(|(_, value, plain)| value != plain)
+            .map(|(key, value, _)| format!("{key} = {}", number(*value))),
+    );
+    keys.extend(column.integrate.then(|| "integrate = true".into()));
+    format!("{{ {} }}", keys.join(", "))
+}
+
+/// A number as a config writes it, with four significant digits.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) {
+        let text = format!("{:.*}", decimals(value) + 1, value);
+        let text = if text.contains('.') { text.trim_end_matches('0').to_owned() } else { text };
+        return if text.ends_with('.') { text + "0" } else { text };
+    }
+    format!("{value:.3e}")
+}
+
+fn time(belief: &FirstBelief) -> String {
+    let scales = &belief.scales;
+    format!("{}; rows are {} s apart, read as {}", belief.roles.time.why, number(scales.step_s), scales.time.read_as)
+}
+
+fn range(scaled: &Scaled) -> String {
+    format!("{} to {} {}", number(scaled.range[0]), number(scaled.range[1]), scaled.read_as)
+}
+
+fn input(belief: &FirstBelief) -> String {
+    let turned = if belief.plant.is_turned { ", turned: the position falls where it rises" } else { "" };
+    format!("{}; {}{turned}", belief.roles.input.why, range(&belief.scales.input))
+}
+
+fn position(belief: &FirstBelief) -> String {
+    let speed = if belief.roles.is_speed { ", integrated" } else { "" };
+    format!("{}; {}{speed}", belief.roles.position.why, range(&belief.scales.position))
+}
+
+/// Where a number of the plant comes from.
+fn origin(belief: &FirstBelief, key: &str) -> String {
+    if belief.plant.gain_is_lost {
+        return "a first guess: no linear plant follows this record".into();
+    }
+    let poles = if belief.plant.model.effects.fan_lag_s().is_some() { "three poles" } else { "two poles" };
+    match belief.plant.found.estimates.iter().find(|estimate| estimate.name == key) {
+        Some(ParameterEstimate { low: Some(low), high: Some(high), .. }) => {
+            format!("fitted, {poles}: {} to {} at 90 %", number(*low), number(*high))
+        }
+        _ => format!("fitted, {poles}; the record hardly determines it"),
+    }
+}
+
+/// What was found, line by line.
+#[must_use]
+pub fn words(belief: &FirstBelief) -> Vec<String> {
+    let (import, scales) = (&belief.import, &belief.scales);
+    let row = |named: &Named, role: &str, what: String| {
+        format!("{:<14} → {role}: {what}", format!("`{}`", shown(&named.column)))
+    };
+    let unit = &scales.input.read_as;
+    let mut lines = vec![
+        row(
+            &belief.roles.time,
+            "time",
+            format!("{}; in {}, rows {} s apart", belief.roles.time.why, scales.time.read_as, number(scales.step_s)),
+        ),
+        row(
+            &belief.roles.input,
+            "input",
+            format!("{}; 1 {unit} is read as {} %", input(belief), number(import.duty_percent.scale)),
+        ),
+        row(
+            &belief.roles.position,
+            belief.roles.output(),
+            format!(
+                "{}; 1 {} is read as {} mm",
+                position(belief),
+                scales.position.read_as,
+                number(import.position_mm.scale)
+            ),
+        ),
+    ];
+    lines.extend(
+        belief
+            .roles
+            .setpoint
+            .iter()
+            .filter(|_| !belief.roles.is_speed)
+            .map(|named| row(named, "setpoint", named.why.into())),
+    );
+    lines.push(fitted(belief));
+    lines
+}
+
+fn fitted(belief: &FirstBelief) -> String {
+    let model = &belief.plant.model;
+    let lag = model.effects.fan_lag_s().map_or_else(String::new, |lag_s| format!(", lag {} s", number(lag_s)));
+    let spring = model.effects.values("height_dependent_flow").and_then(|values| values.first().copied());
+    let spring =
+        spring.map_or_else(String::new, |k| format!(", a force of {} /s² that returns it to one place", number(k)));
+    format!(
+        "linear model of the record: gain {} mm/s² per %, drag {} /s, hover {} %{lag}{spring}; noise of a reading {} mm",
+        number(model.gain_mm_per_s2_per_percent),
+        number(model.drag_per_s),
+        number(model.hover_duty_percent),
+        number(model.noise.sensor_mm),
+    )
+}
+
+/// What a user should look at before he believes it.
+#[must_use]
+pub fn warnings(belief: &FirstBelief) -> Vec<String> {
+    let plant = &belief.plant;
+    let input = shown(&belief.roles.input.column);
+    let turned = plant.is_turned.then(|| {
+        format!(
+            "the position falls where `{input}` rises, so its sign is turned (scale {}); if the position is a distance from above, turn that \
+             instead: --position-scale {}",
+            number(belief.import.duty_percent.scale),
+            number(-belief.import.position_mm.scale),
+        )
+    });
+    let unseen = (!plant.sign_is_seen).then(|| {
+        format!("the record does not show whether the position rises or falls with `{input}`: a linear plant hardly follows it")
+    });
+    let lost = plant.gain_is_lost.then(|| {
+        "no linear plant follows this record, so gain, drag and hover are first guesses: put in what you know before you diagnose".into()
+    });
+    let spring = (plant.form.order == Order::Spring)
+        .then(|| "a force returns the rig to one place; about one angle, gravity is such a force".into());
+    turned.into_iter().chain(unseen).chain(lost).chain(spring).collect()
+}

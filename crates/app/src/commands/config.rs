@@ -1,6 +1,6 @@
 //! `airball config check` and `airball config print`.
 
-use super::say;
+use super::{say, warn};
 use crate::cli::ConfigArgs;
 use crate::config::Config;
 use crate::config::mqtt::MqttConfig;
@@ -17,7 +17,8 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
     say(format_args!("{} is sound; effects of the plant that are on: {names}", args.config.display()))?;
     let exposures = config.tables.mqtt.as_ref().map_or_else(Vec::new, MqttConfig::exposures);
-    exposures.iter().try_for_each(|exposure| say(format_args!("warning: {exposure}")))
+    exposures.iter().for_each(warn);
+    Ok(())
 }
 
 /// Prints the config in force.

@@ -2,6 +2,7 @@
 
 pub mod page;
 pub mod palette;
+pub mod patch;
 pub mod plot;
 pub mod table;
 pub mod words;

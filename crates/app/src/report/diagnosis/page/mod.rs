@@ -47,9 +47,12 @@ pub fn page(report: &Report<'_>) -> String {
     let record = record(report);
     let logs = report.logs;
     let mut from = logs.names.to_vec();
-    from.extend([format!("{:.1} s", logs.duration_s), format!("belief: {}", report.config)]);
+    let rows = report.picture.recording.samples().len();
+    let rate = format!("{:.0} rows per second", rows as f64 / logs.duration_s.max(f64::MIN_POSITIVE));
+    from.extend([format!("{:.1} s", logs.duration_s), rate, format!("belief: {}", report.config)]);
     let sections = match report.found.verdict {
         Verdict::InsufficientData => vec![
+            Section::words("next", "What to fly next", mending::next(report.advice)),
             Section::words("check", "What was checked", check(report)),
             Section::across("record", "The whole record", whole(&record)),
         ],

@@ -3,6 +3,7 @@
 use super::critical_gain::{RIG, Table as CriticalTable};
 use crate::analysis::loop_margins::{Assessment, Closing, Loop, Pid, Plant};
 use crate::report::kit::table::empty;
+use crate::report::kit::words::digits;
 use control::design::{DesignError, Linear};
 use control::state_feedback::{Integral, Lqg};
 use plant::Model;
@@ -172,23 +173,36 @@ pub fn words(document: &Document) -> Vec<String> {
 pub fn law(document: &Document) -> Vec<(&'static str, String)> {
     let mut lines = Vec::new();
     if let Some(feedback) = &document.state_feedback {
-        let gain: Vec<String> = feedback.gain.iter().map(|k| format!("{k:.6}")).collect();
-        lines.push(("feedback", format!("K = [{}], K_r = {:.6}", gain.join(", "), feedback.setpoint_gain)));
+        let gain: Vec<String> = feedback.gain.iter().copied().map(digits).collect();
+        lines.push(("feedback", format!("K = [{}], K_r = {}", gain.join(", "), digits(feedback.setpoint_gain))));
         lines.push(("", hover_is_found(document.lqg.is_some(), feedback.integral)));
     }
     if let Some(Pid { kp_per_mm, ti_s, td_s, derivative_n, setpoint_weight, derivative_weight }) = document.pid {
-        let integral = if ti_s.is_finite() { format!("T_i = {ti_s:.4} s") } else { "no integral".into() };
+        let integral = if ti_s.is_finite() { format!("T_i = {} s", digits(ti_s)) } else { "no integral".into() };
         lines.push((
             "gains",
-            format!("K_p = {kp_per_mm:.6} per mm, {integral}, T_d = {td_s:.4} s, N = {derivative_n:.4}"),
+            format!(
+                "K_p = {} per mm, {integral}, T_d = {} s, N = {}",
+                digits(kp_per_mm),
+                digits(td_s),
+                digits(derivative_n)
+            ),
         ));
         let derivative = if derivative_weight > 0.0 { "error" } else { "measurement" };
         lines.push(("weights", format!("setpoint {setpoint_weight:.3}, derivative on the {derivative}")));
     }
     if let Some(Estimated { feedback, observer_gain }) = &document.lqg {
         let Lqg { position_per_mm, velocity_s_per_mm, fan } = feedback;
-        lines.push(("lqg", format!("{position_per_mm:.6} per mm, {velocity_s_per_mm:.6} s per mm, fan {fan:.4}")));
-        let gain: Vec<String> = observer_gain.iter().map(|l| format!("{l:.6}")).collect();
+        lines.push((
+            "lqg",
+            format!(
+                "{} per mm, {} s per mm, fan {}",
+                digits(*position_per_mm),
+                digits(*velocity_s_per_mm),
+                digits(*fan)
+            ),
+        ));
+        let gain: Vec<String> = observer_gain.iter().copied().map(digits).collect();
         lines.push(("observer", format!("L = [{}] a reading: position, velocity, fan, hover", gain.join(", "))));
     }
     lines.extend(document.about.map(|about| ("about", about.words())));
@@ -231,7 +245,7 @@ fn table(document: &Document) -> String {
 /// Margins and step metrics: each figure in continuous time and sampled.
 pub fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
     let both = |say: Figure| [say(&document.continuous), document.sampled.as_ref().map_or_else(String::new, say)];
-    let rows: [(&'static str, Figure); 9] = [
+    let rows: [(&'static str, Figure); 10] = [
         ("stable", |a| if a.stable { "yes".into() } else { "no".into() }),
         ("gain margins", |a| {
             list(
@@ -244,6 +258,7 @@ pub fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
             list(a.phase_margins.iter().map(|m| format!("{:.1}° at {:.2} rad/s", m.phase_deg, m.omega)))
         }),
         ("delay margin", |a| said(a.phase_margins.iter().map(|m| m.delay_s).reduce(f64::min), 3, " s", "none")),
+        ("peak sensitivity M_s", |a| said(a.peak_sensitivity, 2, "", "–")),
         ("critical K_p", |a| said(a.critical_kp_per_mm, 5, " per mm", "none")),
         ("critical T_i", |a| said(a.critical_ti_s, 3, " s", "none")),
         ("overshoot", |a| said(a.step.map(|s| s.overshoot_percent), 1, " %", "–")),

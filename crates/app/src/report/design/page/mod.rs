@@ -211,11 +211,15 @@ fn next(of: &Assessment) -> Markup {
     }
 }
 
-const WORDS: [(&str, &str); 5] = [
+const WORDS: [(&str, &str); 6] = [
     ("gain margin", "The factor by which the gain may rise until the loop is marginally stable."),
     (
         "phase margin",
         "The additional phase lag until the loop is marginally stable, degrees; the delay margin is the same in seconds.",
+    ),
+    (
+        "peak sensitivity M_s",
+        "The largest factor by which the loop amplifies a disturbance; 1 / M_s is the distance of the Nyquist curve to −1. Usual: 1.2 to 2.",
     ),
     (
         "sampled",

@@ -47,7 +47,7 @@ pub struct DesignArgs {
     pub json: bool,
 }
 
-/// About which height and duty a design linearises the model.
+/// About which height and duty a model is linearised.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct AboutArgs {
     /// Linearise the model about this duty, percent, 0 to 100 [default: hover]

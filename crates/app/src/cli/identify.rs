@@ -1,6 +1,6 @@
 //! The command line of `airball identify`.
 
-use super::ConfigArgs;
+use super::{AboutArgs, ConfigArgs};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -48,6 +48,9 @@ pub struct GreyBoxArgs {
     /// Poles of the plant: 2 is the ball, 3 ball and fan [default: both, and the better of the two is kept]
     #[arg(long, value_enum, value_name = "N")]
     pub poles: Option<PolesArg>,
+    /// About which height and duty the identified plant is linearised as well.
+    #[command(flatten)]
+    pub about: AboutArgs,
     /// Use the stretches without control alone, each detrended by a line
     #[arg(long)]
     pub open_loop: bool,

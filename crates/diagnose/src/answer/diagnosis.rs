@@ -5,7 +5,6 @@
 //! ```
 
 use crate::answer::evidence::add_odds;
-use crate::answer::forecast::best_forecast;
 use crate::answer::ladder::{Ladder, Rest, Rung};
 use crate::answer::verdict::{Verdict, rest_matters, verdict};
 use crate::filter::innovation::Innovation;
@@ -23,12 +22,14 @@ use crate::record::recording::Recording;
 use crate::residual::location::{Place, places_of, rows};
 use crate::residual::misfit::{Misfit, is_quiet};
 use crate::residual::spectrum::{Band, band};
+use crate::select::forecast::{best_forecast, forecasts_better};
+use crate::select::formula::{Formula, formula};
 use crate::select::posterior::Scored;
 use crate::select::refit;
 use crate::select::search::Search;
 use crate::select::stepwise::{NamedEffect, Selection, select_effects};
 use crate::thresholds::ENOUGH_READINGS;
-use plant::Model;
+use plant::{Definition, Model};
 
 /// The result of a diagnosis.
 #[derive(Clone, Debug)]
@@ -39,6 +40,8 @@ pub struct Diagnosis {
     pub effects: Vec<NamedEffect>,
     /// The scores of all tested effects, by round of the selection.
     pub rounds: Vec<Vec<Scored>>,
+    /// The shapes of the formula for what no effect explains; empty if there is none.
+    pub formula: Vec<&'static Definition>,
     /// The belief with its base parameters refitted.
     pub refitted: Fit,
     /// The model that forecasts best: the belief with refitted parameters and the effects that were found. Where a
@@ -94,15 +97,29 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         found = Selection::nothing(&search, &refitted);
     }
     let incomplete = answers && found.is_incomplete();
-    let ladder = Ladder::of(&search, &refitted, &found);
-    let last = ladder.models.len() - 1;
-    let at = if incomplete { best_forecast(&search, &ladder.models) } else { last };
-    let (belief_errors, mended) = (&ladder.models[0].errors, &ladder.models[at]);
-    let end = if at == last { ladder.end.clone() } else { mended.gap_with_floor(&search) };
+    let mut ladder = Ladder::of(&search, &refitted, &found);
+    let asks_for_formula = incomplete && asks && rest_matters(&ladder.end);
+    let formula =
+        asks_for_formula.then(|| formula(&search, &ladder.models[1], ladder.highest(), &found.added())).flatten();
+    let best = |ladder: &Ladder| {
+        if incomplete { best_forecast(&search, &ladder.models) } else { ladder.models.len() - 1 }
+    };
+    let better = |formula: &Formula| forecasts_better(&search, &formula.evaluated, &ladder.models[best(&ladder)]);
+    let formula = formula.filter(better);
+    if let Some(Formula { stand_ins, .. }) = formula.as_ref().filter(|formula| !formula.stand_ins.is_empty()) {
+        found.remove(&search, stand_ins);
+        ladder = Ladder::of(&search, &refitted, &found);
+    }
+    let (at, last) = (best(&ladder), ladder.models.len() - 1);
+    let rung = formula.as_ref().map(|formula| ladder.rung_of(&search, at, formula));
+    let belief_errors = &ladder.models[0].errors;
+    let mended = formula.as_ref().map_or(&ladder.models[at], |formula| &formula.evaluated);
+    let end = if at == last && formula.is_none() { ladder.end.clone() } else { mended.gap_with_floor(&search) };
     let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
     let floor = gaps[2].floor_mm[2].map(|floor| floor * floor).filter(|_| answers);
     let closed = floor.and_then(|floor| Closed::of(belief_errors, [belief_errors, &mended.errors], floor));
     let mended = mended.fit.clone();
+    let formula = formula.map(|formula| formula.shapes).unwrap_or_default();
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
     add_odds(&mut found, &ladder);
@@ -113,6 +130,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         verdict,
         effects,
         rounds,
+        formula,
         refitted,
         mended,
         with_effects,
@@ -122,7 +140,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
             is_significant: asks && incomplete,
             matters: answers && rest_matters(&ladder.end),
         },
-        ladder: ladder.rungs,
+        ladder: ladder.rungs.into_iter().chain(rung).collect(),
         places,
         band,
         misfit,

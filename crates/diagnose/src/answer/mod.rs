@@ -4,7 +4,7 @@ pub(crate) mod closed_loop;
 pub(crate) mod diagnosis;
 pub(crate) mod document;
 pub(crate) mod evidence;
-pub(crate) mod forecast;
+pub(crate) mod formula;
 pub(crate) mod intervals;
 pub(crate) mod ladder;
 pub(crate) mod patch;

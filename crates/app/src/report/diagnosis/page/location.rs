@@ -3,7 +3,7 @@
 use super::Report;
 use crate::report::diagnosis::plot::{over_signals, over_time};
 use crate::report::kit::page::figure::{Size, figure};
-use crate::report::kit::page::parts::{number, signal, three_digits};
+use crate::report::kit::page::parts::{capital, number, signal, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
 use diagnose::thresholds::SIGNIFICANT;
@@ -23,6 +23,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         }
         (in_words(&places))
         @if let Some(shape) = report.found.residual_in_words() { p { (shape) "." } }
+        @if let Some(formula) = report.found.formula_in_words() { p { (capital(&formula)) "." } }
         @if let Some(left_out) = report.found.left_out_in_words() { p { (left_out) "." } }
         @if picture.missing.is_empty() {
             p.nothing { "The ball never flew free: there is no force to draw." }

@@ -194,6 +194,24 @@ fn a_record_of_another_rig_is_identified_and_its_residuals_say_what_a_linear_pla
 }
 
 #[test]
+fn the_experiment_without_control_is_enough_for_the_poles_without_control() {
+    let bench = bench();
+    let _ = bench.output(&["simulate", "--seed", "3", "--log", "o.mcap", "--experiment", "experiments/open-loop.toml"]);
+    let found = identify(&bench, &["grey-box", "o.mcap", "--open-loop", "--poles", "3"]);
+    for estimate in found["models"][0]["estimates"].as_array().unwrap() {
+        let [low, high] = ["low", "high"].map(|end| estimate[end].as_f64().unwrap());
+        let truth = match estimate["name"].as_str().unwrap() {
+            "gain_mm_per_s2_per_percent" => 827.2,
+            "drag_per_s" => 3.896,
+            _ => 0.257,
+        };
+        // 90 % intervals of one flight: twice as wide holds the truth.
+        let (middle, half) = ((low + high) / 2.0, high - low);
+        assert!((truth - middle).abs() < half, "{estimate}");
+    }
+}
+
+#[test]
 fn records_that_cannot_answer_are_refused_with_the_next_thing_to_fly() {
     let bench = bench();
     let _ = bench.output(&["simulate", "--duration", "40", "--log", "f.mcap"]);
@@ -202,7 +220,7 @@ fn records_that_cannot_answer_are_refused_with_the_next_thing_to_fly() {
     assert!(ran.errors.contains("experiments/gain-pulses.toml"), "{}", ran.errors);
     let ran = bench.run(&["identify", "grey-box", "f.mcap", "--open-loop"]);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.errors.contains("300 are needed"), "{}", ran.errors);
+    assert!(ran.errors.contains("300 are needed") && ran.errors.contains("open-loop.toml"), "{}", ran.errors);
     let ran = bench.run(&["identify", "third-pole", "--critical-gain", "5", "--sampled"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("no third pole"), "{}", ran.errors);

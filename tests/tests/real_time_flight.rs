@@ -145,6 +145,7 @@ fn a_flight_goes_on_under_a_flood_with_rubbish_and_megabytes_in_it_and_every_mes
     assert_eq!(ran.code, Some(0), "{}", ran.errors);
     let flown: Value = serde_json::from_str(&ran.output).unwrap();
     assert_eq!(flown["logged_cycles"], flown["cycles"]);
+    assert_eq!(flown["commands_received"], COMMANDS + MEGABYTES);
 }
 
 #[test]

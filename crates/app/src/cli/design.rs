@@ -212,9 +212,19 @@ pub struct CriticalGainArgs {
 fn pole(text: &str) -> Result<Complex<f64>, String> {
     let wrong = || "give a pole as -2.5 or -2+1.5i, in 1/s".to_owned();
     let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong);
-    let Some(complex) = text.strip_suffix('i') else { return Ok(Complex::new(number(text)?, 0.0)) };
-    let split = complex.rfind(['+', '-']).filter(|at| *at > 0).ok_or_else(wrong)?;
-    Ok(Complex::new(number(&complex[..split])?, number(&complex[split..])?))
+    let pole = if let Some(complex) = text.strip_suffix('i') {
+        let split = complex.rfind(['+', '-']).filter(|at| *at > 0).ok_or_else(wrong)?;
+        Complex::new(number(&complex[..split])?, number(&complex[split..])?)
+    } else {
+        Complex::new(number(text)?, 0.0)
+    };
+    if pole.re < 0.0 {
+        Ok(pole)
+    } else {
+        Err(format!(
+            "a loop with the pole {text} does not settle; give a real part below 0, like -2.5 or -2+1.5i, in 1/s"
+        ))
+    }
 }
 
 #[cfg(test)]
@@ -226,6 +236,7 @@ mod tests {
         assert_eq!(pole("-2.5"), Ok(Complex::new(-2.5, 0.0)));
         assert_eq!(pole("-0.78+2i"), Ok(Complex::new(-0.78, 2.0)));
         assert_eq!(pole("-0.78-2.5i"), Ok(Complex::new(-0.78, -2.5)));
+        assert!(pole("0.78+2i").unwrap_err().contains("does not settle") && pole("0").is_err());
         assert!(pole("i").is_err() && pole("-2i").is_err() && pole("nan").is_err() && pole("two").is_err());
     }
 }

@@ -34,18 +34,11 @@ const PWM_OFF: f64 = 0.02;
 /// fault ended.
 pub fn run(args: &RunArgs) -> Result<()> {
     let plan = plan("run", &args.flight, None)?;
-    let (flown, beside) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    let (flown, watched) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    let counts = flown.counts;
     report(&args.flight, &plan.experiment.title, flown)?;
-    beside.watched?;
-    beside.counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
-}
-
-/// The results of the watch and of the link after a flight.
-pub(super) struct Beside {
-    /// The result of the watch.
-    pub(super) watched: Result<(), GuardError>,
-    /// Counts of the commands, where there is a broker's table.
-    counts: Option<Counts>,
+    watched?;
+    counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
 }
 
 /// A flight in real time, as a command defines it.
@@ -56,14 +49,14 @@ struct Order<'a> {
     duration_s: f64,
 }
 
-/// Flies a plan in real time: the rig, or the simulated one.
+/// Flies a plan in real time: the rig, or the simulated one. Returns the result of the watch too.
 pub(super) fn in_real_time(
     command: &'static str,
     plan: &Plan,
     args: &FlightArgs,
     sim: bool,
     duration_s: Option<f64>,
-) -> Result<(Flown, Beside)> {
+) -> Result<(Flown, Result<(), GuardError>)> {
     let table = plan.config.need(command, "rig", |tables| tables.rig.as_ref())?;
     let stop = landing_signal()?;
     let order = Order { plan, args, sim, duration_s: duration_s.unwrap_or(f64::INFINITY) };
@@ -89,7 +82,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     mut rig: Chips<S, P, C>,
     guard: Option<Guard>,
     stop: &Arc<AtomicBool>,
-) -> Result<(Flown, Beside)> {
+) -> Result<(Flown, Result<(), GuardError>)> {
     let Order { plan, args, sim, duration_s } = *order;
     say_pwm(table.fan_pwm_hz, rig.fan_pwm_hz());
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !sim);
@@ -123,7 +116,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     }
     let counts = link.map(|(link, _)| link.stop(fault.as_ref()));
     let log = queue.finish();
-    Ok((Flown { outcome, log, files: files.all() }, Beside { watched, counts }))
+    Ok((Flown { outcome, log, files: files.all(), counts }, watched))
 }
 
 /// Why the flight ended, if not by its programme or a signal; worst first.

@@ -2,6 +2,7 @@
 //!
 //! Only the form is checked here. The loop checks whether a setpoint is safe or a gain within its bounds.
 
+use crate::config::plain_words;
 use crate::config::topics::{ORIGINAL_SETPOINT, Quantity, Topics};
 use crate::flight::command::{Command, GainChange};
 use crate::flight::name::Name;
@@ -142,7 +143,8 @@ fn gains(text: &str) -> Result<GainChange, String> {
     if !text.starts_with('{') {
         return Err("not a JSON object".to_owned());
     }
-    let change: GainChange = serde_json::from_str(text).map_err(|why| printable(&why.to_string(), LONGEST_WHY))?;
+    let change: GainChange =
+        serde_json::from_str(text).map_err(|why| printable(&plain_words(&why.to_string()), LONGEST_WHY))?;
     if change == GainChange::default() { Err("no gain is given".to_owned()) } else { Ok(change) }
 }
 
@@ -255,7 +257,7 @@ mod tests {
     #[test]
     fn an_unknown_gain_is_refused_with_the_known_ones() {
         let reason = reason(GAINS, r#"{"kp":0.01}"#);
-        assert!(reason.contains("unknown field `kp`") && reason.contains("`td_s`"), "{reason}");
+        assert!(reason.contains("unknown key `kp`") && reason.contains("`td_s`"), "{reason}");
     }
 
     #[test]

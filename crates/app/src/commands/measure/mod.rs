@@ -123,8 +123,7 @@ fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
     let (flown, watched) = if args.in_virtual_time {
         (in_virtual_time(NAME, &plan, &args.flight, None)?, Ok(()))
     } else {
-        let (flown, beside) = in_real_time(NAME, &plan, &args.flight, args.sim, None)?;
-        (flown, beside.watched)
+        in_real_time(NAME, &plan, &args.flight, args.sim, None)?
     };
     let path = flown.files.first().cloned().unwrap_or_default();
     if let Err(error) = flown.landed() {

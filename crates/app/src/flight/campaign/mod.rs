@@ -50,7 +50,7 @@ fn pilot(tables: &Tables) -> Pilot {
         regulator: Regulator::new(tables.controller.clone().unwrap(), tables.observer.as_ref(), 0.02).unwrap(),
         compensation: tables.compensation.clone().unwrap(),
         safety: tables.safety.unwrap(),
-        experiment: Experiment { title: "campaign".into(), limits, segments: vec![segment] },
+        experiment: Experiment { title: "campaign".into(), limits, segments: vec![segment].into() },
         reading_period_s: 0.02,
         signals: tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
     })

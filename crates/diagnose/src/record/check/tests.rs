@@ -43,6 +43,17 @@ fn rows_in_milliseconds_are_too_far_apart_to_be_seconds() {
 }
 
 #[test]
+fn two_rows_at_each_time_are_repeated_times_and_no_gaps() {
+    let found = findings(|rows| (0..rows.len()).for_each(|k| rows[k].time_s = rows[k - k % 2].time_s));
+    assert!(
+        matches!(found[..], [Finding::RepeatedTimes { percent, row: 2 }] if (percent - 50.0).abs() < 0.1),
+        "{found:?}"
+    );
+    let found = findings(|rows| rows[700].time_s = rows[699].time_s);
+    assert_eq!(found, [], "one row is no clock");
+}
+
+#[test]
 fn a_sensor_that_refreshes_late_shows_in_repeats() {
     let found = findings(|rows| {
         for k in 0..rows.len() {

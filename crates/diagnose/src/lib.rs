@@ -64,6 +64,7 @@ pub use answer::closed_loop::{ClosedLoop, Compared, NextExperiment, Simulated};
 pub use answer::diagnosis::Diagnosis;
 pub use answer::document::{Context, Document, Interval, ParameterEntry};
 pub use answer::formula::FormulaTerm;
+pub use answer::formula_curves::{FormulaCurve, Over};
 pub use answer::ladder::{Dropped, Rest, Rung, Step};
 pub use answer::sentences::{decimals, with_rivals};
 pub use answer::stages::StageShare;

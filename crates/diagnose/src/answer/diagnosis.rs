@@ -5,7 +5,8 @@
 //! ```
 
 use crate::answer::evidence::add_odds;
-use crate::answer::ladder::{Ladder, Rest, Rung};
+use crate::answer::ladder::{Rest, Rung};
+use crate::answer::mending::Mending;
 use crate::answer::verdict::{Verdict, rest_matters, verdict};
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
@@ -22,8 +23,6 @@ use crate::record::recording::Recording;
 use crate::residual::location::{Place, places_of, rows};
 use crate::residual::misfit::{Misfit, is_quiet};
 use crate::residual::spectrum::{Band, band};
-use crate::select::forecast::{best_forecast, forecasts_better};
-use crate::select::formula::{Formula, formula};
 use crate::select::posterior::Scored;
 use crate::select::refit;
 use crate::select::search::Search;
@@ -97,35 +96,22 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         found = Selection::nothing(&search, &refitted);
     }
     let incomplete = answers && found.is_incomplete();
-    let mut ladder = Ladder::of(&search, &refitted, &found);
-    let asks_for_formula = incomplete && asks && rest_matters(&ladder.end);
-    let formula =
-        asks_for_formula.then(|| formula(&search, &ladder.models[1], ladder.highest(), &found.added())).flatten();
-    let best = |ladder: &Ladder| {
-        if incomplete { best_forecast(&search, &ladder.models) } else { ladder.models.len() - 1 }
-    };
-    let better = |formula: &Formula| forecasts_better(&search, &formula.evaluated, &ladder.models[best(&ladder)]);
-    let formula = formula.filter(better);
-    if let Some(Formula { stand_ins, .. }) = formula.as_ref().filter(|formula| !formula.stand_ins.is_empty()) {
-        found.remove(&search, stand_ins);
-        ladder = Ladder::of(&search, &refitted, &found);
-    }
-    let (at, last) = (best(&ladder), ladder.models.len() - 1);
-    let rung = formula.as_ref().map(|formula| ladder.rung_of(&search, at, formula));
-    let belief_errors = &ladder.models[0].errors;
-    let mended = formula.as_ref().map_or(&ladder.models[at], |formula| &formula.evaluated);
-    let end = if at == last && formula.is_none() { ladder.end.clone() } else { mended.gap_with_floor(&search) };
-    let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
-    let floor = gaps[2].floor_mm[2].map(|floor| floor * floor).filter(|_| answers);
-    let closed = floor.and_then(|floor| Closed::of(belief_errors, [belief_errors, &mended.errors], floor));
-    let mended = mended.fit.clone();
-    let formula = formula.map(|formula| formula.shapes).unwrap_or_default();
+    let mending = Mending::of(&search, &refitted, &mut found, incomplete && asks);
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
-    add_odds(&mut found, &ladder);
-    let verdict = if answers { verdict(&found, &ladder, &gaps) } else { Verdict::InsufficientData };
+    let ladder = &mending.ladder;
+    add_odds(&mut found, ladder);
+    let verdict = if answers { verdict(&found, ladder, &mending.gaps) } else { Verdict::InsufficientData };
+    let rest = Rest {
+        share: ladder.named_share.map(|share| 1.0 - share),
+        is_significant: asks && incomplete,
+        matters: answers && rest_matters(&ladder.end),
+    };
     let Selection { effects, rounds, fit: with_effects, misfit, .. } = found;
-    let reaches = reaches(&search.problem, &mended);
+    let reaches = reaches(&search.problem, &mending.fit);
+    let ladder = mending.rungs();
+    let Mending { formula, fit: mended, gaps, closed, .. } = mending;
+    let closed = closed.filter(|_| answers);
     Diagnosis {
         verdict,
         effects,
@@ -135,12 +121,8 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         mended,
         with_effects,
         gaps,
-        rest: Rest {
-            share: ladder.named_share.map(|share| 1.0 - share),
-            is_significant: asks && incomplete,
-            matters: answers && rest_matters(&ladder.end),
-        },
-        ladder: ladder.rungs.into_iter().chain(rung).collect(),
+        rest,
+        ladder,
         places,
         band,
         misfit,

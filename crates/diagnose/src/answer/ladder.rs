@@ -128,11 +128,6 @@ impl Ladder {
 }
 
 impl Ladder {
-    /// The model of the highest rung: the refitted belief with all effects.
-    pub(super) fn highest(&self) -> &Evaluated {
-        &self.models[self.models.len() - 1]
-    }
-
     /// The rung of a formula that was found on top of the model of rung `below`.
     pub(super) fn rung_of(&self, search: &Search<'_>, below: usize, formula: &Formula) -> Rung {
         let with = &formula.evaluated;

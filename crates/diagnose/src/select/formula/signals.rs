@@ -67,17 +67,18 @@ impl Seen {
     /// Rounded to two digits of its range, so that similar records share their shapes.
     fn between([low, high]: [f64; 2]) -> Option<Self> {
         let half = rounded(0.5 * (high - low));
-        let step = 10f64.powi(half.log10().floor() as i32 - 1);
+        let step = step_of(half);
         let middle = (0.5 * (low + high) / step).round() * step;
         (half > 0.0 && half.is_finite() && middle.abs() < 1e6).then_some(Self { middle, half })
     }
 }
 
-/// A positive number rounded to two digits.
+/// A positive number rounded to two digits; 0 for any other.
 pub(super) fn rounded(value: f64) -> f64 {
-    if !(value > 0.0 && value.is_finite()) {
-        return 0.0;
-    }
-    let step = 10f64.powi(value.log10().floor() as i32 - 1);
-    (value / step).round() * step
+    if value > 0.0 && value.is_finite() { (value / step_of(value)).round() * step_of(value) } else { 0.0 }
+}
+
+/// The unit of the second digit of a positive number.
+fn step_of(value: f64) -> f64 {
+    10f64.powf(value.log10().floor() - 1.0)
 }

@@ -8,7 +8,7 @@ use crate::select::forecast::Evaluated;
 use crate::select::refit::refitted;
 use crate::select::search::Search;
 use crate::tests_support::{model, record};
-use crate::{Diagnosis, Options, Recording, Step, Verdict, diagnose};
+use crate::{Diagnosis, Options, Over, Recording, Step, Verdict, diagnose};
 use plant::{Definition, DefinitionTable, ParameterTable, Stage};
 use std::sync::LazyLock;
 
@@ -83,4 +83,17 @@ fn every_shape_is_a_definition_on_rigs_of_any_size() {
     for scale in [1e-3, 0.1, 30.0, 1e3] {
         assert_eq!(shapes(&signals.times(scale)).len(), all, "{scale} times the length");
     }
+}
+
+#[test]
+fn a_formula_over_one_signal_is_drawn_with_a_band_that_holds_the_truth() {
+    let ranges = [(20.0, 23.0), (240.0, 360.0), (-100.0, 100.0)];
+    let [curve] = &OF_RIPPLE.formula_curves(ranges)[..] else { panic!("not one curve") };
+    assert_eq!((curve.over, curve.stage), (Over::Height, Stage::Air));
+    let truth = |mm: f64| 90.0 * (std::f64::consts::TAU * mm / 60.0).sin();
+    let held = curve.points.iter().filter(|[at, _, low, high]| (*low..=*high).contains(&truth(*at))).count();
+    // A band of 90 % at each place; the places go together.
+    assert!(2 * held > curve.points.len(), "{held} of {}", curve.points.len());
+    let worst = curve.points.iter().map(|[at, value, ..]| (value - truth(*at)).abs()).fold(0.0, f64::max);
+    assert!(worst < 30.0, "{worst} mm/s²");
 }

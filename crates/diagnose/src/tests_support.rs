@@ -47,19 +47,3 @@ pub(crate) fn shaken(rig: &Model, seed: u64, seconds: u32) -> Recording {
         rig.hover_duty_percent + 0.01 * (300.0 - reading) + 1.2 * shake
     })
 }
-
-/// A flight with a force of height and time, mm/s², that is not in the catalogue, as a duty that is not logged.
-pub(crate) fn with_force(force: impl Fn(f64, f64) -> f64, seed: u64) -> Recording {
-    let rig = model();
-    let mut simulator = Simulator::new(rig.clone(), seed);
-    let rows = (0..4000).map(|k| {
-        let time_s = 0.02 * f64::from(k);
-        simulator.advance_to(time_s);
-        let reading = simulator.reading_mm();
-        let target = if time_s % 6.0 < 3.0 { 350.0 } else { 250.0 };
-        let duty_percent = rig.hover_duty_percent + 0.01 * (target - reading);
-        simulator.drive(duty_percent + force(reading, time_s) / rig.gain_mm_per_s2_per_percent);
-        Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
-    });
-    Recording::new(rows.collect()).unwrap()
-}

@@ -1,6 +1,6 @@
 //! `airball config check` and `airball config print`.
 
-use super::say;
+use super::{say, warn};
 use crate::cli::ConfigArgs;
 use crate::config::Config;
 use crate::config::mqtt::MqttConfig;
@@ -20,7 +20,8 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
     offered(&config)?;
     say(format_args!("{} is sound; effects of the plant that are on: {names}", args.config.display()))?;
     let exposures = config.tables.mqtt.as_ref().map_or_else(Vec::new, MqttConfig::exposures);
-    exposures.into_iter().chain(hasty(&config)).try_for_each(|warning| say(format_args!("warning: {warning}")))
+    exposures.iter().chain(&hasty(&config)).for_each(warn);
+    Ok(())
 }
 
 /// Reads the experiments on offer, as a flight does before it begins.

@@ -1,7 +1,7 @@
 //! `airball diagnose`: the differences between the logs of a rig and a model.
 
 use super::diagnosing::{Answer, Asked};
-use super::{may_write, note, say, write};
+use super::{announce, may_write, note, say, warn, write};
 use crate::analysis::next_experiment::Advice;
 use crate::analysis::virtual_flight::Desk;
 use crate::cli::DiagnoseArgs;
@@ -11,31 +11,36 @@ use crate::report::diagnosis::plot;
 use crate::report::diagnosis::words::words;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
 use crate::report::kit::page;
-use ::diagnose::{Options, Progress, ProgressStep, Series};
+use crate::report::kit::patch::rounded;
+use ::diagnose::{Options, Progress, ProgressStep, Series, Verdict};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
+use std::process::ExitCode;
 use std::time::Duration;
 
 /// Time between two frames of the progress bar's spinner.
 const TICK: Duration = Duration::from_millis(120);
 
-/// Diagnoses logs and prints the result.
+/// Exit status of a diagnosis whose record cannot answer.
+const NO_ANSWER: u8 = 3;
+
+/// Diagnoses logs and prints the result. Returns the exit status: 3 where the record cannot answer, else 0.
 ///
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be
 /// written.
-pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
+pub fn diagnose(args: &DiagnoseArgs) -> Result<ExitCode> {
     let tables = [
         ("patch", args.patch_out.as_ref()),
         ("experiment", args.next_out.as_ref()),
-        ("missing force", args.missing_force.as_ref()),
+        ("table of the residual force", args.missing_force.as_ref()),
     ];
     may_write(args.plot.as_deref(), args.html.as_deref(), &tables)?;
     let asked = Asked::read("diagnose", &args.logs, &args.config.config, &args.config.over(), &args.without)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {
-            note(format_args!("{name}: {lost}"));
+            warn(format_args!("{name}: {lost}"));
         }
     }
     let bar = bar()?;
@@ -49,14 +54,31 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
     bar.finish_and_clear();
     // The answer first: a full disk takes files only. They are written also where the reader has closed the output.
     let told = tell(args, &asked, &answer);
+    let next = write_files(args, &asked, &answer)?;
+    told?;
+    let files = [
+        ("patch", args.patch_out.as_deref()),
+        ("experiment", next),
+        ("force", args.missing_force.as_deref()),
+        ("picture", args.plot.as_deref()),
+        ("page", args.html.as_deref()),
+    ];
+    announce(args.json, &files)?;
+    let answers = answer.found.verdict != Verdict::InsufficientData;
+    Ok(if answers { ExitCode::SUCCESS } else { ExitCode::from(NO_ANSWER) })
+}
+
+/// Writes the requested files. Returns the one of the next experiment, if one is needed.
+fn write_files<'a>(args: &'a DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<Option<&'a Path>> {
     if let Some(path) = &args.patch_out {
-        write("patch", path, &answer.found.patch_toml())?;
+        write("patch", path, &rounded(&answer.found.patch_toml()))?;
     }
-    if let Some(path) = &args.next_out {
-        write_next(path, &answer.advice)?;
-    }
-    draw(args, &asked, &answer)?;
-    told
+    let next = match &args.next_out {
+        Some(path) => write_next(path, &answer.advice)?,
+        None => None,
+    };
+    draw(args, asked, answer)?;
+    Ok(next)
 }
 
 /// Prints the result.
@@ -95,10 +117,10 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     }
     let picture = Series::of(&answer.found, &asked.belief, &asked.recordings);
     if let Some(path) = &args.missing_force {
-        write("missing force", path, &missing_force::table(&picture.missing)?)?;
+        write("table of the residual force", path, &missing_force::table(&picture.missing)?)?;
     }
     if let Some(path) = &args.plot {
-        let title = format!("{}: free runs, and the force that the belief lacks", asked.names.join(", "));
+        let title = format!("{}: free runs, and the residual force", asked.names.join(", "));
         plot::diagnosis(path, &title, &picture, &answer.found.regions())?;
     }
     if let Some(path) = &args.html {
@@ -122,13 +144,13 @@ fn report(args: &DiagnoseArgs, asked: &Asked, answer: &Answer, picture: &Series)
     })
 }
 
-/// Writes the next experiment; where none is needed, no file is written.
-fn write_next(path: &Path, advice: &Advice) -> Result<()> {
+/// Writes the next experiment, and returns its file; where none is needed, no file is written.
+fn write_next<'a>(path: &'a Path, advice: &Advice) -> Result<Option<&'a Path>> {
     match &advice.experiment {
-        Some(next) => write("experiment", path, &next.file),
+        Some(next) => write("experiment", path, &next.file).map(|()| Some(path)),
         None => {
-            note(format_args!("no further experiment is called for; {} was not written", path.display()));
-            Ok(())
+            note(format_args!("no further experiment is needed; {} was not written", path.display()));
+            Ok(None)
         }
     }
 }

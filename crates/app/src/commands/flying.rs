@@ -1,6 +1,6 @@
 //! What `run` and `simulate` share: orders from the config, the log's header and name, and the end of a flight.
 
-use super::{note, say, with_causes};
+use super::{fail, note, say, with_causes};
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
 use crate::flight::Outcome;
@@ -153,7 +153,7 @@ pub(super) fn landing_signal() -> Result<Arc<AtomicBool>> {
 }
 
 /// Prints the flight's summary, from its log, and draws it. The worst problem is the error: a fan that is still on, a
-/// fault, the log, then the picture; the others are printed as notes.
+/// fault, the log, then the picture; the others are printed as well.
 pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()> {
     let told = tell(args, title, &flown);
     let worst = flown.landed();
@@ -162,7 +162,7 @@ pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()>
         return log.map(drop).map_err(Into::into).and(told);
     }
     for lesser in [log.err().map(anyhow::Error::from), told.err()].into_iter().flatten() {
-        note(with_causes(&lesser));
+        fail(with_causes(&lesser));
     }
     worst
 }

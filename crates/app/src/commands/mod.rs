@@ -18,6 +18,7 @@ mod output;
 pub mod replay;
 pub mod run;
 pub mod simulate;
+mod wrapped;
 
-pub use output::{Usage, note, reader_is_gone, with_causes};
-use output::{may_write, say, write};
+pub use output::{Usage, fail, reader_is_gone, with_causes};
+use output::{announce, may_write, note, say, warn, write};

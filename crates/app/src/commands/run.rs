@@ -1,7 +1,7 @@
 //! `airball run`: the rig, or the simulated rig, in real time.
 
 use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on};
-use super::{note, say};
+use super::{note, say, warn};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
 use crate::flight::last_fault::LastFault;
@@ -88,7 +88,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !sim);
     let last = kept.and_then(LastFault::read);
     if let Some(LastFault { at, fault, acknowledged: None, .. }) = &last {
-        note(format_args!("the last fault, at {at}: {fault}"));
+        warn(format_args!("the last fault, at {at}: {fault}"));
     }
     let seed = sim.then_some(args.seed);
     let (path, header) = log_of(plan, args, seed, SystemTime::now());
@@ -98,7 +98,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
-    real_time::of_the_loop().into_iter().for_each(note);
+    real_time::of_the_loop().into_iter().for_each(warn);
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 
     let commander = link.as_mut().map(|(_, mailbox)| mailbox as &mut dyn Commander);
@@ -144,7 +144,7 @@ fn open_log(plan: &Plan, path: &Path, header: &Header, ours: bool) -> Result<Que
     };
     match opened {
         Err(error @ (LogError::Create { .. } | LogError::Write { .. })) => {
-            note(format_args!("{error}; flying without a log"));
+            warn(format_args!("{error}; flying without a log"));
             Ok(Queue::without_file(path, error))
         }
         opened => opened,
@@ -158,7 +158,7 @@ fn bytes(megabytes: f64) -> u64 {
 
 fn say_pwm(asked_hz: f64, given_hz: f64) {
     if (given_hz / asked_hz - 1.0).abs() > PWM_OFF {
-        note(format_args!("[rig] fan_pwm_hz asks for {asked_hz} Hz; the fan driver can give {given_hz:.0} Hz"));
+        warn(format_args!("[rig] fan_pwm_hz asks for {asked_hz} Hz; the fan driver can give {given_hz:.0} Hz"));
     }
 }
 
@@ -167,7 +167,7 @@ fn keep(kept: Option<&Path>, fault: &LastFault) {
     if let Some(path) = kept
         && let Err(error) = fault.keep(path)
     {
-        note(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
+        warn(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
     }
 }
 

@@ -82,7 +82,7 @@ pub enum Refusal {
     },
     /// There is no such experiment.
     #[error(
-        "no experiment {asked} is on offer; the retained topic `about` lists those that are, and [mqtt] experiments of the config adds files"
+        "there is no experiment {asked}; the retained topic `about` lists all, and [mqtt] experiments of the config adds files"
     )]
     Experiment {
         /// The commanded experiment.

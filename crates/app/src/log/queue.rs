@@ -141,7 +141,7 @@ fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, Log
         }
         if let Some(error) = to.failure().filter(|_| !said) {
             said = true;
-            let _ = writeln!(io::stderr(), "airball: {error}; the flight goes on");
+            let _ = writeln!(io::stderr(), "error: {error}; the flight goes on");
         }
         if last {
             return to.finish();

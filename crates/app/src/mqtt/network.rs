@@ -120,7 +120,7 @@ pub(super) fn options(config: &MqttConfig, rig: &str, topics: &Topics) -> Result
 pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, MqttError> {
     let mut options = MqttOptions::new(id, (config.host.clone(), config.port()));
     options.set_keep_alive(KEEP_ALIVE_S).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
-    config.exposures().into_iter().for_each(|exposure| say(Some(format!("mqtt: warning: {exposure}"))));
+    config.exposures().into_iter().for_each(|exposure| say(Some(format!("warning: mqtt: {exposure}"))));
     if let Some(Credentials { user, password }) = config.credentials()? {
         options.set_credentials(user, password);
     }

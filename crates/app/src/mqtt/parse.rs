@@ -28,7 +28,7 @@ pub enum Asked {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ParseError {
     /// There is no such topic.
-    #[error("nothing is set by topic {topic}; there are {known}")]
+    #[error("unknown command topic {topic}; known are {known}")]
     Topic {
         /// The topic, shortened.
         topic: String,
@@ -36,7 +36,7 @@ pub enum ParseError {
         known: String,
     },
     /// Retained by the broker from an earlier time.
-    #[error("the broker kept this command from earlier (retained), so it is not obeyed; publish it without -r")]
+    #[error("the command is retained and therefore refused; publish it without -r")]
     Retained,
     /// Too long to be parsed.
     #[error("got {got} bytes, the longest command has {LONGEST_PAYLOAD}; {expected}")]

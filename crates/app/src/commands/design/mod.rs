@@ -6,7 +6,7 @@ mod observer;
 mod patch;
 
 use super::about::asked;
-use super::{may_write, note, say, write};
+use super::{announce, may_write, note, say, write};
 use crate::analysis::loop_margins::{Closing, Loop};
 use crate::cli::{AboutArgs, DesignArgs, DesignCommand};
 use crate::config::Config;
@@ -96,12 +96,13 @@ impl Ground {
             page::write(path, &html(&report)?)?;
         }
         if args.json {
-            return say(serde_json::to_string(&document)?);
+            say(serde_json::to_string(&document)?)?;
+        } else {
+            self.model.not_linear().into_iter().for_each(|name| note(not_linear(name, self.about.as_ref())));
+            words(&document).into_iter().try_for_each(say)?;
         }
-        for name in self.model.not_linear() {
-            note(not_linear(name, self.about.as_ref()));
-        }
-        words(&document).into_iter().try_for_each(say)
+        let (patch, picture, page) = (args.patch_out.as_deref(), args.plot.as_deref(), args.html.as_deref());
+        announce(args.json, &[("patch", patch), ("picture", picture), ("page", page)])
     }
 }
 

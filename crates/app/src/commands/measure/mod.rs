@@ -6,7 +6,7 @@ mod patch;
 use super::flying::{Own, Plan, plan};
 use super::run::in_real_time;
 use super::simulate::in_virtual_time;
-use super::{Usage, may_write, note, say, write};
+use super::{Usage, announce, fail, may_write, say, warn, write};
 use crate::analysis::measurement::Found;
 use crate::cli::{MeasureArgs, Measurement};
 use crate::config::Config;
@@ -37,7 +37,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     };
     let log = reader::read(&path, config.tables.import.as_ref())?;
     if let Some(truncated) = &log.truncated {
-        note(truncated);
+        warn(truncated);
     }
     let found = Found::of(args.what, &log, &config.tables, args.travel_mm)
         .map_err(|error| anyhow!("{}: {error}", path.display()))?;
@@ -47,7 +47,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     }
     let text = match made {
         Err(error) if args.patch_out.is_none() => {
-            note(format_args!("no patch can be made of this: {error}"));
+            warn(format_args!("no patch can be made of this: {error}"));
             None
         }
         text => text?,
@@ -60,14 +60,13 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
         plot::draw(picture, &log.recording, &found)?;
     }
     if args.flight.json {
-        return say(serde_json::to_string(&document(args.what, &found, &path, text.as_deref())?)?);
+        say(serde_json::to_string(&document(args.what, &found, &path, text.as_deref())?)?)?;
+    } else {
+        words(&found, &config.tables).into_iter().try_for_each(say)?;
+        say(format_args!("log       {}", path.display()))?;
     }
-    words(&found, &config.tables).into_iter().try_for_each(say)?;
-    say(format_args!("log       {}", path.display()))?;
-    match &args.flight.plot {
-        Some(picture) => say(format_args!("picture   {}", picture.display())),
-        None => Ok(()),
-    }
+    let (patch, picture) = (args.patch_out.as_deref().filter(|_| text.is_some()), args.flight.plot.as_deref());
+    announce(args.flight.json, &[("patch", patch), ("picture", picture), ("page", args.html.as_deref())])
 }
 
 /// Refuses flags that have no meaning for the measurement.
@@ -128,7 +127,7 @@ fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
     let path = flown.files.first().cloned().unwrap_or_default();
     if let Err(error) = flown.landed() {
         if let Err(lesser) = flown.log {
-            note(lesser);
+            fail(lesser);
         }
         bail!("{error}; what was recorded is in {}, for --from", path.display());
     }

@@ -199,7 +199,13 @@ pub fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
     let both = |say: Figure| [say(&document.continuous), document.sampled.as_ref().map_or_else(String::new, say)];
     let rows: [(&'static str, Figure); 9] = [
         ("stable", |a| if a.stable { "yes".into() } else { "no".into() }),
-        ("gain margins", |a| list(a.gain_margins.iter().map(|m| format!("×{:.2} at {:.2} rad/s", m.factor, m.omega)))),
+        ("gain margins", |a| {
+            list(
+                a.gain_margins
+                    .iter()
+                    .map(|m| format!("×{:.2} ({:.1} dB) at {:.2} rad/s", m.factor, 20.0 * m.factor.log10(), m.omega)),
+            )
+        }),
         ("phase margins", |a| {
             list(a.phase_margins.iter().map(|m| format!("{:.1}° at {:.2} rad/s", m.phase_deg, m.omega)))
         }),

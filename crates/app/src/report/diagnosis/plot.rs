@@ -24,7 +24,7 @@ const SMALL: Sheet = Sheet { size: (700, 700), rows: [250, 460], most_moments: 5
 /// Bins over which the force is averaged, and fewest readings in one.
 const PLACES: usize = 24;
 const FEWEST: usize = 5;
-const UNIT: &str = "missing force, mm/s²";
+const UNIT: &str = "residual force, mm/s²";
 /// Largest number of points of the force over time.
 const MOST_POINTS: usize = 4000;
 

@@ -6,14 +6,14 @@ use diagnose::{Change, Closed, Diagnosis, NamedEffect, Place, Verdict};
 use std::fmt::Write;
 
 /// The advice after a record with too little information.
-const FLY_ANOTHER: &str = "Fly one with a moving setpoint, at least 30 s in free flight.";
+pub const FLY_ANOTHER: &str = "Fly at least 30 s in free flight with a moving setpoint.";
 
 /// The result in a sentence, then a line for each finding. `compensation`: the one of the recorded flight.
 #[must_use]
 pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     let mut words = format!("{}.", found.verdict_in_words());
     if found.verdict == Verdict::InsufficientData {
-        let _ = write!(words, " {FLY_ANOTHER}");
+        return format!("{words} {FLY_ANOTHER}");
     }
     for named in &found.effects {
         let _ = write!(words, "\n{}", effect(named, found, compensation));

@@ -139,8 +139,8 @@ pub mod words {
         let gain = found.iter().map(|one| one.held_out.log_likelihood).fold(f64::NEG_INFINITY, f64::max)
             - found.iter().map(|one| one.held_out.log_likelihood).fold(f64::INFINITY, f64::min);
         match best.poles {
-            Poles::Three => format!("the fan's pole is worth {gain:.1} nats on what was held out"),
-            Poles::Two => "the fan's pole foretells nothing more of what was held out".into(),
+            Poles::Three => format!("the fan pole gains {gain:.1} nats on held-out data"),
+            Poles::Two => "the fan pole does not improve the forecasts of held-out data".into(),
         }
     }
 
@@ -148,12 +148,12 @@ pub mod words {
     #[must_use]
     pub const fn verdict(residuals: Residuals) -> &'static str {
         match residuals {
-            Residuals::Noise => "The residuals are noise: nothing in this record speaks against the plant.",
+            Residuals::Noise => "The residuals are white: this record does not contradict the model.",
             Residuals::KnowDuty => {
-                "The residuals still know the duty: the plant lacks something, and its intervals are too short. `airball diagnose` names what."
+                "The residuals depend on the duty: the model lacks an effect, and its intervals are too narrow. Find it with `airball diagnose`."
             }
             Residuals::Coloured => {
-                "The residuals are coloured: air or sensor are not as the model has them, and the intervals are too short. `airball diagnose` names what."
+                "The residuals are coloured: the noise of air or sensor differs from the model, and the intervals are too narrow. See `airball diagnose`."
             }
         }
     }

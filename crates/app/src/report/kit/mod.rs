@@ -3,6 +3,7 @@
 pub mod about;
 pub mod page;
 pub mod palette;
+pub mod patch;
 pub mod plot;
 pub mod table;
 pub mod words;

@@ -74,11 +74,11 @@ fn growths(found: &Critical) -> Diagram {
     let critical = found.kp_per_mm;
     let interval = vec![(critical.low, 0.0), (critical.high, 0.0)];
     Diagram {
-        title: "growth of the swing over the gain".into(),
+        title: "growth rate of the oscillation over the gain".into(),
         abscissa: "K_p, % per mm",
         ordinate: "growth, 1/s",
         lines: vec![
-            Line { label: "neither grows nor dies", colour: SETPOINT, points: ends(0.0) },
+            Line { label: "marginally stable", colour: SETPOINT, points: ends(0.0) },
             Line { label: "critical gain, 90 %", colour: NOMINAL, points: interval },
         ],
         marks: points,

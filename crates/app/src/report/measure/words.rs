@@ -65,7 +65,7 @@ pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
     let rows = rows(found, tables);
     match found {
         Found::DeadZone { zone, jumps } => vec![table(&rows), verdict_of_zone(zone, jumps), given(jumps)],
-        Found::ForceCurve { jumps, .. } => vec![forces(jumps).table(), table(&rows), given(jumps)],
+        Found::ForceCurve { jumps, .. } => vec![forces(jumps).table(), table(&rows), given(jumps), OF_PATCH.into()],
         Found::CriticalGain(critical) => words_of_gain(critical),
         Found::Steps(steps) => vec![table_of_steps(&rows), settled(steps)],
         Found::NoiseFloor(floor) => vec![table(&rows), readings(floor)],
@@ -114,7 +114,7 @@ fn rows_of_zone(zone: &DeadZone, jumps: &Jumps, tables: &Tables) -> Vec<Row> {
         row("the ball rises above a duty of", Some(zone.upper_duty_percent), 3, " %", edge(|zone| zone.upper_percent)),
         row("force below, mm/s² per percent", Some(zone.gain_below), 0, "", gain),
         row("force above, mm/s² per percent", Some(zone.gain_above), 0, "", gain),
-        row("lag of the fan", Some(jumps.lag_s), 3, " s", lag),
+        row("fan lag", Some(jumps.lag_s), 3, " s", lag),
     ]
 }
 
@@ -131,18 +131,24 @@ pub fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
     let (lower, upper) = (zone.lower_duty_percent, zone.upper_duty_percent);
     let (width, count) = (upper.value - lower.value, jumps.jumps.len());
     if upper.low > lower.high {
-        format!("A dead zone of {width:.3} %, by {count} jumps; which duty within it is called hover is a choice.")
+        format!(
+            "A dead zone of {width:.3} %, from {count} jumps. Any duty within it may be called hover; the patch takes its centre."
+        )
     } else {
         format!(
-            "No dead zone beyond doubt: by {count} jumps the edges lie {width:.3} % apart, and their intervals meet."
+            "No significant dead zone: from {count} jumps its width is {width:.3} %, and the intervals of the edges overlap."
         )
     }
 }
 
 /// The assumptions of the forces.
 pub fn given(jumps: &Jumps) -> String {
-    format!("The forces are those of a ball with the config's drag, {} 1/s.", jumps.drag_per_s)
+    format!("The forces assume the drag of the config, {} 1/s.", jumps.drag_per_s)
 }
+
+/// What the patch of a force curve does to the controllers.
+pub const OF_PATCH: &str = "The patch makes the control value an acceleration in mm/s², so it multiplies the gains of all controllers by the force \
+                            per percent of duty.";
 
 /// Rows of words under their heads.
 pub struct Rows<const N: usize> {
@@ -173,7 +179,7 @@ pub fn forces(jumps: &Jumps) -> Rows<6> {
             jump.timed_mm_per_s2.map_or_else(String::new, |timed| format!("{timed:.0}")),
         ]
     };
-    let heads = ["duty", "jump", "time", "force", "90 % interval", "without the fan's lag"];
+    let heads = ["duty", "jump", "time", "force", "90 % interval", "without fan lag"];
     Rows { heads, rows: sorted.iter().map(row).collect() }
 }
 
@@ -196,7 +202,7 @@ fn words_of_gain(found: &Critical) -> Vec<String> {
     vec![
         swings(found).table(),
         format!(
-            "critical gain {value:.5} per mm ({low:.5} to {high:.5}) at T_i = {ti_s:.1} s without derivative, swinging at {omega:.2} rad/s"
+            "critical gain {value:.5} per mm ({low:.5} to {high:.5}) under PI control with T_i = {ti_s:.1} s; it oscillates at {omega:.2} rad/s"
         ),
     ]
 }
@@ -219,12 +225,12 @@ pub fn settled(steps: &Steps) -> String {
 pub fn readings(floor: &NoiseFloor) -> String {
     let NoiseFloor { correlation, resolution_mm, readings, wild, .. } = floor;
     format!(
-        "{readings} readings at rest, {wild} wild ones left out; steps of {resolution_mm:.2} mm, correlation of neighbours {correlation:+.3}."
+        "{readings} readings at rest, {wild} outliers left out; resolution {resolution_mm:.2} mm, autocorrelation at lag 1 {correlation:+.3}."
     )
 }
 
 /// Why a scale is not identifiable.
-pub const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be told. Mount the sensor at \
+pub const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be measured. Mount the sensor at \
                                 least 30 mm above the ball's rest there.";
 
 /// The bands, and whether each is met.

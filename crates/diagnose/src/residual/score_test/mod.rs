@@ -145,7 +145,6 @@ impl Level {
 mod tests {
     use super::sensitivities::DIFFERENCE;
     use super::{Found, JointScore, omitted};
-    use crate::Recording;
     use crate::filter::ekf::Sensitivity;
     use crate::filter::track::segments;
     use crate::fit::estimate::Problem;
@@ -153,8 +152,9 @@ mod tests {
     use crate::record::folds::Folds;
     use crate::select::refit::refitted;
     use crate::select::search::Search;
-    use crate::tests_support::{model, record, shaken, with_force};
-    use plant::{Effects, Model, Stage};
+    use crate::tests_support::{model, record, shaken};
+    use crate::{Recording, Sample};
+    use plant::{Effects, Model, Simulator, Stage};
 
     #[test]
     fn a_constant_push_moves_what_is_expected_as_another_hover_does() {
@@ -177,6 +177,22 @@ mod tests {
         }
         // The sensitivity neglects that outliers have less weight.
         assert!((product / square - 1.0).abs() < 0.03, "{}", product / square);
+    }
+
+    /// A flight with a force of height and time, mm/s², that is not in the catalogue, as a duty that is not logged.
+    fn with_force(force: impl Fn(f64, f64) -> f64, seed: u64) -> Recording {
+        let rig = model();
+        let mut simulator = Simulator::new(rig.clone(), seed);
+        let rows = (0..4000).map(|k| {
+            let time_s = 0.02 * f64::from(k);
+            simulator.advance_to(time_s);
+            let reading = simulator.reading_mm();
+            let target = if time_s % 6.0 < 3.0 { 350.0 } else { 250.0 };
+            let duty_percent = rig.hover_duty_percent + 0.01 * (target - reading);
+            simulator.drive(duty_percent + force(reading, time_s) / rig.gain_mm_per_s2_per_percent);
+            Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
+        });
+        Recording::new(rows.collect()).unwrap()
     }
 
     /// A flight of a rig whose gain oscillates with 10 periods per flight.

@@ -48,6 +48,7 @@ pub struct Document {
     parameters: BTreeMap<&'static str, ParameterEntry>,
     gap: GapEntry,
     ladder: Vec<Rung>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     formula: Vec<FormulaTerm>,
     rest: Rest,
     r#where: WhereEntry,

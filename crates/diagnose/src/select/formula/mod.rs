@@ -138,21 +138,6 @@ fn next_shape(
     started.truncate(IN_FULL);
     let in_full = |start: &Started| Evaluated::of(search, search.problem.fit(&start.model, &start.parameters));
     let fitted: Vec<(&Promising, Evaluated)> = started.par_iter().map(|(one, start)| (*one, in_full(start))).collect();
-    for (one, with) in &fitted {
-        if std::env::var_os("DEBUG_FORMULA").is_some() {
-            eprintln!(
-                "  {:26} gain {:.1} chance {:.1} error {:.2} from {:.2} deviations {:.2} all {:.2} of {}",
-                one.shape.entry().name,
-                with.log_likelihood - so_far.log_likelihood,
-                one.chance,
-                with.square().sqrt(),
-                so_far.square().sqrt(),
-                deviations(&so_far.errors, &with.errors),
-                deviations_at_all_horizons(&so_far.errors, &with.errors),
-                with.errors.len()
-            );
-        }
-    }
     let is_better = |one: &Promising, with: &Evaluated| {
         with.log_likelihood - so_far.log_likelihood - one.chance > FIRST_EFFECT
             && deviations(&so_far.errors, &with.errors) > 0.0

@@ -36,7 +36,7 @@ struct Shapes<'a> {
     x: String,
     v: String,
     u: String,
-    /// The acceleration by the fan, 1 at half the range of the duty.
+    /// The acceleration by the fan, 1 at the duty that is farthest from hover.
     f: String,
     /// The size of a force, mm/s².
     size: f64,
@@ -51,7 +51,7 @@ impl<'a> Shapes<'a> {
             x: limited("x", signals.x),
             v: limited("v", signals.v),
             u: limited("u", signals.u),
-            f: format!("(fan / {})", number(signals.force)),
+            f: limited("fan", Seen { middle: 0.0, half: signals.force }),
             size: SHARE * signals.force,
             signals,
         }

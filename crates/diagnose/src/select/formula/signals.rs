@@ -25,7 +25,7 @@ pub(super) struct Signals {
     pub(super) u: Seen,
     /// Time, s.
     pub(super) t: Seen,
-    /// The acceleration by half the range of the duty, mm/s².
+    /// The acceleration by the duty that is farthest from hover, mm/s².
     pub(super) force: f64,
 }
 
@@ -50,7 +50,13 @@ impl Signals {
             Seen::between(SEEN.map(|share| quantile(&values, share)))
         };
         let (x, v, u, t) = (seen(0)?, seen(1)?, seen(2)?, seen(3)?);
-        Some(Self { x, v, u, t, force: rounded(fit.model.gain_mm_per_s2_per_percent.abs() * u.half) })
+        Some(Self {
+            x,
+            v,
+            u,
+            t,
+            force: rounded(fit.model.gain_mm_per_s2_per_percent.abs() * (u.middle.abs() + u.half)),
+        })
     }
 }
 

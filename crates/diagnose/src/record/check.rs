@@ -3,7 +3,7 @@
 //! Works on the rows alone, before any model runs. Every finding is a sentence with its values that ends in what to do.
 //! Spread is estimated robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
 
-use crate::record::implausible::{DutyScale, duty_beyond_percent, implausible_readings};
+use crate::record::implausible::{DutyScale, duty_beyond_percent, duty_far_below_hover, implausible_readings};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::OTHER_RIG;
@@ -60,6 +60,19 @@ pub enum Finding {
         limit_percent: f64,
         /// Percent per unit of the column, where its unit is another; `None` where single rows are wrong.
         scale: DutyScale,
+    },
+    /// Duties far below the believed hover.
+    #[error(
+        "the usual duty is {usual_percent:.4e} % where {hover_percent} % are believed to hold the ball: the column holds another \
+         unit, or the record is of another rig; say [import] duty_percent.scale, about {scale:.3e}, or mend plant.hover_duty_percent"
+    )]
+    DutyFarBelowHover {
+        /// Median of the duties' sizes, percent.
+        usual_percent: f64,
+        /// The believed hover, percent.
+        hover_percent: f64,
+        /// What the duties would be multiplied by.
+        scale: f64,
     },
     /// Readings that cannot be positions of the ball.
     #[error(
@@ -246,7 +259,7 @@ pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
     duty(samples, model).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
 }
 
-fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 3] {
+fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 4] {
     let (low, high) = samples
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.duty_percent), high.max(s.duty_percent)));
@@ -256,6 +269,7 @@ fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 3] {
         fraction.then_some(Finding::FractionalDuty),
         still.then_some(Finding::StillDuty { range_percent: high - low }),
         duty_beyond_percent(samples, model),
+        duty_far_below_hover(samples, model).filter(|_| !fraction),
     ]
 }
 
@@ -331,6 +345,7 @@ pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &M
         | Finding::StillPosition { .. }
         | Finding::SlowRows { .. }
         | Finding::RepeatedTimes { .. }
+        | Finding::DutyFarBelowHover { .. }
         | Finding::DutyBeyondPercent { .. } => true,
         Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
         Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,

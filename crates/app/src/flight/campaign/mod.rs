@@ -3,6 +3,7 @@
 //! bound of docs/rig.md; a fan that is still on is reported; and the log can be read.
 
 mod faults;
+mod interleaved;
 mod scene;
 mod signals;
 

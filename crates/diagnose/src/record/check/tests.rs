@@ -67,6 +67,9 @@ fn a_sensor_that_refreshes_late_shows_in_repeats() {
 fn a_duty_that_is_a_fraction_or_never_moves_and_a_position_that_never_moves_are_named() {
     let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent /= 100.0));
     assert!(found.contains(&Finding::FractionalDuty), "{found:?}");
+    let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent /= 10.0));
+    let [Finding::DutyFarBelowHover { scale, .. }] = found[..] else { panic!("{found:?}") };
+    assert!((9.0..11.0).contains(&scale), "{scale}");
     let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent = 21.4));
     assert!(found.contains(&Finding::StillDuty { range_percent: 0.0 }), "{found:?}");
     let found = findings(|rows| rows.iter_mut().for_each(|row| row.position_mm = Some(7.0)));

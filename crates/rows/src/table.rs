@@ -6,12 +6,25 @@
 use crate::error::RowsError;
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-/// A header and its rows, all of the header's width.
+/// A header and its rows, all of the header's width. The cells lie one behind another in one text: a record of the parser
+/// for each row would take five times the memory of the file.
 pub(crate) struct Table<'a> {
     pub(crate) name: String,
     text: &'a str,
     header: StringRecord,
-    rows: Vec<StringRecord>,
+    cells: String,
+    /// Where each cell ends.
+    ends: Vec<usize>,
+    rows: Vec<Row>,
+}
+
+/// A row of the table.
+struct Row {
+    /// Where it begins in the file's text.
+    byte: usize,
+    /// Its first cell, and the number of its cells.
+    first: usize,
+    count: usize,
 }
 
 impl<'a> Table<'a> {
@@ -28,24 +41,43 @@ impl<'a> Table<'a> {
         if text.trim().is_empty() {
             return Err(RowsError::Empty { name });
         }
+        let mut table = Self::of_text(text, name)?;
+        while table.rows.last().is_some_and(|row| table.is_empty(row)) {
+            table.rows.pop();
+        }
+        if table.rows.is_empty() {
+            return Err(RowsError::HeaderOnly { name: table.name });
+        }
+        table.rows.iter().find(|row| row.count != table.header.len()).map_or(Ok(()), |row| Err(table.ragged(row)))?;
+        Ok(table)
+    }
+
+    /// Header and all rows, of any width.
+    fn of_text(text: &'a str, name: String) -> Result<Self, RowsError> {
         let mut reader =
             ReaderBuilder::new().delimiter(delimiter(text)).trim(Trim::All).flexible(true).from_reader(text.as_bytes());
         let not_a_table = |error: csv::Error| RowsError::NotATable { name: name.clone(), cause: error.to_string() };
         let header = reader.headers().map_err(not_a_table)?.clone();
-        let mut rows = reader.into_records().collect::<Result<Vec<_>, _>>().map_err(not_a_table)?;
-        while rows.last().is_some_and(|row| row.iter().all(str::is_empty)) {
-            rows.pop();
+        let (mut cells, mut ends, mut rows) = (String::new(), Vec::new(), Vec::new());
+        let mut record = StringRecord::new();
+        while reader.read_record(&mut record).map_err(not_a_table)? {
+            rows.push(Row { byte: byte_of(&record), first: ends.len(), count: record.len() });
+            for cell in &record {
+                cells.push_str(cell);
+                ends.push(cells.len());
+            }
         }
-        if rows.is_empty() {
-            return Err(RowsError::HeaderOnly { name });
-        }
-        let table = Self { name, text, header, rows };
-        table
-            .rows
-            .iter()
-            .position(|row| row.len() != table.header.len())
-            .map_or(Ok(()), |row| Err(table.ragged(row)))?;
-        Ok(table)
+        Ok(Self { name, text, header, cells, ends, rows })
+    }
+
+    fn is_empty(&self, row: &Row) -> bool {
+        (row.first..row.first + row.count).all(|cell| self.text_of(cell).is_empty())
+    }
+
+    /// The text of a cell, counted from the first of the first row.
+    fn text_of(&self, cell: usize) -> &str {
+        let start = cell.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or(0);
+        self.ends.get(cell).and_then(|end| self.cells.get(start..*end)).unwrap_or_default()
     }
 
     /// Number of rows of data.
@@ -60,28 +92,32 @@ impl<'a> Table<'a> {
 
     /// A cell, without the spaces around it. Rows and columns count from 0.
     pub(crate) fn cell(&self, row: usize, column: usize) -> &str {
-        self.rows.get(row).and_then(|cells| cells.get(column)).unwrap_or_default()
+        self.rows.get(row).filter(|row| column < row.count).map_or("", |row| self.text_of(row.first + column))
     }
 
     /// The line of the header in the file, from 1.
     pub(crate) fn header_line(&self) -> usize {
-        line_of(self.text, &self.header)
+        line_of(self.text, byte_of(&self.header))
     }
 
     /// The line of a row in the file, from 1.
     pub(crate) fn line(&self, row: usize) -> usize {
-        self.rows.get(row).map_or(0, |cells| line_of(self.text, cells))
+        self.rows.get(row).map_or(0, |row| line_of(self.text, row.byte))
     }
 
-    fn ragged(&self, row: usize) -> RowsError {
-        let found = self.rows.get(row).map_or(0, StringRecord::len);
-        RowsError::Ragged { name: self.name.clone(), line: self.line(row), expected: self.header.len(), found }
+    fn ragged(&self, row: &Row) -> RowsError {
+        let line = line_of(self.text, row.byte);
+        RowsError::Ragged { name: self.name.clone(), line, expected: self.header.len(), found: row.count }
     }
 }
 
+/// Where a record begins in the text.
+fn byte_of(record: &StringRecord) -> usize {
+    record.position().map_or(0, |position| usize::try_from(position.byte()).unwrap_or(usize::MAX))
+}
+
 /// Counted from the record's byte: the parser's own line is that of the empty lines before it.
-fn line_of(text: &str, record: &StringRecord) -> usize {
-    let byte = record.position().map_or(0, |position| usize::try_from(position.byte()).unwrap_or(usize::MAX));
+fn line_of(text: &str, byte: usize) -> usize {
     let (before, rest) = text.as_bytes().split_at(byte.min(text.len()));
     let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
     1 + newlines(before) + newlines(&rest[..empty])

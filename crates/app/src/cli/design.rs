@@ -47,7 +47,7 @@ pub struct DesignArgs {
     pub json: bool,
 }
 
-/// About which height and duty a design linearises the model.
+/// About which height and duty a model is linearised.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct AboutArgs {
     /// Linearise the model about this duty, percent, 0 to 100 [default: hover]
@@ -211,9 +211,19 @@ pub struct CriticalGainArgs {
 fn pole(text: &str) -> Result<Complex<f64>, String> {
     let wrong = || "give a pole as -2.5 or -2+1.5i, in 1/s".to_owned();
     let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong);
-    let Some(complex) = text.strip_suffix('i') else { return Ok(Complex::new(number(text)?, 0.0)) };
-    let split = complex.rfind(['+', '-']).filter(|at| *at > 0).ok_or_else(wrong)?;
-    Ok(Complex::new(number(&complex[..split])?, number(&complex[split..])?))
+    let pole = if let Some(complex) = text.strip_suffix('i') {
+        let split = complex.rfind(['+', '-']).filter(|at| *at > 0).ok_or_else(wrong)?;
+        Complex::new(number(&complex[..split])?, number(&complex[split..])?)
+    } else {
+        Complex::new(number(text)?, 0.0)
+    };
+    if pole.re < 0.0 {
+        Ok(pole)
+    } else {
+        Err(format!(
+            "a loop with the pole {text} does not settle; give a real part below 0, like -2.5 or -2+1.5i, in 1/s"
+        ))
+    }
 }
 
 #[cfg(test)]
@@ -225,6 +235,7 @@ mod tests {
         assert_eq!(pole("-2.5"), Ok(Complex::new(-2.5, 0.0)));
         assert_eq!(pole("-0.78+2i"), Ok(Complex::new(-0.78, 2.0)));
         assert_eq!(pole("-0.78-2.5i"), Ok(Complex::new(-0.78, -2.5)));
+        assert!(pole("0.78+2i").unwrap_err().contains("does not settle") && pole("0").is_err());
         assert!(pole("i").is_err() && pole("-2i").is_err() && pole("nan").is_err() && pole("two").is_err());
     }
 }

@@ -1,6 +1,6 @@
 //! The command line of `airball identify`.
 
-use super::ConfigArgs;
+use super::{AboutArgs, ConfigArgs};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -47,6 +47,9 @@ pub struct GreyBoxArgs {
     /// Poles of the model: 2 for the ball, 3 for ball and fan [default: both; the better model is kept]
     #[arg(long, value_enum, value_name = "N")]
     pub poles: Option<PolesArg>,
+    /// About which height and duty the identified plant is linearised as well.
+    #[command(flatten)]
+    pub about: AboutArgs,
     /// Use only the stretches without control, each with its linear trend removed
     #[arg(long)]
     pub open_loop: bool,

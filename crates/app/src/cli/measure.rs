@@ -43,6 +43,8 @@ pub enum Measurement {
     ForceCurve,
     /// Proportional gain at which the loop is marginally stable, by steps under rising gains (at most 8 min)
     CriticalGain,
+    /// Integral time at which the loop is marginally stable, by steps under falling ones (at most 6 min)
+    CriticalTime,
     /// Overshoot, peak time and settling over steps of several sizes (1 min)
     Steps,
     /// The same over a square wave (1 min)

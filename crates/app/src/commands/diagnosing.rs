@@ -9,7 +9,7 @@ use crate::config::{Config, Tables};
 use crate::log::reader::{self, LoadedLog};
 use crate::report::diagnosis::logs::Logs;
 use anyhow::{Result, bail};
-use diagnose::{ClosedLoop, Context, Diagnosis, Options, Recording, Verdict};
+use diagnose::{ClosedLoop, Context, Diagnosis, MOST_ROWS, Options, Recording, Verdict};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ pub(super) struct Asked {
     pub(super) belief: Model,
     /// The config that it is part of.
     tables: Tables,
-    /// Each log, without the codes of a sensor that saw no target, and its name.
+    /// Each log, without the codes of a sensor that saw no target, of a very long one its middle; and its name.
     pub(super) logs: Vec<LoadedLog>,
     pub(super) names: Vec<String>,
     /// Their rows as they were read, log by log.
@@ -76,6 +76,12 @@ impl Asked {
             config.refuse_setpoint(&no_setpoint(name), |effect| !without.iter().any(|left_out| left_out == effect))?;
         }
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
+        let rows: usize = logs.iter().map(|log| log.recording.samples().len()).sum();
+        if rows > MOST_ROWS {
+            // The diagnosis takes stretches of the recordings itself; the loop is flown again along one of each log.
+            let each = MOST_ROWS / logs.len().max(1);
+            logs.iter_mut().for_each(|log| log.keep_middle(each));
+        }
         logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
         Ok(Self { belief, tables: config.tables, logs, names, recordings })
     }

@@ -1,5 +1,6 @@
 //! One file per command: it reads flags and tables, calls the analysis or flight, and prints the result.
 
+mod about;
 pub mod config;
 pub mod design;
 pub mod diagnose;

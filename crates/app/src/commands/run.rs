@@ -16,7 +16,7 @@ use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::{About, Counts, Link};
 use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use embedded_hal::i2c::I2c;
 use hal::Clock;
 use std::path::Path;
@@ -34,18 +34,11 @@ const PWM_OFF: f64 = 0.02;
 /// fault ended.
 pub fn run(args: &RunArgs) -> Result<()> {
     let plan = plan("run", &args.flight, None)?;
-    let (flown, beside) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    let (flown, watched) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    let counts = flown.counts;
     report(&args.flight, &plan.experiment.title, flown)?;
-    beside.watched?;
-    beside.counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
-}
-
-/// The results of the watch and of the link after a flight.
-pub(super) struct Beside {
-    /// The result of the watch.
-    pub(super) watched: Result<(), GuardError>,
-    /// Counts of the commands, where there is a broker's table.
-    counts: Option<Counts>,
+    watched?;
+    counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
 }
 
 /// A flight in real time, as a command defines it.
@@ -56,14 +49,14 @@ struct Order<'a> {
     duration_s: f64,
 }
 
-/// Flies a plan in real time: the rig, or the simulated one.
+/// Flies a plan in real time: the rig, or the simulated one. Returns the result of the watch too.
 pub(super) fn in_real_time(
     command: &'static str,
     plan: &Plan,
     args: &FlightArgs,
     sim: bool,
     duration_s: Option<f64>,
-) -> Result<(Flown, Beside)> {
+) -> Result<(Flown, Result<()>)> {
     let table = plan.config.need(command, "rig", |tables| tables.rig.as_ref())?;
     let stop = landing_signal()?;
     let order = Order { plan, args, sim, duration_s: duration_s.unwrap_or(f64::INFINITY) };
@@ -89,7 +82,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     mut rig: Chips<S, P, C>,
     guard: Option<Guard>,
     stop: &Arc<AtomicBool>,
-) -> Result<(Flown, Beside)> {
+) -> Result<(Flown, Result<()>)> {
     let Order { plan, args, sim, duration_s } = *order;
     say_pwm(table.fan_pwm_hz, rig.fan_pwm_hz());
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !sim);
@@ -101,7 +94,12 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let (path, header) = log_of(plan, args, seed, SystemTime::now());
     let mqtt = plan.config.tables.mqtt.as_ref();
     let about = About::of(&plan.config.tables, plan.pilot.offers(), sim);
-    let mut link = mqtt.zip(about).map(|(mqtt, about)| Link::start(mqtt, &about, last.as_ref())).transpose()?;
+    let start = |(mqtt, about)| Link::start(mqtt, &about, last.as_ref(), stop);
+    let mut link = mqtt.zip(about).map(start).transpose()?;
+    if let Some((link, _)) = &link {
+        link.wait_for_others();
+        alone(link, &table.name)?;
+    }
     let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
@@ -121,9 +119,22 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     if let Some(fault) = &fault {
         keep(kept, fault);
     }
+    let other = link.as_ref().map_or(Ok(()), |(link, _)| alone(link, &table.name));
     let counts = link.map(|(link, _)| link.stop(fault.as_ref()));
     let log = queue.finish();
-    Ok((Flown { outcome, log, files: files.all() }, Beside { watched, counts }))
+    let watched = watched.map_err(Into::into).and(other);
+    Ok((Flown { outcome, log, files: files.all(), counts }, watched))
+}
+
+/// Refuses to fly beside another program that flies a rig of this name on the same broker: each would obey the other's
+/// commands.
+fn alone(link: &Link, rig: &str) -> Result<()> {
+    let Some(other) = link.other() else { return Ok(()) };
+    let (process, _) = other.split_once('-').unwrap_or((&other, ""));
+    bail!(
+        "another program flies a rig named {rig} on this broker (its process is {process}, perhaps of another computer), and \
+         each would obey the other's commands; end that one, or give one of them another [rig] name"
+    )
 }
 
 /// Why the flight ended, if not by its programme or a signal; worst first.

@@ -87,6 +87,10 @@ pub struct Event {
 }
 
 /// What happened.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a box would allocate in the loop, and few commands are on their way at a time"
+)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum What {
     /// The loop changed its mode.

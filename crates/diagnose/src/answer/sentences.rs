@@ -112,7 +112,8 @@ impl Diagnosis {
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let effects = self.effects.iter().map(|named| self.effect_in_words(named));
-        let residual = self.residual_in_words().into_iter().chain(self.left_out_in_words());
+        let residual =
+            self.residual_in_words().into_iter().chain(self.formula_in_words()).chain(self.left_out_in_words());
         std::iter::once(self.verdict_in_words()).chain(effects).chain(residual).collect()
     }
 }

@@ -3,7 +3,7 @@
 //! Works on the rows alone, before any model runs. Every finding is a sentence with its values that ends in what to do.
 //! Spread is estimated robustly, by the median of absolute values: σ ≈ 1.4826 · MAD for a normal distribution.
 
-use crate::record::implausible::{DutyScale, duty_beyond_percent, implausible_readings};
+use crate::record::implausible::{DutyScale, duty_beyond_percent, duty_far_below_hover, implausible_readings};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::OTHER_RIG;
@@ -26,6 +26,8 @@ const FRACTION_OF_HOVER: f64 = 2.0;
 const ELSEWHERE: f64 = 0.1;
 /// Rows further apart than this, the longest forecast horizon, seconds, are too slow.
 const SLOWEST_S: f64 = 1.0;
+/// With more rows than this at the time of the row before, percent, speeds cannot be told from the record.
+const COARSE_CLOCK_PERCENT: f64 = 20.0;
 
 /// A finding about a record that its reader should know.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, thiserror::Error)]
@@ -58,6 +60,19 @@ pub enum Finding {
         limit_percent: f64,
         /// Percent per unit of the column, where its unit is another; `None` where single rows are wrong.
         scale: DutyScale,
+    },
+    /// Duties far below the believed hover.
+    #[error(
+        "the usual duty is {usual_percent:.4e} % where {hover_percent} % are believed to hold the ball: the column holds another \
+         unit, or the record is of another rig; say [import] duty_percent.scale, about {scale:.3e}, or mend plant.hover_duty_percent"
+    )]
+    DutyFarBelowHover {
+        /// Median of the duties' sizes, percent.
+        usual_percent: f64,
+        /// The believed hover, percent.
+        hover_percent: f64,
+        /// What the duties would be multiplied by.
+        scale: f64,
     },
     /// Readings that cannot be positions of the ball.
     #[error(
@@ -118,6 +133,17 @@ pub enum Finding {
         /// The usual time between rows, seconds.
         usual_s: f64,
     },
+    /// Rows at the time of the row before them.
+    #[error(
+        "{percent:.0} % of the rows repeat the time of the row before, the first is row {row}: the clock is coarser than the rows; \
+         name a finer one as [import] time_s, or keep one row of each time"
+    )]
+    RepeatedTimes {
+        /// Share of all rows, percent.
+        percent: f64,
+        /// The first such row, counted from 1.
+        row: usize,
+    },
     /// The rows are too far apart.
     #[error(
         "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
@@ -151,6 +177,19 @@ pub enum Finding {
     /// A log among several that cannot be diagnosed.
     #[error("this log is left out of the diagnosis, and the others are used without it")]
     LeftOut,
+    /// A very long flight, of which parts are used.
+    #[error(
+        "of {rows} rows {used} are used, in {count} stretches spread evenly over the flight: more would take long and much memory; \
+         to diagnose another part, cut the log to it"
+    )]
+    Stretches {
+        /// Rows of the flight.
+        rows: usize,
+        /// Rows that are used.
+        used: usize,
+        /// Number of stretches.
+        count: usize,
+    },
     /// The diagnosis used fewer readings.
     #[error("a fast clock: the diagnosis used every duty, and one reading in {merged}")]
     Decimated {
@@ -220,7 +259,7 @@ pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
     duty(samples, model).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
 }
 
-fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 3] {
+fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 4] {
     let (low, high) = samples
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.duty_percent), high.max(s.duty_percent)));
@@ -230,16 +269,29 @@ fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 3] {
         fraction.then_some(Finding::FractionalDuty),
         still.then_some(Finding::StillDuty { range_percent: high - low }),
         duty_beyond_percent(samples, model),
+        duty_far_below_hover(samples, model).filter(|_| !fraction),
     ]
 }
 
-fn clock(samples: &[Sample]) -> [Option<Finding>; 2] {
-    let steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    let Some(usual_s) = median(steps.clone()) else { return [None; 2] };
+fn clock(samples: &[Sample]) -> [Option<Finding>; 3] {
+    let mut steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let repeated = repeated_times(&steps);
+    if repeated.is_some() {
+        steps.retain(|step| *step > 0.0);
+    }
+    let Some(usual_s) = median(steps.clone()) else { return [repeated, None, None] };
     let long = || steps.iter().filter(|step| **step > GAP * usual_s);
     let longest_s = long().copied().fold(0.0, f64::max);
     let gaps = (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s });
-    [(usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+    [repeated, (usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+}
+
+fn repeated_times(steps: &[f64]) -> Option<Finding> {
+    let repeats = |step: &f64| *step <= 0.0;
+    let count = steps.iter().filter(|step| repeats(step)).count();
+    let row = steps.iter().position(repeats)? + 2;
+    let percent = 100.0 * count as f64 / (steps.len() + 1) as f64;
+    (percent > COARSE_CLOCK_PERCENT).then_some(Finding::RepeatedTimes { percent, row })
 }
 
 /// A number with one decimal; a very large one by its power of ten, not by three hundred digits.
@@ -286,11 +338,14 @@ fn repeats(readings: &[f64]) -> Option<Finding> {
 
 /// Whether findings make a diagnosis impossible: nothing moves, or the record and the belief are not of one rig.
 pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &Model) -> bool {
-    let readings = recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
+    let is_reading = |sample: &&Sample| sample.position_mm.is_some_and(|mm| !is_code(mm));
+    let readings = recording.samples().iter().filter(is_reading).count();
     findings.iter().any(|finding| match finding {
         Finding::StillDuty { .. }
         | Finding::StillPosition { .. }
         | Finding::SlowRows { .. }
+        | Finding::RepeatedTimes { .. }
+        | Finding::DutyFarBelowHover { .. }
         | Finding::DutyBeyondPercent { .. } => true,
         Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
         Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,

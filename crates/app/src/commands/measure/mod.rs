@@ -71,8 +71,10 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
 
 /// Refuses flags that have no meaning for the measurement.
 fn check(args: &MeasureArgs) -> Result<(), Usage> {
-    if args.patch_out.is_some() && matches!(args.what, Measurement::Steps | Measurement::Square) {
-        let why = "step metrics are no numbers of a config, so that there is no patch; leave --patch-out out";
+    if args.patch_out.is_some()
+        && matches!(args.what, Measurement::Steps | Measurement::Square | Measurement::CriticalTime)
+    {
+        let why = "this measurement is no number of a config, so that there is no patch; leave --patch-out out";
         return Err(Usage(why.into()));
     }
     match args.travel_mm {
@@ -122,8 +124,7 @@ fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
     let (flown, watched) = if args.in_virtual_time {
         (in_virtual_time(NAME, &plan, &args.flight, None)?, Ok(()))
     } else {
-        let (flown, beside) = in_real_time(NAME, &plan, &args.flight, args.sim, None)?;
-        (flown, beside.watched)
+        in_real_time(NAME, &plan, &args.flight, args.sim, None)?
     };
     let path = flown.files.first().cloned().unwrap_or_default();
     if let Err(error) = flown.landed() {
@@ -148,6 +149,7 @@ const fn own(what: Measurement) -> Own {
         Measurement::DeadZone => file!("experiments/dead-zone.toml"),
         Measurement::ForceCurve => file!("experiments/force-curve.toml"),
         Measurement::CriticalGain => file!("experiments/critical-gain.toml"),
+        Measurement::CriticalTime => file!("experiments/critical-time.toml"),
         Measurement::Steps => file!("experiments/steps.toml"),
         Measurement::Square => file!("experiments/square.toml"),
         Measurement::NoiseFloor => file!("experiments/noise-floor.toml"),

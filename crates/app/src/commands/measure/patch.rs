@@ -33,7 +33,7 @@ pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
                 set(&["plant", "effects", FanLag::ENTRY.name, "time_constant_s"], lag_s.into());
             }
         }
-        Found::Steps(_) => {}
+        Found::Steps(_) | Found::CriticalTime(_) => {}
         Found::NoiseFloor(floor) => {
             let sensor_mm = floor.sensor_mm.value;
             if let Some(plant) = &tables.plant {

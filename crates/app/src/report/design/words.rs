@@ -2,9 +2,10 @@
 
 use super::critical_gain::{RIG, Table as CriticalTable};
 use crate::analysis::loop_margins::{Assessment, Closing, Loop, Pid, Plant};
+use crate::report::kit::about::About;
 use crate::report::kit::table::empty;
 use crate::report::kit::words::digits;
-use control::design::{DesignError, Linear};
+use control::design::DesignError;
 use control::state_feedback::{Integral, Lqg};
 use plant::Model;
 use serde::Serialize;
@@ -58,41 +59,6 @@ pub struct Document {
     /// Gain and drag at the lowest duty of a flight, at hover and at the highest, where an effect moves them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub over_duties: Vec<AtDuty>,
-}
-
-/// The slopes of a model at the height and the duty about which it was linearised.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct About {
-    /// The duty, percent.
-    pub duty_percent: f64,
-    /// The height, mm.
-    pub position_mm: f64,
-    /// Acceleration per percent of duty there, mm/s² per percent.
-    pub gain_mm_per_s2_per_percent: f64,
-    /// Linear drag there, 1/s.
-    pub drag_per_s: f64,
-    /// Decrease of the lift with height there, 1/s².
-    pub gradient_per_s2: f64,
-}
-
-impl About {
-    /// The linear plant with these slopes; its lags and delays are those of the model.
-    #[must_use]
-    pub fn linear(&self, model: &Model) -> Linear {
-        let Self { gain_mm_per_s2_per_percent: gain, drag_per_s, gradient_per_s2, .. } = *self;
-        Linear { gain, drag_per_s, gradient_per_s2, ..model.linear() }
-    }
-
-    /// In words.
-    fn words(&self) -> String {
-        let Self { duty_percent, position_mm, gain_mm_per_s2_per_percent, drag_per_s, gradient_per_s2 } = self;
-        // An even pipe has a gradient of 0, but for the rounding of the differences.
-        let gradient = if gradient_per_s2.abs() < SAME { 0.0 } else { *gradient_per_s2 };
-        format!(
-            "linearised at {duty_percent:.1} % and {position_mm:.0} mm: gain {gain_mm_per_s2_per_percent:.0} mm/s² per \
-             percent, drag {drag_per_s:.2} 1/s, gradient {gradient:.2} 1/s²"
-        )
-    }
 }
 
 /// The plant about one duty.

@@ -11,6 +11,7 @@ pub(super) fn name(rung: &Rung) -> String {
         (Step::Refitted, _) => "numbers refitted".into(),
         (Step::Removed, _) => "absent effects left out".into(),
         (Step::Effect, name) => format!("+ {}", name.unwrap_or_default()),
+        (Step::Formula, _) => "+ formula".into(),
     }
 }
 

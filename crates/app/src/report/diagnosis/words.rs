@@ -24,6 +24,9 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     if let Some(residual) = found.residual_in_words() {
         let _ = write!(words, "\n{residual}");
     }
+    if let Some(formula) = found.formula_in_words() {
+        let _ = write!(words, "\n{formula}");
+    }
     if let Some(left_out) = found.left_out_in_words() {
         let _ = write!(words, "\n{left_out}");
     }

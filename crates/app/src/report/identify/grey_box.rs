@@ -1,6 +1,7 @@
 //! A grey-box identification in words and as a document.
 
 use super::{SCHEMA, name, said};
+use crate::report::kit::about::About;
 use crate::report::kit::table::empty;
 use diagnose::Recording;
 use diagnose::identify::{GreyBox, ParameterEstimate, Percent, Poles, ResidualTests, Test};
@@ -19,6 +20,9 @@ pub struct Document<'a> {
     open_loop: bool,
     chosen: Poles,
     models: Vec<ModelEntry<'a>>,
+    /// The slopes of the kept plant about the height and duty that were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    about: Option<About>,
     version: &'static str,
 }
 
@@ -45,7 +49,7 @@ const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 impl<'a> Document<'a> {
     /// The document of the fits with each number of poles, of which `best` is kept.
     #[must_use]
-    pub fn of(found: &'a [GreyBox], best: &GreyBox, open_loop: bool) -> Self {
+    pub fn of(found: &'a [GreyBox], best: &GreyBox, open_loop: bool, about: Option<About>) -> Self {
         let entry = |found: &'a GreyBox| ModelEntry {
             poles: found.poles,
             estimates: &found.estimates,
@@ -61,7 +65,7 @@ impl<'a> Document<'a> {
         };
         let models = found.iter().map(entry).collect();
         let (chosen, version) = (best.poles, env!("CARGO_PKG_VERSION"));
-        Self { schema: SCHEMA, method: "grey_box", open_loop, chosen, models, version }
+        Self { schema: SCHEMA, method: "grey_box", open_loop, chosen, models, about, version }
     }
 }
 

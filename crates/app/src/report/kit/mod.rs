@@ -1,5 +1,6 @@
 //! The parts of all reports: pages, pictures, tables and colours.
 
+pub mod about;
 pub mod page;
 pub mod palette;
 pub mod patch;

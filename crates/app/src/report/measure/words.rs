@@ -7,7 +7,7 @@ use crate::report::kit::table::empty;
 use anyhow::Result;
 use clap::ValueEnum;
 use diagnose::measure::Estimate;
-use diagnose::measure::critical::{Critical, Swing};
+use diagnose::measure::critical::{Critical, CriticalTime, Swing};
 use diagnose::measure::dead_zone::DeadZone;
 use diagnose::measure::jumps::{Jump, Jumps};
 use diagnose::measure::noise_floor::NoiseFloor;
@@ -67,6 +67,7 @@ pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
         Found::DeadZone { zone, jumps } => vec![table(&rows), verdict_of_zone(zone, jumps), given(jumps)],
         Found::ForceCurve { jumps, .. } => vec![forces(jumps).table(), table(&rows), given(jumps), OF_PATCH.into()],
         Found::CriticalGain(critical) => words_of_gain(critical),
+        Found::CriticalTime(critical) => words_of_time(critical),
         Found::Steps(steps) => vec![table_of_steps(&rows), settled(steps)],
         Found::NoiseFloor(floor) => vec![table(&rows), readings(floor)],
         Found::Calibration(calibration) => {
@@ -83,6 +84,7 @@ pub fn rows(found: &Found, tables: &Tables) -> Vec<Row> {
         Found::CriticalGain(critical) => {
             vec![row("critical gain", Some(critical.kp_per_mm), 5, " per mm", None)]
         }
+        Found::CriticalTime(critical) => vec![row("critical integral time", Some(critical.ti_s), 3, " s", None)],
         Found::Steps(steps) => vec![
             row("overshoot", steps.overshoot_percent, 1, " %", None),
             row("first peak", steps.peak_s, 2, " s", None),
@@ -184,25 +186,37 @@ pub fn forces(jumps: &Jumps) -> Rows<6> {
 }
 
 /// The steps that oscillate.
-pub fn swings(found: &Critical) -> Rows<4> {
+pub fn swings(steps: &[Swing]) -> Rows<5> {
     let row = |swing: &Swing| {
         [
             format!("{:.0} s", swing.time_s),
             format!("{:.5} per mm", swing.kp_per_mm),
+            format!("{:.2} s", swing.ti_s),
             format!("{:+.3} 1/s", swing.growth_per_s),
             format!("{:.2} rad/s", swing.omega),
         ]
     };
-    Rows { heads: ["step at", "K_p", "growth", "frequency"], rows: found.swings.iter().map(row).collect() }
+    Rows { heads: ["step at", "K_p", "T_i", "growth", "frequency"], rows: steps.iter().map(row).collect() }
 }
 
 fn words_of_gain(found: &Critical) -> Vec<String> {
     let Estimate { value, low, high } = found.kp_per_mm;
     let (ti_s, omega) = (found.ti_s, found.omega);
     vec![
-        swings(found).table(),
+        swings(&found.swings).table(),
         format!(
             "critical gain {value:.5} per mm ({low:.5} to {high:.5}) under PI control with T_i = {ti_s:.1} s; it oscillates at {omega:.2} rad/s"
+        ),
+    ]
+}
+
+fn words_of_time(found: &CriticalTime) -> Vec<String> {
+    let Estimate { value, low, high } = found.ti_s;
+    let (kp_per_mm, omega) = (found.kp_per_mm, found.omega);
+    vec![
+        swings(&found.swings).table(),
+        format!(
+            "critical integral time {value:.3} s ({low:.3} to {high:.3}) under PI control with K_p = {kp_per_mm:.4} per mm; it oscillates at {omega:.2} rad/s"
         ),
     ]
 }

@@ -1,9 +1,9 @@
 //! Where simulator and rig differ: by place, by frequency, and by the time since the duty.
 
 use super::Report;
-use crate::report::diagnosis::plot::{over_signals, over_time};
+use crate::report::diagnosis::plot::{formula, over_signals, over_time};
 use crate::report::kit::page::figure::{Size, figure};
-use crate::report::kit::page::parts::{number, signal, three_digits};
+use crate::report::kit::page::parts::{capital, number, signal, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
 use diagnose::thresholds::SIGNIFICANT;
@@ -24,6 +24,12 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         }
         (in_words(&places))
         @if let Some(shape) = report.found.residual_in_words() { p { (shape) "." } }
+        @if let Some(formula) = report.found.formula_in_words() { p { (capital(&formula)) "." } }
+        @for (words, diagram) in formula(report.found, &picture.missing) {
+            @let (name, _) = diagram.abscissa.split_once(", ").unwrap_or((diagram.abscissa, ""));
+            @let alt = format!("Formula over {name}: {words}, with its 90 % band");
+            (figure(&diagram, Size::SMALL, &alt, &html! { "Over " (name) ": " (words) "." }))
+        }
         @if let Some(left_out) = report.found.left_out_in_words() { p { (left_out) "." } }
         @if picture.missing.is_empty() {
             p.nothing { "There is no free flight in this record, so there is no residual force." }

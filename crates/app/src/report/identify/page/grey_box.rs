@@ -5,6 +5,7 @@ use super::{INTERVALS, PATCH, to_believe, value};
 use crate::report::identify::grey_box::{Residuals, words};
 use crate::report::identify::plot::{correlations, look, plants, simulations};
 use crate::report::identify::{digits, name, said};
+use crate::report::kit::about::About;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{bars, capital, command, findings, glossary, minus, number, table, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
@@ -37,6 +38,8 @@ pub struct Report<'a> {
     pub best: &'a GreyBox,
     /// It as a patch.
     pub patch: &'a str,
+    /// Its slopes about the height and duty that were asked for.
+    pub about: Option<About>,
 }
 
 /// The page of an identification.
@@ -131,6 +134,9 @@ fn numbers(report: &Report<'_>) -> Markup {
         ["number", "as believed"].into_iter().chain(report.found.iter().map(|one| words::poles(one.poles))).collect();
     html! {
         (table("Numbers with 90 % intervals", &heads, &rows))
+        @if let Some(about) = &report.about {
+            p { (capital(&about.words())) "." }
+        }
         @if report.found.len() > 1 {
             p { strong { "Kept: " (words::poles(report.best.poles)) "." } " " (capital(&words::why(report.found, report.best))) "." }
         }

@@ -4,7 +4,7 @@ use crate::analysis::measurement::{Calibration, Found, Steps};
 use crate::analysis::step_response::Step;
 use crate::report::kit::page::parts::words;
 use crate::report::measure::words::{Rows, bands, forces, swings};
-use diagnose::measure::critical::Critical;
+use diagnose::measure::critical::Swing;
 use diagnose::measure::jumps::Jumps;
 use diagnose::measure::noise_floor::NoiseFloor;
 use maud::{Markup, html};
@@ -12,7 +12,8 @@ use maud::{Markup, html};
 pub(super) fn body(found: &Found) -> Markup {
     match found {
         Found::DeadZone { jumps, .. } | Found::ForceCurve { jumps, .. } => of_jumps(jumps),
-        Found::CriticalGain(critical) => of_swings(critical),
+        Found::CriticalGain(critical) => of_swings(&critical.swings, "rising gains", "gain"),
+        Found::CriticalTime(critical) => of_swings(&critical.swings, "falling integral times", "integral time"),
         Found::Steps(steps) => of_steps(steps),
         Found::NoiseFloor(floor) => of_floor(floor),
         Found::Calibration(calibration) => of_ends(calibration),
@@ -34,12 +35,12 @@ fn of_jumps(jumps: &Jumps) -> Markup {
     }
 }
 
-fn of_swings(found: &Critical) -> Markup {
-    let Rows { heads, rows } = swings(found);
+fn of_swings(steps: &[Swing], varied: &str, critical: &str) -> Markup {
+    let Rows { heads, rows } = swings(steps);
     html! {
         p {
-            "The setpoint stepped under rising gains, and after each step the oscillation grew or decayed. The critical gain is where the growth "
-            "rate crosses zero. It holds for oscillations of this amplitude: a dead zone sustains small ones, a limit of the duty damps large ones."
+            "The setpoint stepped under " (varied) ", and after each step the oscillation grew or decayed. The critical " (critical) " is where the "
+            "growth rate crosses zero. It holds for oscillations of this amplitude: a dead zone sustains small ones, a limit of the duty damps large ones."
         }
         (words("Step by step", &heads, &rows))
     }

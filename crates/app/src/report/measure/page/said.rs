@@ -4,7 +4,7 @@ use super::Report;
 use crate::analysis::measurement::{Calibration, Found, Steps};
 use crate::report::kit::page::parts::command;
 use crate::report::measure::words::{BLIND, given, readings, settled, verdict_of_zone};
-use diagnose::measure::critical::Critical;
+use diagnose::measure::critical::{Critical, CriticalTime};
 use diagnose::measure::dead_zone::DeadZone;
 use maud::{Markup, html};
 
@@ -21,6 +21,9 @@ pub(super) fn answer(found: &Found) -> String {
         ),
         Found::CriticalGain(Critical { kp_per_mm, .. }) => {
             format!("The critical gain is {:.4} per mm: above it the loop is unstable", kp_per_mm.value)
+        }
+        Found::CriticalTime(CriticalTime { ti_s, .. }) => {
+            format!("The critical integral time is {:.3} s: below it the loop is unstable", ti_s.value)
         }
         Found::Steps(steps) => of_steps(steps),
         Found::NoiseFloor(floor) => format!("The noise of a reading is {:.2} mm (1σ)", floor.sensor_mm.value),
@@ -71,6 +74,10 @@ pub(super) fn lede(found: &Found) -> String {
             "From {} steps under PI control with T_i = {ti_s:.1} s; there the loop oscillates at {omega:.2} rad/s.",
             swings.len()
         ),
+        Found::CriticalTime(CriticalTime { kp_per_mm, omega, swings, .. }) => format!(
+            "From {} steps under PI control with K_p = {kp_per_mm:.4} per mm; there the loop oscillates at {omega:.2} rad/s.",
+            swings.len()
+        ),
         Found::Steps(steps) => settled(steps),
         Found::NoiseFloor(floor) => readings(floor),
         Found::Calibration(found) => found.sensor_scale.map_or_else(
@@ -89,6 +96,9 @@ pub(super) const fn figure(found: &Found) -> &'static str {
         Found::CriticalGain(_) => {
             "Growth rate of the oscillation over the gain: a cross for each step; its zero is the critical gain"
         }
+        Found::CriticalTime(_) => {
+            "Growth rate of the oscillation over the integral time: a cross for each step; its zero is the critical one"
+        }
         Found::Steps(_) => "Every step over the time since it began, relative to its size",
         Found::NoiseFloor(_) | Found::Calibration(_) => "Histogram of the readings, 1 mm wide",
     }
@@ -106,6 +116,7 @@ pub(super) fn beside(found: &Found) -> Vec<String> {
 pub(super) const fn no_patch(found: &Found) -> &'static str {
     match found {
         Found::Steps(_) => "The config has no keys for step metrics: there is no patch.",
+        Found::CriticalTime(_) => "The config has no key for a critical integral time: there is no patch.",
         Found::CriticalGain(_) => {
             "No fan lag gives the model of the config this critical gain, or the config has no model: there is no patch."
         }
@@ -128,6 +139,10 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
                     @let (gain, ti_s) = ti_s(critical);
                     (line("Find the fan lag for this critical gain", &format!("airball identify third-pole --critical-gain {gain:.5} --integral-time {ti_s:.1} --sampled")))
                     (line("Design with a margin", "airball design pid --patch measured.toml"))
+                }
+                Found::CriticalTime(_) => {
+                    (line("Compare with the model", "airball identify third-pole"))
+                    (line("Measure the simulator in the same way", "airball measure critical-time --virtual"))
                 }
                 Found::Steps(_) => {
                     (line("Measure the simulator in the same way", &format!("airball measure {} --virtual", report.what)))
@@ -163,6 +178,10 @@ pub(super) fn words(found: &Found) -> Vec<(&'static str, &'static str)> {
             ),
             ("dead zone", "The range of duties about hover in which the force does not change."),
             ("fan lag", "Time constant of the air speed after a step of the duty (63 % rise time)."),
+        ],
+        Found::CriticalTime(_) => &[
+            ("growth", "Exponential growth rate of the oscillation, 1/s; negative if it decays."),
+            ("critical integral time", "The integral time at which the loop is marginally stable."),
         ],
         Found::CriticalGain(_) => &[
             ("growth", "Exponential growth rate of the oscillation, 1/s; negative if it decays."),

@@ -159,7 +159,7 @@ test("live: gains, controller and experiment are changed, and a refusal is said 
   await until(page, "no experiment", async () => (await text(page, "experiment")) === "none");
   assert.deepEqual(wrong, []);
   await page.evaluate(() => { document.getElementById("setpoint-form").noValidate = true; });
-  await page.getByLabel("Number, mm").evaluate((input) => { input.removeAttribute("max"); input.value = 5000; });
+  await page.getByLabel("Number, mm").evaluate((input) => { input.removeAttribute("max"); input.value = 5000; input.dispatchEvent(new Event("input")); });
   await page.getByRole("button", { name: "Send there" }).click();
   await page.getByText("30 to 550 mm").and(page.locator("#reply")).waitFor();
 });

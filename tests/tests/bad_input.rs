@@ -45,9 +45,10 @@ fn a_check_of_the_config_reads_the_experiments_on_offer_and_warns_of_a_loop_that
     let bench = with_config("[mqtt]", "[mqtt]\nexperiments = [\"gone.toml\"]");
     refused(&bench, &check, 2, &["gone.toml", "[mqtt] experiments"]);
     let bench = with_config("period_s = 0.02 ", "period_s = 0.018 ");
-    let said = bench.output(&check);
-    assert!(said.contains("is sound") && said.contains("warning: [loop] period_s = 0.018 is shorter"), "{said}");
-    assert!(!Bench::default().output(&check).contains("warning"));
+    let ran = bench.run(&check);
+    assert!(ran.code == Some(0) && ran.output.contains("is sound"), "{ran:?}");
+    assert!(ran.errors.contains("warning: [loop] period_s = 0.018 is shorter"), "{ran:?}");
+    assert!(!Bench::default().run(&check).errors.contains("warning"));
 }
 
 #[test]

@@ -118,6 +118,9 @@ pub struct DiagnoseArgs {
     /// Leave this effect out of the search; may be repeated
     #[arg(long, value_name = "EFFECT")]
     pub without: Vec<String>,
+    /// Search for a formula of what no effect explains; this takes many times as long
+    #[arg(long)]
+    pub formula: bool,
     /// Write the diagnosis as JSON to standard output, and nothing else there
     #[arg(long)]
     pub json: bool,

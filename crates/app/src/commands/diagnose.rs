@@ -49,7 +49,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<ExitCode> {
         ProgressStep::Planned(fits) => shown.inc_length(fits as u64),
         ProgressStep::Made => shown.inc(1),
     });
-    let options = Options { progress, without: args.without.clone() };
+    let options = Options { progress, without: args.without.clone(), formula: args.formula };
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     // The answer first: a full disk takes files only. They are written also where the reader has closed the output.

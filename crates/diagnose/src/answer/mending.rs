@@ -28,11 +28,16 @@ pub(super) struct Mending {
 }
 
 impl Mending {
-    /// Mends the refitted belief. With `incomplete`, a significant residual remains: it gets a formula if it matters and
-    /// has one, and the effects that only stood for it are removed from `found`.
-    pub(super) fn of(search: &Search<'_>, refitted: &Fit, found: &mut Selection, incomplete: bool) -> Self {
+    /// Mends the refitted belief. With `incomplete`, a significant residual remains: where a formula is asked for, it gets one if it
+    /// matters and has one, and the effects that only stood for it are removed from `found`.
+    pub(super) fn of(
+        search: &Search<'_>,
+        refitted: &Fit,
+        found: &mut Selection,
+        (incomplete, formula_asked): (bool, bool),
+    ) -> Self {
         let mut ladder = Ladder::of(search, refitted, found);
-        let formula = if incomplete { accepted(search, &ladder, found) } else { None };
+        let formula = if incomplete && formula_asked { accepted(search, &ladder, found) } else { None };
         if let Some(Formula { stand_ins, .. }) = formula.as_ref().filter(|formula| !formula.stand_ins.is_empty()) {
             found.remove(search, stand_ins);
             ladder = Ladder::of(search, refitted, found);

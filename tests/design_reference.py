@@ -75,6 +75,10 @@ def assess(name, found, plant, period=None):
     same(f"{name}: gain margins", [(m["omega"], m["factor"]) for m in of["gain_margins"]], reference, 1e-4)
     reference = above(zip(at_one, phase))
     same(f"{name}: phase margins", [(m["omega"], m["phase_deg"]) for m in of["phase_margins"]], reference, 1e-4)
+    if of["stable"]:
+        omega = numpy.geomspace(1e-2, numpy.pi / period if period else 1e3, 20001)
+        point = numpy.exp(1j * omega * period) if period else 1j * omega
+        same(f"{name}: peak sensitivity", of["peak_sensitivity"], numpy.max(1 / numpy.abs(1 + loop(point))), 1e-3)
     kp = found["pid"]["kp_per_mm"]
     same(f"{name}: critical K_p", of["critical_kp_per_mm"], kp * edge(lambda k: stable(loop, k), 1.0, 1e4), 1e-6)
 

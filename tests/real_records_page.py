@@ -53,7 +53,7 @@ def section(record, belief, documented, answer):
     passes = any(effect["name"] in causes and effect["probability"] >= 0.5 for effect in named[:3])
     probability = {effect["name"]: effect["probability"] for effect in named}
     lines = [f"## `{record}`, believed by `{belief}`", "", f"Documented: {words}. Verdict: `{answer['verdict']}`. By the rule: **{'right' if passes else 'wrong'}**.", "",
-             "| step | probability | error at 1 s | free run | closes of the gap |", "|---|---|---|---|---|"]
+             "| step | probability | error at 1 s | free run | share of the gap |", "|---|---|---|---|---|"]
     for rung in answer["ladder"]:
         name = rung.get("name", {"believed": "as believed", "refitted": "numbers refitted"}.get(rung["step"], rung["step"]))
         odds = f"{probability[name]:.2f}" if name in probability else ""

@@ -16,11 +16,10 @@ const COMPETITORS: usize = 4;
 pub(crate) fn list(exhibits: &[Exhibit]) -> String {
     let mut page = format!(
         "{MARK}\n\n# Gallery of effects\n\n\
-         What each effect of the catalogue does to a flight. Every exhibit is the rig of a config with one effect that its owner does not \
-         believe in, flown through one experiment (`experiments/gallery.toml`) by one controller with one seed, and diagnosed against the belief \
-         without it.\n\n\
-         The last column is what `diagnose` answers to this one record. It is not always the right name: some effects hardly \
-         show here, some look like another.\n\n\
+         What each effect of the catalogue does to a flight. Each page shows the simulated rig of the config with one more effect, flown with one \
+         experiment (`experiments/gallery.toml`), controller and seed, and diagnosed with the model of the config, which lacks the effect.\n\n\
+         The last column is the answer of `diagnose` to this one record. It is not always the right name: some effects hardly \
+         show here, and some look like another.\n\n\
          | effect | stage | in a log | diagnosed as |\n|---|---|---|---|\n"
     );
     for exhibit in exhibits {
@@ -70,14 +69,14 @@ pub(crate) fn page(exhibit: &Exhibit) -> String {
         ),
         format!("## In a log\n\n{}.\n\n{}", capital(exhibit.entry.in_a_log), pictures(key, &name)),
         format!("## What a diagnosis says\n\n{}", diagnosis(exhibit)),
-        format!("## Its neighbours\n\n{}\n\n{}", similar(&exhibit.entry), competitors(exhibit)),
-        format!("## To mend it\n\n{}", mend(exhibit)),
+        format!("## Similar effects\n\n{}\n\n{}", similar(&exhibit.entry), competitors(exhibit)),
+        format!("## Correct it\n\n{}", mend(exhibit)),
     ];
     sections.join("\n\n") + "\n"
 }
 
 fn numbers(exhibit: &Exhibit) -> String {
-    let mut table = String::from("| number | here | accepted | does nothing at |\n|---|---|---|---|");
+    let mut table = String::from("| parameter | value here | accepted | no effect at |\n|---|---|---|---|");
     for (Param { name, min, max, neutral, .. }, value) in exhibit.entry.params.iter().zip(&exhibit.values) {
         let neutral = match neutral {
             Neutral::At(value) | Neutral::Any(value) => value.to_string(),
@@ -92,11 +91,10 @@ fn pictures(file: &str, name: &str) -> String {
     format!(
         "![Position and duty of one experiment with {name} and without it]({file}-flight.svg)\n\n\
          The same experiment, controller and seed on two rigs: with the effect, and without it. Below, the two duties.\n\n\
-         ![Free runs of the belief and of the mended model beside the record, and the missing force]({file}-force.svg)\n\n\
-         The recorded duty of the flight with the effect, run through two models that are told the position every 10 s: the belief, which \
-         lacks the effect, and the mended one. Below, the missing force: what had to push the ball, beyond the belief with fitted gain, drag \
-         and hover, for it to go where it went; over time, and its mean over duty, height and speed. Shaded is where the belief is \
-         significantly wrong."
+         ![Free runs of the config model and of the mended model, the record, and the residual force]({file}-force.svg)\n\n\
+         The recorded duty of the flight with the effect, simulated with two models that are restarted at the recorded position every 10 s: the config model, \
+         which lacks the effect, and the mended one. Below, the residual force: the force that the config model with refitted gain, drag and \
+         hover lacks for the recorded motion; over time, and its mean over duty, height and speed. Shaded: significant forecast errors."
     )
 }
 
@@ -111,7 +109,7 @@ const fn known(exhibit: &Exhibit) -> &plant::Effects {
 }
 
 fn similar(entry: &Entry) -> String {
-    let mut text = String::from("What it is easily taken for, and how to tell:\n");
+    let mut text = String::from("Effects that look similar, and what separates them:\n");
     for Similar { name, distinguished_by } in entry.similar {
         let _ = write!(text, "\n- {}: {distinguished_by}.", link(name, entry.name));
     }
@@ -124,9 +122,9 @@ fn competitors(exhibit: &Exhibit) -> String {
     let first = found.rounds.first().map(Vec::as_slice).unwrap_or_default();
     let mut tried: Vec<_> = first.iter().zip(found.chances(first)).filter(|(one, _)| one.in_full).collect();
     tried.sort_by(|a, b| b.0.held_out_gain.total_cmp(&a.0.held_out_gain));
-    let mut text = String::from("No effect passed the first look at this record.");
+    let mut text = String::from("No effect passed the screening of this record.");
     if !tried.is_empty() {
-        text = "The effects that explain this record best, each alone, on stretches that it was not fitted to. Five nats are e⁵ to 1.\n\n\
+        text = "The effects that explain this record best, each alone, on held-out stretches. 5 nats are odds of 150 to 1.\n\n\
                 | effect | stage | gain, nats | probability |\n|---|---|---|---|"
             .into();
     }

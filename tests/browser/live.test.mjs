@@ -142,6 +142,13 @@ test("live: gains, controller and experiment are changed, and a refusal is said 
   await gain.fill("0.015");
   await page.getByRole("button", { name: "Change together" }).click();
   await page.getByText("gains: in force").waitFor();
+  await page.getByText("Controllers, compensation and observer").click();
+  const fan = page.getByLabel("lqg.fan");
+  await fan.fill("0.6");
+  await page.getByRole("button", { name: "Change numbers together" }).click();
+  await page.getByText("numbers: in force").waitFor();
+  await page.getByRole("button", { name: "Undo the last change" }).click();
+  await until(page, "the number is back", async () => (await fan.inputValue()) === "0.6968");
   await page.getByRole("combobox", { name: "Flies, from now on" }).selectOption("lqg");
   await until(page, "lqg flies", async () => (await text(page, "flying-controller")) === "lqg");
   await page.getByRole("combobox", { name: "Flies, from now on" }).selectOption("pid");
@@ -152,7 +159,7 @@ test("live: gains, controller and experiment are changed, and a refusal is said 
   await until(page, "no experiment", async () => (await text(page, "experiment")) === "none");
   assert.deepEqual(wrong, []);
   await page.evaluate(() => { document.getElementById("setpoint-form").noValidate = true; });
-  await page.getByLabel("Number, mm").evaluate((input) => { input.removeAttribute("max"); input.value = 5000; });
+  await page.getByLabel("Number, mm").evaluate((input) => { input.removeAttribute("max"); input.value = 5000; input.dispatchEvent(new Event("input")); });
   await page.getByRole("button", { name: "Send there" }).click();
   await page.getByText("30 to 550 mm").and(page.locator("#reply")).waitFor();
 });

@@ -26,7 +26,7 @@ const SIMULATE: [&str; 3] = ["simulate", "--duration", "1"];
 #[test]
 fn an_unknown_key_of_the_config_is_named_with_file_line_and_the_known_keys() {
     let bench = with_config("pipe_length_mm", "pipe_length_metres");
-    refused(&bench, &SIMULATE, 2, &["config.toml:", "plant.pipe_length_metres", "unknown field", "`pipe_length_mm`"]);
+    refused(&bench, &SIMULATE, 2, &["config.toml:", "plant.pipe_length_metres", "unknown key", "`pipe_length_mm`"]);
     let bench = with_config("[plant.effects.fan_lag]", "[plant.effects.fan_lagg]");
     refused(&bench, &SIMULATE, 2, &["plant.effects.fan_lagg", "`dead_zone`", "`fan_lag`"]);
 }
@@ -37,6 +37,18 @@ fn a_value_out_of_range_is_named_with_its_bounds() {
     refused(&bench, &SIMULATE, 2, &["config.toml:", "loop.period_s = 0.0002 is outside 0.005 to 1"]);
     let bench = with_config("pipe_length_mm = 583.0", "pipe_length_mm = nan");
     refused(&bench, &SIMULATE, 2, &["plant.pipe_length_mm = NaN is outside"]);
+}
+
+#[test]
+fn a_check_of_the_config_reads_the_experiments_on_offer_and_warns_of_a_loop_that_outruns_its_sensor() {
+    let check = ["config", "check"];
+    let bench = with_config("[mqtt]", "[mqtt]\nexperiments = [\"gone.toml\"]");
+    refused(&bench, &check, 2, &["gone.toml", "[mqtt] experiments"]);
+    let bench = with_config("period_s = 0.02 ", "period_s = 0.018 ");
+    let ran = bench.run(&check);
+    assert!(ran.code == Some(0) && ran.output.contains("is sound"), "{ran:?}");
+    assert!(ran.errors.contains("warning: [loop] period_s = 0.018 is shorter"), "{ran:?}");
+    assert!(!Bench::default().run(&check).errors.contains("warning"));
 }
 
 #[test]
@@ -52,7 +64,7 @@ fn a_setpoint_outside_the_pipe_is_refused_in_the_config_and_in_an_experiment() {
 fn a_table_that_a_command_needs_is_named_with_the_command() {
     let bench = Bench::default();
     bench.write("thin.toml", "[safety]\nsetpoint_min_mm = 30.0\n");
-    refused(&bench, &["simulate", "--config", "thin.toml"], 2, &["thin.toml:1", "safety", "missing field"]);
+    refused(&bench, &["simulate", "--config", "thin.toml"], 2, &["thin.toml:1", "safety", "missing key"]);
     bench.write("empty.toml", "");
     refused(&bench, &["simulate", "--config", "empty.toml"], 2, &["[loop]", "simulate", "empty.toml"]);
     bench.write("f.csv", "time_s,duty_percent,position_mm\n0,1,2\n");

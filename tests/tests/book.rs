@@ -162,14 +162,26 @@ fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_oth
     bench.write("stuck.toml", "[plant.effects.dead_zone]\nlower_percent = -0.4\nupper_percent = 0.4\n");
     let flags = ["simulate", "--patch", "stuck.toml", "--log", "stuck.mcap", "--experiment"];
     let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
+    // A force that no effect of the catalogue explains, so that the document has a formula.
+    bench.write(
+        "bumpy.toml",
+        "[effect.bumpy]\nstage = \"air\"\nadds = \"size * sin(2 * pi * x / 60)\"\n\
+         parameters.size = { neutral = 0.0, low = -500.0, high = 500.0 }\n[plant.effects.bumpy]\nsize = 90.0\n",
+    );
+    let flags = ["simulate", "--patch", "bumpy.toml", "--log", "bumpy.mcap", "--experiment"];
+    let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
     let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
     bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
     let page = read("reference/documents.md");
-    for (command, logs) in [("replay", &["stuck.mcap"][..]), ("diagnose", &["stuck.mcap", "still.csv"])] {
+    for (command, logs) in [("replay", &["stuck.mcap"][..]), ("diagnose", &["stuck.mcap", "still.csv", "bumpy.mcap"])] {
         let mut keys = BTreeSet::new();
         let mut schema = String::new();
         for log in logs {
-            let written: Value = serde_json::from_str(&bench.output(&[command, log, "--json"])).unwrap();
+            let written: Value = {
+                let formula = &["--formula"][usize::from(command != "diagnose")..];
+                let flags = [&[command, log, "--json"], formula].concat();
+                serde_json::from_str(&bench.run(&flags).output).unwrap()
+            };
             keys_of(&written, "", &mut keys);
             schema = written["schema"].as_str().unwrap().to_owned();
         }

@@ -48,6 +48,7 @@ fn a_disk_that_fills_up_in_flight_is_said_at_once_and_costs_neither_the_flight_n
     assert_eq!(ran.code, Some(1), "{ran:?}");
     assert!(ran.errors.contains("f.mcap failed after") && ran.errors.contains("the flight goes on"), "{}", ran.errors);
     assert!(ran.output.contains("log       f.mcap"), "{}", ran.output);
+    assert!(ran.errors.contains("cycles of the flight; the summary is of these"), "{}", ran.errors);
     let info = bench.run(&["log", "info", "f.mcap"]);
     assert!(info.code == Some(0) && info.output.contains("waiting → flying"), "{info:?}");
 }

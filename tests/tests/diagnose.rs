@@ -119,8 +119,14 @@ fn a_record_that_cannot_answer_says_so_and_names_nothing() {
     let bench = Bench::default();
     let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
     bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
-    let found = diagnose(&bench, &["still.csv"]);
+    let ran = bench.run(&["diagnose", "still.csv", "--json", "--html", "still.html"]);
+    assert_eq!(ran.code, Some(3), "{}", ran.errors);
+    let found: Value = serde_json::from_str(&ran.output).unwrap();
     assert_eq!(found["verdict"], "insufficient_data");
+    // The page says why before anything else, and has no empty parts.
+    let page = bench.read("still.html");
+    let reason = page.find("the duty stays within").unwrap();
+    assert!(reason < page.find("<nav").unwrap() && !page.contains("Which effect it is"), "{page}");
     assert_eq!(found["effects"], serde_json::json!([]));
     assert!(found["check"]["findings"].as_array().unwrap().len() >= 2, "{found}");
 }
@@ -150,12 +156,13 @@ fn the_next_experiment_of_a_record_that_cannot_answer_is_a_file_that_flies() {
     let bench = Bench::default();
     let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
     bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
-    let found = diagnose(&bench, &["still.csv", "--next-out", "next.toml"]);
+    let ran = bench.run(&["diagnose", "still.csv", "--json", "--next-out", "next.toml"]);
+    let found: Value = serde_json::from_str(&ran.output).unwrap();
     let next = &found["next_experiment"];
     assert_eq!(next["file"], bench.read("next.toml"), "{found}");
     assert!(next["expected_nats"].as_f64().unwrap() > 2.0 && next["separates"].as_array().unwrap().len() > 1, "{next}");
     let _ = bench.output(&["simulate", "--experiment", "next.toml", "--log", "next.mcap"]);
-    assert!(bench.output(&["diagnose", "still.csv"]).contains("next: fly \""));
+    assert!(bench.run(&["diagnose", "still.csv"]).output.contains("next: fly \""));
 }
 
 #[test]

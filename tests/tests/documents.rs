@@ -23,6 +23,12 @@ fn the_architecture_page_fits_on_two_screens() {
 }
 
 #[test]
+fn the_readme_is_short() {
+    let page = fs::read_to_string(root().join("README.md")).unwrap();
+    assert!(page.lines().count() <= 150, "{} lines", page.lines().count());
+}
+
+#[test]
 fn every_path_that_the_architecture_page_and_the_page_on_internals_name_exists() {
     for page in ["ARCHITECTURE.md", "docs/internals.md"] {
         every_path_exists(&fs::read_to_string(root().join(page)).unwrap());
@@ -104,7 +110,7 @@ fn the_commands_of_the_readme_run_and_their_tables_are_what_they_print() {
     }
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
     let commands: Vec<&str> = readme.lines().filter_map(|line| line.strip_prefix("    airball ")).collect();
-    assert!(commands.len() >= 5, "{commands:?}");
+    assert!(commands.len() >= 3, "{commands:?}");
     for command in commands {
         let said = bench.output(&command.split_whitespace().collect::<Vec<_>>());
         for line in said.lines().filter(|line| !command.starts_with("simulate") && !line.starts_with("picture")) {

@@ -62,6 +62,33 @@ fn flights_give_back_the_plant_of_the_config_within_its_intervals() {
 }
 
 #[test]
+fn an_identified_plant_is_linearised_about_the_duty_that_is_asked_for() {
+    let bench = bench();
+    bench.write(
+        "air.toml",
+        "[plant]\ndrag_per_s = 2.0\n[plant.effects.relative_airflow]\ninverse_speed_s_per_mm = 1e-4\n",
+    );
+    let flown = ["simulate", "--patch", "air.toml", "--experiment", "experiments/identify.toml", "--log", "id.mcap"];
+    let _ = bench.output(&flown);
+    let arguments = ["grey-box", "id.mcap", "--patch", "air.toml", "--poles", "3"];
+    let found = identify(&bench, &[&arguments[..], &["--about-duty", "25", "--html", "id.html"]].concat());
+    let of = |name: &str| {
+        let all = found["models"][0]["estimates"].as_array().unwrap();
+        all.iter().find(|one| one["name"] == name).and_then(|one| one["value"].as_f64()).unwrap()
+    };
+    let (gain, drag) = (of("gain_mm_per_s2_per_percent"), of("drag_per_s"));
+    // a·√(1 + 2·q·A/a) with the identified gain and drag, q believed.
+    let exact = drag * (1.0 + 2e-4 * gain * (25.0 - of("hover_duty_percent")) / drag).sqrt();
+    let there = found["about"]["drag_per_s"].as_f64().unwrap();
+    assert!((there / exact - 1.0).abs() < 1e-3 && there > drag, "{there}, not {exact}");
+    let page = std::fs::read_to_string(bench.path("id.html")).unwrap();
+    assert!(page.contains("Linearised at 25.0 % and"), "the page does not say it");
+    assert!(identify(&bench, &arguments)["about"].is_null());
+    let refused = bench.run(&[&["identify"], &arguments[..], &["--about-duty", "-3"]].concat());
+    assert!(refused.code == Some(1) && refused.errors.contains("give 0 to 100 %"), "{}", refused.errors);
+}
+
+#[test]
 fn a_plant_that_was_identified_is_designed_for_and_flown() {
     let bench = bench();
     let found = identified(&bench, "4");
@@ -167,6 +194,24 @@ fn a_record_of_another_rig_is_identified_and_its_residuals_say_what_a_linear_pla
 }
 
 #[test]
+fn the_experiment_without_control_is_enough_for_the_poles_without_control() {
+    let bench = bench();
+    let _ = bench.output(&["simulate", "--seed", "3", "--log", "o.mcap", "--experiment", "experiments/open-loop.toml"]);
+    let found = identify(&bench, &["grey-box", "o.mcap", "--open-loop", "--poles", "3"]);
+    for estimate in found["models"][0]["estimates"].as_array().unwrap() {
+        let [low, high] = ["low", "high"].map(|end| estimate[end].as_f64().unwrap());
+        let truth = match estimate["name"].as_str().unwrap() {
+            "gain_mm_per_s2_per_percent" => 827.2,
+            "drag_per_s" => 3.896,
+            _ => 0.257,
+        };
+        // 90 % intervals of one flight: twice as wide holds the truth.
+        let (middle, half) = ((low + high) / 2.0, high - low);
+        assert!((truth - middle).abs() < half, "{estimate}");
+    }
+}
+
+#[test]
 fn records_that_cannot_answer_are_refused_with_the_next_thing_to_fly() {
     let bench = bench();
     let _ = bench.output(&["simulate", "--duration", "40", "--log", "f.mcap"]);
@@ -175,7 +220,7 @@ fn records_that_cannot_answer_are_refused_with_the_next_thing_to_fly() {
     assert!(ran.errors.contains("experiments/gain-pulses.toml"), "{}", ran.errors);
     let ran = bench.run(&["identify", "grey-box", "f.mcap", "--open-loop"]);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.errors.contains("300 are needed"), "{}", ran.errors);
+    assert!(ran.errors.contains("300 are needed") && ran.errors.contains("open-loop.toml"), "{}", ran.errors);
     let ran = bench.run(&["identify", "third-pole", "--critical-gain", "5", "--sampled"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("no third pole"), "{}", ran.errors);

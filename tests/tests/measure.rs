@@ -27,6 +27,14 @@ fn a_flight_in_virtual_time_leaves_a_log_a_picture_and_a_patch_that_the_config_t
 }
 
 #[test]
+fn the_critical_integral_time_of_the_simulated_rig_is_that_of_its_model() {
+    let flown = found(&Bench::default(), &["measure", "critical-time", "--virtual", "--log", "t.mcap", "--json"]);
+    let ti_s = &flown["found"]["ti_s"];
+    // 0.706 s for the thesis' G_c at K_p = 0.01; the rig's delays add a little.
+    assert!((0.65..0.85).contains(&ti_s["value"].as_f64().unwrap()), "{ti_s}");
+}
+
+#[test]
 fn the_simulated_rig_in_real_time_is_measured_like_the_rig() {
     let bench = Bench::default();
     bench.write("short.toml", SHORT);

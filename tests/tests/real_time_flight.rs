@@ -145,6 +145,46 @@ fn a_flight_goes_on_under_a_flood_with_rubbish_and_megabytes_in_it_and_every_mes
     assert_eq!(ran.code, Some(0), "{}", ran.errors);
     let flown: Value = serde_json::from_str(&ran.output).unwrap();
     assert_eq!(flown["logged_cycles"], flown["cycles"]);
+    assert_eq!(flown["commands_received"], COMMANDS + MEGABYTES);
+}
+
+#[test]
+fn a_second_rig_of_the_same_name_on_a_broker_refuses_to_fly_and_the_first_flies_on() {
+    let (bench, broker) = (Bench::default(), Broker::default());
+    with_broker(&bench, &broker);
+    let flight = start(&bench, &[]);
+    eventually("the ball flies", || (state(&broker)["mode"] == "flying").then_some(()));
+    let second = bench.run(&["run", "--sim", "--log", "second.mcap", "--duration", "5"]);
+    assert_eq!(second.code, Some(1), "{}", second.errors);
+    for words in ["another program flies a rig named rig1", "[rig] name"] {
+        assert!(second.errors.contains(words), "{}", second.errors);
+    }
+    assert!(!bench.path("second.mcap").exists(), "it did not fly");
+    assert_eq!(state(&broker)["mode"], "flying");
+    assert_eq!(broker.next("airball/rig1/status").trim(), "online");
+    assert_eq!(end(flight, Signal::SIGINT).code, Some(0));
+}
+
+#[test]
+fn numbers_change_in_flight_together_are_said_to_those_who_come_later_and_are_undone() {
+    let (bench, broker) = (Bench::default(), Broker::default());
+    with_broker(&bench, &broker);
+    let flight = start(&bench, &[]);
+    eventually("the ball flies", || (state(&broker)["mode"] == "flying").then_some(()));
+    let numbers = || -> Value { serde_json::from_str(&broker.next("airball/rig1/numbers")).unwrap() };
+    let of = |numbers: Value| [numbers["pid.kp_per_mm"].clone(), numbers["observer.sensor_mm"].clone()];
+    assert_eq!(of(numbers()), [Value::from(0.018), Value::from(2.5)]);
+    let send = |text: &str| broker.publish("airball/rig1/set/numbers", text);
+    send(r#"{"pid.kp_per_mm": 0.02, "observer.sensor_mm": 3.0}"#);
+    eventually("both are said", || (of(numbers()) == [Value::from(0.02), Value::from(3.0)]).then_some(()));
+    send(r#"{"pid.kp_per_mm": 0.03, "observer.sensor_mm": -3.0}"#);
+    send("undo");
+    eventually("both are undone", || (of(numbers()) == [Value::from(0.018), Value::from(2.5)]).then_some(()));
+    assert_eq!(end(flight, Signal::SIGINT).code, Some(0));
+    let info = bench.output(&["log", "info", "f.mcap"]);
+    for words in ["pid.kp_per_mm 0.02, observer.sensor_mm 3", "observer.sensor_mm = -3 is outside", "numbers undo"] {
+        assert!(info.contains(words), "{words}: {info}");
+    }
 }
 
 #[test]

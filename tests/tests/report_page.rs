@@ -29,8 +29,8 @@ fn diagnosis(bench: &Bench) {
     let _ = run(bench, "replay STRANGER.mcap --html replay.html");
     assert!(bench.read("report.html").contains("The rig has a dead zone that the simulator lacks"));
     assert!(
-        bench.read("report.html").contains("Most of the misfit")
-            && bench.read("report.html").contains(", which chance alone may make")
+        bench.read("report.html").contains("of the misfit above noise lies between")
+            && bench.read("report.html").contains(", not significant")
     );
     // The text to copy on the page is the patch.
     assert!(bench.read("report.html").contains(bench.read("mended.toml").trim()));
@@ -57,22 +57,22 @@ fn measurements(bench: &Bench) {
         let _ = run(bench, &format!("measure {what} --virtual --log STRANGER-{what}.mcap --html {what}.html {patch}"));
         assert!(bench.read(&format!("{what}.html")).contains(answer), "{what}: {answer}");
     };
-    of("dead-zone", "--patch docs/dead-zone.toml", "of duty the ball neither rises nor falls: a dead zone");
-    of("critical-gain", "", "the loop no longer comes to rest");
+    of("dead-zone", "--patch docs/dead-zone.toml", "of duty the ball neither rises nor falls");
+    of("critical-gain", "", "above it the loop is unstable");
     of("steps", "", "The ball overshoots a step by");
     of("square", "", "The ball overshoots a step by");
-    of("force-curve", "", "A percent of duty gives ");
-    of("noise-floor", "", "One reading of the sensor errs by ");
-    of("calibration", "", "zero passes, and its scale cannot be told");
+    of("force-curve", "", "1 % of duty gives ");
+    of("noise-floor", "", "The noise of a reading is ");
+    of("calibration", "", "The zero of the sensor passes; its scale cannot be measured");
 }
 
 fn designs(bench: &Bench) {
     let _ = run(bench, "design pid --config STRANGER.toml --html design.html --patch-out gains.toml");
-    assert!(bench.read("design.html").contains("The loop is stable, and bears"));
+    assert!(bench.read("design.html").contains("The loop is stable: its gain may rise"));
     assert!(bench.read("design.html").contains(&bench.read("gains.toml").trim().replace('"', "&quot;")));
     bench.write("wild.toml", "[controller.pid]\nkp_per_mm = 0.5\n");
     let _ = run(bench, "design loop --config STRANGER.toml --patch wild.toml --html unstable.html");
-    assert!(bench.read("unstable.html").contains("This loop is not stable: it must not be flown"));
+    assert!(bench.read("unstable.html").contains("This loop is unstable: do not fly it"));
     let _ = run(bench, "design observer --config STRANGER.toml --html observer.html --patch-out observer.toml");
     assert!(bench.read("observer.html").contains("The observer believes "));
     let _ = run(bench, "design critical-gain --config STRANGER.toml --html models.html --patch-out pole.toml");

@@ -3,7 +3,7 @@
 use airball::ConfigError;
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    Usage, config, design, diagnose, emulate, fan_off, guard, identify, init, live, log, measure, monitor, note,
+    Usage, config, design, diagnose, emulate, fail, fan_off, guard, identify, init, live, log, measure, monitor,
     reader_is_gone, replay, run, simulate, with_causes,
 };
 use clap::Parser;
@@ -16,7 +16,10 @@ fn main() -> ExitCode {
         Command::Measure(args) => measure::measure(&args),
         Command::Init(args) => init::init(&args),
         Command::Replay(args) => replay::replay(&args),
-        Command::Diagnose(args) => diagnose::diagnose(&args),
+        Command::Diagnose(args) => match diagnose::diagnose(&args) {
+            Ok(status) => return status,
+            Err(error) => Err(error),
+        },
         Command::Design(command) => design::design(&command),
         Command::Identify(command) => identify::identify(&command),
         Command::FanOff(args) => fan_off::fan_off(&args),
@@ -37,7 +40,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if reader_is_gone(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            note(with_causes(&error));
+            fail(with_causes(&error));
             // 2 is wrong usage, as in clap; a config is part of the usage.
             if error.is::<ConfigError>() || error.is::<Usage>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }

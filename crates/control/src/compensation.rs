@@ -105,6 +105,18 @@ impl Compensator {
         Duty::clamped(self.dither.as_mut().map_or(percent, |(dither, state)| dither.round(state, percent)))
     }
 
+    /// Continues with other numbers. Returns by how much larger a control value is that gives the same duty.
+    pub fn adopt(&mut self, numbers: &Compensation) -> f64 {
+        let lower = self.hover_percent - numbers.hover_duty_percent;
+        (self.lower_percent, self.upper_percent) =
+            numbers.dead_zone.map_or((0.0, 0.0), |zone| (zone.lower_percent, zone.upper_percent));
+        self.hover_percent = numbers.hover_duty_percent;
+        if let (Some((dither, _)), Some(numbers)) = (&mut self.dither, numbers.dither) {
+            *dither = numbers;
+        }
+        self.curve.as_ref().map_or(lower, |curve| curve.mm_per_s2(lower) - curve.mm_per_s2(0.0))
+    }
+
     /// The duty at which the ball is believed to hover.
     #[must_use]
     pub const fn hover(&self) -> Duty {

@@ -23,6 +23,7 @@ pub mod inputs;
 pub mod kalman;
 mod limits;
 pub mod mpc;
+pub mod numbers;
 pub mod observer;
 pub mod pid;
 pub mod predistortion;

@@ -205,6 +205,28 @@ impl Estimator {
         Ok(Self { set, period_s, transition, steady, filter, seen: false, converging: false, refusals: 0 })
     }
 
+    /// The numbers.
+    #[must_use]
+    pub const fn numbers(&self) -> &Observer {
+        &self.set
+    }
+
+    /// The same estimate, continued with other numbers.
+    ///
+    /// # Errors
+    /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady-state gain can be computed.
+    pub fn with(&self, set: Observer) -> Result<Self, DesignError> {
+        let Self { filter, seen, converging, refusals, .. } = *self;
+        Ok(Self { filter, seen, converging, refusals, ..Self::new(set, self.period_s)? })
+    }
+
+    /// Counts control values from another duty, so that each is larger `by` so much: fan and error of hover keep their
+    /// sum.
+    pub(crate) fn rebase(&mut self, by: f64) {
+        self.filter.state[2] += by;
+        self.filter.state[3] -= by;
+    }
+
     /// How the gain is found now.
     const fn gain(&self) -> Gain {
         if self.converging { Gain::TimeVarying } else { self.set.gain }

@@ -181,17 +181,29 @@ impl Pid {
     /// the difference, and returns it over T_i. Change gains when the ball is near its setpoint, where the difference
     /// is small.
     pub fn take_over(&self, old: &Self, state: &mut PidState) {
-        // The filter's output is T_d·d/dt, so that a new T_d scales what it holds.
-        let derivative = if old.td_s > 0.0 { state.derivative_mm * self.td_s / old.td_s } else { 0.0 };
         let before = old.kp_per_mm * (state.proportional_mm + state.derivative_mm);
-        let after = self.kp_per_mm * (state.proportional_mm + derivative);
-        state.integral += before - after;
+        self.rescale(old, state);
+        state.integral += before - self.kp_per_mm * (state.proportional_mm + state.derivative_mm);
+    }
+
+    /// Makes `state` one of these gains: the filter's output is T_d·d/dt, so that a new T_d scales what it holds. The
+    /// integral is kept.
+    pub(crate) fn rescale(&self, old: &Self, state: &mut PidState) {
+        let derivative = if old.td_s > 0.0 { state.derivative_mm * self.td_s / old.td_s } else { 0.0 };
         state.filter.rescale(derivative);
         state.derivative_mm = derivative;
     }
 }
 
 impl PidState {
+    /// The same controller where control values are counted from elsewhere, so that each is larger `by` so much.
+    pub(crate) const fn rebase(&mut self, by: f64) {
+        self.integral += by;
+        if let Some(last) = &mut self.last {
+            *last += by;
+        }
+    }
+
     /// A controller that starts where the fan already is: its integral part is `control`.
     #[must_use]
     pub fn starting_at(control: f64) -> Self {

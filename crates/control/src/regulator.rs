@@ -12,17 +12,19 @@
 //! For every input, the output is a number within the limits: readings and setpoints that are impossible in any pipe
 //! are ignored. Source: Åström & Hägglund, *Advanced PID Control*, "Mode switches".
 
+mod adopt;
 mod error;
 mod readings;
 
 pub use error::Unready;
 
 use crate::Limits;
+use crate::believed::Believed;
 use crate::controller::{Controllers, Kind};
 use crate::feed_forward::Way;
 use crate::filter::DerivativeFilter;
 use crate::inputs::{Inputs, Reference};
-use crate::mpc::Planner;
+use crate::mpc::{Mpc, Planner};
 use crate::observer::{Estimate, Estimator, Innovation, Observer};
 use crate::pid::{Pid, PidState};
 use libm::{exp, fabs};
@@ -47,6 +49,8 @@ pub struct Regulator {
     kind: Kind,
     estimator: Option<Estimator>,
     planner: Option<Planner>,
+    /// What the planner plans with.
+    planned: Option<(Mpc, Believed)>,
     velocity: DerivativeFilter,
     /// The last reading, and its velocity by the filter.
     filtered: Option<Estimate>,
@@ -81,16 +85,16 @@ impl Regulator {
         if let (None, Some(needed_by)) = (observer, set.needs_observer()) {
             return Err(Unready::NoObserver { needed_by });
         }
-        let planner = match (&set.mpc, observer) {
-            (Some(mpc), Some(observer)) => Some(Planner::new(mpc, &observer.believed).ok_or(Unready::Plan)?),
-            _ => None,
-        };
+        let planned = set.mpc.zip(observer.map(|observer| observer.believed));
+        let plan = |(mpc, believed): (Mpc, Believed)| Planner::new(&mpc, &believed).ok_or(Unready::Plan);
+        let planner = planned.map(plan).transpose()?;
         let estimator = observer.map(|observer| Estimator::new(*observer, period_s)).transpose();
         Ok(Self {
             set,
             kind,
             estimator: estimator.map_err(Unready::Observer)?,
             planner,
+            planned,
             velocity: DerivativeFilter::default(),
             filtered: None,
             innovation: None,

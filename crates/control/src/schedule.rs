@@ -31,8 +31,8 @@ impl Schedule {
     pub fn check(&self) -> Result<(), OutOfRange> {
         #[expect(clippy::cast_precision_loss, reason = "at most MAX_ROWS")]
         let (rows, factors) = (self.height_mm.len() as f64, self.factor.len() as f64);
-        within("number of height_mm", rows, 1.0, MAX_ROWS as f64)?;
-        within("number of factor", factors, rows, rows)?;
+        within("length of height_mm", rows, 1.0, MAX_ROWS as f64)?;
+        within("length of factor", factors, rows, rows)?;
         let mut lowest = -1e4;
         for height in &self.height_mm {
             within("height_mm", *height, lowest, 1e4)?;
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn rows_that_do_not_rise_or_do_not_pair_are_refused() {
         assert_eq!(schedule(&[300.0, 100.0], &[1.0, 1.0]).check().unwrap_err().key, "height_mm");
-        assert_eq!(schedule(&[100.0, 300.0], &[1.0]).check().unwrap_err().key, "number of factor");
+        assert_eq!(schedule(&[100.0, 300.0], &[1.0]).check().unwrap_err().key, "length of factor");
         assert_eq!(schedule(&[100.0], &[f64::NAN]).check().unwrap_err().key, "factor");
     }
 }

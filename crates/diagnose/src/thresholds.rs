@@ -34,6 +34,12 @@ pub(crate) const FAR_FROM_BELIEF: f64 = 3.0;
 /// What noise of another order must gain for a refit to start there.
 pub(crate) const OTHER_NOISE: f64 = 50.0;
 
+/// The most shapes of a formula. More are no explanation.
+pub(crate) const MOST_SHAPES: usize = 4;
+/// By how many standard errors a shape of a formula lowers the mean square at 1 s: a one-sided test at 5 % corrected for
+/// the choice among 24 shapes (Bonferroni).
+pub(crate) const FORMULA_FORECAST: f64 = 1.96;
+
 /// A model forecasts better than a simpler one where its mean square at 1 s is lower by so many standard errors over the
 /// stretches of the record: a one-sided test at 5 %. No rate was measured.
 pub(crate) const BETTER_FORECAST: f64 = 1.645;

@@ -95,7 +95,8 @@ impl Model {
 
     /// The conditions of a ball at rest at the bottom at time 0, with the fan at hover.
     #[inline(always)]
-    pub(crate) const fn conditions(&self) -> Conditions {
+    #[must_use]
+    pub const fn conditions(&self) -> Conditions {
         Conditions {
             time_s: 0.0,
             setpoint_mm: self.setpoint(None),

@@ -19,8 +19,30 @@ pub(crate) struct Table {
     header: StringRecord,
     header_line: usize,
     units: Option<StringRecord>,
-    rows: Vec<StringRecord>,
+    rows: Rows,
     decimal: Decimal,
+}
+
+/// All rows of a file, header and units among them. The cells lie one behind another in one text: a record of the parser
+/// for each row would take five times the memory of the file.
+#[derive(Default)]
+struct Rows {
+    cells: String,
+    /// Where each cell ends.
+    ends: Vec<usize>,
+    rows: Vec<Row>,
+    /// How many of the rows are header and units.
+    before: usize,
+}
+
+/// A row of the file.
+#[derive(Clone, Copy)]
+struct Row {
+    /// Where it begins in the text.
+    byte: usize,
+    /// Its first cell, and the number of its cells.
+    first: usize,
+    count: usize,
 }
 
 impl Table {
@@ -34,28 +56,27 @@ impl Table {
             return Err(RowsError::Empty { name: name.into() });
         }
         let Plain { text, delimiter, comment } = plain(&decoded);
-        let mut rows = records(name, &text, delimiter)?;
-        while rows.last().is_some_and(|row| row.iter().all(str::is_empty)) {
-            rows.pop();
-        }
-        let decimal = if delimiter == b',' { Decimal::Point } else { Decimal::of(rows.iter().flatten()) };
+        drop(decoded);
+        let mut rows = Rows::of(name, &text, delimiter)?;
+        let decimal = if delimiter == b',' { Decimal::Point } else { Decimal::of(rows.all_cells()) };
         let is_number = |cell: &str| decimal.number(cell).is_some() || clock_s(cell).is_some();
-        let first = rows.first().ok_or_else(|| RowsError::HeaderOnly { name: name.into() })?;
-        let header_line = line_of(&text, first);
+        let first = rows.record(0).ok_or_else(|| RowsError::HeaderOnly { name: name.into() })?;
+        let header_line = rows.line(&text, 0);
         let header = if first.iter().all(is_number) {
             let named = comment.filter(|names| names.len() == first.len());
             named.unwrap_or_else(|| (1..=first.len()).map(|number| format!("column{number}")).collect())
         } else {
-            rows.remove(0)
+            rows.before += 1;
+            first
         };
-        let has = |row: usize| rows.get(row).is_some_and(|cells: &StringRecord| cells.iter().any(is_number));
-        let units = !rows.is_empty() && !has(0) && has(1) && rows[0].len() == header.len();
-        let units = units.then(|| rows.remove(0));
-        if rows.is_empty() {
+        let has = |row: usize| rows.record(row).is_some_and(|cells| cells.iter().any(is_number));
+        let units = rows.record(0).filter(|units| !has(0) && has(1) && units.len() == header.len());
+        rows.before += usize::from(units.is_some());
+        if rows.len() == 0 {
             return Err(RowsError::HeaderOnly { name: name.into() });
         }
         let table = Self { name: name.into(), text, header, header_line, units, rows, decimal };
-        let ragged = table.rows.iter().position(|row| row.len() != table.header.len());
+        let ragged = (0..table.len()).find(|row| table.rows.width(*row) != table.header.len());
         ragged.map_or(Ok(()), |row| Err(table.ragged(row)))?;
         Ok(table)
     }
@@ -72,7 +93,7 @@ impl Table {
 
     /// A cell, without the spaces around it. Rows and columns count from 0.
     pub(crate) fn cell(&self, row: usize, column: usize) -> &str {
-        self.rows.get(row).and_then(|cells| cells.get(column)).unwrap_or_default()
+        self.rows.cell(row, column)
     }
 
     /// A cell of the row of units under the header, if there is one.
@@ -93,18 +114,83 @@ impl Table {
 
     /// The line of a row in the file, from 1.
     pub(crate) fn line(&self, row: usize) -> usize {
-        self.rows.get(row).map_or(0, |cells| line_of(&self.text, cells))
+        self.rows.line(&self.text, row)
     }
 
     fn ragged(&self, row: usize) -> RowsError {
-        let found = self.rows.get(row).map_or(0, StringRecord::len);
-        RowsError::Ragged { name: self.name.clone(), line: self.line(row), expected: self.header.len(), found }
+        let (name, found) = (self.name.clone(), self.rows.width(row));
+        RowsError::Ragged { name, line: self.line(row), expected: self.header.len(), found }
     }
 }
 
+impl Rows {
+    /// All rows, of any width, without the empty ones at the end.
+    fn of(name: &str, text: &str, delimiter: u8) -> Result<Self, RowsError> {
+        let mut reader = ReaderBuilder::new()
+            .delimiter(delimiter)
+            .has_headers(false)
+            .trim(Trim::All)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let not_a_table = |error: csv::Error| RowsError::NotATable { name: name.into(), cause: error.to_string() };
+        let (mut found, mut record) = (Self::default(), StringRecord::new());
+        while reader.read_record(&mut record).map_err(not_a_table)? {
+            found.rows.push(Row { byte: byte_of(&record), first: found.ends.len(), count: record.len() });
+            for cell in &record {
+                found.cells.push_str(cell);
+                found.ends.push(found.cells.len());
+            }
+        }
+        let is_empty = |row: &Row| (row.first..row.first + row.count).all(|cell| found.text_of(cell).is_empty());
+        let kept = found.rows.iter().rposition(|row| !is_empty(row)).map_or(0, |last| last + 1);
+        found.rows.truncate(kept);
+        Ok(found)
+    }
+
+    /// The text of a cell, counted from the first of the first row.
+    fn text_of(&self, cell: usize) -> &str {
+        let start = cell.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or(0);
+        self.ends.get(cell).and_then(|end| self.cells.get(start..*end)).unwrap_or_default()
+    }
+
+    fn all_cells(&self) -> impl Iterator<Item = &str> {
+        (0..self.ends.len()).map(|cell| self.text_of(cell))
+    }
+
+    /// A row of data.
+    fn row(&self, row: usize) -> Option<Row> {
+        self.rows.get(self.before.checked_add(row)?).copied()
+    }
+
+    fn len(&self) -> usize {
+        self.rows.len().saturating_sub(self.before)
+    }
+
+    fn width(&self, row: usize) -> usize {
+        self.row(row).map_or(0, |row| row.count)
+    }
+
+    fn cell(&self, row: usize, column: usize) -> &str {
+        self.row(row).filter(|row| column < row.count).map_or("", |row| self.text_of(row.first + column))
+    }
+
+    /// A row as the parser gave it.
+    fn record(&self, row: usize) -> Option<StringRecord> {
+        self.row(row).map(|_| (0..self.width(row)).map(|column| self.cell(row, column)).collect())
+    }
+
+    fn line(&self, text: &str, row: usize) -> usize {
+        self.row(row).map_or(0, |row| line_of(text, row.byte))
+    }
+}
+
+/// Where a record begins in the text.
+fn byte_of(record: &StringRecord) -> usize {
+    record.position().map_or(0, |position| usize::try_from(position.byte()).unwrap_or(usize::MAX))
+}
+
 /// Counted from the record's byte: the parser's own line is that of the empty lines before it.
-fn line_of(text: &str, record: &StringRecord) -> usize {
-    let byte = record.position().map_or(0, |position| usize::try_from(position.byte()).unwrap_or(usize::MAX));
+fn line_of(text: &str, byte: usize) -> usize {
     let (before, rest) = text.as_bytes().split_at(byte.min(text.len()));
     let empty = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
     1 + newlines(before) + newlines(&rest[..empty])
@@ -166,15 +252,4 @@ fn separator(line: &str) -> u8 {
     let count = |delimiter: &u8| line.bytes().filter(|byte| byte == delimiter).count();
     let usual = [b'\t', b';', b','].into_iter().max_by_key(count).filter(|delimiter| count(delimiter) > 0);
     usual.unwrap_or_else(|| if line.split_whitespace().count() > 1 { b' ' } else { b',' })
-}
-
-fn records(name: &str, text: &str, delimiter: u8) -> Result<Vec<StringRecord>, RowsError> {
-    let reader = ReaderBuilder::new()
-        .delimiter(delimiter)
-        .has_headers(false)
-        .trim(Trim::All)
-        .flexible(true)
-        .from_reader(text.as_bytes());
-    let not_a_table = |error: csv::Error| RowsError::NotATable { name: name.into(), cause: error.to_string() };
-    reader.into_records().collect::<Result<_, _>>().map_err(not_a_table)
 }

@@ -51,7 +51,7 @@ pub(crate) fn page(keys: &[Key], bounds: &Bounds) -> String {
          the number that this key holds. What else has to fit is said where it does not.\n\n| key | holds |\n|---|---|\n",
     );
     let mut effects = String::from(
-        "\n## Effects\n\nA key of an effect is needed, unless it may be absent.\n\n| key | accepted | does nothing at |\n|---|---|---|\n",
+        "\n## Effects\n\nA key of an effect is needed, unless it may be absent.\n\n| key | accepted | no effect at |\n|---|---|---|\n",
     );
     for Key { path, holds, is_word } in keys {
         match (path.strip_prefix(EFFECTS), holds) {
@@ -111,17 +111,17 @@ fn holds(bench: &Bench, key: &str) -> Holds {
     let expected = said.split("expected ").nth(1).unwrap_or_else(|| panic!("[{key}]: {said}")).trim();
     let names = || expected.split('`').skip(1).step_by(2).map(str::to_owned).collect();
     match expected {
-        _ if said.contains("unknown field") => Holds::Table(names()),
-        _ if said.contains("unknown variant") => Holds::OneOf(names()),
+        _ if said.contains("unknown key") => Holds::Table(names()),
+        _ if said.contains("unknown word") => Holds::OneOf(names()),
         "empty table" => Holds::Nothing,
-        "f64" => Holds::Number,
-        "u8" | "u16" | "u32" | "u64" => Holds::Whole,
-        "a string" => Holds::Words("text"),
-        "path string" => Holds::Words("a path"),
-        "a sequence" if answer(bench, format!("{key} = [\"{NOBODY}\"]\n")).contains("expected f64") => Holds::Numbers,
-        "a sequence" => Holds::Other("a list"),
-        "struct DefinitionTable" => Holds::Other("tables, one for each effect of your own"),
-        "a boolean" => Holds::Other("`true` or `false`"),
+        "a number" => Holds::Number,
+        "a whole number of 0 or more" => Holds::Whole,
+        "a text in quotes" => Holds::Words("text"),
+        "a path in quotes" => Holds::Words("a path"),
+        "a list" if answer(bench, format!("{key} = [\"{NOBODY}\"]\n")).contains("expected a number") => Holds::Numbers,
+        "a list" => Holds::Other("a list"),
+        "a table" => Holds::Other("tables, one for each effect of your own"),
+        "true or false" => Holds::Other("`true` or `false`"),
         other => panic!("[{key}]: {other} is new here; give it words"),
     }
 }

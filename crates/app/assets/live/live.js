@@ -20,7 +20,7 @@
       met = true;
       at("connection").open = false;
       link("connected");
-      client.subscribe(["about", "status", "fault", "state", "reply", "cycles"].map((name) => airball.root + name));
+      client.subscribe(["about", "numbers", "status", "fault", "state", "reply", "cycles"].map((name) => airball.root + name));
       if (at("full").checked) stream();
     });
     // A broker may refuse a login by closing without a word.
@@ -45,6 +45,7 @@
   // What the rig says.
   let about;
   let latest;
+  let inForce = {};
   let spoke = -Infinity;
   let batches = -Infinity;
   // A rig that is online and says nothing for two seconds is worth a word of its own.
@@ -77,6 +78,10 @@
       batches = performance.now();
       charts.add(cycles);
       show("rate", `${cycles.length} cycles in the last batch, ${dropped} dropped`);
+    },
+    numbers: (text) => {
+      inForce = JSON.parse(text);
+      fill();
     },
     fault: (text) => {
       const { at: when, fault } = JSON.parse(text);
@@ -114,6 +119,12 @@
       if (document.activeElement !== input) input.value = state[input.name] ?? "";
     }
   };
+  // Infinity has no number in JSON: it is shown as an empty field.
+  const fill = () => {
+    for (const input of at("numbers").querySelectorAll("input:not([data-edited])")) {
+      if (document.activeElement !== input) input.value = inForce[input.name] ?? "";
+    }
+  };
   const slide = (mm) => {
     at("slider").value = mm;
     at("wanted").value = Math.round(mm);
@@ -121,7 +132,7 @@
   };
 
   const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
-  const offer = ({ setpoint_mm: { min, max }, controllers, gains, experiments, rig, simulated, version }) => {
+  const offer = ({ setpoint_mm: { min, max }, controllers, gains, numbers = [], experiments, rig, simulated, version }) => {
     show("about", `${rig}${simulated ? ", simulated" : ""}, airball ${version}`);
     for (const input of [at("slider"), at("wanted")]) Object.assign(input, { min, max });
     show("limits", `${min} to ${max} mm are safe`);
@@ -129,13 +140,16 @@
     at("experiments").replaceChildren(...experiments.map(({ name, title, duration_s }) => option(name, `${name}: ${title}, ${Math.round(duration_s)} s`)));
     at("gains").replaceChildren(...gains.map(gain));
     at("gain-set").hidden = gains.length === 0;
+    at("numbers").replaceChildren(...numbers.map((number) => gain({ ...number, symbol: number.name })));
+    at("number-set").hidden = numbers.length === 0;
+    fill();
     if (latest) follow(latest);
   };
   const gain = ({ name, symbol, unit, min, max }) => {
     const label = document.createElement("label");
     const input = Object.assign(document.createElement("input"), { type: "number", name, min, step: "any", inputMode: "decimal" });
     if (max !== null) input.max = max;
-    label.append(Object.assign(document.createElement("span"), { textContent: `${symbol}, ${unit}` }), input);
+    label.append(Object.assign(document.createElement("span"), { textContent: unit ? `${symbol}, ${unit}` : symbol }), input);
     label.append(Object.assign(document.createElement("small"), { textContent: max === null ? `at least ${min}` : `${min} to ${max}` }));
     input.addEventListener("input", () => (input.dataset.edited = ""));
     return label;
@@ -163,13 +177,16 @@
   at("wanted").addEventListener("input", touch);
   for (const mode of ["fly", "programme"]) at(mode).addEventListener("click", () => send("mode", mode));
   at("controller").addEventListener("change", () => send("controller", at("controller").value));
-  at("gain-form").addEventListener("submit", (event) => {
-    event.preventDefault();
-    const edited = [...at("gains").querySelectorAll("input[data-edited]")].filter((input) => input.value !== "");
-    if (edited.length > 0) send("gains", JSON.stringify(Object.fromEntries(edited.map((input) => [input.name, Number(input.value)]))));
-    edited.forEach((input) => delete input.dataset.edited);
-    touch();
-  });
+  for (const [form, fields] of [["gain-form", "gains"], ["number-form", "numbers"]]) {
+    at(form).addEventListener("submit", (event) => {
+      event.preventDefault();
+      const edited = [...at(fields).querySelectorAll("input[data-edited]")].filter((input) => input.value !== "");
+      if (edited.length > 0) send(fields, JSON.stringify(Object.fromEntries(edited.map((input) => [input.name, Number(input.value)]))));
+      edited.forEach((input) => delete input.dataset.edited);
+      touch();
+    });
+  }
+  at("undo").addEventListener("click", () => send("numbers", "undo"));
   at("experiment-form").addEventListener("submit", (event) => {
     event.preventDefault();
     send("experiment", at("experiments").value);

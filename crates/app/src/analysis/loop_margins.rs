@@ -4,6 +4,7 @@
 //! The document of `airball design` (`airball.design/1`). Frequencies in rad/s, poles in 1/s (continuous) or as z
 //! (sampled).
 
+use super::sensitivity;
 use control::design::critical::{critical_gain, critical_integral_time};
 use control::design::law::{Gains, Law, Weights};
 use control::design::lqg::Observed;
@@ -56,6 +57,8 @@ pub struct Assessment {
     pub gain_margins: Vec<GainMargin>,
     /// In the order of frequency.
     pub phase_margins: Vec<PhaseMargin>,
+    /// The peak of the sensitivity, M_s. `None`: the loop is not stable.
+    pub peak_sensitivity: Option<f64>,
     /// The critical K_p of a PID loop, its other gains kept; `None`: the loop is stable at every gain, or at none.
     pub critical_kp_per_mm: Option<f64>,
     /// The critical T_i, seconds.
@@ -181,13 +184,15 @@ impl Loop {
             Closing::Pid(gains, _) => Some(gains),
             Closing::Lqg(_) => None,
         };
+        let stable = of.is_stable_closed(1.0);
         Ok(Assessment {
-            stable: of.is_stable_closed(1.0),
+            stable,
             gain_margins: gain.iter().map(|m| GainMargin { omega: m.omega, factor: m.factor }).collect(),
             phase_margins: phase
                 .iter()
                 .map(|m| PhaseMargin { omega: m.omega, phase_deg: m.phase_deg, delay_s: m.delay_s })
                 .collect(),
+            peak_sensitivity: stable.then(|| sensitivity::peak(&of)),
             critical_kp_per_mm: gains.and_then(|gains| critical_gain(gains, plant).value()),
             critical_ti_s: gains.and_then(|gains| critical_integral_time(gains, plant).value()),
             step: step::figures(&law.closed(plant)).map(|figures| Step {

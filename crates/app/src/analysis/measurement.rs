@@ -13,7 +13,7 @@ use crate::config::{Rig, Tables};
 use crate::log::reader::LoadedLog;
 use anyhow::{Result, anyhow};
 use diagnose::measure::Estimate;
-use diagnose::measure::critical::{Critical, critical};
+use diagnose::measure::critical::{Critical, CriticalTime, critical, critical_time};
 use diagnose::measure::dead_zone::{DeadZone, dead_zone};
 use diagnose::measure::jumps::{Jumps, jumps};
 use diagnose::measure::noise_floor::{NoiseFloor, noise_floor};
@@ -50,6 +50,8 @@ pub enum Found {
     },
     /// Critical gain.
     CriticalGain(Critical),
+    /// Critical integral time.
+    CriticalTime(CriticalTime),
     /// Step metrics.
     Steps(Steps),
     /// Noise floor.
@@ -121,6 +123,7 @@ impl Found {
                 Self::ForceCurve { zone: dead_zone(&jumps)?, jumps }
             }
             Measurement::CriticalGain => Self::CriticalGain(critical(recording)?),
+            Measurement::CriticalTime => Self::CriticalTime(critical_time(recording)?),
             Measurement::Steps | Measurement::Square => Self::Steps(Steps::of(log)?),
             Measurement::NoiseFloor => Self::NoiseFloor(noise_floor(recording)?),
             Measurement::Calibration => Self::Calibration(Calibration::of(log, tables, travel_mm)?),

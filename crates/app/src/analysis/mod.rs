@@ -6,5 +6,6 @@ pub mod loop_deviations;
 pub mod loop_margins;
 pub mod measurement;
 pub mod next_experiment;
+pub mod sensitivity;
 pub mod step_response;
 pub mod virtual_flight;

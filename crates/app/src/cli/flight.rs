@@ -10,19 +10,19 @@ pub struct FlightArgs {
     /// Which config.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Fly this experiment instead of the reference of the config, or of the measurement's own
+    /// Fly this experiment [default: the reference of the config, or the experiment of the measurement]
     #[arg(long, value_name = "FILE")]
     pub experiment: Option<PathBuf>,
-    /// Log of the flight (MCAP) [default: a name with the time in the directory that the config's table log names]
+    /// Log of the flight (MCAP) [default: named by the time, in the directory of the config's table log]
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
-    /// Seed of the simulated rig's noise
+    /// Seed of the noise of the simulated rig
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Draw the flight: setpoint, position and duty over time (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Write the summary as JSON, and nothing else, to standard output
+    /// Write the summary as JSON to standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
 }
@@ -33,10 +33,10 @@ pub struct RunArgs {
     /// What every flight may be told.
     #[command(flatten)]
     pub flight: FlightArgs,
-    /// Fly the simulated rig: the plant of the config behind emulated chips
+    /// Fly the simulated rig: the plant of the config, behind emulated chips
     #[arg(long)]
     pub sim: bool,
-    /// End the flight after so many seconds [default: the experiment's end, or Ctrl-C]
+    /// End the flight after this time, seconds [default: the end of the experiment, or Ctrl-C]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
 }
@@ -47,7 +47,7 @@ pub struct SimulateArgs {
     /// What every flight may be told.
     #[command(flatten)]
     pub flight: FlightArgs,
-    /// End the flight after so many seconds of virtual time [default: the experiment's end, or 60]
+    /// End the flight after this virtual time, seconds [default: the end of the experiment, or 60]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
 }
@@ -55,7 +55,7 @@ pub struct SimulateArgs {
 /// `airball replay`
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
-    /// The log: MCAP of this program, or CSV
+    /// Log, MCAP of this program or CSV
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
     /// Which model, and how to read a foreign CSV.
@@ -64,10 +64,10 @@ pub struct ReplayArgs {
     /// Draw the recorded position beside the model's free runs (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Write a report to look at and to print: one page that needs no network (HTML)
+    /// Write a report as one self-contained page (HTML)
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Write the gap as JSON, and nothing else, to standard output
+    /// Write the gap as JSON to standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
 }

@@ -1,18 +1,17 @@
 //! The command line of `airball identify`.
 
-use super::ConfigArgs;
+use super::{AboutArgs, ConfigArgs};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// `airball identify`
 #[derive(Debug, Subcommand)]
 pub enum IdentifyCommand {
-    /// Gain, drag, hover and the fan's lag from any flight, with 90 % intervals, residual tests and the fit on what was
-    /// held out
+    /// Find gain, drag, hover and fan lag from any flight, with 90 % intervals and residual tests
     GreyBox(GreyBoxArgs),
-    /// Gain and drag from the overshoots of a sweep of proportional gains: the transient method of the thesis
+    /// Find gain and drag from the overshoots of a sweep of proportional gains, as the thesis did
     Transient(TransientArgs),
-    /// The fan's lag that gives the model the critical gain that was measured on the rig
+    /// Find the fan lag for which the model has the measured critical gain
     ThirdPole(ThirdPoleArgs),
 }
 
@@ -22,16 +21,16 @@ pub struct IdentifyArgs {
     /// Which model to begin with, and how to read a foreign CSV.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Write what was identified as a config patch for --patch
+    /// Write the identified model as a config patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
-    /// Draw what was identified beside the record (SVG)
+    /// Draw the identified model beside the record (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Write a report to look at and to print: one page that needs no network (HTML)
+    /// Write a report as one self-contained page (HTML)
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Write the result as JSON, and nothing else, to standard output
+    /// Write the result as JSON to standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
 }
@@ -39,16 +38,19 @@ pub struct IdentifyArgs {
 /// `airball identify grey-box`
 #[derive(Debug, Args)]
 pub struct GreyBoxArgs {
-    /// The log, MCAP of this program or CSV; several of one rig are used together
+    /// Log, MCAP of this program or CSV; several logs of one rig are used together
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
     /// What every identification may be told.
     #[command(flatten)]
     pub identify: IdentifyArgs,
-    /// Poles of the plant: 2 is the ball, 3 ball and fan [default: both, and the better of the two is kept]
+    /// Poles of the model: 2 for the ball, 3 for ball and fan [default: both; the better model is kept]
     #[arg(long, value_enum, value_name = "N")]
     pub poles: Option<PolesArg>,
-    /// Use the stretches without control alone, each detrended by a line
+    /// About which height and duty the identified plant is linearised as well.
+    #[command(flatten)]
+    pub about: AboutArgs,
+    /// Use only the stretches without control, each with its linear trend removed
     #[arg(long)]
     pub open_loop: bool,
 }
@@ -67,14 +69,13 @@ pub enum PolesArg {
 /// `airball identify transient`
 #[derive(Debug, Args)]
 pub struct TransientArgs {
-    /// The log, MCAP of this program or CSV, of pulses under proportional controllers; several of one rig are used
-    /// together
+    /// Logs of pulses under proportional controllers, MCAP of this program or CSV
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
     /// What every identification may be told.
     #[command(flatten)]
     pub identify: IdentifyArgs,
-    /// Dead time of the loop, seconds [default: half of the log's period, for the duty that is held]
+    /// Dead time of the loop, seconds [default: half the period of the log, for the zero-order hold of the duty]
     #[arg(long, value_name = "S")]
     pub dead_time: Option<f64>,
 }
@@ -85,13 +86,13 @@ pub struct ThirdPoleArgs {
     /// What every identification may be told.
     #[command(flatten)]
     pub identify: IdentifyArgs,
-    /// Critical proportional gain that was measured on the rig, percent per mm
+    /// Measured critical proportional gain, percent per mm
     #[arg(long, value_name = "K")]
     pub critical_gain: f64,
-    /// Integral time at which it was measured, seconds
+    /// Integral time of that measurement, seconds
     #[arg(long, value_name = "S", default_value_t = 15.0)]
     pub integral_time: f64,
-    /// Take the loop as sampled at the period of the config, and not as continuous
+    /// Model the loop as sampled at the period of the config [default: continuous]
     #[arg(long)]
     pub sampled: bool,
 }

@@ -16,20 +16,20 @@ pub struct MeasureArgs {
     /// Fly the simulated rig in real time
     #[arg(long)]
     pub sim: bool,
-    /// Fly the simulated rig in virtual time: seeded, bit-exact, as fast as the machine
+    /// Fly the simulated rig in virtual time: reproducible by its seed, as fast as the machine allows
     #[arg(long = "virtual", conflicts_with = "sim")]
     pub in_virtual_time: bool,
-    /// Fly nothing: take this log of such an experiment, MCAP or CSV
+    /// Fly nothing; read this log of such an experiment, MCAP or CSV
     #[arg(long, value_name = "LOG", conflicts_with_all = ["sim", "in_virtual_time", "experiment", "log"])]
     pub from: Option<PathBuf>,
-    /// Calibration: the ball's way from its rest at the bottom to its rest at the top, mm, by a ruler [default:
+    /// For calibration: travel of the ball from its rest at the bottom to its rest at the top, mm, by a ruler [default:
     /// pipe_length_mm of the config's table plant]
     #[arg(long, value_name = "MM", value_parser = travel)]
     pub travel_mm: Option<f64>,
-    /// Write what was found as a config patch for --patch
+    /// Write the result as a config patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
-    /// Write a report to look at and to print: one page that needs no network (HTML)
+    /// Write a report as one self-contained page (HTML)
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
 }
@@ -37,19 +37,21 @@ pub struct MeasureArgs {
 /// What can be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Measurement {
-    /// Where the fan's force begins, up and down, by jumps near hover (3 min)
+    /// Duties between which the fan's force does not change, by jumps near hover (3 min)
     DeadZone,
-    /// The force at 86 duties by timed jumps, and the fan's lag (8 min)
+    /// Force at 86 duties by timed jumps, and the fan lag (8 min)
     ForceCurve,
-    /// The proportional gain at which the loop no longer comes to rest, by steps under rising gains (8 min at most)
+    /// Proportional gain at which the loop is marginally stable, by steps under rising gains (at most 8 min)
     CriticalGain,
+    /// Integral time at which the loop is marginally stable, by steps under falling ones (at most 6 min)
+    CriticalTime,
     /// Overshoot, peak time and settling over steps of several sizes (1 min)
     Steps,
     /// The same over a square wave (1 min)
     Square,
-    /// Noise of the sensor, of a ball at rest (30 s)
+    /// Noise of the sensor, with the ball at rest (30 s)
     NoiseFloor,
-    /// Offset and scale of the sensor, of a ball at rest at the bottom and at the top, with pass bands (40 s)
+    /// Offset and scale of the sensor, with the ball at rest at the bottom and at the top (40 s)
     Calibration,
 }
 

@@ -22,11 +22,12 @@ use clap::{Args, Parser, Subcommand};
 use flight::seconds;
 use std::path::PathBuf;
 
-/// Firmware and simulator of a rig that keeps a ball at a height in a pipe, and a look at the gap between the two.
+/// Fly, simulate and identify a ball-in-pipe rig, and find out why simulator and rig disagree; reads logs of other rigs
+/// too.
 #[derive(Debug, Parser)]
 #[command(name = "airball", version, max_term_width = 100, args_override_self = true)]
 #[command(
-    after_help = "Exit status: 0 done, 1 failed, 2 wrong usage or config; `log recover`: 0 all, 3 some is lost, 1 nothing."
+    after_help = "Exit status: 0 done, 1 failed, 2 wrong usage or config. `diagnose`: 3 if the record cannot answer. `log recover`: 0 complete, 3 incomplete, 1 nothing recovered."
 )]
 pub struct Cli {
     /// What to do.
@@ -37,39 +38,39 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Fly the rig, or with --sim the simulated rig, in real time
+    /// Fly the rig in real time, or with --sim the simulated rig
     Run(RunArgs),
-    /// Fly the simulated rig in virtual time: seeded, bit-exact, as fast as the machine
+    /// Fly the simulated rig in virtual time: reproducible by its seed, as fast as the machine allows
     Simulate(SimulateArgs),
-    /// Measure the rig by an experiment: dead zone, force curve, critical gain, steps, noise, calibration
+    /// Fly an experiment and measure dead zone, force curve, critical gain, steps, noise or calibration
     Measure(MeasureArgs),
     /// Propose a config for a CSV of a rig that has none: columns, units and a linear plant, fitted to the record
     Init(InitArgs),
-    /// Run a log through a model: how far its forecasts are off, beside what noise alone gives
+    /// Compare a model's forecasts with a log, and their errors with those that noise alone gives
     Replay(ReplayArgs),
-    /// Say which effect separates logs of a rig from a model, where, and how far it closes the gap
+    /// Find the effect that a model lacks, from logs of the rig, and how much of the gap it closes
     Diagnose(DiagnoseArgs),
-    /// Design a controller for the model of a config, or say what its loop bears
+    /// Design a controller, or report the stability margins of the current loop
     #[command(subcommand)]
     Design(DesignCommand),
-    /// Identify the plant of a rig from its logs
+    /// Identify a model of the plant from logs
     #[command(subcommand)]
     Identify(IdentifyCommand),
-    /// Watch and steer a rig in a terminal, over its broker
+    /// Watch and control a rig from a terminal, through its MQTT broker
     Monitor(MonitorArgs),
-    /// Write the page that flies a rig from a browser: live charts, setpoint, gains, experiments, stop
+    /// Write a web page that flies a rig: live charts, setpoint, gains, experiments, stop
     Live(LiveArgs),
-    /// Turn the fan off, whatever else happens on the rig
+    /// Turn the fan off, in any state of the rig
     FanOff(FanOffArgs),
-    /// Emulate the rig's bus on a socket: what is flown on it can be killed, and the fan looked at
+    /// Emulate the rig's I2C bus on a socket, to rehearse faults; prints each change of the fan
     Emulate(EmulateArgs),
-    /// Turn the fan off when the loop on the other end of standard input is gone; `run` starts it
+    /// Turn the fan off when the control loop is gone; `run` starts it
     #[command(hide = true)]
     Guard(GuardArgs),
-    /// Check or print a config
+    /// Check a config, or print it with its patches
     #[command(subcommand)]
     Config(ConfigCommand),
-    /// Look into a log
+    /// Show, export or recover a log
     #[command(subcommand)]
     Log(LogCommand),
 }
@@ -80,10 +81,10 @@ pub struct ConfigArgs {
     /// Config file
     #[arg(long, value_name = "FILE", default_value = "config.toml")]
     pub config: PathBuf,
-    /// Config patch, merged over the config; may be given again, later wins
+    /// Config patch, merged over the config; may be repeated, the last one wins
     #[arg(long, value_name = "FILE")]
     pub patch: Vec<PathBuf>,
-    /// Library of effects of your own, [effect.NAME] tables, merged over the config before the patches
+    /// File with effects of your own, tables [effect.NAME]; merged over the config before the patches
     #[arg(long, value_name = "FILE")]
     pub effects: Vec<PathBuf>,
 }
@@ -99,7 +100,7 @@ impl ConfigArgs {
 /// `airball diagnose`
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
-    /// The log, MCAP of this program or CSV; several of one rig are used together. With --each, a folder stands for the
+    /// Log, MCAP of this program or CSV; several logs of one rig are used together. With --each, a folder stands for the
     /// logs in it
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
@@ -110,26 +111,28 @@ pub struct DiagnoseArgs {
     /// is done anyway
     #[arg(long, conflicts_with = "config")]
     pub init: bool,
-    /// Write the mended model as a config patch for --patch
+    /// Write the model with the effects that were found, as a config patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
-    /// Write the experiment to fly next, for --experiment; none is written where none is called for
+    /// Write the experiment to fly next, for --experiment, if one is needed
     #[arg(long, value_name = "FILE")]
     pub next_out: Option<PathBuf>,
-    /// Draw free runs as believed and mended, and the missing force over time, duty, height and speed (SVG)
+    /// Draw free runs of the model before and after, and the residual force over time, duty, height and speed (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Write a report to look at and to print: one page that needs no network (HTML)
+    /// Write a report as one self-contained page (HTML)
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Write the force that the believed effects leave unexplained, reading by reading with its standard deviation
-    /// (CSV)
-    #[arg(long, value_name = "FILE")]
+    /// Write the residual force and its standard deviation for every sample (CSV)
+    #[arg(long = "residual-force", alias = "missing-force", value_name = "FILE")]
     pub missing_force: Option<PathBuf>,
-    /// Never name this effect, as if the catalogue did not hold it: what else explains the record? May be given again
+    /// Leave this effect out of the search; may be repeated
     #[arg(long, value_name = "EFFECT")]
     pub without: Vec<String>,
-    /// Write the diagnosis as JSON, and nothing else, to standard output
+    /// Search for a formula of what no effect explains; this takes many times as long
+    #[arg(long)]
+    pub formula: bool,
+    /// Write the diagnosis as JSON to standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
     /// Many logs, each by itself.
@@ -146,7 +149,7 @@ pub struct MonitorArgs {
     /// Which config; its tables rig and mqtt say which rig, and where its broker is.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Write one line of the rig's state and end; without a terminal a line a second is written
+    /// Write one line of the rig's state and end [default without a terminal: one line per second]
     #[arg(long)]
     pub once: bool,
 }
@@ -157,11 +160,11 @@ pub struct LiveArgs {
     /// Which config; its tables rig and mqtt say which rig the page flies.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// The page (HTML)
+    /// Write the page here (HTML)
     #[arg(long, value_name = "FILE", default_value = "live.html")]
     pub out: PathBuf,
-    /// WebSockets of the broker [default: those of the host that serves the page; opened as a file, port 9001 of the
-    /// config's broker]
+    /// WebSockets address of the broker [default: the host that serves the page; if it is opened as a file, port 9001 of
+    /// the config's broker]
     #[arg(long, value_name = "URL")]
     pub broker: Option<String>,
 }
@@ -172,7 +175,7 @@ pub struct FanOffArgs {
     /// Which config; its table bus says where the fan is.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// I2C bus [default: the config's]; with it no config is read
+    /// I2C bus of the fan; then no config is read [default: from the config]
     #[arg(long, value_name = "FILE")]
     pub device: Option<String>,
 }
@@ -183,7 +186,7 @@ pub struct EmulateArgs {
     /// Which config; its tables plant and rig are emulated.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Socket to serve the bus at; a config flies it whose table bus says device = "unix:FILE"
+    /// Socket of the emulated bus; fly it with device = "unix:FILE" in the config's table bus
     #[arg(long, value_name = "FILE")]
     pub socket: PathBuf,
     /// Seed of the simulated rig's noise
@@ -203,7 +206,7 @@ pub struct GuardArgs {
     /// Turn the fan off after so many seconds without a control cycle
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub stall: f64,
-    /// Keep what happened here
+    /// Write the fault to this file
     #[arg(long, value_name = "FILE")]
     pub last_fault: Option<PathBuf>,
 }
@@ -211,30 +214,30 @@ pub struct GuardArgs {
 /// `airball config`
 #[derive(Debug, Subcommand)]
 pub enum ConfigCommand {
-    /// Say whether a config is sound, or where it is not
+    /// Check a config, and name its first mistake
     Check(ConfigArgs),
-    /// Print the config in force after its patches
+    /// Print the config with its patches applied
     Print(ConfigArgs),
 }
 
 /// `airball log`
 #[derive(Debug, Subcommand)]
 pub enum LogCommand {
-    /// What is in a log: flight, events, summary
+    /// Show what a log holds: flight, events, summary
     Info {
-        /// The log
+        /// Log, MCAP of this program
         log: PathBuf,
     },
-    /// Write a log's cycles as CSV to standard output
+    /// Write the cycles of a log as CSV to standard output
     Export {
-        /// The log
+        /// Log, MCAP of this program
         log: PathBuf,
     },
-    /// Write a whole log from what a damaged or cut one holds. Exit status: 0 all of it, 3 some is lost, 1 nothing
+    /// Write a readable log from a damaged one. Exit status: 0 complete, 3 incomplete, 1 nothing recovered
     Recover {
-        /// The damaged log
+        /// Damaged log
         log: PathBuf,
-        /// The new log [default: the damaged one's name with .recovered.mcap]
+        /// Write the new log here [default: the name of the damaged one with .recovered.mcap]
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },

@@ -1,10 +1,12 @@
 //! `airball config check` and `airball config print`.
 
-use super::say;
+use super::{say, warn};
 use crate::cli::ConfigArgs;
 use crate::config::Config;
 use crate::config::mqtt::MqttConfig;
+use crate::flight::experiment::offers::offers;
 use anyhow::Result;
+use hal::BUDGET_US;
 
 /// Checks a config and prints the result.
 ///
@@ -15,9 +17,30 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
     let effects = config.tables.plant.as_ref().map_or_else(Vec::new, |plant| plant.effects.present());
     let names: Vec<&str> = effects.iter().map(|entry| entry.name).collect();
     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
+    offered(&config)?;
     say(format_args!("{} is sound; effects of the plant that are on: {names}", args.config.display()))?;
     let exposures = config.tables.mqtt.as_ref().map_or_else(Vec::new, MqttConfig::exposures);
-    exposures.iter().try_for_each(|exposure| say(format_args!("warning: {exposure}")))
+    exposures.iter().chain(&hasty(&config)).for_each(warn);
+    Ok(())
+}
+
+/// Reads the experiments on offer, as a flight does before it begins.
+fn offered(config: &Config) -> Result<()> {
+    let Some((mqtt, safety)) = config.tables.mqtt.as_ref().zip(config.tables.safety) else { return Ok(()) };
+    offers(&mqtt.experiments, &safety)?;
+    Ok(())
+}
+
+/// That the loop is faster than the sensor of a rig.
+fn hasty(config: &Config) -> Option<String> {
+    let _ = config.tables.rig.as_ref()?;
+    let (period_s, sensor_s) = (config.tables.r#loop?.period_s, f64::from(BUDGET_US) * 1e-6);
+    (period_s < sensor_s).then(|| {
+        format!(
+            "[loop] period_s = {period_s} is shorter than the {sensor_s} s of a reading of the sensor, so that some cycles have no \
+             new position; give {sensor_s} or more"
+        )
+    })
 }
 
 /// Prints the config in force.

@@ -3,7 +3,7 @@
 use super::diagnosing::{Answer, Asked};
 use super::each;
 use super::init::propose;
-use super::{may_write, note, say, write};
+use super::{announce, may_write, note, say, warn, write};
 use crate::analysis::next_experiment::Advice;
 use crate::analysis::virtual_flight::Desk;
 use crate::cli::DiagnoseArgs;
@@ -13,10 +13,12 @@ use crate::report::diagnosis::plot;
 use crate::report::diagnosis::words::words;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
 use crate::report::kit::page;
-use ::diagnose::{Finding, Options, Progress, ProgressStep, Series};
+use crate::report::kit::patch::rounded;
+use ::diagnose::{Finding, Options, Progress, ProgressStep, Series, Verdict};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::Duration;
 
 /// The config of a folder, and the one that is proposed where there is none.
@@ -26,27 +28,31 @@ const PROPOSED: &str = "rig.toml";
 /// Time between two frames of the progress bar's spinner.
 const TICK: Duration = Duration::from_millis(120);
 
-/// Diagnoses logs and prints the result.
+/// Exit status of a diagnosis whose record cannot answer.
+const NO_ANSWER: u8 = 3;
+
+/// Diagnoses logs and prints the result. Returns the exit status: 3 where the record cannot answer, else 0.
 ///
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be
 /// written.
-pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
+pub fn diagnose(args: &DiagnoseArgs) -> Result<ExitCode> {
     if args.each.each {
         let named = &args.config.config;
-        return each::each(args, (!is_missing(named)).then_some(named.as_path()));
+        each::each(args, (!is_missing(named)).then_some(named.as_path()))?;
+        return Ok(ExitCode::SUCCESS);
     }
     let tables = [
         ("patch", args.patch_out.as_ref()),
         ("experiment", args.next_out.as_ref()),
-        ("missing force", args.missing_force.as_ref()),
+        ("table of the residual force", args.missing_force.as_ref()),
     ];
     may_write(args.plot.as_deref(), args.html.as_deref(), &tables)?;
     let config = belief(args)?;
     let asked = Asked::read("diagnose", &args.logs, &config, &args.config.over(), &args.without)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {
-            note(format_args!("{name}: {lost}"));
+            warn(format_args!("{name}: {lost}"));
         }
     }
     let bar = bar()?;
@@ -55,19 +61,36 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<()> {
         ProgressStep::Planned(fits) => shown.inc_length(fits as u64),
         ProgressStep::Made => shown.inc(1),
     });
-    let options = Options { progress, without: args.without.clone() };
+    let options = Options { progress, without: args.without.clone(), formula: args.formula };
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     // The answer first: a full disk takes files only. They are written also where the reader has closed the output.
     let told = tell(args, &asked, &answer);
+    let next = write_files(args, &asked, &answer)?;
+    told?;
+    let files = [
+        ("patch", args.patch_out.as_deref()),
+        ("experiment", next),
+        ("force", args.missing_force.as_deref()),
+        ("picture", args.plot.as_deref()),
+        ("page", args.html.as_deref()),
+    ];
+    announce(args.json, &files)?;
+    let answers = answer.found.verdict != Verdict::InsufficientData;
+    Ok(if answers { ExitCode::SUCCESS } else { ExitCode::from(NO_ANSWER) })
+}
+
+/// Writes the requested files. Returns the one of the next experiment, if one is needed.
+fn write_files<'a>(args: &'a DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<Option<&'a Path>> {
     if let Some(path) = &args.patch_out {
-        write("patch", path, &answer.found.patch_toml())?;
+        write("patch", path, &rounded(&answer.found.patch_toml()))?;
     }
-    if let Some(path) = &args.next_out {
-        write_next(path, &answer.advice)?;
-    }
-    draw(args, &asked, &answer)?;
-    told
+    let next = match &args.next_out {
+        Some(path) => write_next(path, &answer.advice)?,
+        None => None,
+    };
+    draw(args, asked, answer)?;
+    Ok(next)
 }
 
 /// Whether this is the usual config of a folder, and the folder has none.
@@ -134,10 +157,10 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     }
     let picture = Series::of(&answer.found, &asked.belief, &asked.recordings);
     if let Some(path) = &args.missing_force {
-        write("missing force", path, &missing_force::table(&picture.missing)?)?;
+        write("table of the residual force", path, &missing_force::table(&picture.missing)?)?;
     }
     if let Some(path) = &args.plot {
-        let title = format!("{}: free runs, and the force that the belief lacks", asked.names.join(", "));
+        let title = format!("{}: free runs, and the residual force", asked.names.join(", "));
         plot::diagnosis(path, &title, &picture, &answer.found.regions())?;
     }
     if let Some(path) = &args.html {
@@ -166,13 +189,13 @@ pub(super) fn with_report(
     })
 }
 
-/// Writes the next experiment; where none is needed, no file is written.
-fn write_next(path: &Path, advice: &Advice) -> Result<()> {
+/// Writes the next experiment, and returns its file; where none is needed, no file is written.
+fn write_next<'a>(path: &'a Path, advice: &Advice) -> Result<Option<&'a Path>> {
     match &advice.experiment {
-        Some(next) => write("experiment", path, &next.file),
+        Some(next) => write("experiment", path, &next.file).map(|()| Some(path)),
         None => {
-            note(format_args!("no further experiment is called for; {} was not written", path.display()));
-            Ok(())
+            note(format_args!("no further experiment is needed; {} was not written", path.display()));
+            Ok(None)
         }
     }
 }

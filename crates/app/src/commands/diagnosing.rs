@@ -10,7 +10,7 @@ use crate::log::reader::{self, LoadedLog};
 use crate::report::diagnosis::logs::Logs;
 use crate::report::first_belief;
 use anyhow::{Result, bail};
-use diagnose::{ClosedLoop, Context, Diagnosis, Options, Recording, Verdict};
+use diagnose::{ClosedLoop, Context, Diagnosis, MOST_ROWS, Options, Recording, Verdict};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ pub(super) struct Asked {
     tables: Tables,
     /// Whether it was fitted to a record by `airball init`.
     is_fitted: bool,
-    /// Each log, without the codes of a sensor that saw no target, and its name.
+    /// Each log, without the codes of a sensor that saw no target, of a very long one its middle; and its name.
     pub(super) logs: Vec<LoadedLog>,
     pub(super) names: Vec<String>,
     /// Their rows as they were read, log by log.
@@ -82,6 +82,12 @@ impl Asked {
             config.refuse_setpoint(&no_setpoint(name), |effect| !without.iter().any(|left_out| left_out == effect))?;
         }
         let recordings = logs.iter().map(|log| log.recording.clone()).collect();
+        let rows: usize = logs.iter().map(|log| log.recording.samples().len()).sum();
+        if rows > MOST_ROWS {
+            // The diagnosis takes stretches of the recordings itself; the loop is flown again along one of each log.
+            let each = MOST_ROWS / logs.len().max(1);
+            logs.iter_mut().for_each(|log| log.keep_middle(each));
+        }
         logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
         let is_fitted = config.begins_with(first_belief::HEAD);
         Ok(Self { belief, config: path, tables: config.tables, is_fitted, logs, names, recordings })

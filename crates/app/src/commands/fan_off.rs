@@ -1,6 +1,6 @@
 //! `airball fan-off`: turns the fan off in every situation.
 
-use super::{note, say};
+use super::{say, warn};
 use crate::cli::FanOffArgs;
 use crate::config::{Bus, Config};
 use crate::rig::{BenchError, EnableLine, claim, turn_off};
@@ -26,7 +26,7 @@ pub fn fan_off(args: &FanOffArgs) -> Result<()> {
     turn_off(&bus, enable.as_ref(), ALLOWED_S)?;
     say(format_args!("the fan on {} is off", bus.device))?;
     if matches!(claim(&bus), Err(BenchError::Taken { .. })) {
-        note("a flight holds this bus and turns the fan on again within a cycle; end it with Ctrl-C or SIGTERM");
+        warn("a flight holds this bus and turns the fan on again within a cycle; end it with Ctrl-C or SIGTERM");
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What `run` and `simulate` share: orders from the config, the log's header and name, and the end of a flight.
 
-use super::{note, say, with_causes};
+use super::{fail, note, say, with_causes};
 use crate::cli::FlightArgs;
 use crate::config::{Config, Loop};
 use crate::flight::Outcome;
@@ -12,11 +12,13 @@ use crate::flight::wall_clock::rfc3339;
 use crate::log::header::Header;
 use crate::log::writer::LogSummary;
 use crate::log::{LogError, flight};
+use crate::mqtt::Counts;
 use crate::report::flight::plot::flight as draw;
 use crate::report::flight::summary::Summary;
 use crate::report::kit::plot;
 use anyhow::{Result, anyhow, bail};
 use control::controller::Kind;
+use serde::Serialize;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -92,6 +94,17 @@ pub(super) struct Flown {
     pub(super) log: Result<LogSummary, LogError>,
     /// Its log, the oldest file first; more than one with `[log] part_s`.
     pub(super) files: Vec<PathBuf>,
+    /// Counts of the commands, where there was a link.
+    pub(super) counts: Option<Counts>,
+}
+
+/// The document of `--json`.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    #[serde(flatten)]
+    counts: Option<Counts>,
 }
 
 impl Flown {
@@ -140,32 +153,38 @@ pub(super) fn landing_signal() -> Result<Arc<AtomicBool>> {
 }
 
 /// Prints the flight's summary, from its log, and draws it. The worst problem is the error: a fan that is still on, a
-/// fault, the log, then the picture; the others are printed as notes.
+/// fault, the log, then the picture; the others are printed as well.
 pub(super) fn report(args: &FlightArgs, title: &str, flown: Flown) -> Result<()> {
-    let dropped = flown.log.as_ref().map_or(0, |log| log.dropped);
-    let told = tell(args, title, &flown.outcome, &flown.files, dropped);
+    let told = tell(args, title, &flown);
     let worst = flown.landed();
     let Flown { log, .. } = flown;
     if worst.is_ok() {
         return log.map(drop).map_err(Into::into).and(told);
     }
     for lesser in [log.err().map(anyhow::Error::from), told.err()].into_iter().flatten() {
-        note(with_causes(&lesser));
+        fail(with_causes(&lesser));
     }
     worst
 }
 
 /// Summary and picture of the cycles in the log, however few.
-fn tell(args: &FlightArgs, title: &str, outcome: &Outcome, files: &[PathBuf], dropped: u64) -> Result<()> {
-    if outcome.punctuality.cycles == 0 {
+fn tell(args: &FlightArgs, title: &str, flown: &Flown) -> Result<()> {
+    let Flown { outcome, log, files, counts } = flown;
+    let flew = outcome.punctuality.cycles;
+    if flew == 0 {
         return say(format_args!("flight    none: it was ended before its first cycle"));
     }
     let (cycles, read) = last_cycles(files, RETOLD)?;
+    if log.is_err() {
+        let held = cycles.len();
+        note(format_args!("the log holds {held} of {flew} cycles of the flight; the summary is of these"));
+    }
     let summary = Summary::of(&cycles, Some(outcome.punctuality));
     if args.json {
-        say(serde_json::to_string(&summary)?)?;
+        say(serde_json::to_string(&Document { summary: &summary, counts: *counts })?)?;
     } else {
         say(summary.to_string().trim_end())?;
+        let dropped = log.as_ref().map_or(0, |log| log.dropped);
         let dropped = if dropped == 0 { String::new() } else { format!(" ({dropped} messages dropped)") };
         say(format_args!("log       {}{dropped}", named(files, read)))?;
     }

@@ -1,7 +1,7 @@
 //! `airball guard`: turns the fan off when the loop on the other end of standard input is gone. `airball run` starts
 //! it.
 
-use super::note;
+use super::{fail, warn};
 use crate::cli::GuardArgs;
 use crate::config::Bus;
 use crate::flight::last_fault::LastFault;
@@ -39,7 +39,7 @@ pub fn guard(args: &GuardArgs) -> Result<()> {
             Heard::Silence => {}
             Heard::Failed => {
                 turn_off(&bus(args), args.output_enable.as_ref(), ALLOWED_S)?;
-                note("the guard turned the fan off after all");
+                warn("the guard turned the fan off after all");
                 return Ok(());
             }
             Heard::Gone if flown => return act(args, "the program died in flight, killed or crashed"),
@@ -55,11 +55,11 @@ fn act(args: &GuardArgs, why: &str) -> Result<()> {
     let stopped = turn_off(&bus(args), args.output_enable.as_ref(), ALLOWED_S);
     let result = if stopped.is_ok() { "the guard turned the fan off" } else { "the fan may still run" };
     let fault = format!("{why}; {result}. See the journal for what killed it, and the log for what came before");
-    note(&fault);
+    fail(&fault);
     if let Some(path) = &args.last_fault
         && let Err(error) = LastFault::now(fault, None).keep(path)
     {
-        note(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
+        warn(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
     }
     Ok(stopped?)
 }

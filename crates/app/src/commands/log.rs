@@ -1,6 +1,6 @@
 //! `airball log info`, `airball log export` and `airball log recover`.
 
-use super::{note, say};
+use super::{say, warn};
 use crate::log::{export, flight, recover as mended};
 use crate::report::flight::summary::Summary;
 use anyhow::Result;
@@ -17,7 +17,7 @@ const LOSSY: u8 = 3;
 pub fn info(path: &Path) -> Result<()> {
     let log = flight::read(path)?;
     if let Some(lost) = &log.truncated {
-        note(format_args!("{}: {lost}", path.display()));
+        warn(format_args!("{}: {lost}", path.display()));
     }
     let about = &log.about;
     say(format_args!("command   {}", about.command.as_deref().unwrap_or("unknown")))?;
@@ -58,6 +58,6 @@ pub fn recover(path: &Path, out: Option<&Path>) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let lost = flight.truncated.unwrap_or_else(|| "the log does not say how the flight ended".into());
-    note(format_args!("some of the flight is lost: {lost}"));
+    warn(format_args!("some of the flight is lost: {lost}"));
     Ok(ExitCode::from(LOSSY))
 }

@@ -1,5 +1,6 @@
 //! One file per command: it reads flags and tables, calls the analysis or flight, and prints the result.
 
+mod about;
 pub mod config;
 pub mod design;
 pub mod diagnose;
@@ -19,6 +20,7 @@ mod output;
 pub mod replay;
 pub mod run;
 pub mod simulate;
+mod wrapped;
 
-pub use output::{Usage, note, reader_is_gone, with_causes};
-use output::{may_write, say, write};
+pub use output::{Usage, fail, reader_is_gone, with_causes};
+use output::{announce, may_write, note, say, warn, write};

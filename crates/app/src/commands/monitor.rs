@@ -74,7 +74,7 @@ fn lines(mut monitor: Monitor, remote: &Remote, once: bool, nothing: &str) -> Re
     loop {
         let heard = remote.next(TURN);
         if let Some(Heard::Lost(why)) = &heard {
-            lost = format!("{why}; start one with `mosquitto`, or mend [mqtt] of the config");
+            lost = format!("{why}; start one with `mosquitto`, or correct [mqtt] of the config");
         }
         let new = matches!(heard, Some(Heard::State(_)));
         heard.into_iter().for_each(|heard| monitor.hear(heard));

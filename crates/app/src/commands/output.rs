@@ -1,22 +1,67 @@
 //! Standard output and standard error, either of which may be closed at any time: `println!` would panic.
 
+use super::wrapped::wrapped;
 use crate::files;
 use crate::report::kit::{page, plot};
 use anyhow::{Result, anyhow};
 use rows::printable;
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stderr, stdout};
+use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
+use terminal_size::{Width, terminal_size_of};
 
-/// A line of the result on standard output, control characters, which a log or an experiment may hold, escaped.
+/// A line of the result on standard output, control characters, which a log or an experiment may hold, escaped. On a
+/// terminal it is wrapped.
 pub(super) fn say(line: impl Display) -> Result<()> {
-    Ok(writeln!(stdout().lock(), "{}", printable(&line.to_string()))?)
+    let to = stdout().lock();
+    let text = for_reader(&to, &line.to_string());
+    Ok(writeln!({ to }, "{text}")?)
 }
 
-/// A note for the user at the terminal, on standard error, control characters escaped. A closed standard error is not a
-/// failure.
-pub fn note(line: impl Display) {
-    let _ = writeln!(stderr().lock(), "airball: {}", printable(&line.to_string()));
+/// Something to know, on standard error. A closed standard error is not a failure.
+pub(super) fn note(line: impl Display) {
+    aside("note", line);
+}
+
+/// Something to look at: the command goes on, and its result may not be what was asked for. On standard error.
+pub(super) fn warn(line: impl Display) {
+    aside("warning", line);
+}
+
+/// What went wrong, on standard error.
+pub fn fail(line: impl Display) {
+    aside("error", line);
+}
+
+fn aside(kind: &str, line: impl Display) {
+    let to = stderr().lock();
+    let text = for_reader(&to, &format!("{kind}: {line}"));
+    let _ = writeln!({ to }, "{text}");
+}
+
+/// Control characters escaped, and lines wrapped where the reader is a terminal.
+fn for_reader(to: impl AsFd, text: &str) -> String {
+    let text = printable(text);
+    match terminal_size_of(to) {
+        Some((Width(columns), _)) => wrapped(&text, columns.into()),
+        None => text,
+    }
+}
+
+/// Announces the files that were written, each with what it is. Where standard output holds a document, on standard error.
+///
+/// # Errors
+/// A standard output that cannot be written.
+pub(super) fn announce(json: bool, files: &[(&str, Option<&Path>)]) -> Result<()> {
+    for (what, path) in files.iter().filter_map(|(what, path)| Some((what, (*path)?))) {
+        if json {
+            note(format_args!("wrote the {what} {}", path.display()));
+        } else {
+            say(format_args!("{what:<9} {}", path.display()))?;
+        }
+    }
+    Ok(())
 }
 
 /// An error, with those of its causes that its own text does not name.

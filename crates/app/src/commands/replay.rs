@@ -1,7 +1,7 @@
 //! `airball replay`: the gap between a log and a model.
 
 use super::diagnosing::no_setpoint;
-use super::{may_write, note, say};
+use super::{announce, may_write, note, say, warn};
 use crate::cli::ReplayArgs;
 use crate::config::Config;
 use crate::log::reader;
@@ -22,7 +22,7 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     let model = config.need("replay", "plant", |tables| tables.plant.as_ref())?;
     let mut log = reader::read(&args.log, config.tables.import.as_ref())?;
     if let Some(lost) = &log.truncated {
-        note(format_args!("{}: {lost}", args.log.display()));
+        warn(format_args!("{}: {lost}", args.log.display()));
     }
     if !log.recording.has_setpoint() {
         config.refuse_setpoint(&no_setpoint(&args.log.display().to_string()), |_| false)?;
@@ -52,9 +52,6 @@ pub fn replay(args: &ReplayArgs) -> Result<()> {
     if let Some(path) = &args.plot {
         let title = format!("{} and the model's free runs", args.log.display());
         plot::replay(path, &title, &log.recording, &runs)?;
-        if !args.json {
-            say(format_args!("picture   {}", path.display()))?;
-        }
     }
-    Ok(())
+    announce(args.json, &[("picture", args.plot.as_deref()), ("page", args.html.as_deref())])
 }

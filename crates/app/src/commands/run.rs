@@ -1,7 +1,7 @@
 //! `airball run`: the rig, or the simulated rig, in real time.
 
 use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on};
-use super::{note, say};
+use super::{note, say, warn};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
 use crate::flight::last_fault::LastFault;
@@ -16,7 +16,7 @@ use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::{About, Counts, Link};
 use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use embedded_hal::i2c::I2c;
 use hal::Clock;
 use std::path::Path;
@@ -34,18 +34,11 @@ const PWM_OFF: f64 = 0.02;
 /// fault ended.
 pub fn run(args: &RunArgs) -> Result<()> {
     let plan = plan("run", &args.flight, None)?;
-    let (flown, beside) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    let (flown, watched) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    let counts = flown.counts;
     report(&args.flight, &plan.experiment.title, flown)?;
-    beside.watched?;
-    beside.counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
-}
-
-/// The results of the watch and of the link after a flight.
-pub(super) struct Beside {
-    /// The result of the watch.
-    pub(super) watched: Result<(), GuardError>,
-    /// Counts of the commands, where there is a broker's table.
-    counts: Option<Counts>,
+    watched?;
+    counts.filter(|_| !args.flight.json).map_or(Ok(()), say_commands)
 }
 
 /// A flight in real time, as a command defines it.
@@ -56,14 +49,14 @@ struct Order<'a> {
     duration_s: f64,
 }
 
-/// Flies a plan in real time: the rig, or the simulated one.
+/// Flies a plan in real time: the rig, or the simulated one. Returns the result of the watch too.
 pub(super) fn in_real_time(
     command: &'static str,
     plan: &Plan,
     args: &FlightArgs,
     sim: bool,
     duration_s: Option<f64>,
-) -> Result<(Flown, Beside)> {
+) -> Result<(Flown, Result<()>)> {
     let table = plan.config.need(command, "rig", |tables| tables.rig.as_ref())?;
     let stop = landing_signal()?;
     let order = Order { plan, args, sim, duration_s: duration_s.unwrap_or(f64::INFINITY) };
@@ -89,23 +82,28 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     mut rig: Chips<S, P, C>,
     guard: Option<Guard>,
     stop: &Arc<AtomicBool>,
-) -> Result<(Flown, Beside)> {
+) -> Result<(Flown, Result<()>)> {
     let Order { plan, args, sim, duration_s } = *order;
     say_pwm(table.fan_pwm_hz, rig.fan_pwm_hz());
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !sim);
     let last = kept.and_then(LastFault::read);
     if let Some(LastFault { at, fault, acknowledged: None, .. }) = &last {
-        note(format_args!("the last fault, at {at}: {fault}"));
+        warn(format_args!("the last fault, at {at}: {fault}"));
     }
     let seed = sim.then_some(args.seed);
     let (path, header) = log_of(plan, args, seed, SystemTime::now());
     let mqtt = plan.config.tables.mqtt.as_ref();
     let about = About::of(&plan.config.tables, plan.pilot.offers(), sim);
-    let mut link = mqtt.zip(about).map(|(mqtt, about)| Link::start(mqtt, &about, last.as_ref())).transpose()?;
+    let start = |(mqtt, about)| Link::start(mqtt, &about, last.as_ref(), stop);
+    let mut link = mqtt.zip(about).map(start).transpose()?;
+    if let Some((link, _)) = &link {
+        link.wait_for_others();
+        alone(link, &table.name)?;
+    }
     let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
-    real_time::of_the_loop().into_iter().for_each(note);
+    real_time::of_the_loop().into_iter().for_each(warn);
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 
     let commander = link.as_mut().map(|(_, mailbox)| mailbox as &mut dyn Commander);
@@ -121,9 +119,22 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     if let Some(fault) = &fault {
         keep(kept, fault);
     }
+    let other = link.as_ref().map_or(Ok(()), |(link, _)| alone(link, &table.name));
     let counts = link.map(|(link, _)| link.stop(fault.as_ref()));
     let log = queue.finish();
-    Ok((Flown { outcome, log, files: files.all() }, Beside { watched, counts }))
+    let watched = watched.map_err(Into::into).and(other);
+    Ok((Flown { outcome, log, files: files.all(), counts }, watched))
+}
+
+/// Refuses to fly beside another program that flies a rig of this name on the same broker: each would obey the other's
+/// commands.
+fn alone(link: &Link, rig: &str) -> Result<()> {
+    let Some(other) = link.other() else { return Ok(()) };
+    let (process, _) = other.split_once('-').unwrap_or((&other, ""));
+    bail!(
+        "another program flies a rig named {rig} on this broker (its process is {process}, perhaps of another computer), and \
+         each would obey the other's commands; end that one, or give one of them another [rig] name"
+    )
 }
 
 /// Why the flight ended, if not by its programme or a signal; worst first.
@@ -151,7 +162,7 @@ fn open_log(plan: &Plan, path: &Path, header: &Header, ours: bool) -> Result<Que
     };
     match opened {
         Err(error @ (LogError::Create { .. } | LogError::Write { .. })) => {
-            note(format_args!("{error}; flying without a log"));
+            warn(format_args!("{error}; flying without a log"));
             Ok(Queue::without_file(path, error))
         }
         opened => opened,
@@ -165,7 +176,7 @@ fn bytes(megabytes: f64) -> u64 {
 
 fn say_pwm(asked_hz: f64, given_hz: f64) {
     if (given_hz / asked_hz - 1.0).abs() > PWM_OFF {
-        note(format_args!("[rig] fan_pwm_hz asks for {asked_hz} Hz; the fan driver can give {given_hz:.0} Hz"));
+        warn(format_args!("[rig] fan_pwm_hz asks for {asked_hz} Hz; the fan driver can give {given_hz:.0} Hz"));
     }
 }
 
@@ -174,7 +185,7 @@ fn keep(kept: Option<&Path>, fault: &LastFault) {
     if let Some(path) = kept
         && let Err(error) = fault.keep(path)
     {
-        note(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
+        warn(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
     }
 }
 

@@ -39,5 +39,5 @@ pub(super) fn in_virtual_time(
     let stop = landing_signal()?;
     let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut recorder, None);
     let outcome = flight.fly(duration_s, &stop);
-    Ok(Flown { outcome, log: recorder.finish(), files: vec![path] })
+    Ok(Flown { outcome, log: recorder.finish(), files: vec![path], counts: None })
 }

@@ -3,9 +3,12 @@
 //! Every error is found by its dotted key, and the file and line of that key are looked up in the file that set it
 //! last.
 
+use super::merge::put_over;
+use super::plain_words::plain_words;
 use super::tables::Tables;
 use super::written;
-use plant::{Effects, Unsound};
+use plant::Unsound;
+use rows::shown;
 use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,11 +39,11 @@ pub enum ConfigError {
         flag: &'static str,
     },
     /// It is not TOML.
-    #[error("{}: {message}", path.display())]
+    #[error("{place}: {message}")]
     Syntax {
-        /// The file.
-        path: PathBuf,
-        /// The parser's message, with line and column.
+        /// File, line and column.
+        place: String,
+        /// What is wrong there, and the text there.
         message: String,
     },
     /// A key is unknown, missing or of the wrong type.
@@ -96,6 +99,19 @@ const CONFIG_FLAG: &str = "--config FILE";
 struct Source {
     path: PathBuf,
     text: String,
+}
+
+impl Source {
+    /// The error of a text that is no TOML, with the first letters of what stands there.
+    fn syntax(&self, error: &toml::de::Error) -> ConfigError {
+        let at = error.span().map(|span| span.start).filter(|at| self.text.is_char_boundary(*at)).unwrap_or(0);
+        let line_start = self.text[..at].rfind('\n').map_or(0, |end| end + 1);
+        let (line, column) = (self.text[..at].matches('\n').count() + 1, self.text[line_start..at].chars().count() + 1);
+        let rest = self.text[at..].lines().next().unwrap_or_default();
+        let here = if rest.is_empty() { "the end of the line".into() } else { format!("`{}`", shown(rest)) };
+        let place = format!("{}:{line}:{column}", self.path.display());
+        ConfigError::Syntax { place, message: format!("no TOML at {here}: {}", error.message()) }
+    }
 }
 
 impl Config {
@@ -218,13 +234,17 @@ fn parse<T: DeserializeOwned>(sources: &[Source]) -> Result<T, ConfigError> {
 /// All sources in one table, later ones over earlier ones.
 fn merged(sources: &[Source]) -> Result<toml::Table, ConfigError> {
     let mut merged = toml::Table::new();
-    for source in sources {
-        let table: toml::Table = toml::from_str(&source.text).map_err(|error| ConfigError::Syntax {
-            path: source.path.clone(),
-            message: error.to_string().trim_end().to_owned(),
+    for (number, source) in sources.iter().enumerate() {
+        let table: toml::Table = toml::from_str(&source.text).map_err(|error| source.syntax(&error))?;
+        if number == 0 {
+            // The first one has nothing below it to take away.
+            merged = table;
+            continue;
+        }
+        put_over(&mut merged, table).map_err(|(key, message)| {
+            let place = place(std::slice::from_ref(source), &key);
+            ConfigError::Key { place, key, message }
         })?;
-        displace(&mut merged, &table);
-        merge(&mut merged, table);
     }
     Ok(merged)
 }
@@ -232,36 +252,11 @@ fn merged(sources: &[Source]) -> Result<toml::Table, ConfigError> {
 fn typed<T: DeserializeOwned>(merged: toml::Table, sources: &[Source]) -> Result<T, ConfigError> {
     serde_path_to_error::deserialize(merged).map_err(|error| {
         let key = error.path().to_string();
-        let message = error.into_inner().message().to_owned();
-        ConfigError::Key { place: place(sources, &key), key, message }
+        let message = plain_words(error.into_inner().message());
+        let place = place(sources, &key);
+        // At the top of a file the path is a dot.
+        if key == "." { ConfigError::Syntax { place, message } } else { ConfigError::Key { place, key, message } }
     })
-}
-
-/// Removes from `base` the effects that exclude one of `over`: they describe the same part of the rig, and the later
-/// file wins.
-fn displace(base: &mut toml::Table, over: &toml::Table) {
-    let Some(added) = effects(over) else { return };
-    let Some(believed) = base.get_mut("plant").and_then(|plant| plant.get_mut("effects")) else { return };
-    let Some(believed) = believed.as_table_mut() else { return };
-    let displaced =
-        |name: &str| !added.contains_key(name) && added.keys().any(|other| Effects::exclude_each_other(name, other));
-    believed.retain(|name, _| !displaced(name));
-}
-
-fn effects(table: &toml::Table) -> Option<&toml::Table> {
-    table.get("plant")?.get("effects")?.as_table()
-}
-
-/// Tables merge key by key; anything else is replaced.
-fn merge(base: &mut toml::Table, over: toml::Table) {
-    for (key, value) in over {
-        match (base.get_mut(&key), value) {
-            (Some(toml::Value::Table(below)), toml::Value::Table(above)) => merge(below, above),
-            (_, value) => {
-                base.insert(key, value);
-            }
-        }
-    }
 }
 
 /// `file:line` of a dotted key: where the longest part of it is found, and among equals in the last file.

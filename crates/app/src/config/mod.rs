@@ -4,7 +4,10 @@
 //! it, merges patches and locates errors.
 
 mod load;
+mod merge;
 pub mod mqtt;
+mod plain_words;
+mod predistorted;
 mod rig;
 mod signals;
 mod tables;
@@ -12,6 +15,7 @@ pub mod topics;
 mod written;
 
 pub use load::{Config, ConfigError, parse_file, parse_text};
+pub(crate) use plain_words::plain_words;
 pub use rig::Rig;
 pub use signals::{SecondSensor, Tachometer};
 pub use tables::{Bus, Loop, Reference, Safety, Stuck, Tables};

@@ -2,6 +2,7 @@
 
 use super::Rig;
 use super::mqtt::MqttConfig;
+use super::predistorted;
 use super::topics::Topics;
 use control::check::{OutOfRange, within};
 use control::compensation::Compensation;
@@ -224,6 +225,7 @@ impl Tables {
         self.check_hover().map_err(|message| ("plant.hover_duty_percent", message))?;
         self.check_stall().map_err(|message| ("safety.stall_s", message))?;
         self.check_controller().map_err(|message| ("controller", message))?;
+        predistorted::check(self)?;
         self.import.as_ref().map_or(Ok(()), Import::check).map_err(|error| ("import", error.to_string()))
     }
 

@@ -1,12 +1,14 @@
 //! The names of the topics.
 //!
-//! Everything of one rig is below `airball/<rig>/`. Two names of the original rig are kept as aliases, so that its
+//! Everything of one rig is below `airball/<rig>/`. Some names of the original rig are kept as aliases, so that its
 //! dashboards work with this program; they contain no rig's name, so that two rigs on one broker would share them.
 
 use super::mqtt::MqttError;
 
 /// The original rig's setpoint, millimetres.
 pub const ORIGINAL_SETPOINT: &str = "ball/parameters/reference";
+/// The original rig's gains of the PID: K_p, T_i and T_d.
+pub const ORIGINAL_GAINS: &str = "ball/parameters/PID";
 /// The original rig's measured position, millimetres.
 pub const ORIGINAL_POSITION: &str = "ball/measures/position";
 
@@ -20,6 +22,8 @@ pub enum Quantity {
     Setpoint,
     /// The controller's gains, together.
     Gains,
+    /// Any numbers of controllers, observer and compensation, together, or the last change of them undone.
+    Numbers,
     /// Which controller flies.
     Controller,
     /// What the loop does.
@@ -32,8 +36,8 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 6] =
-        [Self::Setpoint, Self::Gains, Self::Controller, Self::Mode, Self::Experiment, Self::Stream];
+    pub const ALL: [Self; 7] =
+        [Self::Setpoint, Self::Gains, Self::Numbers, Self::Controller, Self::Mode, Self::Experiment, Self::Stream];
 
     /// The topic below the rig's.
     #[must_use]
@@ -41,6 +45,7 @@ impl Quantity {
         match self {
             Self::Setpoint => "set/setpoint_mm",
             Self::Gains => "set/gains",
+            Self::Numbers => "set/numbers",
             Self::Controller => "set/controller",
             Self::Mode => "set/mode",
             Self::Experiment => "set/experiment",
@@ -62,10 +67,14 @@ pub struct Topics {
     pub cycles: String,
     /// What the rig is and accepts, retained.
     pub about: String,
+    /// All numbers that can be changed, as they are, retained.
+    pub numbers: String,
     /// `online` or `offline`, retained.
     pub status: String,
     /// The last fault, retained.
     pub fault: String,
+    /// Who flies a rig of this name, to others who would.
+    pub claim: String,
     /// The mode, alone.
     pub(crate) mode: String,
     /// Filter of all commands, known and unknown, so that a misspelt one gets a reply too.
@@ -89,8 +98,10 @@ impl Topics {
             state: below("state"),
             cycles: below("cycles"),
             about: below("about"),
+            numbers: below("numbers"),
             status: below("status"),
             fault: below("fault"),
+            claim: below("claim"),
             mode: below(Quantity::Mode.topic()),
             commands: below("set/#"),
             root,
@@ -100,8 +111,10 @@ impl Topics {
     /// What a message on `topic` sets, if it is a command.
     #[must_use]
     pub fn quantity(&self, topic: &str) -> Option<Quantity> {
-        if topic == ORIGINAL_SETPOINT {
-            return Some(Quantity::Setpoint);
+        match topic {
+            ORIGINAL_SETPOINT => return Some(Quantity::Setpoint),
+            ORIGINAL_GAINS => return Some(Quantity::Gains),
+            _ => {}
         }
         let name = topic.strip_prefix(&self.root)?;
         Quantity::ALL.into_iter().find(|quantity| quantity.topic() == name)
@@ -122,7 +135,7 @@ impl Topics {
 
 #[cfg(test)]
 mod tests {
-    use super::{ORIGINAL_POSITION, ORIGINAL_SETPOINT, Quantity, Topics};
+    use super::{ORIGINAL_GAINS, ORIGINAL_POSITION, ORIGINAL_SETPOINT, Quantity, Topics};
 
     #[test]
     fn every_quantity_is_found_by_its_own_topic_and_by_no_other_rigs() {
@@ -132,6 +145,7 @@ mod tests {
             assert_eq!(topics.quantity(&format!("airball/rig2/{}", quantity.topic())), None);
         }
         assert_eq!(topics.quantity(ORIGINAL_SETPOINT), Some(Quantity::Setpoint));
+        assert_eq!(topics.quantity(ORIGINAL_GAINS), Some(Quantity::Gains));
         assert_eq!(topics.quantity("airball/rig1/set/setpoint"), None);
     }
 
@@ -140,10 +154,19 @@ mod tests {
         let page = include_str!("../../../../docs/book/src/reference/mqtt.md");
         let mut listed: Vec<&str> = page.lines().filter_map(|row| row.strip_prefix("| `")?.split('`').next()).collect();
         let topics = Topics::new("rig1").unwrap();
-        let own = [&topics.reply, &topics.state, &topics.cycles, &topics.about, &topics.status, &topics.fault];
+        let own = [
+            &topics.reply,
+            &topics.state,
+            &topics.cycles,
+            &topics.about,
+            &topics.numbers,
+            &topics.status,
+            &topics.fault,
+            &topics.claim,
+        ];
         let own = own.map(|topic| topics.short(topic));
         let mut there: Vec<&str> = own.into_iter().chain(Quantity::ALL.map(Quantity::topic)).collect();
-        there.extend([ORIGINAL_SETPOINT, ORIGINAL_POSITION]);
+        there.extend([ORIGINAL_SETPOINT, ORIGINAL_GAINS, ORIGINAL_POSITION]);
         listed.sort_unstable();
         there.sort_unstable();
         assert_eq!(listed, there);

@@ -2,17 +2,23 @@
 
 use crate::flight::name::Name;
 use control::controller::{Controllers, Kind};
+use control::numbers::{Parameter, Values};
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A command over MQTT. A plain copy, so that it reaches the loop without allocating.
+#[expect(clippy::large_enum_variant, reason = "a box would allocate, and few commands are on their way at a time")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// Hold this position, millimetres, from now on.
     Setpoint(f64),
     /// Change gains together.
     Gains(GainChange),
+    /// Change any numbers of controllers, observer and compensation together.
+    Numbers(Values),
+    /// Take the last change of gains or numbers back.
+    Undo,
     /// Change to another controller.
     Controller(Kind),
     /// Turn the fan off until the command `fly`.
@@ -23,6 +29,14 @@ pub enum Command {
     Programme,
     /// Fly an experiment of the offers, from its start, and then the programme again.
     Experiment(Name),
+}
+
+impl Command {
+    /// Whether it changes numbers of controllers, observer or compensation.
+    #[must_use]
+    pub const fn is_of_numbers(&self) -> bool {
+        matches!(self, Self::Gains(_) | Self::Numbers(_) | Self::Undo)
+    }
 }
 
 /// New gains; absent ones are kept.
@@ -69,6 +83,26 @@ pub enum Refusal {
     /// A gain is outside its bounds.
     #[error("{0}")]
     Gain(control::OutOfRange),
+    /// A number is outside its bounds.
+    #[error("{table}.{error}")]
+    Number {
+        /// The table.
+        table: &'static str,
+        /// Key, value and bounds.
+        error: control::OutOfRange,
+    },
+    /// The config does not have the number.
+    #[error("the config has no {0}, and what is absent is off; the retained topic `about` lists what can be changed")]
+    Absent(&'static str),
+    /// No estimate or no plan can be made with the numbers.
+    #[error("{0}")]
+    Unready(control::regulator::Unready),
+    /// The programme changes gains itself.
+    #[error("the experiment sets gains itself now; wait for its end, or send programme to set/mode first")]
+    ProgrammeGains,
+    /// Nothing was changed, or all of it was taken back.
+    #[error("no change is left to undo: these are the numbers of the config")]
+    NothingToUndo,
     /// There is no PID whose gains could change.
     #[error("the config has no table [controller.pid], so there are no gains to change")]
     NoPid,
@@ -82,7 +116,7 @@ pub enum Refusal {
     },
     /// There is no such experiment.
     #[error(
-        "no experiment {asked} is on offer; the retained topic `about` lists those that are, and [mqtt] experiments of the config adds files"
+        "there is no experiment {asked}; the retained topic `about` lists all, and [mqtt] experiments of the config adds files"
     )]
     Experiment {
         /// The commanded experiment.
@@ -129,6 +163,14 @@ impl fmt::Display for Command {
         match self {
             Self::Setpoint(mm) => write!(f, "setpoint_mm {mm}"),
             Self::Gains(change) => write!(f, "gains {}", serde_json::to_string(change).unwrap_or_default()),
+            Self::Numbers(values) => {
+                f.write_str("numbers")?;
+                let given = Parameter::ALL.iter().zip(values).filter_map(|(one, value)| Some((one.name, (*value)?)));
+                given
+                    .enumerate()
+                    .try_for_each(|(k, (name, value))| write!(f, "{} {name} {value}", if k == 0 { "" } else { "," }))
+            }
+            Self::Undo => f.write_str("numbers undo"),
             Self::Controller(kind) => write!(f, "controller {}", kind.name()),
             Self::Stop => f.write_str("mode stop"),
             Self::Fly => f.write_str("mode fly"),

@@ -209,7 +209,9 @@ impl<'a, R: Rig> Flight<'a, R> {
                 experiment: self.pilot.experiment(),
             };
             if let Some(commander) = self.commander.as_mut() {
-                commander.answer(Answer { command, refused, in_force });
+                let changed = refused.is_none() && command.is_of_numbers();
+                let numbers = changed.then(|| self.pilot.numbers().values());
+                commander.answer(Answer { command, refused, in_force, numbers });
             }
         }
     }

@@ -5,6 +5,7 @@ use super::lateness::Histogram;
 use super::name::Name;
 use super::vocabulary::{Cycle, Fault, Mode};
 use control::controller::Kind;
+use control::numbers::Values;
 use control::pid::Pid;
 use serde::{Serialize, Serializer};
 
@@ -50,6 +51,8 @@ pub struct Answer {
     pub refused: Option<Refusal>,
     /// The values in force after it.
     pub in_force: InForce,
+    /// All numbers, where it changed any.
+    pub numbers: Option<Values>,
 }
 
 /// The state as the loop passes it on, in every cycle if needed; the newest is published at 10 Hz.

@@ -87,6 +87,10 @@ pub struct Event {
 }
 
 /// What happened.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a box would allocate in the loop, and few commands are on their way at a time"
+)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum What {
     /// The loop changed its mode.
@@ -152,7 +156,7 @@ pub enum Fault {
     /// The ball does not move although it is pushed.
     #[error(
         "the ball at {position_mm:.0} mm has not moved for {still_s:.1} s although the controller asks for \
-         {control_percent:+.1} % about hover; free it, check the fan's supply, and [safety] stuck where it is not stuck"
+         {control_percent:+.1} % about hover; free it, check the fan's supply; if it is not stuck, change [safety] stuck"
     )]
     BallStuck {
         /// Position of the ball.
@@ -199,7 +203,7 @@ pub enum Fault {
     },
     /// The cycles do not keep up with their deadlines.
     #[error(
-        "the control cycles fell {behind_s:.2} s behind their deadlines; end what else runs on this computer, check the \
+        "the control cycles fell {behind_s:.2} s behind their deadlines; end other programs on this computer, check the \
          bus for transactions that hang, or raise [safety] stall_s"
     )]
     Late {

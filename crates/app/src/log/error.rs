@@ -45,7 +45,7 @@ pub enum LogError {
         path: PathBuf,
     },
     /// Writing failed.
-    #[error("writing {} failed after {cycles} cycles: {cause}; what was written before can be read, check the space on the disk", path.display())]
+    #[error("writing {} failed after {cycles} cycles: {cause}; what was written before can be read, except perhaps for the last second; check the space on the disk", path.display())]
     Write {
         /// The file.
         path: PathBuf,
@@ -69,12 +69,14 @@ pub enum LogError {
         path: PathBuf,
     },
     /// An MCAP file without a readable cycle.
-    #[error("{} has no readable message in the channel `cycle`: {cause}; record the flight again", path.display())]
+    #[error("{} has no readable message in the channel `cycle`: {cause}; {advice}", path.display())]
     NoCycles {
         /// The file.
         path: PathBuf,
         /// The reason.
         cause: String,
+        /// What to do.
+        advice: &'static str,
     },
     /// The rows do not make a recording.
     #[error("{}: {source}", path.display())]

@@ -66,7 +66,13 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Flight, LogError> {
 }
 
 fn no_cycles<T>(path: &Path, cause: String) -> Result<T, LogError> {
-    Err(LogError::NoCycles { path: path.into(), cause })
+    // The library's word for a chunk that it cannot unpack; airball itself packs with zstd.
+    let advice = if cause.contains("nsupported compression") {
+        "the flight may be whole: compress it with zstd (`mcap compress --compression zstd`)"
+    } else {
+        "record the flight again"
+    };
+    Err(LogError::NoCycles { path: path.into(), cause, advice })
 }
 
 /// A flight during reading.

@@ -24,6 +24,10 @@ const CAPACITY: usize = 2048;
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// An entry from the loop to the thread.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a box would allocate in the loop, and few commands are on their way at a time"
+)]
 enum Entry {
     Cycle(Cycle),
     Event(Event),
@@ -141,7 +145,7 @@ fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, Log
         }
         if let Some(error) = to.failure().filter(|_| !said) {
             said = true;
-            let _ = writeln!(io::stderr(), "airball: {error}; the flight goes on");
+            let _ = writeln!(io::stderr(), "error: {error}; the flight goes on");
         }
         if last {
             return to.finish();

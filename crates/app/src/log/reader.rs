@@ -41,6 +41,21 @@ impl LoadedLog {
             self.recording = seen;
         }
     }
+
+    /// Keeps the `rows` in the middle, and what happened during them, of a log that has more.
+    pub fn keep_middle(&mut self, rows: usize) {
+        let all = self.recording.samples();
+        let start = all.len().saturating_sub(rows) / 2;
+        let Some(middle) = all.get(start..start + rows).filter(|middle| middle.len() < all.len()) else { return };
+        let [Some(first), Some(last)] = [middle.first(), middle.last()].map(|row| row.map(|row| row.time_s)) else {
+            return;
+        };
+        let Ok(recording) = Recording::new(middle.to_vec()) else { return };
+        self.recording = recording;
+        self.cycles.retain(|cycle| (first..=last).contains(&cycle.time_s));
+        self.cycles.shrink_to_fit();
+        self.events.retain(|event| (first..=last).contains(&event.time_s));
+    }
 }
 
 /// Reads a log, recognised by its first bytes. `import` maps the columns of a CSV.

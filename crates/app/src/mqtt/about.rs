@@ -3,8 +3,10 @@
 use crate::config::{Safety, Tables};
 use crate::flight::experiment::offers::Offer;
 use control::controller::Kind;
+use control::numbers::{Numbers, Parameter};
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The name and version of the message.
 const SCHEMA: &str = "airball.about/1";
@@ -34,6 +36,9 @@ pub struct About {
     pub controllers: Vec<String>,
     /// The gains of the PID; empty where there is no PID.
     pub gains: Vec<Gain>,
+    /// All numbers that can be set; empty as of a program that cannot.
+    #[serde(default)]
+    pub numbers: Vec<Number>,
     /// The experiments that can be started.
     pub experiments: Vec<Offered>,
 }
@@ -60,6 +65,21 @@ pub struct Gain {
     pub min: f64,
     /// The largest; null: no limit.
     pub max: Option<f64>,
+}
+
+/// A number that can be set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Number {
+    /// Its name in `set/numbers`: table and key of the config.
+    pub name: String,
+    /// Its unit; empty: none.
+    pub unit: String,
+    /// The smallest.
+    pub min: f64,
+    /// The largest; null: no limit.
+    pub max: Option<f64>,
+    /// As the flight began; null: infinite.
+    pub value: Option<f64>,
 }
 
 /// An experiment that can be started.
@@ -94,6 +114,14 @@ impl About {
             hover_duty_percent: compensation.hover_duty_percent,
             controllers: there.map(|kind| kind.name().to_owned()).collect(),
             gains: if controllers.pid.is_some() { gains(compensation.predistortion.is_some()) } else { Vec::new() },
+            numbers: numbers(
+                &Numbers {
+                    controllers: controllers.clone(),
+                    observer: tables.observer,
+                    compensation: compensation.clone(),
+                },
+                tables.safety?,
+            ),
             experiments: offers.iter().map(Offered::from).collect(),
         })
     }
@@ -118,6 +146,30 @@ fn gains(predistorted: bool) -> Vec<Gain> {
         max: max.is_finite().then_some(max),
     };
     Pid::BOUNDS.into_iter().zip(words).map(gain).collect()
+}
+
+/// All numbers that are there, with unit and bounds.
+fn numbers(there: &Numbers, safety: Safety) -> Vec<Number> {
+    let control = if there.compensation.predistortion.is_some() { "mm/s²" } else { "%" };
+    let number = |(parameter, value): (&Parameter, Option<f64>)| {
+        let (value, (min, max)) = (value?, parameter.bounds(there)?);
+        // Hover is safe within the duties of a flight.
+        let of_hover = parameter.name == "compensation.hover_duty_percent";
+        let (min, max) = if of_hover { (safety.duty_min_percent, safety.duty_max_percent) } else { (min, max) };
+        Some(Number {
+            name: parameter.name.into(),
+            unit: parameter.unit.replace('u', control),
+            min,
+            max: max.is_finite().then_some(max),
+            value: value.is_finite().then_some(value),
+        })
+    };
+    Parameter::ALL.iter().zip(there.values()).filter_map(number).collect()
+}
+
+/// The message on `numbers`: each by its name.
+pub(super) fn in_force(values: impl Iterator<Item = (String, Option<f64>)>) -> String {
+    serde_json::to_string(&values.collect::<BTreeMap<_, _>>()).unwrap_or_default()
 }
 
 impl From<&Offer> for Offered {

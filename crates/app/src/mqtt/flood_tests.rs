@@ -61,7 +61,7 @@ fn a_huge_message_that_is_kept_as_the_mode_leaves_a_link_that_stays_and_only_spe
         until("the end of a connection", || (outside.hear(STATUS) == "offline").then_some(()));
     }
     assert_eq!(outside.hear(STATUS), "online");
-    mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0) });
+    mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0), numbers: None });
     until("the answer", || (outside.json(REPLY)["accepted"] == true).then_some(()));
     assert_eq!(link.counts().commands_refused, 2);
 }
@@ -95,7 +95,7 @@ fn of_a_flood_every_message_is_answered_or_counted() {
         for _ in 0..4 {
             let Some(command) = mailbox.try_command() else { return };
             obeyed += 1;
-            mailbox.answer(Answer { command, refused: None, in_force: in_force(1.0) });
+            mailbox.answer(Answer { command, refused: None, in_force: in_force(1.0), numbers: None });
         }
     };
     for k in 0..SENT {

@@ -5,7 +5,7 @@
 //! subscribes to less: to the mode alone, so that `stop` is received, or, if the packet is retained there, to nothing.
 //! A minute later it subscribes to everything again.
 
-use crate::config::topics::{ORIGINAL_SETPOINT, Topics};
+use crate::config::topics::{ORIGINAL_GAINS, ORIGINAL_SETPOINT, Topics};
 use rumqttc::mqttbytes::Error as Malformed;
 use rumqttc::{Client, ConnectionError, QoS, StateError, SubscribeFilter};
 use std::time::{Duration, Instant};
@@ -44,8 +44,11 @@ impl Hearing {
 
     fn filters(&self, topics: &Topics) -> Vec<String> {
         match self.width {
-            Width::Everything => vec![topics.commands.clone(), ORIGINAL_SETPOINT.to_owned()],
-            Width::Mode => vec![topics.mode.clone()],
+            Width::Everything => {
+                let original = [ORIGINAL_SETPOINT, ORIGINAL_GAINS].map(str::to_owned);
+                [[topics.claim.clone(), topics.commands.clone()], original].concat()
+            }
+            Width::Mode => vec![topics.claim.clone(), topics.mode.clone()],
             Width::Nothing => Vec::new(),
         }
     }
@@ -93,14 +96,15 @@ mod tests {
     fn a_huge_message_right_behind_a_subscription_narrows_it_and_a_minute_widens_it() {
         let mut hearing = Hearing::new();
         let at = hearing.since;
-        assert_eq!(filters(&hearing), ["airball/r/set/#", "ball/parameters/reference"]);
+        let all = ["airball/r/claim", "airball/r/set/#", "ball/parameters/reference", "ball/parameters/PID"];
+        assert_eq!(filters(&hearing), all);
         hearing.ended(&HUGE, at);
-        assert_eq!(filters(&hearing), ["airball/r/set/mode"]);
+        assert_eq!(filters(&hearing), ["airball/r/claim", "airball/r/set/mode"]);
         hearing.ended(&HUGE, at);
         assert!(filters(&hearing).is_empty());
         assert!(!hearing.recovers(at + LESS_FOR - Duration::from_secs(1)));
         assert!(hearing.recovers(at + LESS_FOR) && !hearing.recovers(at + LESS_FOR));
-        assert_eq!(filters(&hearing).len(), 2);
+        assert_eq!(filters(&hearing), all);
     }
 
     #[test]
@@ -109,6 +113,6 @@ mod tests {
         let at = hearing.since;
         hearing.ended(&HUGE, at + SOON);
         hearing.ended(&ConnectionError::NetworkTimeout, at);
-        assert_eq!(filters(&hearing).len(), 2);
+        assert_eq!(filters(&hearing).len(), 4);
     }
 }

@@ -1,22 +1,27 @@
 //! The link for its owner: start it, give the mailbox to the loop, stop it.
 
 use super::about::About;
+use super::claim::Claim;
 use super::count::{Counters, Counts};
 use super::hearing::Hearing;
+use super::line::Line;
 use super::mailbox::{Mailbox, ROOM};
-use super::network::{self, Line, Network};
+use super::network::{self, Network};
 use super::outage::Outage;
 use super::publisher::Publisher;
 use super::stream::Stream;
 use crate::config::mqtt::{MqttConfig, MqttError};
 use crate::config::topics::Topics;
 use crate::flight::last_fault::LastFault;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// Longest wait until the broker has the last messages.
 const LONGEST_GOODBYE: Duration = Duration::from_secs(1);
+/// Longest wait for others of our name.
+const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
 /// Two threads between the loop and the broker. Dropping it sends `offline` and disconnects, as [`Link::stop`] does.
 pub struct Link {
@@ -29,6 +34,7 @@ pub struct Link {
 impl Link {
     /// Starts the link and returns at once, with or without a broker; the description of the rig and its last fault are
     /// published with every connection. Start it before the loop raises its priority, which new threads would inherit.
+    /// `lands` is set where another program flies a rig of this name.
     ///
     /// # Errors
     /// [`MqttError`]: a rig's name that is not allowed in topics, a password or certificate that cannot be read, no
@@ -37,10 +43,12 @@ impl Link {
         config: &MqttConfig,
         about: &About,
         last_fault: Option<&LastFault>,
+        lands: &Arc<AtomicBool>,
     ) -> Result<(Self, Mailbox), MqttError> {
         let topics = Arc::new(Topics::new(&about.rig)?);
-        let options = network::options(config, &about.rig, &topics)?;
-        let (counters, line) = (Arc::<Counters>::default(), Arc::new(Line::new(about)));
+        let claim = Claim::new(Arc::clone(lands));
+        let options = network::options(config, &about.rig, claim.id(), &topics)?;
+        let (counters, line) = (Arc::<Counters>::default(), Arc::new(Line::new(about, claim)));
         line.know(last_fault);
         let (mailbox, far) = Mailbox::new(Arc::clone(&counters));
         let (aside, asides) = mpsc::sync_channel(ROOM);
@@ -53,7 +61,6 @@ impl Link {
             counters: Arc::clone(&counters),
             outage: Outage::new(format!("{}:{}", config.host, config.port())),
             hearing: Hearing::new(),
-            owed: None,
         };
         let publisher = Publisher {
             topics,
@@ -70,6 +77,20 @@ impl Link {
         link.spawn("mqtt-publisher", move || publisher.run())?;
         link.spawn("mqtt-network", move || network.run())?;
         Ok((link, mailbox))
+    }
+
+    /// Waits until others of this name would have been heard of, a second at most. A missing broker is not waited for.
+    pub fn wait_for_others(&self) {
+        let deadline = Instant::now() + LONGEST_WAIT;
+        while !self.line.claim.is_settled() && Instant::now() < deadline {
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// The program that flies a rig of this name instead of us, if there is one, by its process and start.
+    #[must_use]
+    pub fn other(&self) -> Option<String> {
+        self.line.claim.other()
     }
 
     fn spawn(&mut self, name: &str, run: impl FnOnce() + Send + 'static) -> Result<(), MqttError> {

@@ -14,7 +14,8 @@ use crate::flight::vocabulary::{Cycle, Mode};
 use control::controller::Kind;
 use serde_json::json;
 use std::net::TcpListener;
-use std::sync::mpsc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Arc, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -25,7 +26,7 @@ pub(super) const STATE: &str = "airball/rig1/state";
 pub(super) const STATUS: &str = "airball/rig1/status";
 
 pub(super) fn start(config: &MqttConfig) -> (Link, Mailbox) {
-    Link::start(config, &about(), None).unwrap()
+    Link::start(config, &about(), None, &Arc::default()).unwrap()
 }
 
 /// A broker, a second client, and a connected link.
@@ -90,7 +91,7 @@ pub(super) fn state(time_s: f64) -> State {
 /// The loop's answer to a command: takes the next one and refuses it or not.
 pub(super) fn obey(mailbox: &mut Mailbox, refused: Option<Refusal>) -> Command {
     let command = until("a command in the mailbox", || mailbox.try_command());
-    mailbox.answer(Answer { command, refused, in_force: in_force(300.0) });
+    mailbox.answer(Answer { command, refused, in_force: in_force(300.0), numbers: None });
     command
 }
 
@@ -196,9 +197,26 @@ fn a_cut_connection_leaves_offline_by_last_will_where_online_was_retained() {
 }
 
 #[test]
+fn of_two_that_fly_one_name_the_later_gives_way_and_leaves_no_trace_on_the_broker() {
+    let (broker, outside, first, mut mailbox) = connected();
+    let lands = Arc::default();
+    let (second, _mailbox) = Link::start(&broker.config(), &about(), None, &lands).unwrap();
+    second.wait_for_others();
+    assert!(second.other().is_some() && lands.load(Relaxed));
+    second.stop(None);
+    assert_eq!(first.other(), None);
+    // What the later one would have said comes before this.
+    outside.say(SETPOINT, "300");
+    obey(&mut mailbox, None);
+    assert_eq!(outside.json(REPLY)["accepted"], true);
+    let late = Outside::on(broker.port).message(STATUS);
+    assert!(late.retain && late.payload == "online");
+}
+
+#[test]
 fn stopping_sends_the_last_answer_and_offline_before_it_leaves() {
     let (broker, outside, link, mut mailbox) = connected();
-    mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0) });
+    mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0), numbers: None });
     link.stop(None);
     assert_eq!(outside.json(REPLY)["topic"], "set/mode");
     assert_eq!(outside.hear(STATUS), "offline");

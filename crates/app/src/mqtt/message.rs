@@ -35,7 +35,7 @@ pub(super) struct Reply {
 }
 
 impl From<Answer> for Reply {
-    fn from(Answer { command, refused, in_force }: Answer) -> Self {
+    fn from(Answer { command, refused, in_force, .. }: Answer) -> Self {
         Self {
             topic: quantity(command).topic().to_owned(),
             accepted: refused.is_none(),
@@ -50,6 +50,7 @@ const fn quantity(command: Command) -> Quantity {
     match command {
         Command::Setpoint(_) => Quantity::Setpoint,
         Command::Gains(_) => Quantity::Gains,
+        Command::Numbers(_) | Command::Undo => Quantity::Numbers,
         Command::Controller(_) => Quantity::Controller,
         Command::Stop | Command::Fly | Command::Programme => Quantity::Mode,
         Command::Experiment(_) => Quantity::Experiment,
@@ -75,7 +76,7 @@ mod tests {
 
     #[test]
     fn an_accepted_command_is_answered_with_what_is_in_force_and_an_integral_that_is_off_is_null() {
-        let answer = Answer { command: Command::Setpoint(300.0), refused: None, in_force: IN_FORCE };
+        let answer = Answer { command: Command::Setpoint(300.0), refused: None, in_force: IN_FORCE, numbers: None };
         let in_force = json!({"setpoint_mm": 300.0, "controller": "pid", "kp_per_mm": 0.01, "ti_s": null, "td_s": 0.5, "mode": "flying", "experiment": null});
         let expected = json!({"topic": "set/setpoint_mm", "accepted": true, "in_force": in_force, "reason": null});
         assert_eq!(serde_json::to_value(Reply::from(answer)).unwrap(), expected);
@@ -84,7 +85,7 @@ mod tests {
     #[test]
     fn a_refused_command_is_answered_with_the_reason_and_what_stays_in_force() {
         let refused = Some(Refusal::OpenLoop);
-        let reply = Reply::from(Answer { command: Command::Fly, refused, in_force: IN_FORCE });
+        let reply = Reply::from(Answer { command: Command::Fly, refused, in_force: IN_FORCE, numbers: None });
         assert_eq!((reply.topic.as_str(), reply.accepted), ("set/mode", false));
         assert_eq!(reply.reason, Some(Refusal::OpenLoop.to_string()));
         assert_eq!(reply.in_force, Some(IN_FORCE));

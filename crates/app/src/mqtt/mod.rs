@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `airball/<rig>/set/setpoint_mm` | in | a number: `300` |
 //! | `airball/<rig>/set/gains` | in | JSON, changed together: `{"kp_per_mm":0.01,"ti_s":3}` |
+//! | `airball/<rig>/set/numbers` | in | JSON, changed together: `{"lqg.fan":0.7,"observer.sensor_mm":3}`; or `undo` |
 //! | `airball/<rig>/set/controller` | in | `pid`, `cascade`, `state_feedback`, `lqg`, `mpc` or `open_loop` |
 //! | `airball/<rig>/set/mode` | in | `stop`, `fly` or `programme` |
 //! | `airball/<rig>/set/experiment` | in | an experiment of the list in `about`: flown once, then the programme |
@@ -12,9 +13,12 @@
 //! | `airball/<rig>/state` | out, 10 Hz | JSON: the latest cycle, the gains, the counts |
 //! | `airball/<rig>/cycles` | out, 10 Hz, when asked | JSON: `cycles` since the last message, `dropped`: lost ones |
 //! | `airball/<rig>/about` | out, retained | JSON (`airball.about/1`): limits, units, controllers, gains, experiments |
+//! | `airball/<rig>/numbers` | out, retained | JSON: all numbers that `set/numbers` can change, as they are |
+//! | `airball/<rig>/claim` | both | JSON: who flies this name, to others who would |
 //! | `airball/<rig>/status` | out, retained | `online`, or `offline` by last will |
 //! | `airball/<rig>/fault` | out, retained | JSON: the last fault that ended a flight, `at`, `fault`, `log`, `acknowledged` |
 //! | `ball/parameters/reference` | in | the original rig's name of `set/setpoint_mm` |
+//! | `ball/parameters/PID` | in | the original rig's name of `set/gains`: K_p, T_i and T_d |
 //! | `ball/measures/position` | out, 10 Hz | the original rig's position, a number in mm |
 //!
 //! Two threads are between the loop and the broker, so that neither can block the loop:
@@ -37,8 +41,10 @@
 //! meant for another time, and `fly` must not start the fan of a rig that has just been switched on.
 
 pub mod about;
+mod claim;
 mod count;
 mod hearing;
+mod line;
 pub mod link;
 mod mailbox;
 pub mod message;

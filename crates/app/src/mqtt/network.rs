@@ -4,26 +4,24 @@
 //! are not sent in the next, so that the broker never gets an old state. Subscriptions end with a session too. Between
 //! sessions the thread sleeps, because a refused connection fails within microseconds.
 
-use super::about::About;
 use super::count::{Counters, count};
 use super::hearing::{Hearing, too_large};
+use super::line::Line;
 use super::mailbox::Inbox;
 use super::outage::Outage;
 use super::parse::{Asked, ParseError, parse};
 use crate::config::mqtt::{Credentials, MqttConfig, MqttError};
 use crate::config::topics::Topics;
-use crate::flight::last_fault::LastFault;
 use rumqttc::{
     Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, PublishOptions, QoS, TlsConfiguration,
     Transport,
 };
 use std::borrow::Cow;
 use std::io::Write;
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use std::{io, process, thread};
+use std::{io, thread};
 
 /// Requests that can wait for the connection: a few rounds of the publisher.
 const QUEUE: usize = 256;
@@ -33,52 +31,10 @@ pub(super) const LARGEST_IN: usize = 2 << 20;
 const LARGEST_OUT: usize = 64 * 1024;
 /// After one and a half of these without a packet the broker publishes the last will.
 const KEEP_ALIVE_S: u16 = 5;
-/// Of a message that the broker keeps for readers to come.
-pub(super) const RETAINED: PublishOptions = PublishOptions::at_least_once().retained();
+/// Of a message between programs that are there now.
+const UNRETAINED: PublishOptions = PublishOptions::at_least_once();
 /// First and longest pause between two attempts to connect.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(200), Duration::from_secs(5));
-
-/// Shared by both threads and the link: the client of the session, while there is one.
-pub(super) struct Line {
-    client: Mutex<Option<Client>>,
-    stopping: AtomicBool,
-    /// The last fault, as published; `None`: none is known.
-    fault: Mutex<Option<String>>,
-    /// The description of the rig, as published.
-    about: String,
-}
-
-impl Line {
-    pub(super) fn new(about: &About) -> Self {
-        let (client, stopping, fault) = (Mutex::default(), AtomicBool::default(), Mutex::default());
-        Self { client, stopping, fault, about: about.json() }
-    }
-
-    pub(super) fn client(&self) -> MutexGuard<'_, Option<Client>> {
-        self.client.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Sets the last fault, if there is one.
-    pub(super) fn know(&self, fault: Option<&LastFault>) {
-        if let Some(fault) = fault {
-            *self.fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(fault.json());
-        }
-    }
-
-    /// Publishes the last fault, if one is known.
-    pub(super) fn publish_fault(&self, client: &Client, topics: &Topics) -> bool {
-        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        fault.is_none_or(|fault| client.try_publish(&topics.fault, fault, RETAINED).is_ok())
-    }
-
-    pub(super) fn stop(&self) {
-        self.stopping.store(true, SeqCst);
-    }
-
-    pub(super) fn stopping(&self) -> bool {
-        self.stopping.load(SeqCst)
-    }
-}
 
 /// A message that is answered without the loop.
 pub(super) struct Aside {
@@ -105,13 +61,11 @@ pub(super) struct Network {
     pub(super) counters: Arc<Counters>,
     pub(super) outage: Outage,
     pub(super) hearing: Hearing,
-    /// A refusal to be sent in the next session.
-    pub(super) owed: Option<Aside>,
 }
 
 /// The client's identity and last will.
-pub(super) fn options(config: &MqttConfig, rig: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
-    let mut options = to_broker(config, format!("airball-{rig}-{}", process::id()))?;
+pub(super) fn options(config: &MqttConfig, rig: &str, id: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
+    let mut options = to_broker(config, format!("airball-{rig}-{id}"))?;
     options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
     Ok(options)
 }
@@ -120,7 +74,7 @@ pub(super) fn options(config: &MqttConfig, rig: &str, topics: &Topics) -> Result
 pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, MqttError> {
     let mut options = MqttOptions::new(id, (config.host.clone(), config.port()));
     options.set_keep_alive(KEEP_ALIVE_S).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
-    config.exposures().into_iter().for_each(|exposure| say(Some(format!("mqtt: warning: {exposure}"))));
+    config.exposures().into_iter().for_each(|exposure| say(Some(format!("warning: mqtt: {exposure}"))));
     if let Some(Credentials { user, password }) = config.credentials()? {
         options.set_credentials(user, password);
     }
@@ -138,12 +92,14 @@ impl Network {
             let began = Instant::now();
             let cause = self.session();
             *self.line.client() = None;
+            *self.line.claiming() = None;
             if self.line.stopping() {
                 return;
             }
+            self.line.claim.no_broker();
             self.hearing.ended(&cause, Instant::now());
             if let Some(bytes) = too_large(&cause) {
-                self.owed = Some(self.refuse_packet(bytes));
+                self.line.owe(self.refuse_packet(bytes));
             }
             say(self.outage.began(&cause));
             if began.elapsed() > PAUSES.1 {
@@ -164,6 +120,9 @@ impl Network {
                         return ConnectionError::RequestsDone;
                     }
                 }
+                Ok(Ok(Event::Incoming(Packet::Publish(message)))) if topic(&message) == self.topics.claim => {
+                    self.hear_claim(&client, &message);
+                }
                 Ok(Ok(Event::Incoming(Packet::Publish(message)))) => self.take(&message),
                 // A packet arrives every few seconds, at least a ping.
                 Ok(Ok(_)) if self.hearing.recovers(Instant::now()) => {
@@ -176,21 +135,29 @@ impl Network {
         }
     }
 
-    /// Subscribes and sends `online`. False where that is no longer wanted: a disconnection without a message makes the
+    /// Subscribes and claims the rig's name. False where that is no longer wanted: a disconnection without a message makes the
     /// broker publish the last will, which is then right. The queue of a new session has space for these requests.
     fn greet(&mut self, client: &Client) -> bool {
-        let mut held = self.line.client();
+        let mut held = self.line.claiming();
         let greeted = !self.line.stopping()
             && self.hearing.subscribe(client, &self.topics)
-            && client.try_publish(&self.topics.status, "online", RETAINED).is_ok()
-            && client.try_publish(&self.topics.about, self.line.about.clone(), RETAINED).is_ok()
-            && self.line.publish_fault(client, &self.topics);
+            && client.try_publish(&self.topics.claim, self.line.claim.message(), UNRETAINED).is_ok();
         if greeted {
             *held = Some(client.clone());
             say(self.outage.over());
-            self.owed.take().into_iter().for_each(|owed| self.tell(owed));
         }
         greeted
+    }
+
+    /// Answers who would fly a rig of our name, or notes who does. What a broker kept is of a program that may be gone.
+    fn hear_claim(&self, client: &Client, message: &Publish) {
+        if message.retain {
+            return;
+        }
+        let held = self.line.claim.hear(&message.payload);
+        if held.is_some_and(|held| client.try_publish(&self.topics.claim, held, UNRETAINED).is_err()) {
+            count(&self.counters.dropped);
+        }
     }
 
     /// Passes a command to the loop, or the result of a message without the loop to the publisher.

@@ -22,7 +22,7 @@ impl Outage {
     /// The line for a connection, unless already written.
     pub(super) fn over(&mut self) -> Option<String> {
         let new = self.connected.replace(true) != Some(true);
-        new.then(|| format!("mqtt: connected to the broker at {}", self.broker))
+        new.then(|| format!("note: mqtt: connected to the broker at {}", self.broker))
     }
 
     /// The line for a refused or lost connection, unless already written.
@@ -33,7 +33,7 @@ impl Outage {
             None => "no broker",
         };
         let (broker, hint) = (&self.broker, hint(cause));
-        Some(format!("mqtt: {what} at {broker}: {cause}; the flight goes on without commands. {hint}"))
+        Some(format!("warning: mqtt: {what} at {broker}: {cause}; the flight goes on without commands. {hint}"))
     }
 }
 
@@ -48,7 +48,7 @@ fn hint(cause: &ConnectionError) -> &'static str {
             "Somebody sent a huge message; if it is retained, remove it: mosquitto_pub -r -n -t TOPIC."
         }
         _ => tls::hint(cause)
-            .unwrap_or("Start one with `mosquitto`, or mend host and port of [mqtt]; it is tried again."),
+            .unwrap_or("Start one with `mosquitto`, or correct host and port of [mqtt]; the rig tries again."),
     }
 }
 

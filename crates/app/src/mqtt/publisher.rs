@@ -5,9 +5,10 @@
 //! blocks anything. Without a session everything is discarded, so that no old message is sent.
 
 use super::count::{Counters, count};
+use super::line::{Line, RETAINED};
 use super::mailbox::ROOM;
 use super::message::{CyclesMessage, Reply, StateMessage};
-use super::network::{Aside, Line, RETAINED, What};
+use super::network::{Aside, What};
 use super::stream::Stream;
 use crate::config::topics::{ORIGINAL_POSITION, Topics};
 use crate::flight::state::{Answer, InForce, State};
@@ -54,12 +55,21 @@ impl Publisher {
     /// Empties each ring once, up to its size, so that many messages in one do not delay the others.
     fn turn(&mut self) {
         let now = Instant::now();
+        let owed = self.line.introduce(&self.topics);
+        if self.line.is_claiming() {
+            return;
+        }
         let said = (0..ROOM).map_while(|_| self.states.pop().ok());
         let newest = said.inspect(|state| self.stream.take(state.cycle, now)).last();
         if let Some(state) = newest {
             self.in_force = Some(state.in_force());
         }
-        for reply in self.replies(now) {
+        let in_force = self.in_force;
+        let owed = owed.map(|Aside { topic, what }| match what {
+            What::Refused(reason) => Reply { topic, accepted: false, in_force, reason: Some(reason) },
+            What::Stream(_) => Reply { topic, accepted: true, in_force, reason: None },
+        });
+        for reply in owed.into_iter().chain(self.replies(now)) {
             self.send_json(&self.topics.reply, PublishOptions::at_least_once(), &reply);
         }
         if let Some(state) = newest {
@@ -75,6 +85,13 @@ impl Publisher {
         let answers: Vec<_> = (0..ROOM).map_while(|_| self.answers.pop().ok()).collect();
         if let Some(newest) = answers.last() {
             self.in_force = Some(newest.in_force);
+        }
+        if let Some(numbers) = answers.iter().rev().find_map(|answer| answer.numbers) {
+            self.line.know_numbers(&numbers);
+            let sent = self.line.client().as_ref().is_none_or(|client| self.line.publish_numbers(client, &self.topics));
+            if !sent {
+                count(&self.counters.dropped);
+            }
         }
         let mut replies = Vec::new();
         for _ in 0..ROOM {
@@ -132,10 +149,14 @@ impl Publisher {
     /// Sends `offline` and disconnects. If the queue is full, the broker publishes the last will at the end of the
     /// connection.
     fn farewell(&self) {
-        if let Some(client) = self.line.client().as_ref()
-            && self.line.publish_fault(client, &self.topics)
-            && client.try_publish(&self.topics.status, "offline", RETAINED).is_ok()
-        {
+        self.line.leave_unsaid();
+        let held = self.line.client();
+        let Some(client) = held.as_ref() else { return };
+        // Where another program flies our name, it is not offline.
+        let told = self.line.claim.other().is_some()
+            || (self.line.publish_fault(client, &self.topics)
+                && client.try_publish(&self.topics.status, "offline", RETAINED).is_ok());
+        if told {
             let _ = client.try_disconnect();
         }
     }
@@ -153,6 +174,7 @@ mod tests {
     use crate::flight::command::Command;
     use crate::flight::outside::Commander;
     use crate::flight::state::Answer;
+    use crate::mqtt::claim::Claim;
     use crate::mqtt::link_tests::{about, in_force};
     use crate::mqtt::mailbox::Mailbox;
     use std::sync::mpsc::sync_channel;
@@ -173,14 +195,14 @@ mod tests {
             answers: far.answers,
             states: far.states,
             asides,
-            line: Arc::new(Line::new(&about())),
+            line: Arc::new(Line::new(&about(), Claim::new(Arc::default()))),
             counters: Arc::default(),
             in_force: None,
             due: Instant::now(),
             stream: Stream::default(),
         };
         aside.send(Aside { topic: "set/#".into(), what: What::Refused("too large".into()) }).unwrap();
-        mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0) });
+        mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0), numbers: None });
         let replies = publisher.replies(Instant::now());
         let told: Vec<_> = replies.iter().map(|reply| (reply.topic.as_str(), reply.accepted)).collect();
         assert_eq!(told, [("set/#", false), ("set/mode", true)]);

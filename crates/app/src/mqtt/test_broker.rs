@@ -1,6 +1,6 @@
 //! The environment of the link's tests: a broker, a second client, and a connection that can be cut.
 
-use super::network::RETAINED;
+use super::line::RETAINED;
 use crate::config::mqtt::MqttConfig;
 use rumqttc::{Client, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
 use std::io::{self, ErrorKind};

@@ -50,7 +50,7 @@ fn pem(key: &'static str, path: &Path, cause: &dyn std::fmt::Display) -> MqttErr
 /// The next step for the user when a connection failed because of TLS; `None` where TLS was not the cause.
 pub(super) fn hint(cause: &ConnectionError) -> Option<&'static str> {
     const NO_TLS: &str =
-        "The broker may not speak TLS at this port: mend `port` of [mqtt], usually 8883, or remove [mqtt.tls].";
+        "The broker may not speak TLS at this port: correct `port` of [mqtt], usually 8883, or remove [mqtt.tls].";
     Some(match failure(cause) {
         None => return matches!(cause, ConnectionError::Tls(_)).then_some(NO_TLS),
         Some(rustls::Error::InvalidMessage(_)) => NO_TLS,

@@ -12,6 +12,7 @@ use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, DnType, IsCa, 
 use rumqttc::{Client, ConnectionError, Event, Packet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tempfile::TempDir;
 
 /// An authority, and the folder with its signed certificates.
@@ -67,7 +68,7 @@ fn over_tls(broker: &Broker, tls: TlsConfig) -> MqttConfig {
 /// Connects once: the broker's acknowledgement, or the line for standard error.
 fn connect(config: &MqttConfig) -> Result<(), String> {
     let topics = Topics::new("rig1").unwrap();
-    let (_client, mut connection) = Client::builder(network::options(config, "rig1", &topics).unwrap()).build();
+    let (_client, mut connection) = Client::builder(network::options(config, "rig1", "1", &topics).unwrap()).build();
     let said = |cause: &ConnectionError| Outage::new("broker".into()).began(cause).unwrap();
     match connection.recv().unwrap() {
         Ok(Event::Incoming(Packet::ConnAck(_))) => Ok(()),
@@ -124,7 +125,7 @@ fn tls_to_a_port_without_it_is_told_which_port_to_try() {
 /// The error of a link with these files.
 fn why(tls: TlsConfig) -> String {
     let config = MqttConfig { tls: Some(tls), ..config(1) };
-    Link::start(&config, &about(), None).err().unwrap().to_string()
+    Link::start(&config, &about(), None, &Arc::default()).err().unwrap().to_string()
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub fn page(place: &Place<'_>) -> String {
                     (connection())
                     div.live {
                         div { (now()) (pictures()) (timing()) }
-                        div { (setpoint()) (modes()) (controller()) (gains()) (experiment()) p #reply role="status" {} }
+                        div { (setpoint()) (modes()) (controller()) (gains()) (numbers()) (experiment()) p #reply role="status" {} }
                     }
                 }
                 footer {
@@ -165,6 +165,24 @@ fn gains() -> Markup {
             form #gain-form {
                 div #gains {}
                 button type="submit" { "Change together" }
+            }
+        }
+    }
+}
+
+fn numbers() -> Markup {
+    html! {
+        fieldset #number-set {
+            legend { "All numbers" }
+            details {
+                summary { "Controllers, compensation and observer" }
+                form #number-form {
+                    div #numbers {}
+                    div.row {
+                        button type="submit" { "Change numbers together" }
+                        button #undo type="button" { "Undo the last change" }
+                    }
+                }
             }
         }
     }

@@ -5,8 +5,8 @@
 //! ```
 
 use crate::answer::evidence::add_odds;
-use crate::answer::forecast::best_forecast;
-use crate::answer::ladder::{Ladder, Rest, Rung};
+use crate::answer::ladder::{Rest, Rung};
+use crate::answer::mending::Mending;
 use crate::answer::verdict::{Verdict, rest_matters, verdict};
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
@@ -29,7 +29,7 @@ use crate::select::refit;
 use crate::select::search::Search;
 use crate::select::stepwise::{NamedEffect, Selection, select_effects};
 use crate::thresholds::ENOUGH_READINGS;
-use plant::Model;
+use plant::{Definition, Model};
 
 /// The result of a diagnosis.
 #[derive(Clone, Debug)]
@@ -40,6 +40,8 @@ pub struct Diagnosis {
     pub effects: Vec<NamedEffect>,
     /// The scores of all tested effects, by round of the selection.
     pub rounds: Vec<Vec<Scored>>,
+    /// The shapes of the formula for what no effect explains; empty if there is none.
+    pub formula: Vec<&'static Definition>,
     /// The belief with its base parameters refitted.
     pub refitted: Fit,
     /// The model that forecasts best: the belief with refitted parameters and the effects that were found. Where a
@@ -95,35 +97,33 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         found = Selection::nothing(&search, &refitted);
     }
     let incomplete = answers && found.is_incomplete();
-    let ladder = Ladder::of(&search, &refitted, &found);
-    let last = ladder.models.len() - 1;
-    let at = if incomplete { best_forecast(&search, &ladder.models) } else { last };
-    let (belief_errors, mended) = (&ladder.models[0].errors, &ladder.models[at]);
-    let end = if at == last { ladder.end.clone() } else { mended.gap_with_floor(&search) };
-    let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
-    let floor = gaps[2].floor_mm[2].map(|floor| floor * floor).filter(|_| answers);
-    let closed = floor.and_then(|floor| Closed::of(belief_errors, [belief_errors, &mended.errors], floor));
-    let mended = mended.fit.clone();
+    let mending = Mending::of(&search, &refitted, &mut found, (incomplete && asks, options.formula));
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
-    add_odds(&mut found, &ladder);
-    let verdict = if answers { verdict(&found, &ladder, &gaps) } else { Verdict::InsufficientData };
+    let ladder = &mending.ladder;
+    add_odds(&mut found, ladder);
+    let verdict = if answers { verdict(&found, ladder, &mending.gaps) } else { Verdict::InsufficientData };
+    let rest = Rest {
+        share: ladder.named_share.map(|share| 1.0 - share),
+        is_significant: asks && incomplete,
+        matters: answers && rest_matters(&ladder.end),
+    };
     let Selection { effects, rounds, fit: with_effects, misfit, .. } = found;
-    let reaches = reaches(&search.problem, &mended);
+    let reaches = reaches(&search.problem, &mending.fit);
+    let ladder = mending.rungs();
+    let Mending { formula, fit: mended, gaps, closed, .. } = mending;
+    let closed = closed.filter(|_| answers);
     Diagnosis {
         verdict,
         effects,
         rounds,
+        formula,
         refitted,
         mended,
         with_effects,
         gaps,
-        rest: Rest {
-            share: ladder.named_share.map(|share| 1.0 - share),
-            is_significant: asks && incomplete,
-            matters: answers && rest_matters(&ladder.end),
-        },
-        ladder: ladder.rungs,
+        rest,
+        ladder,
         places,
         band,
         misfit,

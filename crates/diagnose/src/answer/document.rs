@@ -2,6 +2,7 @@
 
 use crate::answer::closed_loop::{ClosedLoop, NextExperiment};
 use crate::answer::diagnosis::Diagnosis;
+use crate::answer::formula::FormulaTerm;
 use crate::answer::ladder::{Rest, Rung};
 use crate::answer::stages::StageShare;
 use crate::answer::verdict::Verdict;
@@ -14,7 +15,7 @@ use crate::residual::spectrum::Band;
 use crate::select::odds::Evidence;
 use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::SIGNIFICANT;
-use plant::Model;
+use plant::{Entry, Model};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -47,6 +48,8 @@ pub struct Document {
     parameters: BTreeMap<&'static str, ParameterEntry>,
     gap: GapEntry,
     ladder: Vec<Rung>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    formula: Vec<FormulaTerm>,
     rest: Rest,
     r#where: WhereEntry,
     check: CheckEntry,
@@ -143,6 +146,7 @@ impl Diagnosis {
             parameters: self.base_parameters(belief),
             gap: self.gap_entry(context.closed_loop),
             ladder: self.ladder.clone(),
+            formula: self.formula_terms(),
             rest: self.rest,
             r#where: WhereEntry {
                 stage: self.stage_shares(&context.deviations),
@@ -182,7 +186,11 @@ impl Diagnosis {
     /// The parameters of an effect that was found, by their keys of the config.
     #[must_use]
     pub fn effect_parameters(&self, named: &NamedEffect) -> BTreeMap<&'static str, Interval> {
-        let entry = named.candidate.entry;
+        self.parameters_of(named.candidate.entry)
+    }
+
+    /// The parameters of an effect of the mended model, or of a named one that it lacks.
+    pub(super) fn parameters_of(&self, entry: &'static Entry) -> BTreeMap<&'static str, Interval> {
         let own = |fit: &Fit| fit.model.effects.values(entry.name);
         let values = own(&self.mended).or_else(|| own(&self.with_effects)).unwrap_or_default();
         let known = self.intervals();

@@ -9,10 +9,11 @@
 //! An effect that changes the scatter and not the path has no share of the errors. So each rung has its gain of
 //! held-out log-likelihood too.
 
-use crate::answer::forecast::{Evaluated, deviations};
 use crate::fit::estimate::Fit;
 use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::{Closed, is_open};
+use crate::select::forecast::{Evaluated, deviations};
+use crate::select::formula::Formula;
 use crate::select::search::Search;
 use crate::select::stepwise::{Change, NamedEffect, Selection};
 use plant::Entry;
@@ -32,6 +33,8 @@ pub enum Step {
     Removed,
     /// An effect.
     Effect,
+    /// A formula for what no effect explains.
+    Formula,
 }
 
 /// One rung of the ladder.
@@ -121,6 +124,15 @@ impl Ladder {
         let rungs = (0..models.len()).map(rung).collect();
         let named_share = shares.beyond_refit(models[1].square() - last.square());
         Self { rungs, dropped, named_share, end, models }
+    }
+}
+
+impl Ladder {
+    /// The rung of a formula that was found on top of the model of rung `below`.
+    pub(super) fn rung_of(&self, search: &Search<'_>, below: usize, formula: &Formula) -> Rung {
+        let with = &formula.evaluated;
+        let shares = Shares::of(&self.models, &with.gap_with_floor(search));
+        shares.rung(Step::Formula, with, Some(&self.models[below]))
     }
 }
 

@@ -13,6 +13,9 @@ use plant::{Effects, Stage};
 const MOST_TERMS: usize = 3;
 /// Explanation of the letters in terms.
 const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
+/// A headline does not assert an effect that is less probable.
+const LIKELIER_THAN_NOT: f64 = 0.5;
+
 impl Diagnosis {
     /// The verdict in one sentence, without a full stop.
     #[must_use]
@@ -23,13 +26,11 @@ impl Diagnosis {
                 "The simulator lacks no effect that this record shows, but its numbers are off".into()
             }
             Verdict::InsufficientData => "This record cannot say what separates simulator and rig".into(),
-            Verdict::Unexplained if self.effects.is_empty() => {
-                "Something separates simulator and rig that no effect of the catalogue explains".into()
-            }
             Verdict::Unexplained => {
-                format!("{}, and something is left that no effect explains", of_effects(&self.effects))
+                let likely = self.effects.iter().filter(|named| named.probability > LIKELIER_THAN_NOT);
+                unexplained(&likely.collect::<Vec<_>>())
             }
-            Verdict::Effect => of_effects(&self.effects),
+            Verdict::Effect => of_effects(&self.effects.iter().collect::<Vec<_>>()),
         }
     }
 
@@ -111,7 +112,8 @@ impl Diagnosis {
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let effects = self.effects.iter().map(|named| self.effect_in_words(named));
-        let residual = self.residual_in_words().into_iter().chain(self.left_out_in_words());
+        let residual =
+            self.residual_in_words().into_iter().chain(self.formula_in_words()).chain(self.left_out_in_words());
         std::iter::once(self.verdict_in_words()).chain(effects).chain(residual).collect()
     }
 }
@@ -145,8 +147,20 @@ pub fn with_rivals(named: &NamedEffect) -> String {
     names.map(|name| with_article(name)).collect::<Vec<_>>().join(" or ")
 }
 
-fn of_effects(effects: &[NamedEffect]) -> String {
-    let by = |change| effects.iter().filter(move |named| named.change == change).map(with_rivals).collect::<Vec<_>>();
+/// The headline where most of the gap has another cause than the likely effects.
+fn unexplained(likely: &[&NamedEffect]) -> String {
+    if likely.is_empty() {
+        "Something separates simulator and rig that no effect of the catalogue explains".into()
+    } else {
+        format!("{}, but most of the gap has another cause", of_effects(likely))
+    }
+}
+
+fn of_effects(effects: &[&NamedEffect]) -> String {
+    let by = |change| {
+        let own = effects.iter().filter(move |named| named.change == change);
+        own.map(|named| with_rivals(named)).collect::<Vec<_>>()
+    };
     let clause = |change, before: &str, after: &str| {
         let names = by(change);
         (!names.is_empty()).then(|| format!("{before}{}{after}", listed(&names)))
@@ -187,7 +201,7 @@ fn stage_in_words(misfit: &Misfit) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{listed, with_article};
+    use super::{listed, unexplained, with_article};
 
     #[test]
     fn names_are_spoken_as_a_person_would() {
@@ -196,5 +210,10 @@ mod tests {
             ["a dead zone", "an end stop", "turbulence"]
         );
         assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
+    }
+
+    #[test]
+    fn a_headline_without_a_likely_effect_asserts_none() {
+        assert_eq!(unexplained(&[]), "Something separates simulator and rig that no effect of the catalogue explains");
     }
 }

@@ -90,6 +90,12 @@ impl Tally {
         (squares.0.is_finite() && squares.1.is_finite()).then_some(squares)
     }
 
+    /// Mean squares of the model at the horizons.
+    pub(crate) fn squares(&self) -> Option<[f64; 3]> {
+        let squares = self.horizons.map(|errors| errors.model.sum / errors.model.count);
+        squares.iter().all(|square| square.is_finite()).then_some(squares)
+    }
+
     /// The total of several.
     pub(crate) fn sum<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
         all.fold(Self::default(), |mut sum, one| {

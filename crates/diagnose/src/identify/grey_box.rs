@@ -13,6 +13,7 @@
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect};
 use crate::fit::profile::{OF_90_PERCENT, interval};
+use crate::identify::open_loop::SHORTEST_S;
 use crate::identify::residual_tests::ResidualTests;
 use crate::identify::validation::HeldOut;
 use crate::record::folds::Folds;
@@ -70,16 +71,27 @@ pub struct GreyBox {
 }
 
 /// Why identification is not possible.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
-        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s, or longer stretches \
-         without control, which count from 4 s on"
+        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s"
     )]
     Readings {
         /// Number of readings found.
         readings: usize,
+    },
+    /// Too few readings in stretches without control.
+    #[error(
+        "{readings} readings in stretches without control of {SHORTEST_S} s or longer, {ENOUGH_READINGS} are needed, and the longest such \
+         stretch in free flight has {longest_s:.1} s; fly experiments/open-loop.toml, which takes 80 s, or identify a flight under \
+         control without --open-loop"
+    )]
+    OpenLoop {
+        /// Number of readings found.
+        readings: usize,
+        /// The longest stretch without control, seconds.
+        longest_s: f64,
     },
 }
 

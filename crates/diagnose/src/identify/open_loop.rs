@@ -11,12 +11,12 @@
 //! Source: the thesis, section 3.1.3, detrends its open-loop records by a line.
 
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle};
-use crate::record::recording::{Recording, Sample};
+use crate::record::recording::{Recording, Sample, duration_s};
 use crate::stats::line::line;
 use plant::Model;
 
 /// The shortest stretch that is used, seconds: the filter forgets its initial state in half of it.
-const SHORTEST_S: f64 = 4.0;
+pub(super) const SHORTEST_S: f64 = 4.0;
 /// Distance from an end within which the ball may lie there, mm.
 const AT_END_MM: f64 = 10.0;
 /// Length of the virtual pipe of a detrended ball, in lengths of the real one: no line reaches its ends.
@@ -30,6 +30,8 @@ const FOR_EVER_S: f64 = 1e5;
 pub struct OpenLoop {
     /// The stretches in sequence.
     pub recording: Recording,
+    /// The longest stretch without control, also if it is too short, seconds.
+    longest_s: f64,
     /// The belief.
     believed: Model,
     /// The belief in a pipe without ends, with a constant force for the remaining offset.
@@ -48,13 +50,14 @@ impl OpenLoop {
         }
         let free = |s: &Sample| s.position_mm.is_none_or(|mm| mm > AT_END_MM && mm < belief.pipe_length_mm - AT_END_MM);
         let open = |s: &Sample| s.setpoint_mm.is_none() && free(s);
-        let of_flight = |flight: &Recording| {
+        let of_flight = |flight: &'_ Recording| {
             let stretches = flight.samples().chunk_by(|a, b| open(a) && open(b));
-            let stretches = stretches.filter(|rows| rows.iter().all(open));
-            stretches.filter_map(|rows| detrended(rows, &there)).collect::<Vec<_>>()
+            stretches.filter(|rows| rows.iter().all(open)).map(<[Sample]>::to_vec).collect::<Vec<_>>()
         };
-        let recording = Recording::together(flights.iter().flat_map(of_flight));
-        Self { recording, believed: belief.clone(), detrended: there }
+        let stretches: Vec<Vec<Sample>> = flights.iter().flat_map(of_flight).collect();
+        let longest_s = stretches.iter().map(|rows| duration_s(rows)).fold(0.0, f64::max);
+        let recording = Recording::together(stretches.iter().filter_map(|rows| detrended(rows, &there)));
+        Self { recording, longest_s, believed: belief.clone(), detrended: there }
     }
 
     /// Identifies a plant with this number of poles. Hover is not identifiable: it differs between stretches.
@@ -62,7 +65,10 @@ impl OpenLoop {
     /// # Errors
     /// [`TooLittle`]: the open-loop stretches are too few or too short.
     pub fn identify(&self, poles: Poles) -> Result<GreyBox, TooLittle> {
-        let mut found = GreyBox::identify(&self.detrended, &self.recording, poles)?;
+        let mut found = GreyBox::identify(&self.detrended, &self.recording, poles).map_err(|error| match error {
+            TooLittle::Readings { readings } => TooLittle::OpenLoop { readings, longest_s: self.longest_s },
+            other @ TooLittle::OpenLoop { .. } => other,
+        })?;
         found.estimates.retain(|estimate| estimate.name != "hover_duty_percent");
         for model in [&mut found.fit.model, &mut found.held_out.model] {
             model.effects = model.effects.with_coloured_force_of(&self.believed.effects);
@@ -75,8 +81,8 @@ impl OpenLoop {
 
 /// `rows` about the middle of the pipe and the hover duty; `None` if too short.
 fn detrended(rows: &[Sample], belief: &Model) -> Option<Recording> {
-    let (first, last) = (rows.first()?, rows.last()?);
-    if last.time_s - first.time_s < SHORTEST_S {
+    let first = rows.first()?;
+    if duration_s(rows) < SHORTEST_S {
         return None;
     }
     let points: Vec<(f64, f64)> = rows.iter().filter_map(|s| Some((s.time_s - first.time_s, s.position_mm?))).collect();

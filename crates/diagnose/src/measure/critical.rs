@@ -1,9 +1,11 @@
-//! The critical gain from setpoint steps at rising gains of a proportional-integral controller.
+//! The critical gain from setpoint steps at rising gains of a proportional-integral controller, and the critical integral
+//! time from steps at falling ones.
 //!
 //! ```text
 //! law       Δu = K_p·Δe + (K_p/T_i)·e·dt                    from the log: exact if nothing else acts
 //! step      e = c + d·t + e^(σt)·(A·cos ωt + B·sin ωt)      σ: growth rate, negative for a stable loop
 //! K_u       zero of σ = α + β·x + γ·x², x = ln K_p          weighted parabola; var x = var σ/(∂σ/∂x)² at the zero
+//! T_i       the same with x = −ln T_i, at one K_p
 //! ```
 //!
 //! The parabola uses the steps near the critical gain, with |σ| small against ω. Their scatter about it is the error,
@@ -23,8 +25,10 @@ const JUMP_MM: f64 = 20.0;
 /// Rows from which the control law is determined, and the largest deviation of the others, as a share of Δu.
 const LAW_ROWS: usize = 25;
 const EXACT: f64 = 1e-3;
-/// The fast poles have decayed after this time, seconds; and the shortest oscillation after it.
+/// The fast poles have decayed after this time, seconds, with a slow integral and with a fast one, which leaves a pole of the
+/// ball's drag; and the shortest oscillation after it.
 const SKIP_S: f64 = 0.8;
+const SKIP_OF_TIME_S: f64 = 2.5;
 const SHORTEST_S: f64 = 3.0;
 /// Largest growth rate of a usable step, as a share of ω, and the smallest number of steps.
 const NEAR: f64 = 0.1;
@@ -42,6 +46,19 @@ pub struct Critical {
     /// T_i of the controller, seconds.
     pub ti_s: f64,
     /// The frequency of the oscillation at the critical gain, rad/s.
+    pub omega: f64,
+    /// All steps with an oscillation.
+    pub swings: Vec<Swing>,
+}
+
+/// The result of steps at falling integral times.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CriticalTime {
+    /// The integral time below which the loop no longer comes to rest, seconds.
+    pub ti_s: Estimate,
+    /// K_p of the controller, percent of duty per mm.
+    pub kp_per_mm: f64,
+    /// The frequency of the oscillation there, rad/s.
     pub omega: f64,
     /// All steps with an oscillation.
     pub swings: Vec<Swing>,
@@ -71,18 +88,82 @@ pub struct Swing {
 /// [`MeasureError::NoSwing`]: no step has an oscillation. [`MeasureError::NotCritical`] describes the steps that were
 /// found.
 pub fn critical(recording: &Recording) -> Result<Critical, MeasureError> {
+    let Crossed { at, ti_s, omega, swings, .. } = crossed(recording, Varied::Gain, |swing| swing.kp_per_mm.ln())?;
+    let Estimate { value, low, high } = at;
+    let kp_per_mm = Estimate { value: value.exp(), low: low.exp(), high: high.exp() };
+    Ok(Critical { kp_per_mm, ti_s, omega, swings })
+}
+
+/// The critical integral time in a recording.
+///
+/// # Errors
+/// As [`critical`].
+pub fn critical_time(recording: &Recording) -> Result<CriticalTime, MeasureError> {
+    let Crossed { at, kp_per_mm, omega, swings, .. } = crossed(recording, Varied::Time, |swing| -swing.ti_s.ln())?;
+    let Estimate { value, low, high } = at;
+    let ti_s = Estimate { value: (-value).exp(), low: (-high).exp(), high: (-low).exp() };
+    Ok(CriticalTime { ti_s, kp_per_mm, omega, swings })
+}
+
+/// What steps vary on their way to instability.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Varied {
+    /// The proportional gain, which rises.
+    Gain,
+    /// The integral time, which falls.
+    Time,
+}
+
+impl Varied {
+    const fn skip_s(self) -> f64 {
+        match self {
+            Self::Gain => SKIP_S,
+            Self::Time => SKIP_OF_TIME_S,
+        }
+    }
+
+    pub(super) const fn experiment(self) -> &'static str {
+        match self {
+            Self::Gain => "experiments/critical-gain.toml",
+            Self::Time => "experiments/critical-time.toml",
+        }
+    }
+
+    pub(super) const fn further(self) -> &'static str {
+        match self {
+            Self::Gain => "higher gains",
+            Self::Time => "shorter integral times",
+        }
+    }
+}
+
+/// Where swings no longer die.
+struct Crossed {
+    /// In the unit of what is varied.
+    at: Estimate,
+    /// Of the step that is nearest to it.
+    kp_per_mm: f64,
+    ti_s: f64,
+    omega: f64,
+    swings: Vec<Swing>,
+}
+
+/// Varies `by`, which rises towards the critical value.
+fn crossed(recording: &Recording, what: Varied, by: fn(&Swing) -> f64) -> Result<Crossed, MeasureError> {
     let swings: Vec<Swing> = recording
         .flights()
         .iter()
         .flat_map(|flight| stretches(&recording.samples()[flight.clone()]))
-        .filter_map(|stretch| stretch.swing())
+        .filter_map(|stretch| stretch.swing(what.skip_s()))
+        .filter(|swing| by(swing).is_finite())
         .collect();
     if swings.is_empty() {
-        return Err(MeasureError::NoSwing { needed: FEWEST });
+        return Err(MeasureError::NoSwing { needed: FEWEST, what });
     }
     let near: Vec<Swing> = swings.iter().filter(|s| s.growth_per_s.abs() < NEAR * s.omega).copied().collect();
     let growths = || swings.iter().map(|swing| swing.growth_per_s);
     let refused = MeasureError::NotCritical {
+        what,
         found: near.len(),
         needed: FEWEST,
         slowest: growths().fold(f64::INFINITY, f64::min),
@@ -91,24 +172,24 @@ pub fn critical(recording: &Recording) -> Result<Critical, MeasureError> {
     if near.len() < FEWEST || !near.iter().any(|s| s.growth_per_s > 0.0) {
         return Err(refused);
     }
-    let logarithm = crossing(&near).ok_or(refused)?;
-    let Estimate { value, low, high } = logarithm;
+    let at = crossing(&near, by).ok_or(refused)?;
     let closest = near.iter().min_by(|a, b| a.growth_per_s.abs().total_cmp(&b.growth_per_s.abs()));
-    Ok(Critical {
-        kp_per_mm: Estimate { value: value.exp(), low: low.exp(), high: high.exp() },
+    Ok(Crossed {
+        at,
+        kp_per_mm: closest.map_or(0.0, |swing| swing.kp_per_mm),
         ti_s: closest.map_or(f64::INFINITY, |swing| swing.ti_s),
         omega: closest.map_or(0.0, |swing| swing.omega),
         swings,
     })
 }
 
-/// Where the weighted parabola of σ over ln K_p crosses zero upwards; `None` if not between the steps.
-fn crossing(near: &[Swing]) -> Option<Estimate> {
-    let middle = near.iter().map(|s| s.kp_per_mm.ln()).sum::<f64>() / near.len() as f64;
+/// Where the weighted parabola of σ over `by` crosses zero upwards; `None` if not between the steps.
+fn crossing(near: &[Swing], by: fn(&Swing) -> f64) -> Option<Estimate> {
+    let middle = near.iter().map(by).sum::<f64>() / near.len() as f64;
     let powers = |x: f64| Vector3::new(1.0, x, x * x);
     let mut normal = Matrix3::zeros();
     let mut right = Vector3::zeros();
-    let points = || near.iter().map(|s| (powers(s.kp_per_mm.ln() - middle), s.growth_per_s, s.deviation.powi(-2)));
+    let points = || near.iter().map(|s| (powers(by(s) - middle), s.growth_per_s, s.deviation.powi(-2)));
     for (row, growth, weight) in points() {
         normal += row * row.transpose() * weight;
         right += row * (weight * growth);
@@ -121,8 +202,8 @@ fn crossing(near: &[Swing]) -> Option<Estimate> {
     let root = (law[1] * law[1] - 4.0 * law[0] * law[2]).sqrt();
     let zero = -2.0 * law[0] / (law[1] + root);
     let variance = misfit / freedom * (powers(zero).transpose() * inverse * powers(zero))[0] / (root * root);
-    let gains = || near.iter().map(|s| s.kp_per_mm.ln() - middle);
-    let among = gains().any(|x| x <= zero) && gains().any(|x| x >= zero);
+    let places = || near.iter().map(|s| by(s) - middle);
+    let among = places().any(|x| x <= zero) && places().any(|x| x >= zero);
     (among && root > 0.0).then(|| Estimate::student(middle + zero, variance.sqrt(), freedom))
 }
 
@@ -184,10 +265,10 @@ impl Stretch {
     }
 
     /// The oscillation after the step; `None` if it is too short or does not converge.
-    fn swing(&self) -> Option<Swing> {
+    fn swing(&self, skip_s: f64) -> Option<Swing> {
         let start_s = self.rows.first()?.time_s;
         let late: Vec<(f64, f64)> =
-            self.rows.iter().map(|row| (row.time_s - start_s - SKIP_S, row.error)).filter(|(t, _)| *t >= 0.0).collect();
+            self.rows.iter().map(|row| (row.time_s - start_s - skip_s, row.error)).filter(|(t, _)| *t >= 0.0).collect();
         let lasts_s = late.last()?.0;
         if lasts_s < SHORTEST_S {
             return None;

@@ -5,7 +5,7 @@
 //! two_ends      a ball at the bottom and at the top → offset and scale of the sensor
 //! jumps         constant duties from rest           → force at each duty, fan lag
 //! dead_zone     the forces of those jumps           → edges of the dead zone
-//! critical      steps at rising gains               → critical gain
+//! critical      steps at rising gains               → critical gain; at falling integral times, critical time
 //! ```
 //!
 //! None of them uses a model of the rig. Only the drag of the ball is given for the jumps, and the travel for the ends.
@@ -22,6 +22,8 @@ pub mod timed_jump;
 pub mod two_ends;
 
 pub use interval::Estimate;
+
+use critical::Varied;
 
 #[cfg(test)]
 mod tests;
@@ -79,18 +81,22 @@ pub enum MeasureError {
     /// No step has an oscillation after it.
     #[error(
         "no step under a proportional-integral law is followed by an oscillation, and at least {needed} are needed; fly \
-         experiments/critical-gain.toml, or higher gains than this log has"
+         {}, or {} than this log has", what.experiment(), what.further()
     )]
     NoSwing {
+        /// What the steps vary.
+        what: Varied,
         /// Smallest number of steps.
         needed: usize,
     },
     /// The loop was not near its critical gain.
     #[error(
         "{found} steps under a proportional-integral law show an oscillation between {slowest:.2} and {fastest:.2} 1/s \
-         of growth, too few, or not on both sides of zero; at least {needed} near it are needed: raise the last gain"
+         of growth, too few, or not on both sides of zero; at least {needed} near it are needed: fly {} as well", what.further()
     )]
     NotCritical {
+        /// What the steps vary.
+        what: Varied,
         /// Usable steps.
         found: usize,
         /// Smallest number of steps.

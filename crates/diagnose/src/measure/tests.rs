@@ -1,7 +1,7 @@
 //! Measurements of simulated rigs with known parameters: for 50 seeds a 90 % interval contains the true value 40 to 49
 //! times.
 
-use super::critical::critical;
+use super::critical::{critical, critical_time};
 use super::dead_zone::dead_zone;
 use super::jumps::jumps;
 use super::noise_floor::noise_floor;
@@ -9,7 +9,7 @@ use super::two_ends::two_ends;
 use super::{Estimate, MeasureError};
 use crate::tests_support::model;
 use crate::{Recording, Sample};
-use control::design::critical::critical_gain;
+use control::design::critical::{critical_gain, critical_integral_time};
 use control::design::law::Gains;
 use plant::{Model, Simulator, effects::DeadZone};
 use rayon::prelude::*;
@@ -187,10 +187,26 @@ fn the_critical_gain_is_that_of_the_sampled_loop() {
 }
 
 #[test]
+fn the_critical_integral_time_is_that_of_the_sampled_loop() {
+    let plant = model().linear().sampled(0.02).unwrap();
+    let kp = 0.4 * critical_gain(&Gains::pi(1.0, 15.0), &plant).value().unwrap();
+    let exact = critical_integral_time(&Gains::pi(kp, 15.0), &plant).value().unwrap();
+    let mut legs = Vec::new();
+    // No swing reaches an end of the pipe.
+    for k in 0..14 {
+        let (setpoint_mm, ti_s) = (if k % 2 == 0 { 330.0 } else { 270.0 }, 1.25 * exact * 0.975_f64.powi(k));
+        legs.push(Leg::Hold { setpoint_mm: 600.0 - setpoint_mm, law: CALM, seconds: 4.0 });
+        legs.push(Leg::Hold { setpoint_mm, law: [kp, ti_s, 0.0], seconds: 12.0 });
+    }
+    assert_calibrated([exact], |seed| [critical_time(&fly(&model(), seed, &legs)).unwrap().ti_s]);
+}
+
+#[test]
 fn a_record_of_something_else_is_refused_with_what_is_missing() {
     let hovering = fly(&model(), 1, &[Leg::Hold { setpoint_mm: 300.0, law: CALM, seconds: 20.0 }]);
     assert_eq!(noise_floor(&hovering), Err(MeasureError::NoRest { found: 0, needed: 100 }));
     assert!(matches!(jumps(&hovering, 1.889), Err(MeasureError::FewJumps { found: 0, .. })));
     assert!(matches!(critical(&hovering), Err(MeasureError::NoSwing { .. })));
+    assert!(critical_time(&hovering).unwrap_err().to_string().contains("experiments/critical-time.toml"));
     assert!(two_ends(&hovering, 583.0, 553.0).is_err());
 }

@@ -5,7 +5,7 @@
 
 pub use crate::record::finding::Finding;
 
-use crate::record::implausible::{duty_beyond_percent, implausible_readings};
+use crate::record::implausible::{duty_beyond_percent, duty_far_below_hover, implausible_readings};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::OTHER_RIG;
@@ -28,6 +28,8 @@ const FRACTION_OF_HOVER: f64 = 2.0;
 const ELSEWHERE: f64 = 0.1;
 /// Rows further apart than this, the longest forecast horizon, seconds, are too slow.
 const SLOWEST_S: f64 = 1.0;
+/// With more rows than this at the time of the row before, percent, speeds cannot be told from the record.
+const COARSE_CLOCK_PERCENT: f64 = 20.0;
 
 /// The findings about `recording`, which is one flight, to know before it is compared with `model`.
 #[must_use]
@@ -45,7 +47,7 @@ pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
     duty(samples, model).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
 }
 
-fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 3] {
+fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 4] {
     let (low, high) = samples
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.duty_percent), high.max(s.duty_percent)));
@@ -55,16 +57,29 @@ fn duty(samples: &[Sample], model: &Model) -> [Option<Finding>; 3] {
         fraction.then_some(Finding::FractionalDuty),
         still.then_some(Finding::StillDuty { range_percent: high - low }),
         duty_beyond_percent(samples, model),
+        duty_far_below_hover(samples, model).filter(|_| !fraction),
     ]
 }
 
-fn clock(samples: &[Sample]) -> [Option<Finding>; 2] {
-    let steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    let Some(usual_s) = median(steps.clone()) else { return [None; 2] };
+fn clock(samples: &[Sample]) -> [Option<Finding>; 3] {
+    let mut steps: Vec<f64> = samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let repeated = repeated_times(&steps);
+    if repeated.is_some() {
+        steps.retain(|step| *step > 0.0);
+    }
+    let Some(usual_s) = median(steps.clone()) else { return [repeated, None, None] };
     let long = || steps.iter().filter(|step| **step > GAP * usual_s);
     let longest_s = long().copied().fold(0.0, f64::max);
     let gaps = (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s });
-    [(usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+    [repeated, (usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+}
+
+fn repeated_times(steps: &[f64]) -> Option<Finding> {
+    let repeats = |step: &f64| *step <= 0.0;
+    let count = steps.iter().filter(|step| repeats(step)).count();
+    let row = steps.iter().position(repeats)? + 2;
+    let percent = 100.0 * count as f64 / (steps.len() + 1) as f64;
+    (percent > COARSE_CLOCK_PERCENT).then_some(Finding::RepeatedTimes { percent, row })
 }
 
 fn is_code(reading: f64) -> bool {
@@ -106,11 +121,14 @@ fn repeats(readings: &[f64]) -> Option<Finding> {
 
 /// Whether findings make a diagnosis impossible: nothing moves, or the record and the belief are not of one rig.
 pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &Model) -> bool {
-    let readings = recording.samples().iter().filter(|sample| sample.position_mm.is_some()).count();
+    let is_reading = |sample: &&Sample| sample.position_mm.is_some_and(|mm| !is_code(mm));
+    let readings = recording.samples().iter().filter(is_reading).count();
     findings.iter().any(|finding| match finding {
         Finding::StillDuty { .. }
         | Finding::StillPosition { .. }
         | Finding::SlowRows { .. }
+        | Finding::RepeatedTimes { .. }
+        | Finding::DutyFarBelowHover { .. }
         | Finding::DutyBeyondPercent { .. } => true,
         Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
         Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,

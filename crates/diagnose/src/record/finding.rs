@@ -35,6 +35,19 @@ pub enum Finding {
         /// Percent per unit of the column, where its unit is another; `None` where single rows are wrong.
         scale: DutyScale,
     },
+    /// Duties far below the believed hover.
+    #[error(
+        "the usual duty is {usual_percent:.4e} % where {hover_percent} % are believed to hold the ball: the column holds another \
+         unit, or the record is of another rig; say [import] duty_percent.scale, about {scale:.3e}, or mend plant.hover_duty_percent"
+    )]
+    DutyFarBelowHover {
+        /// Median of the duties' sizes, percent.
+        usual_percent: f64,
+        /// The believed hover, percent.
+        hover_percent: f64,
+        /// What the duties would be multiplied by.
+        scale: f64,
+    },
     /// Readings that cannot be positions of the ball.
     #[error(
         "{count} readings are no position of the ball: they lie more than half the pipe's length outside of it, or jump by \
@@ -94,6 +107,17 @@ pub enum Finding {
         /// The usual time between rows, seconds.
         usual_s: f64,
     },
+    /// Rows at the time of the row before them.
+    #[error(
+        "{percent:.0} % of the rows repeat the time of the row before, the first is row {row}: the clock is coarser than the rows; \
+         name a finer one as [import] time_s, or keep one row of each time"
+    )]
+    RepeatedTimes {
+        /// Share of all rows, percent.
+        percent: f64,
+        /// The first such row, counted from 1.
+        row: usize,
+    },
     /// The rows are too far apart.
     #[error(
         "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
@@ -127,6 +151,19 @@ pub enum Finding {
     /// A log among several that cannot be diagnosed.
     #[error("this log is left out of the diagnosis, and the others are used without it")]
     LeftOut,
+    /// A very long flight, of which parts are used.
+    #[error(
+        "of {rows} rows {used} are used, in {count} stretches spread evenly over the flight: more would take long and much memory; \
+         to diagnose another part, cut the log to it"
+    )]
+    Stretches {
+        /// Rows of the flight.
+        rows: usize,
+        /// Rows that are used.
+        used: usize,
+        /// Number of stretches.
+        count: usize,
+    },
     /// The diagnosis used fewer readings.
     #[error("a fast clock: the diagnosis used every duty, and one reading in {merged}")]
     Decimated {

@@ -71,6 +71,17 @@ pub(crate) fn duty_beyond_percent(samples: &[Sample], model: &Model) -> Option<F
     })
 }
 
+/// The finding about duties far below what holds a ball, the other side of the same limit. Duties of 0 are a fan at rest.
+pub(crate) fn duty_far_below_hover(samples: &[Sample], model: &Model) -> Option<Finding> {
+    let usual_percent = median(samples.iter().map(|sample| sample.duty_percent.abs()).collect())?;
+    let hover_percent = model.hover_duty_percent.abs();
+    (usual_percent > 0.0 && usual_percent < hover_percent / TIMES).then(|| Finding::DutyFarBelowHover {
+        usual_percent,
+        hover_percent,
+        scale: hover_percent / usual_percent,
+    })
+}
+
 /// Percent per count: of the chip whose counts come nearest to the believed hover; of none, what gives that hover.
 fn scale(usual: f64, hover_percent: f64) -> f64 {
     let wanted = if hover_percent > 0.0 { hover_percent / usual } else { 100.0 / usual };

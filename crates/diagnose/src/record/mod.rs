@@ -16,3 +16,4 @@ pub(crate) mod reading_variance;
 pub(crate) mod recording;
 pub(crate) mod sample_hold;
 pub(crate) mod second_sensor;
+pub(crate) mod stretches;

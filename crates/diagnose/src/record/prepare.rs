@@ -11,8 +11,10 @@ use crate::record::implausible::without_implausible_readings;
 use crate::record::quantisation::coarse_step;
 use crate::record::reading_variance::reading_variance;
 use crate::record::recording::{Recording, Sample};
+use crate::record::stretches::stretches;
 use plant::{Changes, Model};
 use std::borrow::Cow;
+use std::mem::discriminant;
 
 /// A finding, and the flight that it is about, counted from 0 in the order in which they were given.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -36,9 +38,9 @@ impl<'a> Prepared<'a> {
     pub(crate) fn of(recordings: &'a [Recording], belief: &Model) -> Self {
         let (mut findings, mut flights, mut hopeless) = (Vec::new(), Vec::new(), Vec::new());
         for (number, flight) in recordings.iter().enumerate() {
-            let (found, flight, answers) = one(flight, recordings, belief);
+            let (found, parts, answers) = one(flight, recordings, belief);
             findings.extend(found.into_iter().map(|finding| FlightFinding { flight: number, finding }));
-            if answers { flights.push(flight) } else { hopeless.push((number, flight)) }
+            if answers { flights.extend(parts) } else { hopeless.push((number, parts)) }
         }
         let can_answer = !flights.is_empty();
         if can_answer {
@@ -46,7 +48,7 @@ impl<'a> Prepared<'a> {
                 hopeless.iter().map(|(flight, _)| FlightFinding { flight: *flight, finding: Finding::LeftOut }),
             );
         } else {
-            flights.extend(hopeless.into_iter().map(|(_, flight)| flight));
+            flights.extend(hopeless.into_iter().flat_map(|(_, parts)| parts));
         }
         Self { findings, recording: together(flights), can_answer }
     }
@@ -68,11 +70,36 @@ pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<FlightFinding>
     (findings, recording.into_owned())
 }
 
-/// The findings about a flight, its rows as they are used, and whether it can be diagnosed.
-fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Cow<'a, Recording>, bool) {
+/// The findings about a flight, its rows as they are used, in one part or several, and whether it can be diagnosed.
+fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Vec<Cow<'a, Recording>>, bool) {
     let mut findings = check(flight, belief);
-    let flight = without_codes(flight).map_or(Cow::Borrowed(flight), Cow::Owned);
-    let answers = !is_hopeless(&findings, &flight, belief);
+    let answers = !is_hopeless(&findings, flight, belief);
+    let all_rows = all.iter().map(|one| one.samples().len()).sum();
+    let Some(parts) = stretches(flight, all_rows) else {
+        let (findings, flight) = part(Cow::Borrowed(flight), findings, all, belief);
+        return (findings, vec![flight], answers);
+    };
+    let used = parts.iter().map(|part| part.samples().len()).sum();
+    findings.push(Finding::Stretches { rows: flight.samples().len(), used, count: parts.len() });
+    let mut used = Vec::new();
+    for rows in parts {
+        let (found, rows) = part(Cow::Owned(rows), findings.clone(), all, belief);
+        let is_new = |new: &Finding| findings.iter().all(|old| discriminant(old) != discriminant(new));
+        let new: Vec<Finding> = found.into_iter().filter(is_new).collect();
+        findings.extend(new);
+        used.push(rows);
+    }
+    (findings, used, answers)
+}
+
+/// A flight or a part of one as it is used, and `findings` with those about it.
+fn part<'a>(
+    flight: Cow<'a, Recording>,
+    mut findings: Vec<Finding>,
+    all: &[Recording],
+    belief: &Model,
+) -> (Vec<Finding>, Cow<'a, Recording>) {
+    let flight = without_codes(&flight).map_or(flight, Cow::Owned);
     let flight = without_implausible_readings(&flight, belief).map_or(flight, Cow::Owned);
     let flight = match airborne(&flight, belief) {
         Some((finding, airborne)) => {
@@ -82,13 +109,13 @@ fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Fin
         None => flight,
     };
     let smooth = is_smooth(&findings, &flight, belief);
-    let Some((how, decimated)) = decimated(&flight, all, belief, smooth) else { return (findings, flight, answers) };
+    let Some((how, decimated)) = decimated(&flight, all, belief, smooth) else { return (findings, flight) };
     findings.push(if how.means {
         Finding::Averaged { merged: how.merged }
     } else {
         Finding::Decimated { merged: how.merged }
     });
-    (findings, Cow::Owned(decimated), answers)
+    (findings, Cow::Owned(decimated))
 }
 
 /// One recording of all flights, in an order that depends only on their content.

@@ -3,6 +3,8 @@
 pub(crate) mod believed;
 pub(crate) mod candidates;
 pub(crate) mod duty_step_scan;
+pub(crate) mod forecast;
+pub(crate) mod formula;
 pub(crate) mod initial_values;
 pub(crate) mod odds;
 pub(crate) mod plausibility;

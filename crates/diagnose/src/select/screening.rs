@@ -60,7 +60,7 @@ impl Screened {
 
 /// `fit` with an effect added at these values: the model and its parameters. An effect that contains a simpler one
 /// replaces it.
-fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<(Model, Vec<Parameter>)> {
+pub(crate) fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<(Model, Vec<Parameter>)> {
     let mut model = fit.model.clone();
     if model.effects.values(entry.name).is_some() {
         return None;

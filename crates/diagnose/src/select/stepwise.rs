@@ -63,6 +63,18 @@ impl Selection {
         self.misfit.is_significant()
     }
 
+    /// The added effects.
+    pub(crate) fn added(&self) -> Vec<&'static Entry> {
+        let added = self.effects.iter().filter(|named| named.change == Change::Added);
+        added.map(|named| named.candidate.entry).collect()
+    }
+
+    /// Removes effects, and fits the others again.
+    pub(crate) fn remove(&mut self, search: &Search<'_>, entries: &[&'static Entry]) {
+        self.fit = search.without_effects(&self.fit, entries);
+        self.effects.retain(|named| !entries.iter().any(|entry| entry.name == named.candidate.entry.name));
+    }
+
     /// A selection without effects.
     pub(crate) fn nothing(search: &Search<'_>, refitted: &Fit) -> Self {
         let misfit = Misfit::of(&search.problem, refitted, None);

@@ -37,32 +37,70 @@ pub(crate) struct Scanned {
 
 /// The initial values with the highest scores given `fit`. `None`: the effect acts already, or has nothing to scan.
 pub(crate) fn scan(problem: &Problem<'_>, fit: &Fit, effect: &'static Definition) -> Option<Scanned> {
-    let parameters: Vec<&ParameterTable> = effect.table().parameters.values().collect();
-    let free = parameters.iter().filter(|parameter| parameter.neutral.is_none()).count();
+    let free = effect.table().parameters.values().filter(|parameter| parameter.neutral.is_none()).count();
     if free == 0 || fit.model.effects.values(effect.entry().name).is_some() {
         return None;
     }
-    let most = if effect.table().states.is_empty() { MOST } else { MOST_WITH_STATES };
-    let axes = parameters.iter().map(|parameter| match parameter.neutral {
-        Some(neutral) => vec![neutral],
-        None => places(parameter, most.powf(1.0 / free as f64)),
-    });
-    let grid = Grid { axes: axes.collect() };
     let run = FilterRun::of(problem, fit.clone(), &|row| problem.folds.counts(row));
-    let (projected, before) = (ProjectedInnovations::of(&run), run.before_readings(problem));
-    let lag_s = fit.model.linear().fan_lag_s;
-    let small = Small { effect, parameters: &parameters, before: &before, lag_s };
-    let scored: Vec<Option<(f64, Vec<f64>)>> =
-        (0..grid.len()).into_par_iter().map(|at| small.scored(&projected, grid.values(at))).collect();
-    let score = |at: usize| scored[at].as_ref().map_or(0.0, |(square, _)| *square);
-    let mut maxima: Vec<usize> = (0..grid.len()).filter(|at| grid.is_local_maximum(*at, score)).collect();
-    maxima.sort_by(|a, b| score(*b).total_cmp(&score(*a)));
-    let best = maxima.iter().take(BEST).filter_map(|at| Some((grid.values(*at), &scored[*at].as_ref()?.1)));
-    let shared = |(none, all): (Vec<f64>, &Vec<f64>)| {
-        let at = |share: f64| none.iter().zip(all).map(|(none, all)| none + share * (all - none)).collect::<Vec<_>>();
-        SHARES.map(at)
+    let linear = Linearised {
+        projected: ProjectedInnovations::of(&run),
+        before: run.before_readings(problem),
+        lag_s: fit.model.linear().fan_lag_s,
     };
-    Some(Scanned { values: best.flat_map(shared).collect(), maxima: maxima.len() })
+    let maxima = linear.maxima(effect);
+    let values = maxima.iter().take(BEST).flat_map(|one| SHARES.map(|share| one.at(share)));
+    Some(Scanned { values: values.collect(), maxima: maxima.len() })
+}
+
+/// A local maximum of the score.
+pub(crate) struct Maximum {
+    /// z² of the sizes together.
+    pub(crate) square: f64,
+    /// The values there, with the neutral sizes.
+    neutral: Vec<f64>,
+    /// The values there, with the best sizes.
+    pub(crate) values: Vec<f64>,
+}
+
+impl Maximum {
+    /// The values with a share of the best sizes.
+    pub(crate) fn at(&self, share: f64) -> Vec<f64> {
+        self.neutral.iter().zip(&self.values).map(|(none, all)| none + share * (all - none)).collect()
+    }
+}
+
+/// The innovations of a fit, linear in what a small effect adds.
+pub(crate) struct Linearised<'a> {
+    pub(crate) projected: ProjectedInnovations<'a>,
+    pub(crate) before: Vec<Option<Before>>,
+    /// Behind which an effect of the actuator acts, seconds.
+    pub(crate) lag_s: f64,
+}
+
+impl Linearised<'_> {
+    /// The local maxima of the score of an effect over its free values, the best first.
+    pub(crate) fn maxima(&self, effect: &'static Definition) -> Vec<Maximum> {
+        let parameters: Vec<&ParameterTable> = effect.table().parameters.values().collect();
+        let free = parameters.iter().filter(|parameter| parameter.neutral.is_none()).count();
+        let most = if effect.table().states.is_empty() { MOST } else { MOST_WITH_STATES };
+        let axes = parameters.iter().map(|parameter| match parameter.neutral {
+            Some(neutral) => vec![neutral],
+            None => places(parameter, most.powf(1.0 / free as f64)),
+        });
+        let grid = Grid { axes: axes.collect() };
+        let small = Small { effect, parameters: &parameters, before: &self.before, lag_s: self.lag_s };
+        let scored: Vec<Option<(f64, Vec<f64>)>> =
+            (0..grid.len()).into_par_iter().map(|at| small.scored(&self.projected, grid.values(at))).collect();
+        let score = |at: usize| scored[at].as_ref().map_or(0.0, |(square, _)| *square);
+        let tops = (0..grid.len()).filter(|at| grid.is_local_maximum(*at, score));
+        let maximum = |at: usize| {
+            let (square, values) = scored[at].clone()?;
+            Some(Maximum { square, neutral: grid.values(at), values })
+        };
+        let mut maxima: Vec<Maximum> = tops.filter_map(maximum).collect();
+        maxima.sort_by(|a, b| b.square.total_cmp(&a.square));
+        maxima
+    }
 }
 
 /// Places of a range from one end to the other.

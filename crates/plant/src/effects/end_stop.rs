@@ -48,16 +48,16 @@ impl Effect for EndStop {
         start: Start::HeightsSeen,
         form: Form::Impacts,
         shown_at: Some(&[150.0, 440.0, 0.6]),
-        in_a_log: "the position never passes a certain height, and the speed turns round there",
-        mend: "keep the setpoints away from the ends ([safety]); a soft pad at the end that is hit",
+        in_a_log: "the position never passes a certain height, and the ball rebounds there",
+        mend: "keep the setpoints away from the ends ([safety]); a soft pad at that end",
         similar: &[
             Similar {
                 name: "saturation",
-                distinguished_by: "the ball is held at one height whatever the duty, and moves as believed elsewhere; a limited force is short at any height",
+                distinguished_by: "an end stop holds the ball at one height at any duty; saturation acts at every height",
             },
             Similar {
                 name: "height_dependent_flow",
-                distinguished_by: "nothing is missing until the ball touches, and then its speed turns round: hold heights far from the ends as well",
+                distinguished_by: "an end stop acts only at contact, where the ball rebounds. Hold heights far from the ends as well",
             },
         ],
         ..Entry::PLAIN

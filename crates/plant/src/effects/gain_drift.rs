@@ -34,11 +34,11 @@ impl Effect for GainDrift {
         sizes: &[&[0.002], &[-0.002]],
         start: Start::OverRecord(&[0.2, -0.2]),
         shown_at: Some(&[-0.006]),
-        in_a_log: "the same step of duty moves the ball further, or less far, late in the log than early",
-        mend: "regulate the fan's supply, let the rig warm up first, or identify the gain again before a flight",
+        in_a_log: "the same step of duty moves the ball further or less far late in the log than early",
+        mend: "use a regulated supply for the fan, let the rig warm up first, or identify the gain before each flight",
         similar: &[Similar {
             name: "hover_drift",
-            distinguished_by: "the duty that holds the ball stays, its steps move the ball more or less: fly the same steps about hover early and late",
+            distinguished_by: "with gain drift the hover duty stays and the response to steps changes. Fly the same steps about hover early and late",
         }],
         ..Entry::PLAIN
     };

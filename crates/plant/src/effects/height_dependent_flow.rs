@@ -44,11 +44,11 @@ impl Effect for HeightDependentFlow {
         similar: &[
             Similar {
                 name: "hover_drift",
-                distinguished_by: "the duty that holds the ball is the same at each visit to one height: hold several heights, the first again at the end",
+                distinguished_by: "the hover duty at one height is the same at every visit. Hold several heights, and the first one again at the end",
             },
             Similar {
                 name: "end_stop",
-                distinguished_by: "the pull grows evenly along the pipe; an end acts at its height alone: hold several heights far from the ends",
+                distinguished_by: "the force changes gradually along the pipe; an end stop acts only at its height. Hold several heights far from the ends",
             },
         ],
         ..Entry::PLAIN

@@ -28,20 +28,20 @@ impl Effect for HoverDrift {
         sizes: &[&[0.002], &[-0.002]],
         start: Start::OverRecord(&[0.2, -0.2]),
         shown_at: Some(&[0.006]),
-        in_a_log: "the mean duty of a held ball climbs or falls over the log, and an open-loop flight bends away",
-        mend: "let the rig warm up first, regulate the fan's supply, and give the controller an integral term",
+        in_a_log: "the mean duty that holds the ball rises or falls over the log",
+        mend: "let the rig warm up first, use a regulated supply for the fan, and give the controller an integral term",
         similar: &[
             Similar {
                 name: "gain_drift",
-                distinguished_by: "the duty that holds the ball moves, its steps about that duty do what they did: fly the same steps early and late",
+                distinguished_by: "with hover drift the hover duty changes and the response to steps stays. Fly the same steps early and late",
             },
             Similar {
                 name: "height_dependent_flow",
-                distinguished_by: "the duty that holds the ball differs between two visits to one height: come back to the first height at the end",
+                distinguished_by: "the hover duty differs between two visits to the same height. Return to the first height at the end",
             },
             Similar {
                 name: "turbulence",
-                distinguished_by: "it goes one way at one pace through the whole log; turbulence comes back: hold one height for minutes",
+                distinguished_by: "drift goes in one direction through the whole log; turbulence averages out. Hold one height for minutes",
             },
         ],
         ..Entry::PLAIN

@@ -35,20 +35,20 @@ impl Effect for Hysteresis {
         sizes: &[&[0.1], &[0.3]],
         start: Start::Values(&[&[0.1], &[0.2], &[0.4], &[0.8]]),
         form: Form::Approximate,
-        in_a_log: "the same duty holds the ball or lifts it, by where the duty came from; small reversals of duty do nothing",
-        mend: "a fan driver that regulates the speed by the tachometer; dither wider than the play",
+        in_a_log: "the same duty holds or lifts the ball, depending on whether it was reached from below or above; small reversals of duty have no effect",
+        mend: "a fan driver that controls the speed by the tachometer; dither wider than the hysteresis",
         similar: &[
             Similar {
                 name: "dead_zone",
-                distinguished_by: "the flat place follows each reversal of the duty, wherever it is: ramp the duty slowly up and down, and compare the two ways",
+                distinguished_by: "hysteresis is flat after every reversal of the duty, a dead zone only at hover. Ramp the duty slowly up and down, and compare the two curves",
             },
             Similar {
                 name: "wall_friction",
-                distinguished_by: "what is lost hangs on the way of the duty: reverse it while the ball moves on, and at first nothing happens; friction lets it act",
+                distinguished_by: "hysteresis depends on the path of the duty: reverse the duty while the ball moves on, and at first the force does not change; with friction it does",
             },
             Similar {
                 name: "fan_lag",
-                distinguished_by: "the force stays behind by the same duty however slowly that moves; a lag vanishes in a slow ramp",
+                distinguished_by: "hysteresis is the same however slowly the duty moves; a lag vanishes in a slow ramp",
             },
         ],
         ..Entry::PLAIN

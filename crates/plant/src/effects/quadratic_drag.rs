@@ -32,20 +32,20 @@ impl Effect for QuadraticDrag {
             scale: Scale::Value,
         }],
         sizes: &[&[0.002], &[0.006]],
-        in_a_log: "slow moves fit the drag, fast ones are braked harder than the simulator says",
-        mend: "nothing to mend: it is the physics of a sphere. Limit the speed of the setpoint, or put it into the simulator",
+        in_a_log: "slow motion fits the model; fast motion has more drag than in the simulator",
+        mend: "none, it is the physics of a sphere. Put it into the simulator, or limit the speed of the setpoint",
         similar: &[
             Similar {
                 name: "saturation",
-                distinguished_by: "what is missing grows with the speed, also at small duties: compare a slow and a fast passage at the same duty",
+                distinguished_by: "the residual force grows with the speed, also at small duties. Compare slow and fast motion at the same duty",
             },
             Similar {
                 name: "wall_friction",
-                distinguished_by: "a slow ball is braked hardly at all and never held; friction takes the same at any speed: fly a slow ramp and large steps",
+                distinguished_by: "drag hardly acts on a slow ball and never holds it; friction is the same at any speed. Fly a slow ramp and large steps",
             },
             Similar {
                 name: "thrust_curve",
-                distinguished_by: "it brakes both ways alike and only once the ball is fast; a bend pushes from the first moment: fly steps up and down",
+                distinguished_by: "drag acts equally in both directions and only when the ball is fast; a thrust curve acts right after a step. Fly steps up and down",
             },
         ],
         ..Entry::PLAIN

@@ -27,20 +27,20 @@ impl Effect for SensorDelay {
         params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.03], &[0.1]],
         twins: &["transport_delay"],
-        in_a_log: "everything that the duty does shows a fixed time late, and the loop oscillates at gains called safe",
-        mend: "a shorter timing budget, reading right after the measurement is ready; a filter that predicts over the delay",
+        in_a_log: "the reading follows the duty late by a fixed time, and the loop oscillates at gains at which the simulator is stable",
+        mend: "a shorter timing budget; read right after the measurement is ready; a predictor for the delay",
         similar: &[
             Similar {
                 name: "transport_delay",
-                distinguished_by: "duty and position alone cannot tell: a second sensor shows the ball earlier than this one; a late duty is late for both",
+                distinguished_by: "duty and position cannot separate them. A second sensor is earlier than a delayed sensor; a transport delay is the same in both",
             },
             Similar {
                 name: "sensor_lag",
-                distinguished_by: "fast reversals come late but whole; a lag makes them smaller and rounder: move the ball back and forth fast",
+                distinguished_by: "a delay shifts fast reversals; a lag makes them smaller and rounder. Move the ball back and forth fast",
             },
             Similar {
                 name: "stale_samples",
-                distinguished_by: "every reading is equally old and none repeats while the ball moves: look at neighbouring readings of a fast ball",
+                distinguished_by: "delayed readings do not repeat while the ball moves; stale ones do. Look at successive readings of a fast ball",
             },
         ],
         ..Entry::PLAIN

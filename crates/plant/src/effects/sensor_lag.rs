@@ -38,20 +38,20 @@ impl Effect for SensorLag {
         sizes: &[&[0.03], &[0.1]],
         form: Form::Approximate,
         twins: &["fan_lag"],
-        in_a_log: "the reading turns round after the ball does, and its noise is no larger for it",
-        mend: "a shorter timing budget, less averaging in the sensor; a Kalman filter that knows the lag",
+        in_a_log: "the reading reverses later than the ball, without more noise",
+        mend: "a shorter timing budget, less averaging in the sensor; a Kalman filter with the lag in its model",
         similar: &[
             Similar {
                 name: "sensor_delay",
-                distinguished_by: "fast reversals come out smaller and rounder; a delay shifts them whole: move the ball back and forth fast",
+                distinguished_by: "a lag makes fast reversals smaller and rounder; a delay shifts them. Move the ball back and forth fast",
             },
             Similar {
                 name: "fan_lag",
-                distinguished_by: "duty and position hardly tell: a second sensor is ahead of this one, and a recorded fan speed follows the duty as believed",
+                distinguished_by: "duty and position hardly separate them. With a sensor lag a second sensor is earlier than this one, and a recorded fan speed follows the duty as modelled",
             },
             Similar {
                 name: "stale_samples",
-                distinguished_by: "the reading changes with every cycle and never jumps to where the ball is: look at neighbouring readings of a fast ball",
+                distinguished_by: "a lagging reading changes in every cycle and never jumps. Look at successive readings of a fast ball",
             },
         ],
         ..Entry::PLAIN

@@ -28,19 +28,19 @@ impl Effect for SensorNoise {
         params: &[Param { name: "sigma_mm", min: 0.0, max: 100.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[1.5], &[4.0]],
         in_a_log: "readings of a ball at rest scatter more than configured, from one reading to the next",
-        mend: "a longer timing budget, a white ball, less ambient light; a stronger filter in the controller",
+        mend: "a longer timing budget, a white ball, less ambient light; a slower filter in the controller",
         similar: &[
             Similar {
                 name: "turbulence",
-                distinguished_by: "it is there with the ball at rest and the fan off, and neighbouring readings do not agree: `airball measure noise-floor`",
+                distinguished_by: "sensor noise is there with the ball at rest and the fan off, and successive readings are uncorrelated. Fly `airball measure noise-floor`",
             },
             Similar {
                 name: "sensor_quantisation",
-                distinguished_by: "a ball at rest gives many values, not one or two of a grid: `airball measure noise-floor`",
+                distinguished_by: "a ball at rest gives many values instead of one or two. Fly `airball measure noise-floor`",
             },
             Similar {
                 name: "sensor_outliers",
-                distinguished_by: "every reading scatters a little; outliers are few and far among readings as believed: look at a ball at rest",
+                distinguished_by: "noise scatters every reading; outliers are a few readings far from the others. Look at a ball at rest",
             },
         ],
         ..Entry::PLAIN

@@ -33,16 +33,16 @@ impl Effect for SensorOutliers {
         sizes: &[&[0.01, 30.0]],
         start: Start::Values(&[&[0.015, 20.0], &[0.015, 40.0], &[0.015, 80.0], &[0.015, 160.0]]),
         shown_at: Some(&[0.02, 60.0]),
-        in_a_log: "single readings jump away and back faster than a ball can move, and the duty answers with spikes",
-        mend: "narrow the sensor's view, darken the pipe; refuse readings that no ball could have reached",
+        in_a_log: "single readings jump away and back faster than a ball can move, and the duty has spikes",
+        mend: "narrow the field of view of the sensor, darken the pipe; reject implausible readings (gate of the observer)",
         similar: &[
             Similar {
                 name: "sensor_noise",
-                distinguished_by: "most readings scatter as believed and a few lie far off, all as far: look at a ball at rest",
+                distinguished_by: "most readings have the modelled noise and a few are far off. Look at a ball at rest",
             },
             Similar {
                 name: "turbulence",
-                distinguished_by: "the next reading is back where the ball was: nothing that pushes a ball is gone after one reading",
+                distinguished_by: "after an outlier the next reading is back at the path of the ball; a force on the ball acts for longer",
             },
         ],
         ..Entry::PLAIN

@@ -27,15 +27,15 @@ impl Effect for SensorQuantisation {
         sizes: &[&[3.0], &[8.0]],
         start: Start::ReadingStep,
         in_a_log: "only certain positions occur, and the speed from one reading to the next is zero or a jump",
-        mend: "a sensor or a log format with finer steps; a filter in place of bare differences",
+        mend: "a sensor or a log format with finer steps; a filter instead of plain differences",
         similar: &[
             Similar {
                 name: "sensor_noise",
-                distinguished_by: "only multiples of a step occur, and a ball at rest gives one or two of them: `airball measure noise-floor`",
+                distinguished_by: "only multiples of a step occur, and a ball at rest gives one or two of them. Fly `airball measure noise-floor`",
             },
             Similar {
                 name: "stale_samples",
-                distinguished_by: "a value lasts until the ball has gone a step, so that a fast ball repeats none; a stale one lasts until the clock says so",
+                distinguished_by: "a quantised value repeats until the ball has moved a step, so that a fast ball repeats none; a stale one repeats for a fixed time",
             },
         ],
         ..Entry::PLAIN

@@ -35,16 +35,16 @@ impl Effect for SpinAsymmetry {
         sizes: &[&[0.1, 0.25], &[0.25, 0.1]],
         contains: Some("fan_lag"),
         shown_at: Some(&[0.15, 0.40]),
-        in_a_log: "the ball answers a rise of duty sooner than a fall, and rides higher when the duty moves fast about hover",
-        mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); less gain for moves down",
+        in_a_log: "the ball responds to a rise of duty sooner than to a fall, and floats higher while the duty oscillates fast about hover",
+        mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); a lower gain for downward moves",
         similar: &[
             Similar {
                 name: "fan_lag",
-                distinguished_by: "a fall of duty takes longer than a rise: fly equal steps up and down; a fast square wave about hover lifts the ball",
+                distinguished_by: "the response to a fall of duty is slower than to a rise; here both are equal. Fly equal steps up and down; a fast square wave about hover lifts the ball only with spin asymmetry",
             },
             Similar {
                 name: "force_asymmetry",
-                distinguished_by: "steps that are held long end in equal forces up and down: hold each for several time constants of the fan",
+                distinguished_by: "the final forces of equal steps up and down are equal. Hold each step for several time constants of the fan",
             },
         ],
         ..Entry::PLAIN

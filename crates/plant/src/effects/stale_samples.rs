@@ -30,21 +30,18 @@ impl Effect for StaleSamples {
         params: &[Param { name: "hold_s", min: 0.0, max: 2.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.04], &[0.1]],
         start: Start::ReadingHold,
-        in_a_log: "readings repeat to the last digit, several in a row, while the ball moves",
+        in_a_log: "several successive readings are equal while the ball moves",
         mend: "a shorter timing budget, or a longer period of the loop; use only readings that are marked as fresh",
         similar: &[
             Similar {
                 name: "sensor_lag",
-                distinguished_by: "the reading stands and then jumps to where the ball is; a lag never jumps: look at neighbouring readings of a fast ball",
+                distinguished_by: "a stale reading is constant and then jumps; a lag is smooth. Look at successive readings of a fast ball",
             },
             Similar {
                 name: "sensor_quantisation",
-                distinguished_by: "values repeat for a fixed time, also of a fast ball, and any value occurs: move the ball fast and slowly",
+                distinguished_by: "stale values repeat for a fixed time, also with a fast ball; quantised ones repeat as long as the ball is within a step. Move the ball fast and slowly",
             },
-            Similar {
-                name: "sensor_delay",
-                distinguished_by: "the age of the reading grows until it is refreshed, which repeats show; a delay is one age without repeats",
-            },
+            Similar { name: "sensor_delay", distinguished_by: "stale readings repeat; delayed readings do not" },
         ],
         ..Entry::PLAIN
     };

@@ -29,16 +29,16 @@ impl Effect for TransportDelay {
         sizes: &[&[0.03], &[0.1]],
         twins: &["sensor_delay"],
         represents_its_stage: Some(1),
-        in_a_log: "nothing happens for a fixed time after every change of duty, then the answer is as it should be",
-        mend: "write the duty right after the reading, raise the PWM frequency, shorten the way from fan to ball; or less gain",
+        in_a_log: "after every change of duty nothing happens for a fixed time, then the response is as modelled",
+        mend: "write the duty right after the reading, raise the PWM frequency, shorten the distance from fan to ball; or reduce the gain",
         similar: &[
             Similar {
                 name: "sensor_delay",
-                distinguished_by: "duty and position alone cannot tell: a second sensor shows the ball late as well here, and on time there",
+                distinguished_by: "duty and position cannot separate them. A second sensor is late as well with a transport delay, and on time with a sensor delay",
             },
             Similar {
                 name: "fan_lag",
-                distinguished_by: "the answer to a step of duty begins after a pause and is whole at once; a lag begins at once and grows: fly steps",
+                distinguished_by: "after a step of duty the force of a delayed fan begins late and at its full size; with a lag it begins at once and grows. Fly steps",
             },
         ],
         ..Entry::PLAIN

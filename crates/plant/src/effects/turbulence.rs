@@ -36,16 +36,16 @@ impl Effect for Turbulence {
         ],
         sizes: &[&[100.0, 0.5]],
         start: Start::Values(&[&[25.0, 0.3], &[40.0, 1.0]]),
-        in_a_log: "the ball wanders slowly and never twice the same way, whatever the duty, height, speed or time",
+        in_a_log: "the ball wanders slowly and randomly, independent of duty, height, speed and time",
         mend: "a flow straightener above the fan (a bundle of straws), a smoother inlet, no draught in the room",
         similar: &[
             Similar {
                 name: "sensor_noise",
-                distinguished_by: "the ball really moves, and neighbouring readings agree: with the fan off and the ball at rest, only noise of the sensor is left",
+                distinguished_by: "turbulence moves the ball, so that successive readings agree. With the fan off and the ball at rest only sensor noise is left",
             },
             Similar {
                 name: "hover_drift",
-                distinguished_by: "it turns back and is another in the next flight: repeat the flight, and a ramp repeats only if the rig drifts",
+                distinguished_by: "turbulence averages out and differs between flights; drift repeats. Fly the same experiment twice and compare",
             },
         ],
         ..Entry::PLAIN

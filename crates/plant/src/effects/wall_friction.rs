@@ -34,20 +34,20 @@ impl Effect for WallFriction {
         }],
         sizes: &[&[20.0], &[60.0]],
         start: Start::Values(&[&[8.0], &[20.0], &[50.0]]),
-        in_a_log: "the ball stands still while the duty changes, then breaks away with a jump; it stops dead at reversals",
-        mend: "set the pipe upright, clean pipe and ball, earth them against static charge; dither the duty",
+        in_a_log: "the ball sticks while the duty changes, then breaks away; it stops at reversals",
+        mend: "set the pipe vertical, clean pipe and ball, ground them against static charge; dither the duty",
         similar: &[
             Similar {
                 name: "dead_zone",
-                distinguished_by: "a ball that rests is held and one that moves is stopped dead; in a dead zone it drifts on: fly a slow ramp through hover",
+                distinguished_by: "friction holds a resting ball and stops a moving one; in a dead zone it drifts on. Fly a slow ramp through hover",
             },
             Similar {
                 name: "hysteresis",
-                distinguished_by: "it hangs on the way of the ball: while the ball moves on, a reversal of the duty acts at once; play swallows it",
+                distinguished_by: "friction depends on the motion of the ball: while the ball moves on, a reversal of the duty acts at once; with hysteresis it does not",
             },
             Similar {
                 name: "quadratic_drag",
-                distinguished_by: "slow moves suffer most, and reversals stop; drag leaves slow moves alone: fly a slow ramp and large steps",
+                distinguished_by: "friction affects slow motion most; drag hardly affects it. Fly a slow ramp and large steps",
             },
         ],
         ..Entry::PLAIN

@@ -74,6 +74,7 @@ impl Trial {
             segment(RAMP_S + HOLD_S, Waveform::Ramp { from: bottom_mm, to: low, over_s: RAMP_S }),
             segment(WAIT_S, Waveform::Constant { value: low + jump_mm }),
         ];
+        let segments = segments.into();
         Self { experiment: Experiment { title: String::new(), limits: Limits::default(), segments }, jump_mm }
     }
 

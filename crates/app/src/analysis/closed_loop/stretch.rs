@@ -63,7 +63,7 @@ impl Stretch {
             let steps = Waveform::Steps { values: part.iter().copied().collect(), each_s: period_s };
             segment(period_s * part.len() as f64, steps)
         });
-        let segments = lead.into_iter().chain(parts).collect();
+        let segments = lead.into_iter().chain(parts).collect::<Vec<_>>().into();
         let title = "setpoints of the record".to_owned();
         (Experiment { title, limits: Limits::default(), segments }, if lies { 0.0 } else { LEAD_S })
     }

@@ -29,7 +29,7 @@ pub(crate) fn log(samples: Vec<diagnose::Sample>) -> LoadedLog {
 fn flight(rig: &Model, seconds: f64) -> LoadedLog {
     let tables = project();
     let mut programme = crate::flight::experiment::Experiment::of_reference(tables.reference.as_ref().unwrap());
-    programme.segments[0].duration_s = seconds;
+    programme.change(0, |only| only.duration_s = seconds);
     let flown = Desk::of(&tables).unwrap().fly(rig, &programme, 11);
     log(flown.cycles.iter().map(sample).collect())
 }

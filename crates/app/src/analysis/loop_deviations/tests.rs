@@ -13,7 +13,7 @@ use crate::log::reader::{LoadedLog, sample};
 fn flight(header: &Tables, spoil: impl Fn(usize, &mut Cycle)) -> LoadedLog {
     let tables = project();
     let mut programme = Experiment::of_reference(tables.reference.as_ref().unwrap());
-    programme.segments[0].duration_s = 40.0;
+    programme.change(0, |only| only.duration_s = 40.0);
     let mut cycles = Desk::of(&tables).unwrap().fly(tables.plant.as_ref().unwrap(), &programme, 3).cycles;
     cycles.iter_mut().enumerate().for_each(|(k, cycle)| spoil(k, cycle));
     let config_toml = Some(toml::to_string(header).unwrap());

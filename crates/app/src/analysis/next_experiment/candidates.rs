@@ -160,7 +160,7 @@ impl Scale {
     fn candidate(&self, name: &'static str, why: &'static str, segments: Vec<Segment>) -> Candidate {
         let settle = segment(SETTLE_S, self.middle(), None);
         let limits = Limits { position_min_mm: None, position_max_mm: Some(tenth(self.top)) };
-        let segments = [vec![settle], segments].concat();
+        let segments = [vec![settle], segments].concat().into();
         Candidate { name, why, experiment: Experiment { title: name.to_owned(), limits, segments } }
     }
 

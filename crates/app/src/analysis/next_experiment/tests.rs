@@ -87,10 +87,11 @@ fn an_experiment_that_brings_the_ball_to_an_end_or_the_duty_to_a_limit_is_droppe
     assert!(fly_all(&safe, &rivals, &desk()).is_some());
     let mut high = safe.clone();
     high.experiment.limits.position_max_mm = None;
-    high.experiment.segments[1].setpoint_mm = Some(Waveform::Constant { value: 581.0 });
+    high.experiment.change(1, |moving| moving.setpoint_mm = Some(Waveform::Constant { value: 581.0 }));
     assert!(fly_all(&high, &rivals, &desk()).is_none());
     let mut hard = safe;
-    hard.experiment.segments[1].excitation_percent = Some(Waveform::Square { low: -20.0, high: 20.0, period_s: 0.1 });
+    let hardest = Waveform::Square { low: -20.0, high: 20.0, period_s: 0.1 };
+    hard.experiment.change(1, |moving| moving.excitation_percent = Some(hardest));
     assert!(fly_all(&hard, &rivals, &desk()).is_none());
 }
 

@@ -8,12 +8,13 @@
 use super::gains::above_zero;
 use super::{NAME, write};
 use crate::cli::CriticalGainArgs;
-use crate::commands::{may_write, say};
+use crate::commands::{announce, may_write, say};
 use crate::config::Config;
 use crate::report::design::critical_gain::{RIG, Row, Table};
 use crate::report::design::page::critical::{self, Report};
 use crate::report::design::words::critical_table;
 use crate::report::kit::page;
+use crate::report::kit::patch::rounded;
 use anyhow::Result;
 use control::design::critical::{critical_gain as of_gain, critical_integral_time, third_pole};
 use control::design::law::Gains;
@@ -41,10 +42,12 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
         page::write(path, &critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
     }
     if args.json {
-        return say(serde_json::to_string(&table)?);
+        say(serde_json::to_string(&table)?)?;
+    } else {
+        say(critical_table(&table))?;
+        gaps.into_iter().try_for_each(say)?;
     }
-    say(critical_table(&table))?;
-    gaps.into_iter().try_for_each(say)
+    announce(args.json, &[("patch", args.patch_out.as_deref()), ("page", args.html.as_deref())])
 }
 
 /// The third pole of the config's model, as a patch.
@@ -53,7 +56,7 @@ fn patch(args: &CriticalGainArgs) -> Result<String> {
     let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?;
     let lag_s = 1.0 / third_pole(&model.linear(), args.ti_s, args.measured)?;
     let origin = format!("# Critical gain {} at T_i = {} s, as measured.\n", args.measured, args.ti_s);
-    Ok(format!("{origin}[plant.effects.fan_lag]\ntime_constant_s = {lag_s}\n"))
+    Ok(rounded(&format!("{origin}[plant.effects.fan_lag]\ntime_constant_s = {lag_s}\n")))
 }
 
 /// The difference between each model of the thesis and the rig, in words.
@@ -71,7 +74,7 @@ fn gap(table: &Table) -> Vec<String> {
             .critical_kp_per_mm
             .map_or_else(|| "stable at any gain".into(), |found| format!("K_u {}", off(found, gain)));
         let ti = row.critical_ti_s.map_or_else(|| "none".into(), |found| off(found, ti_s));
-        format!("{} beside the rig: {gain}, critical T_i {ti}", row.model)
+        format!("{} against the rig: {gain}, critical T_i {ti}", row.model)
     };
     models.map(words).collect()
 }

@@ -54,7 +54,8 @@ pub(super) fn poles(args: &PolesArgs) -> Result<()> {
         needs_fan(plant.fan_lag_s)?;
         ground.feedback(&a, &b, &ackermann(&a, &b, &poles)?)?
     } else {
-        bail!("{} poles; give two for position and velocity, or three for the fan as well", args.poles.len());
+        let given = args.poles.len();
+        bail!("number of --pole: {given}; give two for position and velocity, or three for the fan as well");
     };
     conclude(&ground, &args.design, feedback)
 }

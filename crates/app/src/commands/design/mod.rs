@@ -1,18 +1,19 @@
 //! `airball design`: gains for the model of a config, and the margins of the loop.
 
-mod about;
 mod critical_gain;
 mod gains;
 mod observer;
 mod patch;
 
-use super::{may_write, note, say, write};
+use super::about::asked;
+use super::{announce, may_write, note, say, write};
 use crate::analysis::loop_margins::{Closing, Loop};
 use crate::cli::{AboutArgs, DesignArgs, DesignCommand};
 use crate::config::Config;
 use crate::report::design::page::{Report, page as html};
 use crate::report::design::plot;
-use crate::report::design::words::{About, AtDuty, Document, Feedback, words};
+use crate::report::design::words::{AtDuty, Document, Feedback, words};
+use crate::report::kit::about::About;
 use crate::report::kit::page;
 use anyhow::Result;
 use control::design::Linear;
@@ -58,7 +59,7 @@ impl Ground {
         let model = config.need(NAME, "plant", |tables| tables.plant.as_ref())?.clone();
         let curve = config.tables.compensation.as_ref().and_then(|table| table.predistortion.as_ref());
         let percent_per_control = curve.map(Predistortion::curve).map_or(1.0, |curve| curve.percent_per_mm_per_s2());
-        let about = about::asked(&model, about)?;
+        let about = asked(&model, about)?;
         let linear = about.as_ref().map_or_else(|| model.linear(), |about| about.linear(&model));
         let plant = Linear { gain: linear.gain * percent_per_control, ..linear };
         Ok(Self { config, model, plant, about })
@@ -95,11 +96,27 @@ impl Ground {
             page::write(path, &html(&report)?)?;
         }
         if args.json {
-            return say(serde_json::to_string(&document)?);
+            say(serde_json::to_string(&document)?)?;
+        } else {
+            self.model.not_linear().into_iter().for_each(|name| note(not_linear(name, self.about.as_ref())));
+            words(&document).into_iter().try_for_each(say)?;
         }
-        for name in self.model.not_linear() {
-            note(about::not_linear(name, self.about.as_ref()));
-        }
-        words(&document).into_iter().try_for_each(say)
+        let (patch, picture, page) = (args.patch_out.as_deref(), args.plot.as_deref(), args.html.as_deref());
+        announce(args.json, &[("patch", patch), ("picture", picture), ("page", page)])
+    }
+}
+
+/// What a design sees of an effect that is not linear, in words.
+fn not_linear(name: &str, about: Option<&About>) -> String {
+    let start = format!("{name} is on in the model and not linear");
+    match about {
+        None => format!(
+            "{start}: the design does not see it; try it in `airball simulate`, or, if it bends the force, give --about-duty \
+             and --about-height"
+        ),
+        Some(About { duty_percent, position_mm, .. }) => format!(
+            "{start}: the design sees at most the slopes of its force at {duty_percent} % and {position_mm} mm; try it in \
+             `airball simulate`"
+        ),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
-use crate::commands::{may_write, say};
+use crate::commands::{announce, may_write, say};
 use crate::config::Config;
 use crate::report::design::observer::Document;
 use crate::report::design::page::observer::{self, Report};
@@ -79,18 +79,23 @@ pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
         let config = args.config.config.display().to_string();
         page::write(path, &observer::page(&Report { config: &config, document: &document, patch: &patch }))?;
     }
-    if args.json { say(serde_json::to_string(&document)?) } else { tell(&document) }
+    if args.json {
+        say(serde_json::to_string(&document)?)?
+    } else {
+        tell(&document)?
+    }
+    announce(args.json, &[("patch", args.patch_out.as_deref()), ("page", args.html.as_deref())])
 }
 
 fn tell(document: &Document) -> Result<()> {
     for (k, state) in document.states.iter().enumerate() {
         say(format_args!(
-            "{state:<32} L = {:.5} a second, {:.6} a reading",
+            "{state:<32} L = {:.5} 1/s continuous, {:.6} sampled",
             document.continuous[k], document.sampled[k]
         ))?;
     }
     let flown: Vec<String> = document.flown.iter().map(|l| format!("{l:.6}")).collect();
-    say(format_args!("as it flies, hover among the states L = [{}] a reading", flown.join(", ")))
+    say(format_args!("in flight, with hover as a state: L = [{}] sampled", flown.join(", ")))
 }
 
 /// Continuous and sampled gain under white acceleration; the position is read.

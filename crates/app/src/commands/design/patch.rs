@@ -3,6 +3,7 @@
 use crate::analysis::loop_margins::Closing;
 use crate::config::Tables;
 use crate::report::design::words::Feedback;
+use crate::report::kit::patch::rounded;
 use anyhow::{Result, anyhow};
 use control::controller::{Controllers, Kind};
 use control::design::law::{Gains, Weights};
@@ -56,7 +57,7 @@ fn pid(gains: &Gains, weights: &Weights) -> Result<String> {
     let table = patch.get_mut("controller").and_then(|table| table.get_mut("pid")).and_then(Value::as_table_mut);
     let table = table.ok_or_else(|| anyhow!("the patch has no table of the PID; please report it"))?;
     table.insert("setpoint_weight".into(), Value::Float(weights.setpoint));
-    Ok(toml::to_string(&patch)?)
+    Ok(rounded(&toml::to_string(&patch)?))
 }
 
 fn controllers(set: Controllers) -> Tables {
@@ -64,5 +65,5 @@ fn controllers(set: Controllers) -> Tables {
 }
 
 fn written(tables: &Tables) -> Result<String> {
-    Ok(toml::to_string(tables)?)
+    Ok(rounded(&toml::to_string(tables)?))
 }

@@ -2,6 +2,7 @@
 
 use super::{conclude, config, read, said, write_patch};
 use crate::cli::{GreyBoxArgs, PolesArg};
+use crate::commands::about::asked as asked_about;
 use crate::commands::note;
 use crate::report::identify::grey_box::{Document, words};
 use crate::report::identify::page::grey_box::{Report, page as html};
@@ -33,6 +34,7 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
     let one = |poles: &Poles| identify(open.as_ref(), &asked.belief, &recording, *poles);
     let found = poles.par_iter().map(one).collect::<Result<Vec<GreyBox>>>()?;
     let Some(best) = better(&found) else { bail!("no number of poles was asked for; give --poles 2 or --poles 3") };
+    let about = asked_about(&best.fit.model, args.about)?;
     let origin = format!("airball identify grey-box, {} of {}", words::poles(best.poles), asked.names.join(", "));
     let patch = patch(&origin, &best.estimates, &asked.belief);
     write_patch(&args.identify, &patch)?;
@@ -55,13 +57,17 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
                 found: &found,
                 best,
                 patch: &patch,
+                about,
             }),
         )?;
     }
     if !args.identify.json {
         findings.iter().for_each(note);
     }
-    conclude(&args.identify, &Document::of(&found, best, args.open_loop), words::lines(used, &found, best))
+    let lines =
+        words::lines(used, &found, best).into_iter().chain(about.map(|about| format!("about     {}", about.words())));
+    let lines = lines.collect();
+    conclude(&args.identify, &Document::of(&found, best, args.open_loop, about), lines)
 }
 
 fn identify(open: Option<&OpenLoop>, start: &Model, recording: &Recording, poles: Poles) -> Result<GreyBox> {

@@ -5,7 +5,7 @@ mod third_pole;
 mod transient;
 
 use super::diagnosing::Asked;
-use super::{may_write, note, say, write};
+use super::{announce, may_write, say, warn, write};
 use crate::cli::{IdentifyArgs, IdentifyCommand};
 use ::diagnose::FlightFinding;
 use anyhow::{Result, bail};
@@ -36,7 +36,7 @@ fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
     has_one_lag(&asked.belief)?;
     for (log, name) in asked.logs.iter().zip(&asked.names) {
         if let Some(lost) = &log.truncated {
-            note(format_args!("{name}: {lost}"));
+            warn(format_args!("{name}: {lost}"));
         }
     }
     Ok(asked)
@@ -69,10 +69,13 @@ fn config(args: &IdentifyArgs) -> String {
     args.config.config.display().to_string()
 }
 
-/// Prints the document where JSON is requested, and otherwise the words.
+/// Prints the document where JSON is requested, and otherwise the words; then the files.
 fn conclude(args: &IdentifyArgs, document: &impl Serialize, words: Vec<String>) -> Result<()> {
     if args.json {
-        return say(serde_json::to_string(document)?);
+        say(serde_json::to_string(document)?)?;
+    } else {
+        words.into_iter().try_for_each(say)?;
     }
-    words.into_iter().try_for_each(say)
+    let (patch, picture, page) = (args.patch_out.as_deref(), args.plot.as_deref(), args.html.as_deref());
+    announce(args.json, &[("patch", patch), ("picture", picture), ("page", page)])
 }

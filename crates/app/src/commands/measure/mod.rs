@@ -6,7 +6,7 @@ mod patch;
 use super::flying::{Own, Plan, plan};
 use super::run::in_real_time;
 use super::simulate::in_virtual_time;
-use super::{Usage, may_write, note, say, write};
+use super::{Usage, announce, fail, may_write, say, warn, write};
 use crate::analysis::measurement::Found;
 use crate::cli::{MeasureArgs, Measurement};
 use crate::config::Config;
@@ -37,7 +37,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     };
     let log = reader::read(&path, config.tables.import.as_ref())?;
     if let Some(truncated) = &log.truncated {
-        note(truncated);
+        warn(truncated);
     }
     let found = Found::of(args.what, &log, &config.tables, args.travel_mm)
         .map_err(|error| anyhow!("{}: {error}", path.display()))?;
@@ -47,7 +47,7 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
     }
     let text = match made {
         Err(error) if args.patch_out.is_none() => {
-            note(format_args!("no patch can be made of this: {error}"));
+            warn(format_args!("no patch can be made of this: {error}"));
             None
         }
         text => text?,
@@ -60,20 +60,21 @@ pub fn measure(args: &MeasureArgs) -> Result<()> {
         plot::draw(picture, &log.recording, &found)?;
     }
     if args.flight.json {
-        return say(serde_json::to_string(&document(args.what, &found, &path, text.as_deref())?)?);
+        say(serde_json::to_string(&document(args.what, &found, &path, text.as_deref())?)?)?;
+    } else {
+        words(&found, &config.tables).into_iter().try_for_each(say)?;
+        say(format_args!("log       {}", path.display()))?;
     }
-    words(&found, &config.tables).into_iter().try_for_each(say)?;
-    say(format_args!("log       {}", path.display()))?;
-    match &args.flight.plot {
-        Some(picture) => say(format_args!("picture   {}", picture.display())),
-        None => Ok(()),
-    }
+    let (patch, picture) = (args.patch_out.as_deref().filter(|_| text.is_some()), args.flight.plot.as_deref());
+    announce(args.flight.json, &[("patch", patch), ("picture", picture), ("page", args.html.as_deref())])
 }
 
 /// Refuses flags that have no meaning for the measurement.
 fn check(args: &MeasureArgs) -> Result<(), Usage> {
-    if args.patch_out.is_some() && matches!(args.what, Measurement::Steps | Measurement::Square) {
-        let why = "step metrics are no numbers of a config, so that there is no patch; leave --patch-out out";
+    if args.patch_out.is_some()
+        && matches!(args.what, Measurement::Steps | Measurement::Square | Measurement::CriticalTime)
+    {
+        let why = "this measurement is no number of a config, so that there is no patch; leave --patch-out out";
         return Err(Usage(why.into()));
     }
     match args.travel_mm {
@@ -123,13 +124,12 @@ fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
     let (flown, watched) = if args.in_virtual_time {
         (in_virtual_time(NAME, &plan, &args.flight, None)?, Ok(()))
     } else {
-        let (flown, beside) = in_real_time(NAME, &plan, &args.flight, args.sim, None)?;
-        (flown, beside.watched)
+        in_real_time(NAME, &plan, &args.flight, args.sim, None)?
     };
     let path = flown.files.first().cloned().unwrap_or_default();
     if let Err(error) = flown.landed() {
         if let Err(lesser) = flown.log {
-            note(lesser);
+            fail(lesser);
         }
         bail!("{error}; what was recorded is in {}, for --from", path.display());
     }
@@ -149,6 +149,7 @@ const fn own(what: Measurement) -> Own {
         Measurement::DeadZone => file!("experiments/dead-zone.toml"),
         Measurement::ForceCurve => file!("experiments/force-curve.toml"),
         Measurement::CriticalGain => file!("experiments/critical-gain.toml"),
+        Measurement::CriticalTime => file!("experiments/critical-time.toml"),
         Measurement::Steps => file!("experiments/steps.toml"),
         Measurement::Square => file!("experiments/square.toml"),
         Measurement::NoiseFloor => file!("experiments/noise-floor.toml"),

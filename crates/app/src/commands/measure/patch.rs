@@ -2,6 +2,7 @@
 
 use crate::analysis::measurement::Found;
 use crate::config::Tables;
+use crate::report::kit::patch::rounded;
 use anyhow::{Result, anyhow};
 use control::predistortion::{MAX_POINTS, Predistortion};
 use diagnose::identify::fan_lag_s;
@@ -32,7 +33,7 @@ pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
                 set(&["plant", "effects", FanLag::ENTRY.name, "time_constant_s"], lag_s.into());
             }
         }
-        Found::Steps(_) => {}
+        Found::Steps(_) | Found::CriticalTime(_) => {}
         Found::NoiseFloor(floor) => {
             let sensor_mm = floor.sensor_mm.value;
             if let Some(plant) = &tables.plant {
@@ -51,7 +52,7 @@ pub(super) fn patch(found: &Found, tables: &Tables) -> Result<Option<String>> {
             }
         }
     }
-    Ok(if patch.is_empty() { None } else { Some(toml::to_string(&patch)?) })
+    Ok(if patch.is_empty() { None } else { Some(rounded(&toml::to_string(&patch)?)) })
 }
 
 /// Writes a value at a path, with the tables on the way.

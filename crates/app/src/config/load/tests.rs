@@ -31,10 +31,10 @@ fn error_of(text: &str) -> String {
 #[test]
 fn an_unknown_key_is_named_with_its_line_and_the_known_keys() {
     let message = error_of(&GOOD.replace("drag_per_s", "drag"));
-    assert!(message.starts_with("/c.toml:3: plant.drag: unknown field `drag`"), "{message}");
+    assert!(message.starts_with("/c.toml:3: plant.drag: unknown key `drag`"), "{message}");
     assert!(message.contains("`drag_per_s`"), "{message}");
     let message = error_of(&format!("{GOOD}\n[plant.effects.fan_lagg]\ntime_constant_s = 0.2\n"));
-    assert!(message.starts_with("/c.toml:11: plant.effects.fan_lagg: unknown field"), "{message}");
+    assert!(message.starts_with("/c.toml:11: plant.effects.fan_lagg: unknown key"), "{message}");
     assert!(message.contains("`dead_zone`") && message.contains("`fan_lag`"), "{message}");
 }
 
@@ -75,9 +75,75 @@ fn a_patch_with_an_effect_that_contains_the_believed_one_takes_its_place_and_bac
 #[test]
 fn a_missing_key_and_a_wrong_type_point_at_their_table() {
     let message = error_of(&GOOD.replace("drag_per_s = 3.896\n", ""));
-    assert!(message.starts_with("/c.toml:1: plant: missing field `drag_per_s`"), "{message}");
+    assert!(message.starts_with("/c.toml:1: plant: missing key `drag_per_s`"), "{message}");
     let message = error_of(&GOOD.replace("3.896", "\"fast\""));
-    assert!(message.starts_with("/c.toml:3: plant.drag_per_s: invalid type: string \"fast\""), "{message}");
+    assert!(
+        message.starts_with("/c.toml:3: plant.drag_per_s: wrong type: the text \"fast\", expected a number"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_text_that_is_no_toml_is_named_with_its_place_and_not_echoed_whole() {
+    let message = error_of(&format!("{GOOD}\n[safety]\nb = \"open\n"));
+    assert!(message.starts_with("/c.toml:12:10: no TOML at the end of the line: "), "{message}");
+    let message = error_of(&format!("a = {}", "[".repeat(200_000)));
+    assert!(message.starts_with("/c.toml:1:") && message.len() < 400, "{} letters: {message:.400}", message.len());
+}
+
+/// The project's config under a patch.
+fn patched(patch: &str) -> Result<super::Tables, String> {
+    let files = Files::new();
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let read = Config::read(&root.join("config.toml"), &[files.write("p.toml", patch)]);
+    read.map(|config| config.tables)
+        .map_err(|error| error.to_string().replace(&files.0.path().display().to_string(), ""))
+}
+
+#[test]
+fn a_patch_can_take_away_a_table_and_a_number() {
+    let keys = ["controller.state_feedback.integral", "observer.believed.fan_lag_s", "plant.effects.fan_lag"];
+    let tables = patched(&format!("remove = {keys:?}\n[safety]\nstall_s = 0.4\n")).unwrap();
+    assert_eq!(tables.controller.unwrap().state_feedback.unwrap().integral, None);
+    assert_eq!(tables.observer.unwrap().believed.fan_lag_s, None);
+    assert!(tables.plant.unwrap().effects.present().is_empty());
+    assert_eq!(tables.safety.unwrap().stall_s, 0.4);
+}
+
+#[test]
+fn what_a_patch_cannot_take_away_is_named_with_its_line() {
+    let message = patched("\nremove = [\"plant.effects.fan_lagg\"]\n").unwrap_err();
+    assert!(message.starts_with("/p.toml:2: remove: `plant.effects.fan_lagg` is not in the config"), "{message}");
+    for wrong in ["remove = \"plant\"", "remove = [1]"] {
+        let message = patched(wrong).unwrap_err();
+        assert!(message.starts_with("/p.toml:1: remove: it is no list of keys"), "{message}");
+    }
+    let message = error_of("remove = []\n");
+    assert!(message.starts_with("/c.toml:1: remove: unknown key"), "{message}");
+}
+
+#[test]
+fn another_variant_in_a_patch_takes_the_place_of_the_one_below() {
+    let tables = patched("[controller.state_feedback.integral.in_place]\nti_s = 3.0\n").unwrap();
+    let integral = tables.controller.unwrap().state_feedback.unwrap().integral;
+    assert_eq!(integral, Some(control::state_feedback::Integral::InPlace { ti_s: 3.0 }));
+    let tables = patched("[reference]\nsetpoint_mm.constant = { value = 250.0 }\n").unwrap();
+    assert_eq!(tables.reference.unwrap().setpoint_mm, control::waveform::Waveform::Constant { value: 250.0 });
+    let tables = patched("[reference]\nsetpoint_mm.square = { low = 250.0 }\n").unwrap();
+    let square = control::waveform::Waveform::Square { low: 250.0, high: 400.0, period_s: 16.0 };
+    assert_eq!(tables.reference.unwrap().setpoint_mm, square);
+}
+
+#[test]
+fn gains_per_percent_behind_a_predistortion_are_refused_with_the_ones_that_are_meant() {
+    let message = patched("[compensation]\npredistortion = {}\n").unwrap_err();
+    assert!(message.contains("observer.believed.gain_mm_per_s2_per_control: 827.2 is of"), "{message}");
+    assert!(message.contains("measure force-curve --patch-out"), "{message}");
+    let message = patched(
+        "remove = [\"observer\", \"controller.cascade\", \"controller.lqg\", \"controller.mpc\"]\n\
+        [compensation]\npredistortion = {}\n",
+    );
+    assert!(message.unwrap_err().contains("controller.pid.kp_per_mm: 0.018 is of"));
 }
 
 #[test]
@@ -128,7 +194,7 @@ fn a_stall_that_every_cycle_would_be_is_named_with_both_numbers() {
 #[test]
 fn broken_toml_is_shown_where_it_breaks() {
     let message = error_of("[plant]\ngain = = 3\n");
-    assert!(message.contains("line 2"), "{message}");
+    assert!(message.starts_with("/c.toml:2:8: no TOML at `= 3`"), "{message}");
 }
 
 #[test]

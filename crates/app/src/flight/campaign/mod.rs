@@ -3,6 +3,7 @@
 //! bound of docs/rig.md; a fan that is still on is reported; and the log can be read.
 
 mod faults;
+mod interleaved;
 mod scene;
 mod signals;
 
@@ -50,7 +51,7 @@ fn pilot(tables: &Tables) -> Pilot {
         regulator: Regulator::new(tables.controller.clone().unwrap(), tables.observer.as_ref(), 0.02).unwrap(),
         compensation: tables.compensation.clone().unwrap(),
         safety: tables.safety.unwrap(),
-        experiment: Experiment { title: "campaign".into(), limits, segments: vec![segment] },
+        experiment: Experiment { title: "campaign".into(), limits, segments: vec![segment].into() },
         reading_period_s: 0.02,
         signals: tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
     })

@@ -28,11 +28,13 @@
 
 mod check;
 pub mod offers;
+mod segments;
 
 use super::command::GainChange;
 use crate::config::{ConfigError, Reference, Safety, parse_file, parse_text};
 use check::Problem;
 use control::waveform::Waveform;
+pub use segments::Segments;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -50,7 +52,7 @@ pub struct Experiment {
     pub limits: Limits,
     /// The segments, one after another.
     #[serde(rename = "segment")]
-    pub segments: Vec<Segment>,
+    pub segments: Segments,
 }
 
 /// The band that the ball must not leave after it has been inside.
@@ -156,25 +158,25 @@ impl Experiment {
     pub fn of_reference(reference: &Reference) -> Self {
         let setpoint_mm = Some(reference.setpoint_mm.clone());
         let segment = Segment { duration_s: f64::INFINITY, setpoint_mm, ..Segment::default() };
-        Self { title: "reference of the config".into(), limits: Limits::default(), segments: vec![segment] }
+        Self { title: "reference of the config".into(), limits: Limits::default(), segments: vec![segment].into() }
     }
 
     /// Its duration, seconds.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
-        self.segments.iter().map(|segment| segment.duration_s).sum()
+        self.segments.duration_s()
     }
 
     /// The command `t_s` seconds after the start. `None` after its end.
     #[must_use]
     pub fn demand(&self, t_s: f64) -> Option<Demand> {
-        self.at(t_s).map(|(segment, start_s)| segment.demand(t_s - start_s))
+        self.segments.at(t_s).map(|(segment, start_s)| segment.demand(t_s - start_s))
     }
 
     /// The gains of the PID `t_s` seconds after the start, where they are not those of the config.
     #[must_use]
     pub fn gains(&self, t_s: f64) -> Option<GainChange> {
-        self.at(t_s).and_then(|(segment, _)| segment.gains)
+        self.segments.at(t_s).and_then(|(segment, _)| segment.gains)
     }
 
     /// Whether it changes gains at any time.
@@ -186,7 +188,7 @@ impl Experiment {
     /// The time of the programme that is skipped for a ball at `position_mm`, `t_s` seconds after the start, seconds.
     #[must_use]
     pub fn left_out_s(&self, t_s: f64, position_mm: f64) -> f64 {
-        let Some((segment, start_s)) = self.at(t_s) else { return 0.0 };
+        let Some((segment, start_s)) = self.segments.at(t_s) else { return 0.0 };
         let last = self.segments.last().filter(|_| segment.swings_out(t_s - start_s, position_mm));
         if let Some(last) = last {
             (self.duration_s() - last.duration_s - t_s).max(0.0) + HAIR_S
@@ -195,18 +197,6 @@ impl Experiment {
         } else {
             0.0
         }
-    }
-
-    /// The segment at `t_s`, and its start.
-    fn at(&self, t_s: f64) -> Option<(&Segment, f64)> {
-        let mut start_s = 0.0;
-        for segment in &self.segments {
-            if t_s < start_s + segment.duration_s {
-                return Some((segment, start_s));
-            }
-            start_s += segment.duration_s;
-        }
-        None
     }
 
     /// The limit that `position_mm` exceeds, as lower and upper limit.

@@ -21,6 +21,15 @@ fn read(text: &str) -> Result<Experiment, String> {
     Experiment::read(&path, &SAFETY).map_err(|error| error.to_string().replace(&place, ""))
 }
 
+impl Experiment {
+    /// Changes one of its segments.
+    pub(crate) fn change(&mut self, index: usize, change: impl FnOnce(&mut Segment)) {
+        let mut segments = Vec::from(self.segments.clone());
+        change(&mut segments[index]);
+        self.segments = segments.into();
+    }
+}
+
 const TWO: &str = "title = \"t\"\n[limits]\nposition_max_mm = 550.0\n\
     [[segment]]\nduration_s = 10.0\nsetpoint_mm.constant = { value = 300.0 }\n\
     excitation_percent.square = { low = -0.5, high = 0.5, period_s = 2.0 }\n\
@@ -35,6 +44,31 @@ fn segments_follow_each_other_on_their_own_time_and_end() {
     assert_eq!(experiment.demand(9.5), control(-0.5));
     assert_eq!(experiment.demand(12.0), Some(Demand::Drive { duty_percent: 22.0 }));
     assert_eq!(experiment.demand(15.0), None);
+}
+
+#[test]
+fn every_moment_of_a_long_experiment_is_in_the_segment_that_a_walk_from_its_start_finds() {
+    let lengths_s = |k: usize| 0.001 + f64::from(u32::try_from(k % 97).unwrap()) * 0.01;
+    let segment = |k| Segment { duration_s: lengths_s(k), until_below_mm: Some(k as f64), ..Segment::default() };
+    let segments: Vec<Segment> = (0..100_000).map(segment).collect();
+    let mut starts_s = vec![0.0];
+    segments.iter().for_each(|segment| starts_s.push(starts_s[starts_s.len() - 1] + segment.duration_s));
+    let all = Experiment { title: String::new(), limits: Limits::default(), segments: segments.into() };
+    // Where each is found by a walk, this takes minutes.
+    for (k, pair) in starts_s.windows(2).enumerate() {
+        for t_s in [pair[0], (pair[0] + pair[1]) / 2.0, pair[1].next_down()] {
+            let (found, start_s) = all.segments.at(t_s).unwrap();
+            assert_eq!((found.until_below_mm, start_s), (Some(k as f64), pair[0]), "at {t_s} s");
+        }
+    }
+    assert_eq!(all.duration_s(), starts_s[100_000]);
+    assert!(all.segments.at(all.duration_s()).is_none() && all.segments.at(f64::NAN).is_none());
+}
+
+#[test]
+fn an_experiment_without_a_title_is_told_that_key() {
+    let message = read(&TWO.replace("title = \"t\"\n", "")).unwrap_err();
+    assert_eq!(message, "e.toml: missing key `title`");
 }
 
 #[test]
@@ -77,13 +111,13 @@ fn a_segment_that_controls_and_drives_at_once_is_refused() {
 #[test]
 fn an_unknown_waveform_is_refused_with_the_known_ones() {
     let message = read(&TWO.replace("setpoint_mm.constant", "setpoint_mm.const")).unwrap_err();
-    assert!(message.contains("unknown variant `const`") && message.contains("`chirp`"), "{message}");
+    assert!(message.contains("unknown word `const`") && message.contains("`chirp`"), "{message}");
 }
 
 #[test]
 fn the_book_lists_every_key_of_an_experiment() {
     let page = include_str!("../../../../../docs/book/src/reference/experiments.md");
-    let all = Experiment { title: String::new(), limits: Limits::default(), segments: vec![Segment::default()] };
+    let all = Experiment { title: String::new(), limits: Limits::default(), segments: vec![Segment::default()].into() };
     let all = serde_json::to_value(all).unwrap();
     for (table, keys) in [("limits", &all["limits"]), ("segment", &all["segment"][0])] {
         let keys = keys.as_object().unwrap();

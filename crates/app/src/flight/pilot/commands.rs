@@ -27,12 +27,9 @@ impl Pilot {
                 self.end_experiment();
                 self.held_mm = Some(asked_mm);
             }
-            Command::Gains(change) => {
-                let gains = change.applied_to(self.gains().ok_or(Refusal::NoPid)?);
-                gains.check().map_err(Refusal::Gain)?;
-                self.orders.regulator.retune(gains);
-                self.programme.keep(gains);
-            }
+            Command::Gains(change) => self.change_commanded_gains(change)?,
+            Command::Numbers(values) => self.change_numbers(&values)?,
+            Command::Undo => self.undo()?,
             Command::Controller(asked) => {
                 if !self.orders.regulator.switch(asked) {
                     return Err(Refusal::Controller { asked, known: self.orders.regulator.controllers().into() });

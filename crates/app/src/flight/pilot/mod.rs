@@ -14,6 +14,7 @@ mod cross_checks;
 mod exchange;
 mod programme;
 mod stuck_ball;
+mod tune;
 
 pub use exchange::{Decision, NoOrders, Orders, Seen, Senses, Signals, reading_period_s};
 
@@ -23,11 +24,13 @@ use super::vocabulary::{Fault, Mode};
 use control::Duty;
 use control::compensation::Compensator;
 use control::controller::Kind;
+use control::numbers::Numbers;
 use control::observer::Estimate;
 use control::pid::Pid;
 use cross_checks::Watch;
 use programme::{Programme, Started};
 use stuck_ball::Still;
+use tune::Tuning;
 
 /// How long readings may be missing before the last one is no longer used, in periods of the readings.
 const MISSING_PERIODS: f64 = 2.5;
@@ -50,6 +53,8 @@ pub struct Pilot {
     decided_s: Option<f64>,
     /// Time and value of the last position.
     last: Option<(f64, f64)>,
+    /// Numbers that commands change.
+    tuning: Tuning,
     /// Progress of the programme.
     programme: Programme,
     /// Start of the wait for the first position.
@@ -75,8 +80,14 @@ impl Pilot {
         let acting = compensator.control(Duty::OFF);
         orders.regulator.pass(acting, OFF_S);
         let programme = Programme::default();
+        let tuning = Tuning::of(Numbers {
+            controllers: orders.regulator.controllers().clone(),
+            observer: orders.regulator.observer().copied(),
+            compensation: orders.compensation.clone(),
+        });
         Self {
             compensator,
+            tuning,
             orders,
             offers: Vec::new(),
             started: None,
@@ -102,10 +113,14 @@ impl Pilot {
         self.mode
     }
 
-    /// The gains of the PID, where there is one.
+    /// The gains of the PID, where there is one: of the programme's segment, or else those commanded.
     #[must_use]
     pub const fn gains(&self) -> Option<Pid> {
-        self.orders.regulator.controllers().pid
+        if self.programme.sets_gains() {
+            self.orders.regulator.controllers().pid
+        } else {
+            self.numbers().controllers.pid
+        }
     }
 
     /// The active controller.
@@ -153,6 +168,7 @@ impl Pilot {
     fn decided(&mut self, time_s: f64, senses: &Senses) -> Decision {
         let cycle_s = self.decided_s.replace(time_s).map_or(self.orders.reading_period_s, |last_s| time_s - last_s);
         self.orders.regulator.pass(self.acting, cycle_s);
+        self.move_numbers(cycle_s);
         let (seen, stands_in) = self.look(time_s, senses);
         let reading_s = self.observe(time_s, seen, stands_in);
         self.hear(senses);

@@ -31,6 +31,11 @@ impl Programme {
         self.began_s.map(|began_s| time_s - began_s + self.left_out_s)
     }
 
+    /// Whether it sets the gains now.
+    pub(super) const fn sets_gains(&self) -> bool {
+        self.gains.is_some()
+    }
+
     /// Gains were commanded: these are restored later.
     pub(super) fn keep(&mut self, commanded: Pid) {
         if let Some((_, own)) = &mut self.gains {

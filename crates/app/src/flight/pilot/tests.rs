@@ -36,7 +36,7 @@ fn pilot(segments: Vec<Segment>) -> Pilot {
             stall_s: 0.5,
             stuck: None,
         },
-        experiment: Experiment { title: "t".into(), limits, segments },
+        experiment: Experiment { title: "t".into(), limits, segments: segments.into() },
         reading_period_s: T,
         signals: Signals::default(),
     })

@@ -38,6 +38,19 @@ impl Seek for Shared {
 }
 
 #[test]
+fn a_log_in_another_compression_is_to_be_packed_again_not_flown_again() {
+    let mut bytes = file(&cycles(200));
+    for at in 0..bytes.len() - 4 {
+        if bytes[at..].starts_with(b"zstd") {
+            bytes[at..at + 4].copy_from_slice(b"lz4f");
+        }
+    }
+    let message = parse(&bytes).unwrap_err().to_string();
+    assert!(message.contains("lz4f") && message.contains("compress it with zstd"), "{message}");
+    assert!(!message.contains("record the flight again"), "{message}");
+}
+
+#[test]
 fn a_flight_is_read_as_it_was_written() {
     let flight = parse(&file(&cycles(200))).unwrap();
     assert_eq!(flight.cycles, cycles(200));

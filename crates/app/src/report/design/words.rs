@@ -2,8 +2,10 @@
 
 use super::critical_gain::{RIG, Table as CriticalTable};
 use crate::analysis::loop_margins::{Assessment, Closing, Loop, Pid, Plant};
+use crate::report::kit::about::About;
 use crate::report::kit::table::empty;
-use control::design::{DesignError, Linear};
+use crate::report::kit::words::digits;
+use control::design::DesignError;
 use control::state_feedback::{Integral, Lqg};
 use plant::Model;
 use serde::Serialize;
@@ -57,41 +59,6 @@ pub struct Document {
     /// Gain and drag at the lowest duty of a flight, at hover and at the highest, where an effect moves them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub over_duties: Vec<AtDuty>,
-}
-
-/// The slopes of a model at the height and the duty about which it was linearised.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct About {
-    /// The duty, percent.
-    pub duty_percent: f64,
-    /// The height, mm.
-    pub position_mm: f64,
-    /// Acceleration per percent of duty there, mm/s² per percent.
-    pub gain_mm_per_s2_per_percent: f64,
-    /// Linear drag there, 1/s.
-    pub drag_per_s: f64,
-    /// Decrease of the lift with height there, 1/s².
-    pub gradient_per_s2: f64,
-}
-
-impl About {
-    /// The linear plant with these slopes; its lags and delays are those of the model.
-    #[must_use]
-    pub fn linear(&self, model: &Model) -> Linear {
-        let Self { gain_mm_per_s2_per_percent: gain, drag_per_s, gradient_per_s2, .. } = *self;
-        Linear { gain, drag_per_s, gradient_per_s2, ..model.linear() }
-    }
-
-    /// In words.
-    fn words(&self) -> String {
-        let Self { duty_percent, position_mm, gain_mm_per_s2_per_percent, drag_per_s, gradient_per_s2 } = self;
-        // An even pipe has a gradient of 0, but for the rounding of the differences.
-        let gradient = if gradient_per_s2.abs() < SAME { 0.0 } else { *gradient_per_s2 };
-        format!(
-            "linearised at {duty_percent:.1} % and {position_mm:.0} mm: gain {gain_mm_per_s2_per_percent:.0} mm/s² per \
-             percent, drag {drag_per_s:.2} 1/s, gradient {gradient:.2} 1/s²"
-        )
-    }
 }
 
 /// The plant about one duty.
@@ -172,23 +139,36 @@ pub fn words(document: &Document) -> Vec<String> {
 pub fn law(document: &Document) -> Vec<(&'static str, String)> {
     let mut lines = Vec::new();
     if let Some(feedback) = &document.state_feedback {
-        let gain: Vec<String> = feedback.gain.iter().map(|k| format!("{k:.6}")).collect();
-        lines.push(("feedback", format!("K = [{}], K_r = {:.6}", gain.join(", "), feedback.setpoint_gain)));
+        let gain: Vec<String> = feedback.gain.iter().copied().map(digits).collect();
+        lines.push(("feedback", format!("K = [{}], K_r = {}", gain.join(", "), digits(feedback.setpoint_gain))));
         lines.push(("", hover_is_found(document.lqg.is_some(), feedback.integral)));
     }
     if let Some(Pid { kp_per_mm, ti_s, td_s, derivative_n, setpoint_weight, derivative_weight }) = document.pid {
-        let integral = if ti_s.is_finite() { format!("T_i = {ti_s:.4} s") } else { "no integral".into() };
+        let integral = if ti_s.is_finite() { format!("T_i = {} s", digits(ti_s)) } else { "no integral".into() };
         lines.push((
             "gains",
-            format!("K_p = {kp_per_mm:.6} per mm, {integral}, T_d = {td_s:.4} s, N = {derivative_n:.4}"),
+            format!(
+                "K_p = {} per mm, {integral}, T_d = {} s, N = {}",
+                digits(kp_per_mm),
+                digits(td_s),
+                digits(derivative_n)
+            ),
         ));
         let derivative = if derivative_weight > 0.0 { "error" } else { "measurement" };
         lines.push(("weights", format!("setpoint {setpoint_weight:.3}, derivative on the {derivative}")));
     }
     if let Some(Estimated { feedback, observer_gain }) = &document.lqg {
         let Lqg { position_per_mm, velocity_s_per_mm, fan } = feedback;
-        lines.push(("lqg", format!("{position_per_mm:.6} per mm, {velocity_s_per_mm:.6} s per mm, fan {fan:.4}")));
-        let gain: Vec<String> = observer_gain.iter().map(|l| format!("{l:.6}")).collect();
+        lines.push((
+            "lqg",
+            format!(
+                "{} per mm, {} s per mm, fan {}",
+                digits(*position_per_mm),
+                digits(*velocity_s_per_mm),
+                digits(*fan)
+            ),
+        ));
+        let gain: Vec<String> = observer_gain.iter().copied().map(digits).collect();
         lines.push(("observer", format!("L = [{}] a reading: position, velocity, fan, hover", gain.join(", "))));
     }
     lines.extend(document.about.map(|about| ("about", about.words())));
@@ -231,13 +211,20 @@ fn table(document: &Document) -> String {
 /// Margins and step metrics: each figure in continuous time and sampled.
 pub fn rows(document: &Document) -> Vec<(&'static str, [String; 2])> {
     let both = |say: Figure| [say(&document.continuous), document.sampled.as_ref().map_or_else(String::new, say)];
-    let rows: [(&'static str, Figure); 9] = [
+    let rows: [(&'static str, Figure); 10] = [
         ("stable", |a| if a.stable { "yes".into() } else { "no".into() }),
-        ("gain margins", |a| list(a.gain_margins.iter().map(|m| format!("×{:.2} at {:.2} rad/s", m.factor, m.omega)))),
+        ("gain margins", |a| {
+            list(
+                a.gain_margins
+                    .iter()
+                    .map(|m| format!("×{:.2} ({:.1} dB) at {:.2} rad/s", m.factor, 20.0 * m.factor.log10(), m.omega)),
+            )
+        }),
         ("phase margins", |a| {
             list(a.phase_margins.iter().map(|m| format!("{:.1}° at {:.2} rad/s", m.phase_deg, m.omega)))
         }),
         ("delay margin", |a| said(a.phase_margins.iter().map(|m| m.delay_s).reduce(f64::min), 3, " s", "none")),
+        ("peak sensitivity M_s", |a| said(a.peak_sensitivity, 2, "", "–")),
         ("critical K_p", |a| said(a.critical_kp_per_mm, 5, " per mm", "none")),
         ("critical T_i", |a| said(a.critical_ti_s, 3, " s", "none")),
         ("overshoot", |a| said(a.step.map(|s| s.overshoot_percent), 1, " %", "–")),

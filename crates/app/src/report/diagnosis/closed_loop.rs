@@ -2,42 +2,44 @@
 
 use diagnose::{ClosedLoop, Compared};
 
-/// A line on the steps and one on stability, each only where it is known.
+/// A table with a line for each figure that is known for a flight; empty where none is.
 #[must_use]
 pub fn words(found: &ClosedLoop) -> Vec<String> {
     let mut lines = Vec::new();
     if found.steps > 0 {
-        let (band, overshoot) = (found.settling_band_percent, found.overshoot_percent);
-        lines.push(format!(
-            "closed loop, medians of {} steps: overshoot {}; first peak {}; settled to ±{band} %: {}",
-            found.steps,
-            three(overshoot, overshoot, 0, "%", ""),
-            three(found.peak_time_s, overshoot, 2, "s", "none"),
-            three(found.settling_s, overshoot, 2, "s", "not"),
-        ));
+        let overshoot = found.overshoot_percent;
+        let band = found.settling_band_percent;
+        lines.push(line("overshoot", overshoot, overshoot, 0, " %"));
+        lines.push(line("first visible peak", found.peak_time_s, overshoot, 2, " s"));
+        lines.push(line(&format!("settled to ±{band} %"), found.settling_s, overshoot, 2, " s"));
     }
     let critical = found.critical_gain_ratio;
-    if let Some(nominal) = critical.nominal {
-        let mended = critical.mended.map_or(String::new(), |mended| format!(", {mended:.1} times mended"));
-        lines.push(format!("the loop loses stability at {nominal:.1} times its gain as believed{mended}"));
-    } else if let Some(mended) = critical.mended {
-        lines.push(format!("the loop loses stability at {mended:.1} times its gain mended"));
+    let margin = Compared { recorded: None, nominal: critical.nominal, mended: critical.mended };
+    if critical.nominal.or(critical.mended).is_some() {
+        lines.push(line("gain margin", margin, margin, 1, " ×"));
+    }
+    if !lines.is_empty() {
+        let head = match found.steps {
+            0 => "closed loop".into(),
+            steps => format!("closed loop, {steps} steps"),
+        };
+        lines.insert(0, row(&head, ["recorded", "as believed", "mended"].map(Into::into)));
     }
     lines
 }
 
-/// A quantity of the flights that have an overshoot; `absent` is the text for a flight without this quantity.
-fn three(of: Compared, flew: Compared, digits: usize, unit: &str, absent: &str) -> String {
-    let say = |value: Option<f64>, flew: Option<f64>, who: &str| {
-        flew?;
-        Some(value.map_or(format!("{absent} {who}"), |value| format!("{value:.digits$} {unit} {who}")))
+/// A figure of the flights in `flew`. "none": there was a flight, and it has no such figure.
+fn line(name: &str, of: Compared, flew: Compared, digits: usize, unit: &str) -> String {
+    let cell = |value: Option<f64>, flew: Option<f64>| match (value, flew) {
+        (Some(value), _) => format!("{value:.digits$}{unit}"),
+        (None, Some(_)) => "none".into(),
+        (None, None) => "–".into(),
     };
-    let words = [
-        say(of.recorded, flew.recorded, "recorded"),
-        say(of.nominal, flew.nominal, "as believed"),
-        say(of.mended, flew.mended, "mended"),
-    ];
-    words.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    row(name, [cell(of.recorded, flew.recorded), cell(of.nominal, flew.nominal), cell(of.mended, flew.mended)])
+}
+
+fn row(name: &str, [recorded, nominal, mended]: [String; 3]) -> String {
+    format!("{name:<26}{recorded:>10}{nominal:>13}{mended:>10}")
 }
 
 #[cfg(test)]
@@ -46,7 +48,7 @@ mod tests {
     use diagnose::{ClosedLoop, Compared, Simulated};
 
     #[test]
-    fn what_is_not_known_is_not_said() {
+    fn what_is_not_known_has_a_dash_and_what_a_flight_does_not_have_is_none() {
         let overshoot_percent = Compared { recorded: Some(12.0), ..Compared::default() };
         let found = ClosedLoop {
             steps: 3,
@@ -56,9 +58,13 @@ mod tests {
             settling_s: Compared::default(),
             critical_gain_ratio: Simulated::default(),
         };
-        let line = "closed loop, medians of 3 steps: overshoot 12 % recorded; first peak none recorded; \
-                    settled to ±5 %: not recorded";
-        assert_eq!(words(&found), [line]);
+        let lines = [
+            "closed loop, 3 steps        recorded  as believed    mended",
+            "overshoot                       12 %            –         –",
+            "first visible peak              none            –         –",
+            "settled to ±5 %                 none            –         –",
+        ];
+        assert_eq!(words(&found), lines);
         assert!(words(&ClosedLoop { steps: 0, ..found }).is_empty());
     }
 }

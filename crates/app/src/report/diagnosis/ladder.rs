@@ -11,6 +11,7 @@ pub(super) fn name(rung: &Rung) -> String {
         (Step::Refitted, _) => "numbers refitted".into(),
         (Step::Removed, _) => "absent effects left out".into(),
         (Step::Effect, name) => format!("+ {}", name.unwrap_or_default()),
+        (Step::Formula, _) => "+ formula".into(),
     }
 }
 
@@ -32,7 +33,7 @@ pub(super) fn table(found: &Diagnosis) -> String {
     let number = |mm: Option<f64>| mm.map_or("–".into(), |mm| format!("{mm:.2}"));
     let mut text = format!(
         "{:<26}{:>8}{:>8}{:>8}{:>10}   {}",
-        "error ahead, held out, mm", "0.1 s", "0.5 s", "1 s", "free run", "closes of the gap at 1 s"
+        "error ahead, held out, mm", "0.1 s", "0.5 s", "1 s", "free run", "share of the gap at 1 s"
     );
     let mut line = |name: &str, errors: [Option<f64>; 3], free: Option<f64>, share: &str| {
         let [a, b, c] = errors.map(number);

@@ -7,7 +7,8 @@
 
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, titled, write};
-use diagnose::{MissingForce, Place, Series};
+use diagnose::{Diagnosis, FormulaCurve, MissingForce, Place, Series};
+use plant::Stage;
 use std::path::Path;
 
 /// A sheet of diagrams: its size, pixels, where its rows end, and the largest number of moments of the force over time.
@@ -23,7 +24,7 @@ const SMALL: Sheet = Sheet { size: (700, 700), rows: [250, 460], most_moments: 5
 /// Bins over which the force is averaged, and fewest readings in one.
 const PLACES: usize = 24;
 const FEWEST: usize = 5;
-const UNIT: &str = "missing force, mm/s²";
+const UNIT: &str = "residual force, mm/s²";
 /// Largest number of points of the force over time.
 const MOST_POINTS: usize = 4000;
 
@@ -108,6 +109,28 @@ pub fn over_signals(missing: &[MissingForce], places: &[Place]) -> [Diagram; 3] 
         let shaded = shaded(places, signal);
         Diagram { abscissa, ordinate: UNIT, lines, band, shaded, base: Some(0.0), ..Diagram::default() }
     })
+}
+
+/// The terms of the formula over the signal that each depends on, each with its words.
+pub fn formula(found: &Diagnosis, missing: &[MissingForce]) -> Vec<(&'static str, Diagram)> {
+    let range = |of: Of| {
+        let values = missing.iter().map(of);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    };
+    let diagram = |FormulaCurve { over, stage, words, points }: FormulaCurve| {
+        let end = |at: usize| move |point: &[f64; 4]| (point[0], point[at]);
+        let band = points.iter().map(end(3)).chain(points.iter().rev().map(end(2))).collect();
+        let line = Line { label: "formula, 90 % band", colour: MENDED, points: points.iter().map(end(1)).collect() };
+        let abscissa = SIGNALS[over as usize].1;
+        let ordinate = match stage {
+            Stage::Actuator => "added duty, %",
+            Stage::Air | Stage::Ball => "added force, mm/s²",
+            Stage::Sensor => "added to the reading, mm",
+        };
+        (words, Diagram { abscissa, ordinate, lines: vec![line], band, base: Some(0.0), ..Diagram::default() })
+    };
+    let ranges = SIGNALS.map(|(.., of)| range(of));
+    if missing.is_empty() { Vec::new() } else { found.formula_curves(ranges).into_iter().map(diagram).collect() }
 }
 
 /// Middle of each bin, and mean and standard deviation of the force there.

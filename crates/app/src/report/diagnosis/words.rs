@@ -6,7 +6,7 @@ use diagnose::{Change, Closed, Diagnosis, NamedEffect, Place, Verdict};
 use std::fmt::Write;
 
 /// The advice after a record with too little information.
-const FLY_ANOTHER: &str = "Fly one with a moving setpoint, at least 30 s in free flight.";
+pub const FLY_ANOTHER: &str = "Fly at least 30 s in free flight with a moving setpoint.";
 
 /// The same where units, signs or columns are wrong.
 const MEND_FIRST: &str = "Correct units, signs or columns as said above, and diagnose it again.";
@@ -17,10 +17,7 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     let mut words = format!("{}.", found.verdict_in_words());
     if found.verdict == Verdict::InsufficientData {
         let advice = if found.has_mistake() { MEND_FIRST } else { FLY_ANOTHER };
-        let _ = write!(words, " {advice}");
-    }
-    if found.has_mistake() {
-        return words;
+        return format!("{words} {advice}");
     }
     for named in &found.effects {
         let _ = write!(words, "\n{}", effect(named, found, compensation));
@@ -30,6 +27,9 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
     }
     if let Some(residual) = found.residual_in_words() {
         let _ = write!(words, "\n{residual}");
+    }
+    if let Some(formula) = found.formula_in_words() {
+        let _ = write!(words, "\n{formula}");
     }
     if let Some(left_out) = found.left_out_in_words() {
         let _ = write!(words, "\n{left_out}");

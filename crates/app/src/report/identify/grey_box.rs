@@ -1,6 +1,7 @@
 //! A grey-box identification in words and as a document.
 
 use super::{SCHEMA, name, said};
+use crate::report::kit::about::About;
 use crate::report::kit::table::empty;
 use diagnose::Recording;
 use diagnose::identify::{GreyBox, ParameterEstimate, Percent, Poles, ResidualTests, Test};
@@ -17,6 +18,9 @@ pub struct Document<'a> {
     open_loop: bool,
     chosen: Poles,
     models: Vec<ModelEntry<'a>>,
+    /// The slopes of the kept plant about the height and duty that were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    about: Option<About>,
     version: &'static str,
 }
 
@@ -43,7 +47,7 @@ const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 impl<'a> Document<'a> {
     /// The document of the fits with each number of poles, of which `best` is kept.
     #[must_use]
-    pub fn of(found: &'a [GreyBox], best: &GreyBox, open_loop: bool) -> Self {
+    pub fn of(found: &'a [GreyBox], best: &GreyBox, open_loop: bool, about: Option<About>) -> Self {
         let entry = |found: &'a GreyBox| ModelEntry {
             poles: found.poles,
             estimates: &found.estimates,
@@ -59,7 +63,7 @@ impl<'a> Document<'a> {
         };
         let models = found.iter().map(entry).collect();
         let (chosen, version) = (best.poles, env!("CARGO_PKG_VERSION"));
-        Self { schema: SCHEMA, method: "grey_box", open_loop, chosen, models, version }
+        Self { schema: SCHEMA, method: "grey_box", open_loop, chosen, models, about, version }
     }
 }
 
@@ -125,8 +129,8 @@ pub mod words {
         let gain = found.iter().map(|one| one.held_out.log_likelihood).fold(f64::NEG_INFINITY, f64::max)
             - found.iter().map(|one| one.held_out.log_likelihood).fold(f64::INFINITY, f64::min);
         match best.poles {
-            Poles::Three => format!("the fan's pole is worth {gain:.1} nats on what was held out"),
-            Poles::Two => "the fan's pole foretells nothing more of what was held out".into(),
+            Poles::Three => format!("the fan pole gains {gain:.1} nats on held-out data"),
+            Poles::Two => "the fan pole does not improve the forecasts of held-out data".into(),
         }
     }
 
@@ -134,12 +138,12 @@ pub mod words {
     #[must_use]
     pub const fn verdict(residuals: Residuals) -> &'static str {
         match residuals {
-            Residuals::Noise => "The residuals are noise: nothing in this record speaks against the plant.",
+            Residuals::Noise => "The residuals are white: this record does not contradict the model.",
             Residuals::KnowDuty => {
-                "The residuals still know the duty: the plant lacks something, and its intervals are too short. `airball diagnose` names what."
+                "The residuals depend on the duty: the model lacks an effect, and its intervals are too narrow. Find it with `airball diagnose`."
             }
             Residuals::Coloured => {
-                "The residuals are coloured: air or sensor are not as the model has them, and the intervals are too short. `airball diagnose` names what."
+                "The residuals are coloured: the noise of air or sensor differs from the model, and the intervals are too narrow. See `airball diagnose`."
             }
         }
     }

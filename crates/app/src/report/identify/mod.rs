@@ -6,6 +6,7 @@ pub mod plot;
 pub mod third_pole;
 pub mod transient;
 
+use crate::report::kit::patch::rounded;
 use crate::report::kit::words::digits;
 use diagnose::identify::ParameterEstimate;
 use plant::Model;
@@ -35,7 +36,7 @@ pub fn patch(origin: &str, estimates: &[ParameterEstimate], start: &Model) -> St
         }
         None => {}
     }
-    patch
+    rounded(&patch)
 }
 
 fn between(estimate: &ParameterEstimate) -> String {

@@ -1,5 +1,6 @@
 //! A third pole in words, as a document and as a config patch.
 
+use crate::report::kit::patch::rounded;
 use serde::Serialize;
 
 /// The document that `identify third-pole --json` writes.
@@ -29,10 +30,10 @@ pub struct Document {
 #[must_use]
 pub fn patch(found: &Document) -> String {
     let Document { critical_gain_per_mm, integral_time_s, fan_lag_s, .. } = found;
-    format!(
+    rounded(&format!(
         "# airball identify third-pole: critical gain {critical_gain_per_mm} at T_i = {integral_time_s} s.\n\
          [plant.effects.fan_lag]\ntime_constant_s = {fan_lag_s:?}\n"
-    )
+    ))
 }
 
 /// The lag, and the next measurement that can check it.
@@ -41,12 +42,12 @@ pub fn lines(found: &Document) -> Vec<String> {
     let how = found.period_s.map_or_else(|| "continuous".into(), |period_s| format!("sampled every {period_s} s"));
     let before = if found.lag_before_s > 0.0 { format!("{:.4} s", found.lag_before_s) } else { "none".into() };
     let mut lines = vec![format!(
-        "fan's lag {:.4} s, a pole at {:.3} 1/s (before: {before}); the loop is taken as {how}",
+        "fan lag {:.4} s, a pole at {:.3} 1/s (before: {before}); loop {how}",
         found.fan_lag_s, found.fan_pole_per_s
     )];
     if let Some(ti_s) = found.critical_ti_s {
         lines.push(format!(
-            "foretells a critical T_i of {ti_s:.3} s at K_p = {}: measure it to check the model",
+            "predicts a critical T_i of {ti_s:.3} s at K_p = {}: measure it to check the model",
             0.5 * found.critical_gain_per_mm
         ));
     }

@@ -43,14 +43,11 @@ pub fn lines(found: &Sweep) -> Vec<String> {
     let rejected = found.rejected;
     if rejected.short + rejected.not_proportional > 0 {
         lines.push(format!(
-            "rejected  {} jumps as short, {} as not in proportion to the error",
+            "rejected  {} steps as too short, {} as not proportional to the error",
             rejected.short, rejected.not_proportional
         ));
     }
-    lines.push(
-        "Two poles are assumed: a fan's pole goes into K_g and a unseen. `airball identify grey-box` looks for it."
-            .into(),
-    );
+    lines.push("The model has two poles, so a fan pole biases K_g and a. `airball identify grey-box` finds it.".into());
     lines
 }
 

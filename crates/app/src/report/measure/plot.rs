@@ -5,7 +5,8 @@ use crate::analysis::step_response::Step;
 use crate::report::kit::palette::{NOMINAL, RECORDED, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line, PlotError, commanded, drawn, panel, recorded, write};
 use diagnose::Recording;
-use diagnose::measure::critical::Critical;
+use diagnose::measure::Estimate;
+use diagnose::measure::critical::Swing;
 use diagnose::measure::dead_zone::DeadZone;
 use diagnose::measure::jumps::Jumps;
 use std::path::Path;
@@ -39,7 +40,14 @@ pub fn flight(recording: &Recording) -> Diagram {
 pub fn result(recording: &Recording, found: &Found) -> Diagram {
     match found {
         Found::DeadZone { zone, jumps } | Found::ForceCurve { zone, jumps } => forces(zone, jumps),
-        Found::CriticalGain(critical) => growths(critical),
+        Found::CriticalGain(found) => {
+            let over = ("growth rate of the oscillation over the gain", "K_p, % per mm", "critical gain, 90 %");
+            growths(&found.swings, |swing| swing.kp_per_mm, found.kp_per_mm, over)
+        }
+        Found::CriticalTime(found) => {
+            let over = ("growth rate of the oscillation over the integral time", "T_i, s", "critical time, 90 %");
+            growths(&found.swings, |swing| swing.ti_s, found.ti_s, over)
+        }
         Found::Steps(steps) => overlaid(recording, &steps.each),
         Found::NoiseFloor(_) | Found::Calibration(_) => histogram(recording),
     }
@@ -66,20 +74,24 @@ fn forces(zone: &DeadZone, jumps: &Jumps) -> Diagram {
     }
 }
 
-/// Growth of the oscillation over the gain; the critical gain where it crosses zero.
-fn growths(found: &Critical) -> Diagram {
-    let mut points: Vec<(f64, f64)> = found.swings.iter().map(|swing| (swing.kp_per_mm, swing.growth_per_s)).collect();
+/// Growth of the oscillation over what was varied, critical where it crosses zero.
+fn growths(
+    swings: &[Swing],
+    varied: fn(&Swing) -> f64,
+    critical: Estimate,
+    (title, abscissa, interval_of): (&str, &'static str, &'static str),
+) -> Diagram {
+    let mut points: Vec<(f64, f64)> = swings.iter().map(|swing| (varied(swing), swing.growth_per_s)).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let ends = |value: f64| points.first().zip(points.last()).map_or(vec![], |(a, b)| vec![(a.0, value), (b.0, value)]);
-    let critical = found.kp_per_mm;
     let interval = vec![(critical.low, 0.0), (critical.high, 0.0)];
     Diagram {
-        title: "growth of the swing over the gain".into(),
-        abscissa: "K_p, % per mm",
+        title: title.into(),
+        abscissa,
         ordinate: "growth, 1/s",
         lines: vec![
-            Line { label: "neither grows nor dies", colour: SETPOINT, points: ends(0.0) },
-            Line { label: "critical gain, 90 %", colour: NOMINAL, points: interval },
+            Line { label: "marginally stable", colour: SETPOINT, points: ends(0.0) },
+            Line { label: interval_of, colour: NOMINAL, points: interval },
         ],
         marks: points,
         ..Diagram::default()

@@ -7,7 +7,7 @@ use crate::report::kit::table::empty;
 use anyhow::Result;
 use clap::ValueEnum;
 use diagnose::measure::Estimate;
-use diagnose::measure::critical::{Critical, Swing};
+use diagnose::measure::critical::{Critical, CriticalTime, Swing};
 use diagnose::measure::dead_zone::DeadZone;
 use diagnose::measure::jumps::{Jump, Jumps};
 use diagnose::measure::noise_floor::NoiseFloor;
@@ -65,8 +65,9 @@ pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
     let rows = rows(found, tables);
     match found {
         Found::DeadZone { zone, jumps } => vec![table(&rows), verdict_of_zone(zone, jumps), given(jumps)],
-        Found::ForceCurve { jumps, .. } => vec![forces(jumps).table(), table(&rows), given(jumps)],
+        Found::ForceCurve { jumps, .. } => vec![forces(jumps).table(), table(&rows), given(jumps), OF_PATCH.into()],
         Found::CriticalGain(critical) => words_of_gain(critical),
+        Found::CriticalTime(critical) => words_of_time(critical),
         Found::Steps(steps) => vec![table_of_steps(&rows), settled(steps)],
         Found::NoiseFloor(floor) => vec![table(&rows), readings(floor)],
         Found::Calibration(calibration) => {
@@ -83,6 +84,7 @@ pub fn rows(found: &Found, tables: &Tables) -> Vec<Row> {
         Found::CriticalGain(critical) => {
             vec![row("critical gain", Some(critical.kp_per_mm), 5, " per mm", None)]
         }
+        Found::CriticalTime(critical) => vec![row("critical integral time", Some(critical.ti_s), 3, " s", None)],
         Found::Steps(steps) => vec![
             row("overshoot", steps.overshoot_percent, 1, " %", None),
             row("first peak", steps.peak_s, 2, " s", None),
@@ -114,7 +116,7 @@ fn rows_of_zone(zone: &DeadZone, jumps: &Jumps, tables: &Tables) -> Vec<Row> {
         row("the ball rises above a duty of", Some(zone.upper_duty_percent), 3, " %", edge(|zone| zone.upper_percent)),
         row("force below, mm/s² per percent", Some(zone.gain_below), 0, "", gain),
         row("force above, mm/s² per percent", Some(zone.gain_above), 0, "", gain),
-        row("lag of the fan", Some(jumps.lag_s), 3, " s", lag),
+        row("fan lag", Some(jumps.lag_s), 3, " s", lag),
     ]
 }
 
@@ -131,18 +133,24 @@ pub fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
     let (lower, upper) = (zone.lower_duty_percent, zone.upper_duty_percent);
     let (width, count) = (upper.value - lower.value, jumps.jumps.len());
     if upper.low > lower.high {
-        format!("A dead zone of {width:.3} %, by {count} jumps; which duty within it is called hover is a choice.")
+        format!(
+            "A dead zone of {width:.3} %, from {count} jumps. Any duty within it may be called hover; the patch takes its centre."
+        )
     } else {
         format!(
-            "No dead zone beyond doubt: by {count} jumps the edges lie {width:.3} % apart, and their intervals meet."
+            "No significant dead zone: from {count} jumps its width is {width:.3} %, and the intervals of the edges overlap."
         )
     }
 }
 
 /// The assumptions of the forces.
 pub fn given(jumps: &Jumps) -> String {
-    format!("The forces are those of a ball with the config's drag, {} 1/s.", jumps.drag_per_s)
+    format!("The forces assume the drag of the config, {} 1/s.", jumps.drag_per_s)
 }
+
+/// What the patch of a force curve does to the controllers.
+pub const OF_PATCH: &str = "The patch makes the control value an acceleration in mm/s², so it multiplies the gains of all controllers by the force \
+                            per percent of duty.";
 
 /// Rows of words under their heads.
 pub struct Rows<const N: usize> {
@@ -173,30 +181,42 @@ pub fn forces(jumps: &Jumps) -> Rows<6> {
             jump.timed_mm_per_s2.map_or_else(String::new, |timed| format!("{timed:.0}")),
         ]
     };
-    let heads = ["duty", "jump", "time", "force", "90 % interval", "without the fan's lag"];
+    let heads = ["duty", "jump", "time", "force", "90 % interval", "without fan lag"];
     Rows { heads, rows: sorted.iter().map(row).collect() }
 }
 
 /// The steps that oscillate.
-pub fn swings(found: &Critical) -> Rows<4> {
+pub fn swings(steps: &[Swing]) -> Rows<5> {
     let row = |swing: &Swing| {
         [
             format!("{:.0} s", swing.time_s),
             format!("{:.5} per mm", swing.kp_per_mm),
+            format!("{:.2} s", swing.ti_s),
             format!("{:+.3} 1/s", swing.growth_per_s),
             format!("{:.2} rad/s", swing.omega),
         ]
     };
-    Rows { heads: ["step at", "K_p", "growth", "frequency"], rows: found.swings.iter().map(row).collect() }
+    Rows { heads: ["step at", "K_p", "T_i", "growth", "frequency"], rows: steps.iter().map(row).collect() }
 }
 
 fn words_of_gain(found: &Critical) -> Vec<String> {
     let Estimate { value, low, high } = found.kp_per_mm;
     let (ti_s, omega) = (found.ti_s, found.omega);
     vec![
-        swings(found).table(),
+        swings(&found.swings).table(),
         format!(
-            "critical gain {value:.5} per mm ({low:.5} to {high:.5}) at T_i = {ti_s:.1} s without derivative, swinging at {omega:.2} rad/s"
+            "critical gain {value:.5} per mm ({low:.5} to {high:.5}) under PI control with T_i = {ti_s:.1} s; it oscillates at {omega:.2} rad/s"
+        ),
+    ]
+}
+
+fn words_of_time(found: &CriticalTime) -> Vec<String> {
+    let Estimate { value, low, high } = found.ti_s;
+    let (kp_per_mm, omega) = (found.kp_per_mm, found.omega);
+    vec![
+        swings(&found.swings).table(),
+        format!(
+            "critical integral time {value:.3} s ({low:.3} to {high:.3}) under PI control with K_p = {kp_per_mm:.4} per mm; it oscillates at {omega:.2} rad/s"
         ),
     ]
 }
@@ -219,12 +239,12 @@ pub fn settled(steps: &Steps) -> String {
 pub fn readings(floor: &NoiseFloor) -> String {
     let NoiseFloor { correlation, resolution_mm, readings, wild, .. } = floor;
     format!(
-        "{readings} readings at rest, {wild} wild ones left out; steps of {resolution_mm:.2} mm, correlation of neighbours {correlation:+.3}."
+        "{readings} readings at rest, {wild} outliers left out; resolution {resolution_mm:.2} mm, autocorrelation at lag 1 {correlation:+.3}."
     )
 }
 
 /// Why a scale is not identifiable.
-pub const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be told. Mount the sensor at \
+pub const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be measured. Mount the sensor at \
                                 least 30 mm above the ball's rest there.";
 
 /// The bands, and whether each is met.

@@ -45,21 +45,21 @@ pub fn sentence(gap: &Gap, recording: &Recording) -> String {
     let (Some(error), Some(floor), Some(stay_put)) = (gap.error_mm[2], gap.floor_mm[2], gap.stay_put_mm[2]) else {
         let (rows, duration_s) = (recording.samples().len(), recording.duration_s());
         return format!(
-            "No two readings are 1 s apart to compare ({rows} rows in {duration_s:.1} s): record at least 30 s with a moving \
+            "No two readings are 1 s apart ({rows} rows in {duration_s:.1} s): record at least 30 s with a moving \
              setpoint, or, if time is not in seconds, give its unit as [import] time_s.scale."
         );
     };
     if error < AS_GOOD_AS_NOISE * floor {
         return format!(
-            "At {ahead} s the model errs by {error:.1} mm and the noise that it believes in alone gives {floor:.1} mm: \
-             this recording shows no gap at that horizon."
+            "{ahead} s ahead the error of the model is {error:.1} mm; noise alone gives {floor:.1} mm: this record shows no gap at \
+             that horizon."
         );
     }
-    let beside = if error < stay_put { "better than" } else { "no better than" };
+    let beside = if error < stay_put { "" } else { ", so the model is of no use at that horizon" };
     format!(
-        "At {ahead} s the model errs by {error:.1} mm where its noise alone would give {floor:.1} mm, and forecasts {beside} \
-         \"the ball stays put\" ({stay_put:.1} mm): the model lacks something, or its numbers or noise are off. \
-         Try another belief with --patch FILE and compare."
+        "{ahead} s ahead the error of the model is {error:.1} mm; noise alone gives {floor:.1} mm, and \"the ball stays put\" \
+         {stay_put:.1} mm{beside}. The model lacks an effect, or its parameters or noise are wrong: `airball diagnose` \
+         finds which."
     )
 }
 

@@ -43,6 +43,17 @@ fn rows_in_milliseconds_are_too_far_apart_to_be_seconds() {
 }
 
 #[test]
+fn two_rows_at_each_time_are_repeated_times_and_no_gaps() {
+    let found = findings(|rows| (0..rows.len()).for_each(|k| rows[k].time_s = rows[k - k % 2].time_s));
+    assert!(
+        matches!(found[..], [Finding::RepeatedTimes { percent, row: 2 }] if (percent - 50.0).abs() < 0.1),
+        "{found:?}"
+    );
+    let found = findings(|rows| rows[700].time_s = rows[699].time_s);
+    assert_eq!(found, [], "one row is no clock");
+}
+
+#[test]
 fn a_sensor_that_refreshes_late_shows_in_repeats() {
     let found = findings(|rows| {
         for k in 0..rows.len() {
@@ -56,6 +67,9 @@ fn a_sensor_that_refreshes_late_shows_in_repeats() {
 fn a_duty_that_is_a_fraction_or_never_moves_and_a_position_that_never_moves_are_named() {
     let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent /= 100.0));
     assert!(found.contains(&Finding::FractionalDuty), "{found:?}");
+    let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent /= 10.0));
+    let [Finding::DutyFarBelowHover { scale, .. }] = found[..] else { panic!("{found:?}") };
+    assert!((9.0..11.0).contains(&scale), "{scale}");
     let found = findings(|rows| rows.iter_mut().for_each(|row| row.duty_percent = 21.4));
     assert!(found.contains(&Finding::StillDuty { range_percent: 0.0 }), "{found:?}");
     let found = findings(|rows| rows.iter_mut().for_each(|row| row.position_mm = Some(7.0)));

@@ -16,7 +16,7 @@ const T: f64 = 0.02;
 fn pilot(tables: &Tables) -> Pilot {
     let setpoint_mm = Some(Waveform::Constant { value: 300.0 });
     let limits = Limits { position_min_mm: None, position_max_mm: None };
-    let segments = vec![Segment { duration_s: 600.0, setpoint_mm, ..Segment::default() }];
+    let segments = vec![Segment { duration_s: 600.0, setpoint_mm, ..Segment::default() }].into();
     Pilot::new(Orders {
         regulator: Regulator::new(tables.controller.clone().unwrap(), tables.observer.as_ref(), T).unwrap(),
         compensation: tables.compensation.clone().unwrap(),

@@ -21,9 +21,9 @@ fn offering() -> Pilot {
         ..segment(1.0)
     };
     let pulse = Segment { setpoint_mm: None, duty_percent: Some(Waveform::Constant { value: 22.0 }), ..segment(1.0) };
-    let offer = |word, segments| Offer {
+    let offer = |word, segments: Vec<Segment>| Offer {
         name: name(word),
-        experiment: Experiment { title: word.into(), limits: Limits::default(), segments },
+        experiment: Experiment { title: word.into(), limits: Limits::default(), segments: segments.into() },
     };
     pilot(vec![segment(60.0)]).offering(vec![offer("low", vec![at_200]), offer("pulse", vec![pulse])])
 }

@@ -23,11 +23,11 @@ pub struct Report<'a> {
 pub fn page(report: &Report<'_>) -> String {
     let found = report.found;
     let mut sections = vec![
-        Section::across("models", "The models beside the rig", models(found)),
-        Section::words("gap", "How far off", gaps(report.gaps)),
+        Section::across("models", "Models and rig", models(found)),
+        Section::words("gap", "Errors of the models", gaps(report.gaps)),
     ];
     if let Some((_, patch)) = report.patch {
-        sections.push(Section::words("simulator", "Believe it", to_copy("patch", "third-pole.toml", patch)));
+        sections.push(Section::words("simulator", "Correct the model", to_copy("patch", "third-pole.toml", patch)));
     }
     sections.push(Section::words("next", "What to do next", next()));
     sections.push(Section::words("words", "Words on this page", glossary(&WORDS)));
@@ -57,13 +57,13 @@ fn first(found: &Table) -> Markup {
     let chosen = found.rows.iter().skip_while(|row| row.model != RIG).skip(1);
     let poles = chosen.map(|row| {
         let value = format!("{} 1/s", number(row.fan_pole_per_s, 3));
-        (row.model.clone(), value, "the fan's pole that gives it the rig's critical gain".to_owned())
+        (row.model.clone(), value, "fan pole for which it has the critical gain of the rig".to_owned())
     });
     let numbers: Vec<(String, String, String)> = rig.chain(poles).collect();
     html! {
         p.lede {
-            "A model of two poles comes to rest at any gain. The rig swings at one, since its fan has a pole as well. Chosen so that a model has the "
-            "critical gain of the rig, that pole foretells the critical integral time, which was measured as well and not used."
+            "A model with two poles is stable at any gain. The rig is not, because its fan has a pole as well. If this pole is chosen so that a model has "
+            "the critical gain of the rig, the model predicts the critical integral time, which was also measured and not used."
         }
         h2.unseen { "The rig, and the pole that each model lacks" }
         div.first { (values(&numbers)) }
@@ -98,17 +98,17 @@ fn next() -> Markup {
     html! {
         ul {
             li { "Measure the critical gain of your own rig: " (command("airball measure critical-gain")) "." }
-            li { "Choose the third pole of your own model by it: "
+            li { "Find the fan pole of your own model from it: "
                 (command("airball identify third-pole --critical-gain K --patch-out third-pole.toml")) "." }
         }
     }
 }
 
 const WORDS: [(&str, &str); 3] = [
-    ("critical", "The value at which the loop swings for ever, its other gains kept."),
+    ("critical", "The value at which the loop is marginally stable, with its other gains unchanged."),
+    ("pole", "A mode of the plant: it decays faster the further left the pole is. The fan pole is 1 over the fan lag."),
     (
-        "pole",
-        "A way in which the plant comes to rest: the further to the left, the faster. The fan's is one over its time constant.",
+        "sampled",
+        "The loop as the firmware runs it: one reading per period, and a duty that is held until the next one.",
     ),
-    ("sampled", "The loop as the firmware closes it: a reading at every period, a duty that is held until the next."),
 ];

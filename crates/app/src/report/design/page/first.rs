@@ -32,14 +32,14 @@ pub(super) fn least_phase(of: &Assessment) -> Option<f64> {
 /// The answer in a sentence.
 pub(super) fn answer(of: &Assessment) -> String {
     if !of.stable {
-        return "This loop is not stable: it must not be flown".into();
+        return "This loop is unstable: do not fly it".into();
     }
     match (more_gain(of), least_phase(of)) {
         (Some(factor), Some(phase)) => {
-            format!("The loop is stable, and bears {factor:.1} times its gain or {phase:.0}° more lag")
+            format!("The loop is stable: its gain may rise {factor:.1} times, or its phase may lag {phase:.0}° more")
         }
-        (None, Some(phase)) => format!("The loop is stable at any higher gain, and bears {phase:.0}° more lag"),
-        (Some(factor), None) => format!("The loop is stable, and bears {factor:.1} times its gain"),
+        (None, Some(phase)) => format!("The loop is stable at any higher gain, and its phase may lag {phase:.0}° more"),
+        (Some(factor), None) => format!("The loop is stable: its gain may rise {factor:.1} times"),
         (None, None) => "The loop is stable at any gain".into(),
     }
 }
@@ -49,7 +49,7 @@ pub(super) fn first(document: &Document, drawn: &Diagrams) -> Markup {
     let of = decisive(document);
     html! {
         p.lede {
-            @if document.sampled.is_some() { "As the firmware closes it. " } @else { "In continuous time: the config has no period. " }
+            @if document.sampled.is_some() { "Sampled, as the firmware runs it. " } @else { "In continuous time: the config has no period. " }
             @for (name, words) in law(document) { @if !name.is_empty() { (spoken(name)) ": " (words) ". " } }
         }
         h2.unseen { "What the loop does" }
@@ -76,12 +76,16 @@ fn numbers(of: &Assessment) -> Vec<(String, String, String)> {
             line("overshoot", step.map(|step| format!("{:.1} %", step.overshoot_percent)), "of the step"),
             line("rise, 10 to 90 %", step.map(|step| format!("{:.2} s", step.rise_s)), ""),
             line("settled to ±5 %", step.map(|step| format!("{:.2} s", step.settling_s)), ""),
-            line("delay margin", delay_s(of).map(|s| format!("{s:.3} s")), "may be lost on the way"),
-            kp("at which it swings for ever"),
+            line(
+                "delay margin",
+                delay_s(of).map(|s| format!("{s:.3} s")),
+                "additional delay until the loop is marginally stable",
+            ),
+            kp("where the loop is marginally stable"),
         ]
     } else {
         let none = || line("critical K_p", Some("none".into()), "no proportional gain makes this loop stable");
-        vec![kp("at which it swings for ever").or_else(none)]
+        vec![kp("where the loop is marginally stable").or_else(none)]
     };
     all.into_iter().flatten().collect()
 }
@@ -106,7 +110,7 @@ pub(super) fn spoken(name: &str) -> &str {
 /// The step response beside the first numbers.
 pub fn step_first(drawn: &Diagrams) -> Markup {
     let caption = html! {
-        "The step of the setpoint, as a share of it, for a linear plant without noise and without limits of the fan."
+        "Response to a step of the setpoint, relative to the step, for the linear plant without noise and without limits of the duty."
     };
     figure(&Diagram { direct: true, ..drawn.step.clone() }, Size::FIRST, STEP, &caption)
 }

@@ -49,11 +49,11 @@ pub fn page(report: &Report<'_>) -> Result<String, PageError> {
     let is_flown = decisive(document).stable;
     let record = Record { diagrams: if is_flown { vec![drawn.step.clone()] } else { vec![] } };
     let mut sections = vec![
-        Section::across("bears", "What the loop bears", bears(document)),
-        Section::across("frequency", "The open loop in frequency", frequency(&drawn)),
+        Section::across("bears", "Stability margins", bears(document)),
+        Section::across("frequency", "Frequency response of the open loop", frequency(&drawn)),
         Section::across("poles", "The poles", html! { (loci(&drawn)) (poles(document)) }),
-        Section::words("warnings", "What to mind", warnings(report)),
-        Section::words("law", "The law", law_to_copy(report)),
+        Section::words("warnings", "Warnings", warnings(report)),
+        Section::words("law", "Controller", law_to_copy(report)),
         Section::words("next", "What to do next", next(decisive(document))),
     ];
     if is_flown {
@@ -158,33 +158,33 @@ fn warnings(report: &Report<'_>) -> Markup {
         .filter(|(delay_s, period_s)| *delay_s < FEW_PERIODS * period_s);
     html! {
         ul {
-            @if !of.stable { li { strong { "The loop is not stable. " } "Ask for slower poles or a lower gain." } }
+            @if !of.stable { li { strong { "The loop is unstable. " } "Ask for slower poles or a lower gain." } }
             @if of.stable && more_gain(of).is_some_and(|factor| factor < LITTLE_GAIN) {
-                li { "A gain margin below " (LITTLE_GAIN) " is little: a rig whose gain is off by a third may swing." }
+                li { "A gain margin below " (LITTLE_GAIN) " is small: a rig whose gain is off by a third may be unstable." }
             }
             @if let Some(factor) = less_gain(of).filter(|_| of.stable) {
-                li { (format!("It needs its gain: at {factor:.2} times as much, or less, it is no longer stable.")) }
+                li { (format!("The loop is conditionally stable: it becomes unstable if its gain falls to {factor:.2} times its value.")) }
             }
             @if of.stable && least_phase(of).is_some_and(|phase| phase < LITTLE_PHASE_DEG) {
-                li { "A phase margin below " (LITTLE_PHASE_DEG) "° is little: the ball will swing visibly." }
+                li { "A phase margin below " (LITTLE_PHASE_DEG) "° is small: the ball will oscillate visibly." }
             }
             @if let Some((delay_s, period_s)) = short {
-                li { (format!("A delay of {delay_s:.3} s brings the loop to its edge, and a period is {period_s} s: late cycles can be felt.")) }
+                li { (format!("The delay margin is {delay_s:.3} s and a period is {period_s} s: a few late cycles make the loop oscillate.")) }
             }
             @for name in report.not_linear {
-                li { strong { (name.replace('_', " ")) } " is on in the model and not linear: the design sees "
-                    @if report.document.about.is_some() { "at most the slopes of its force there" } @else { "nothing of it" }
-                    "; try it in "
+                li { strong { (name.replace('_', " ")) } " is in the model and not linear: the design uses "
+                    @if report.document.about.is_some() { "at most the slope of its force at the operating point" } @else { "nothing of it" }
+                    "; check it with "
                     (command("airball simulate")) "." }
             }
-            li { "Limits of the duty, quantised duty and noise: a step that asks for more than the fan can give is slower than the one above." }
+            li { "The step response above has no limits of the duty, no quantisation and no noise. A step that saturates the fan is slower." }
         }
     }
 }
 
 fn law_to_copy(report: &Report<'_>) -> Markup {
     html! {
-        p { "The law as a patch. Later patches win over the config, and the rest of it stays as it is:" }
+        p { "The controller as a config patch, which replaces these keys of the config:" }
         dl {
             @for (name, words) in law(report.document) {
                 // A line without a name belongs to the line before.
@@ -202,22 +202,32 @@ fn next(of: &Assessment) -> Markup {
             @if of.stable {
                 li { "Fly it on the simulated rig first, with its noise and its limits: "
                     (command("airball simulate --patch gains.toml --experiment experiments/steps.toml")) "." }
-                li { "Then on the rig: " (command("airball measure steps --patch gains.toml")) " gives overshoot and settling beside those above." }
-                li { "How near the edge the rig is, " (command("airball measure critical-gain")) " tells." }
+                li { "Then on the rig: " (command("airball measure steps --patch gains.toml")) " measures overshoot and settling time." }
+                li { "To measure the gain margin of the rig: " (command("airball measure critical-gain")) "." }
             } @else {
-                li { "Do not fly it. " (command("airball design pid")) " places the poles of a loop that comes to rest; or lower the gain." }
+                li { "Do not fly it. " (command("airball design pid")) " places the poles of a stable loop; or lower the gain." }
             }
         }
     }
 }
 
-const WORDS: [(&str, &str); 5] = [
-    ("gain margin", "By how much the gain may be multiplied before the loop swings for ever."),
+const WORDS: [(&str, &str); 6] = [
+    ("gain margin", "The factor by which the gain may rise until the loop is marginally stable."),
     (
         "phase margin",
-        "How much later, in degrees of the swing, the loop may answer before it does; the delay margin says it in seconds.",
+        "The additional phase lag until the loop is marginally stable, degrees; the delay margin is the same in seconds.",
     ),
-    ("sampled", "The loop as the firmware closes it: a reading at every period, a duty that is held until the next."),
-    ("critical", "The value at which the loop swings for ever, its other gains kept."),
-    ("pole", "A way in which the loop comes to rest: the further to the left in s, or to the middle in z, the faster."),
+    (
+        "peak sensitivity M_s",
+        "The largest factor by which the loop amplifies a disturbance; 1 / M_s is the distance of the Nyquist curve to −1. Usual: 1.2 to 2.",
+    ),
+    (
+        "sampled",
+        "The loop as the firmware runs it: one reading per period, and a duty that is held until the next one.",
+    ),
+    ("critical", "The value at which the loop is marginally stable, with its other gains unchanged."),
+    (
+        "pole",
+        "A mode of the closed loop: it decays faster the further left the pole is in s, or the nearer to the origin in z.",
+    ),
 ];

@@ -69,8 +69,8 @@ fn gains(document: &Document) -> Markup {
         flown(document).map(|(state, gain)| (html! { (state) }, vec![html! { (number(Some(gain), 6)) }])).collect();
     html! {
         div.two {
-            (table("L of the model's states", &["state", "a second", "a reading"], &designed))
-            (table("L as it flies, hover among the states", &["state", "a reading"], &flown))
+            (table("L of the model's states", &["state", "continuous, 1/s", "sampled"], &designed))
+            (table("L of the observer that flies, with hover as a state", &["state", "sampled"], &flown))
         }
     }
 }
@@ -79,12 +79,12 @@ fn noise(document: &Document) -> Markup {
     let observer = &document.observer;
     html! {
         ul {
-            li { "One reading is off by " (three_digits(observer.sensor_mm)) " mm (1 sigma)." }
-            li { "The air pushes with an intensity of " (three_digits(observer.acceleration_psd_mm2_per_s3)) " mm²/s³." }
-            li { "Readings further off than " (three_digits(observer.gate_sigma)) " sigma are outliers." }
+            li { "Noise of a reading: " (three_digits(observer.sensor_mm)) " mm (1σ)." }
+            li { "Power spectral density of the random acceleration: " (three_digits(observer.acceleration_psd_mm2_per_s3)) " mm²/s³." }
+            li { "Readings with an innovation beyond " (three_digits(observer.gate_sigma)) "σ are outliers." }
             @match observer.disturbance_psd_per_s {
-                Some(psd) => li { "Hover wanders by " (three_digits(psd.sqrt())) " in a second." },
-                None => li { "Hover is known." },
+                Some(psd) => li { "Hover drifts by " (three_digits(psd.sqrt())) " in 1 s (1σ)." },
+                None => li { "Hover is constant." },
             }
         }
     }

@@ -16,11 +16,11 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         @if let Some((first, later)) = found.rounds.split_first() {
             h3 { "Every effect that was tried" }
             p {
-                "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out stretches; those that a "
-                "first look left behind were not fitted in full. Evidence is the gain, but no more than the effect is worth where it was fitted. A name takes " (FIRST_EFFECT) " nats of it, "
-                "a second one " (SECOND_EFFECT) " and " (format!("{:.0} %", 100.0 * SHARE_OF_OMITTED)) " of what the score test still asks for."
+                "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out stretches; those that the "
+                "screening rejected were not fitted in full. Evidence is the held-out gain, at most the gain in sample less one nat per parameter. An effect is named if its evidence "
+                "is at least " (FIRST_EFFECT) " nats; a second one needs " (SECOND_EFFECT) " nats and " (format!("{:.0} %", 100.0 * SHARE_OF_OMITTED)) " of the remaining misfit."
             }
-            (tried(report, "Tried on the belief", first))
+            (tried(report, "Tried with the config model", first))
             @for (k, round) in later.iter().enumerate() {
                 details {
                     summary { "Search " (k + 2) ", with what was found before it" }
@@ -34,9 +34,9 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
 fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
     let entry = named.candidate.entry;
     let change = match named.change {
-        Change::Added => "not believed, and there",
-        Change::Retuned => "believed, of another size",
-        Change::Removed => "believed, and not there",
+        Change::Added => "new",
+        Change::Retuned => "in the config, of another size",
+        Change::Removed => "in the config, and not found",
     };
     let width = report.found.difference(entry).map(|(difference, [value, low, high])| {
         (difference.key, Interval { value, low: Some(low), high: Some(high), at_bound: None })
@@ -58,9 +58,9 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
             dl {
                 @if named.change != Change::Removed {
                     dt { "In a log" } dd { (entry.in_a_log) }
-                    dt { "Mend on the rig" } dd { (mend::words(entry, &report.found.mended.model, report.compensation)) }
+                    dt { "Correct it on the rig" } dd { (mend::words(entry, &report.found.mended.model, report.compensation)) }
                 }
-                dt { "Cannot be told from" }
+                dt { "Indistinguishable from" }
                 dd {
                     @if named.indistinguishable_from.is_empty() { "No other effect explains the record as well." }
                     @for other in &named.indistinguishable_from { p { strong { (spoken(other)) } ": " (why(report, entry.name, other)) } }
@@ -75,7 +75,7 @@ pub(super) fn ends(interval: &Interval) -> Markup {
     html! {
         @if let Some((low, high)) = interval.low.zip(interval.high) { (three_digits(low)) " to " (three_digits(high)) }
         @else { "not determined" }
-        @if let Some(bound) = interval.at_bound { " (at " (three_digits(bound)) ", the bound of what this record allows)" }
+        @if let Some(bound) = interval.at_bound { " (at " (three_digits(bound)) ", the limit of this record)" }
     }
 }
 
@@ -94,7 +94,7 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     match twins.and_then(|entry| entry.acts.late) {
         Some(late) => format!("{}{nats}", late.why_twins()),
         None => format!(
-            "both explain the held-out stretches nearly alike{nats}; within {INDISTINGUISHABLE} nats chance may choose"
+            "both explain the held-out stretches about equally well{nats}; differences below {INDISTINGUISHABLE} nats may be chance"
         ),
     }
 }
@@ -110,8 +110,8 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
         .map(|(one, likely)| {
             let said = match (named(one.name), like(one.name)) {
                 (Some(_), _) => html! { strong { "named" } },
-                (_, Some(best)) => html! { "cannot be told from " (spoken(best.candidate.entry.name)) },
-                _ if !one.in_full => html! { "left behind at a first look" },
+                (_, Some(best)) => html! { "indistinguishable from " (spoken(best.candidate.entry.name)) },
+                _ if !one.in_full => html! { "rejected by the screening" },
                 _ => html! { "explains less" },
             };
             let chance = likely.map_or_else(|| "–".into(), chance);

@@ -12,7 +12,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         (forecasts(report.found))
         h3 { "The closed loop" }
         (closed_loop(report.closed_loop))
-        h3 { "The numbers of the model" }
+        h3 { "The parameters of the model" }
         (numbers(report))
     }
 }
@@ -37,8 +37,12 @@ fn forecasts(found: &Diagnosis) -> Markup {
     rows.push(row("noise alone".into(), mended.floor_mm, mended.floor_free_run_10s_mm, none()));
     let [a, b, c] = mended.horizons_s.map(|horizon| format!("{horizon} s"));
     let heads =
-        ["model", &a, &b, &c, "free run, 10 s", "closes of the gap at 1 s", "alone", "log-likelihood gain, nats"];
-    table("Error of the position, rms over held-out stretches, mm, and what each step closes", &heads, &rows)
+        ["model", &a, &b, &c, "free run, 10 s", "share of the gap at 1 s", "alone", "log-likelihood gain, nats"];
+    table(
+        "Forecast error of the position, rms over held-out stretches, mm, and the share of the gap that each step closes",
+        &heads,
+        &rows,
+    )
 }
 
 fn closed_loop(found: &ClosedLoop) -> Markup {
@@ -56,21 +60,22 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
     if found.steps > 0 {
         rows.extend([
             row("overshoot, % of the step".into(), found.overshoot_percent, flew, 0, "–"),
-            row("first peak, s".into(), found.peak_time_s, flew, 2, "none"),
-            row(format!("settled to ±{} %, s", found.settling_band_percent), found.settling_s, flew, 2, "not"),
+            row("first visible peak, s".into(), found.peak_time_s, flew, 2, "none"),
+            row(format!("settled to ±{} %, s", found.settling_band_percent), found.settling_s, flew, 2, "none"),
         ]);
     }
     let critical = found.critical_gain_ratio;
     let simulated = Compared { recorded: None, nominal: critical.nominal, mended: critical.mended };
     if critical.nominal.or(critical.mended).is_some() {
-        rows.push(row("loses stability at so many times its gain".into(), simulated, Compared::default(), 1, "–"));
+        rows.push(row("gain margin, × the loop gain".into(), simulated, Compared::default(), 1, "–"));
     }
     html! {
         @if rows.is_empty() {
-            p.nothing { "The record has no steps of a setpoint, and no controller that flew it is known." }
+            p.nothing { "The record has no steps of the setpoint, or its controller is not known." }
         } @else {
             p {
-                (found.steps) " steps of the record, flown again in virtual time by the record's own controller on both models; medians."
+                (found.steps) " steps of the record, simulated again with the controller of the record and each model; medians. A first peak is visible if it exceeds "
+                "the setpoint by more than half of the settling band; the overshoot includes noise."
             }
             (table("The loop as recorded and as simulated", &["figure", "recorded", "as believed", "mended"], &rows))
         }

@@ -1,9 +1,9 @@
 //! Where simulator and rig differ: by place, by frequency, and by the time since the duty.
 
 use super::Report;
-use crate::report::diagnosis::plot::{over_signals, over_time};
+use crate::report::diagnosis::plot::{formula, over_signals, over_time};
 use crate::report::kit::page::figure::{Size, figure};
-use crate::report::kit::page::parts::{number, signal, three_digits};
+use crate::report::kit::page::parts::{capital, number, signal, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
 use diagnose::thresholds::SIGNIFICANT;
@@ -16,24 +16,31 @@ const STANDS_OUT: f64 = 1.8;
 pub(super) fn body(report: &Report<'_>) -> Markup {
     let (picture, places) = (report.picture, report.found.regions());
     html! {
-        p {
-            "The force that the belief lacks once its numbers are fitted. Shaded are the places where its forecasts are off by more than "
-            "chance, at 1 in 20 over all places together; this is judged by the forecasts and never by the force itself, which takes a shape "
-            "in closed loop even where nothing is wrong."
+        @if !places.is_empty() {
+            p {
+                "Residual force of the model with refitted parameters. Shaded: significant forecast errors (5 % over all regions together). "
+                "The test uses the forecasts, not this curve: under feedback the curve has a shape even if the model is right."
+            }
         }
         (in_words(&places))
         @if let Some(shape) = report.found.residual_in_words() { p { (shape) "." } }
+        @if let Some(formula) = report.found.formula_in_words() { p { (capital(&formula)) "." } }
+        @for (words, diagram) in formula(report.found, &picture.missing) {
+            @let (name, _) = diagram.abscissa.split_once(", ").unwrap_or((diagram.abscissa, ""));
+            @let alt = format!("Formula over {name}: {words}, with its 90 % band");
+            (figure(&diagram, Size::SMALL, &alt, &html! { "Over " (name) ": " (words) "." }))
+        }
         @if let Some(left_out) = report.found.left_out_in_words() { p { (left_out) "." } }
         @if picture.missing.is_empty() {
-            p.nothing { "The ball never flew free: there is no force to draw." }
-        } @else {
+            p.nothing { "There is no free flight in this record, so there is no residual force." }
+        } @else if !places.is_empty() {
             div.three {
                 @for diagram in over_signals(&picture.missing, &places) { (over(&diagram, &places)) }
             }
-            (figure(&over_time(&picture.missing, &places), Size::WIDE, "Missing force over time with its standard deviation",
-                &html! { "Missing force over the time of the record." (flat(&picture.missing)) }))
+            (figure(&over_time(&picture.missing, &places), Size::WIDE, "Residual force over time with its standard deviation",
+                &html! { "Residual force over time." (flat(&picture.missing)) }))
         }
-        h3 { "At which frequencies, and how long after the duty" }
+        h3 { "By frequency, and by time after a change of the duty" }
         div.two { (frequency(report)) (lag(&picture.left, &places)) }
     }
 }
@@ -42,8 +49,9 @@ fn over(diagram: &Diagram, places: &[Place]) -> Markup {
     let (name, unit) = diagram.abscissa.split_once(", ").unwrap_or((diagram.abscissa, ""));
     let own = places.iter().filter(|place| signal(place.signal).0 == name);
     let shaded: Vec<String> = own.map(|place| format!("{} {unit}", span(place))).collect();
-    let words = if shaded.is_empty() { "no place is shaded".into() } else { format!("shaded: {}", shaded.join("; ")) };
-    let alt = format!("Missing force over {name}: mean and scatter; {words}");
+    let words =
+        if shaded.is_empty() { "not significant anywhere".into() } else { format!("shaded: {}", shaded.join("; ")) };
+    let alt = format!("Residual force over {name}: mean and scatter; {words}");
     figure(diagram, Size::SMALL, &alt, &html! { "Over " (name) ": " (words) "." })
 }
 
@@ -52,7 +60,7 @@ fn flat(missing: &[MissingForce]) -> &'static str {
     if missing.iter().any(|moment| moment.force_mm_per_s2.abs() > moment.sigma_mm_per_s2) {
         return "";
     }
-    " It never leaves its own uncertainty: whatever is missing is too weak or too quick to be seen as a force that wanders."
+    " It stays within its standard deviation: what is missing is too weak or too fast to show as a slowly varying force."
 }
 
 fn span(place: &Place) -> String {
@@ -62,14 +70,14 @@ fn span(place: &Place) -> String {
 fn in_words(places: &[Place]) -> Markup {
     html! {
         @if places.is_empty() {
-            p { "By duty, height, speed, time and the time since the duty moved no place is wrong by more than chance." }
+            p { "No region of duty, height, speed, time or time since a change of the duty has significant forecast errors." }
         } @else {
             ul {
                 @for place in places {
                     @let (name, unit) = signal(place.signal);
                     li {
                         strong { (name) " " (span(place)) " " (unit) }
-                        (format!(": p = {:.3}, {:.0} % of the misfit of all places", place.p_value, 100.0 * place.share))
+                        (format!(": p = {:.3}, {:.0} % of the misfit of all regions", place.p_value, 100.0 * place.share))
                     }
                 }
             }
@@ -102,11 +110,11 @@ fn frequency(report: &Report<'_>) -> Markup {
         ..Diagram::default()
     };
     let words = band.map_or_else(
-        || "No band of frequencies stands out.".into(),
+        || "No frequency band is significant.".into(),
         |band| {
-            let chance = if by_more_than_chance.is_some() { "" } else { ", which chance alone may make" };
+            let chance = if by_more_than_chance.is_some() { "" } else { ", not significant" };
             format!(
-                "Most of the misfit, {:.0} % of what is above noise, lies between {:.2} and {:.2} Hz (p = {:.3}){chance}.",
+                "{:.0} % of the misfit above noise lies between {:.2} and {:.2} Hz (p = {:.3}){chance}.",
                 100.0 * band.share,
                 band.from,
                 band.to,
@@ -141,20 +149,20 @@ fn lag([before, after]: &[ResidualPlots; 2], places: &[Place]) -> Markup {
         most.filter(|(_, r)| r.abs() > STANDS_OUT * left.by_chance)
     };
     let words = match (most(before), most(after)) {
-        (None, None) => "The misfit follows the duty at no lag by more than chance.".to_owned(),
+        (None, None) => "The misfit is not correlated with earlier duty at any lag.".to_owned(),
         (Some((lag_s, r)), None) => format!(
-            "With fitted numbers the misfit follows the duty, most after {lag_s:.2} s (correlation {}); mended, by no more than chance.",
+            "With refitted parameters the misfit is correlated with the duty {lag_s:.2} s before (correlation {}); in the mended model it is not.",
             number(Some(r), 2)
         ),
         (_, Some((lag_s, r))) => {
             format!(
-                "Even mended the misfit follows the duty, most after {lag_s:.2} s (correlation {}).",
+                "In the mended model the misfit is still correlated with the duty {lag_s:.2} s before (correlation {}).",
                 number(Some(r), 2)
             )
         }
     };
-    let alt = format!("Correlation of the misfit with the duty before it. {words}");
-    figure(&diagram, Size::HALF, &alt, &html! { (words) " The band holds 19 of 20 correlations that chance makes." })
+    let alt = format!("Correlation of the misfit with earlier duty. {words}");
+    figure(&diagram, Size::HALF, &alt, &html! { (words) " The band contains 95 % of the correlations of white noise." })
 }
 
 #[cfg(test)]
@@ -172,7 +180,7 @@ mod tests {
             force_mm_per_s2,
             sigma_mm_per_s2: 2.0,
         };
-        assert!(flat(&[at(1.9), at(-1.9)]).contains("too weak or too quick"));
+        assert!(flat(&[at(1.9), at(-1.9)]).contains("too weak or too fast"));
         assert_eq!(flat(&[at(1.9), at(-2.1)]), "");
     }
 }

@@ -4,18 +4,19 @@ use super::Report;
 use crate::analysis::next_experiment::Advice;
 use crate::report::diagnosis::mend;
 use crate::report::kit::page::parts::{command, spoken, to_copy};
+use crate::report::kit::patch::rounded;
 use diagnose::{Change, Diagnosis};
 use maud::{Markup, html};
 
 pub(super) fn simulator(found: &Diagnosis) -> Markup {
-    let patch = found.patch_toml();
+    let patch = rounded(&found.patch_toml());
     html! {
         @if patch.is_empty() {
-            p { "There is nothing to mend: the belief stays as it is." }
+            p { "The config model needs no change." }
         } @else {
-            p { "The mended model as a patch. Later patches win over the config, and the rest of it stays as it is:" }
+            p { "The mended model as a config patch, which replaces these keys of the config:" }
             (to_copy("patch", "mended.toml", &patch))
-            p { "It is tried with " (command("airball simulate --patch mended.toml")) ", and on another record with "
+            p { "Try it with " (command("airball simulate --patch mended.toml")) ", and on another record with "
                 (command("airball replay LOG --patch mended.toml")) "." }
         }
     }
@@ -31,9 +32,9 @@ pub(super) fn rig(report: &Report<'_>) -> Markup {
         .collect();
     html! {
         @if mends.is_empty() {
-            p { "No effect was found on the rig that asks for a mend." }
+            p { "No effect was found that could be corrected on the rig." }
         } @else {
-            p { "A simulator that has the effect is honest; a rig without it flies better." }
+            p { "The patch above puts the effect into the simulator. To remove it from the rig instead:" }
             dl { @for (name, words) in mends { dt { (name) } dd { (words) } } }
         }
     }
@@ -45,15 +46,15 @@ pub(super) fn next(advice: &Advice) -> Markup {
             p { strong { (spoken(next.name)) } ". " (next.reason) }
             @if !next.separates.is_empty() {
                 p {
-                    "It tells apart " (next.separates.iter().map(|name| spoken(name)).collect::<Vec<_>>().join(", "))
+                    "It separates " (next.separates.iter().map(|name| spoken(name)).collect::<Vec<_>>().join(", "))
                     (format!(", by about {:.0} nats a minute.", next.expected_nats))
                 }
             }
             (to_copy("next-file", "next.toml", &next.file))
-            p { "It is flown with " (command("airball run --experiment next.toml")) ", or first with "
+            p { "Fly it with " (command("airball run --experiment next.toml")) ", or first with "
                 (command("airball simulate --experiment next.toml")) "." }
         } @else {
-            p { "No further experiment is called for." }
+            p { "No further experiment is needed." }
         }
         @for finding in &advice.findings { p { (finding) "." } }
     }

@@ -47,20 +47,33 @@ pub fn page(report: &Report<'_>) -> String {
     let record = record(report);
     let logs = report.logs;
     let mut from = logs.names.to_vec();
-    from.extend([format!("{:.1} s", logs.duration_s), format!("belief: {}", report.config)]);
-    let sections = vec![
-        Section::across("where", "Where they part", location::body(report)),
-        Section::across("which", "Which effect it is", effects::body(report)),
-        Section::across("how-far", "How far the mend goes", gap::body(report)),
-        Section::words("simulator", "Mend the simulator", mending::simulator(report.found)),
-        Section::words("rig", "Mend the rig", mending::rig(report)),
-        Section::words("next", "What to fly next", mending::next(report.advice)),
-        Section::words("check", "What the record can answer", check(report)),
-        Section::across("record", "The whole record", whole(&record)),
-        Section::words("words", "Words on this page", words()),
-    ];
+    let rows = report.picture.recording.samples().len();
+    let rate = format!("{:.0} rows per second", rows as f64 / logs.duration_s.max(f64::MIN_POSITIVE));
+    from.extend([format!("{:.1} s", logs.duration_s), rate, format!("belief: {}", report.config)]);
+    let sections = match report.found.verdict {
+        Verdict::InsufficientData => vec![
+            Section::words("next", "What to fly next", mending::next(report.advice)),
+            Section::words("check", "What was checked", check(report)),
+            Section::across("record", "The whole record", whole(&record)),
+        ],
+        _ => all_sections(report, &record),
+    };
     let answer = report.found.verdict_in_words();
     Page { kind: "diagnosis", from, answer: &answer, first: summary::body(report), sections, record: &record }.render()
+}
+
+fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {
+    vec![
+        Section::across("where", "Where simulator and rig differ", location::body(report)),
+        Section::across("which", "Which effect it is", effects::body(report)),
+        Section::across("how-far", "How much of the gap is closed", gap::body(report)),
+        Section::words("simulator", "Correct the simulator", mending::simulator(report.found)),
+        Section::words("rig", "Correct the rig", mending::rig(report)),
+        Section::words("next", "What to fly next", mending::next(report.advice)),
+        Section::words("check", "What the record can answer", check(report)),
+        Section::across("record", "The whole record", whole(record)),
+        Section::words("words", "Words on this page", words()),
+    ]
 }
 
 fn record(report: &Report<'_>) -> Record {
@@ -79,14 +92,14 @@ fn record(report: &Report<'_>) -> Record {
 fn whole(record: &Record) -> Markup {
     html! {
         p {
-            "Position, duty and the missing force over the time of the record. Each model starts anew from the reading at every tenth "
-            "second and flies on by the recorded duty alone."
+            "Position, duty and residual force over the time of the record. Each model is simulated from the recorded duty and restarted at the "
+            "recorded position every 10 s."
         }
         (crate::report::kit::page::record::how_to_zoom())
         (record.still(&[
             "Position over time: setpoint, recorded, free runs as believed and mended",
             "Duty over time",
-            "Missing force over time, with its standard deviation",
+            "Residual force over time, with its standard deviation",
         ]))
     }
 }
@@ -100,9 +113,6 @@ fn check(report: &Report<'_>) -> Markup {
             (format!("{:.1} s", logs.duration_s)) ", "
             (report.picture.recording.samples().iter().filter(|row| row.position_mm.is_some()).count()) " readings used."
         }
-        @if found.verdict == Verdict::InsufficientData {
-            p { strong { "The record cannot answer." } " What follows says why." }
-        }
         (findings(&sentences))
     }
 }
@@ -110,23 +120,23 @@ fn check(report: &Report<'_>) -> Markup {
 fn words() -> Markup {
     html! {
         dl {
-            dt { "as believed" } dd { "The model of the config, every number as it was given." }
-            dt { "mended" } dd { "That model with the effects that were found, and its numbers fitted." }
+            dt { "as believed" } dd { "The model of the config (nominal model), unchanged." }
+            dt { "mended" } dd { "The same model with the effects that were found and with refitted parameters (corrected model)." }
             dt { "noise alone" }
-            dd { "The error that a right model would make, because sensor and air are noisy. Nothing can be better for long." }
+            dd { "The error that a correct model would have, from the noise of sensor and air. It is the lowest that can be reached." }
             dt { "held out" }
             dd {
-                "The record is cut into stretches of 5 s, dealt out to four parts. Each part is judged by a model that was fitted to the "
-                "other three."
+                "The record is cut into stretches of 5 s, which are divided into four folds. Each fold is forecast by a model that was fitted to the "
+                "other three (cross-validation)."
             }
-            dt { "missing force" }
-            dd { "What had to push the ball, beyond the model, for it to go where it went; by the ball's mass, upward." }
+            dt { "residual force" }
+            dd { "The force that the model lacks for the recorded motion, divided by the mass of the ball, upward, mm/s²." }
             dt { "nats" }
             dd {
-                "How much more probable the readings are with an effect than without it, as a natural logarithm: 6 are 400 to 1. Gains are "
-                "those on held-out stretches."
+                "Unit of a log-likelihood difference: 6 nats are odds of 400 to 1. Gains are on held-out "
+                "stretches."
             }
-            dt { "±, intervals" } dd { "Intervals hold the value nine times in ten." }
+            dt { "±, intervals" } dd { "90 % intervals: they contain the true value nine times in ten." }
         }
     }
 }

@@ -3,22 +3,35 @@
 
 use super::Report;
 use crate::report::diagnosis::ladder;
+use crate::report::diagnosis::logs::sentences;
 use crate::report::diagnosis::plot::runs;
-use crate::report::diagnosis::words::whole_percent;
+use crate::report::diagnosis::words::{FLY_ANOTHER, whole_percent};
 use crate::report::kit::page::figure::{Size, figure};
-use crate::report::kit::page::parts::{self, bars, chance, spoken};
+use crate::report::kit::page::parts::{self, bars, capital, chance, spoken};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::plot::{Diagram, commanded};
 use diagnose::{Closed, Rung, Series, Verdict, with_rivals};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
+    if report.found.verdict == Verdict::InsufficientData {
+        return reasons(report);
+    }
     html! {
         p.lede { (lede(report)) }
-        h2.unseen { "The signal path, and the stage where simulator and rig part" }
+        h2.unseen { "The signal path, and the stage where simulator and rig differ" }
         (path(report))
         h2.unseen { "The gap, before and after" }
         div.first { (gap(report)) (held_out(report.picture)) }
+    }
+}
+
+/// Why the record cannot answer, and what to do.
+fn reasons(report: &Report<'_>) -> Markup {
+    html! {
+        h2.unseen { "Why the record cannot answer" }
+        ul.reasons { @for reason in sentences(report.found, report.advice, report.logs) { li { (reason) } } }
+        p.lede { (FLY_ANOTHER) }
     }
 }
 
@@ -27,16 +40,15 @@ fn lede(report: &Report<'_>) -> Markup {
     let [nominal, _, mended] = &found.gaps;
     let errors = nominal.error_mm[2].zip(mended.error_mm[2]).zip(mended.floor_mm[2]);
     html! {
-        @if let (Some(((before, after), floor)), true) = (errors, found.verdict != Verdict::InsufficientData) {
-            (format!("A second ahead the simulator errs by {before:.1}\u{a0}mm; "))
-            @if found.verdict == Verdict::NoGap { (format!("noise alone makes {floor:.1}\u{a0}mm. ")) }
-            @else { (format!("mended, by {after:.1}\u{a0}mm, where noise alone makes {floor:.1}\u{a0}mm. ")) }
+        @if let Some(((before, after), floor)) = errors {
+            (format!("Forecast error of the simulator 1\u{a0}s ahead: {before:.1}\u{a0}mm"))
+            @if found.verdict != Verdict::NoGap { (format!("; of the mended model {after:.1}\u{a0}mm")) }
+            (format!("; of noise alone {floor:.1}\u{a0}mm. "))
         }
         @for named in &found.effects {
-            "It is " (with_rivals(named)) ": " (chance(named.probability)) " sure. "
+            (capital(&with_rivals(named))) ": " (chance(named.probability)) " sure. "
         }
         @for (_, stage) in report.logs.upstream() { "Before the duty reaches the fan: " (stage.finding) ". " }
-        @if found.verdict == Verdict::InsufficientData { "Why, and what to fly instead, stands " a href="#check" { "below" } "." }
     }
 }
 
@@ -87,7 +99,7 @@ fn blame(report: &Report<'_>, stage: &str) -> String {
     let own: Vec<String> =
         found.filter(|name| parts::stage(&report.found.mended.model.effects, name) == stage).map(spoken).collect();
     match stage {
-        "controller" => "another law".into(),
+        "controller" => "other controller".into(),
         "duty" => "late".into(),
         _ if own.is_empty() => "unexplained".into(),
         _ => own.join(", "),
@@ -118,6 +130,8 @@ fn gap(report: &Report<'_>) -> Markup {
     let names: Vec<String> = found.ladder.iter().map(rung_in_words).collect();
     let last = found.ladder.len().saturating_sub(1);
     let ink = |at: usize| match at {
+        // Nothing to alarm about, and nothing mended, where there is no gap.
+        _ if found.verdict == Verdict::NoGap => "setpoint",
         0 => "nominal",
         _ if at == last => "mended",
         _ => "setpoint",
@@ -133,7 +147,7 @@ fn gap(report: &Report<'_>) -> Markup {
                     strong { (whole_percent(value)) " %" } " of the gap is closed"
                     span { (whole_percent(low)) " to " (whole_percent(high)) " %" }
                 }
-            } @else { p.closed { "There is too little gap to close." } }
+            } @else { p.closed { "The gap is too small to give a share." } }
         }
     }
 }
@@ -150,8 +164,8 @@ fn held_out(picture: &Series) -> Markup {
         stretch.0, stretch.1
     );
     let caption = html! {
-        "The ball, and two models that are told its position every 10 s and fly on by the recorded duty alone; the mended one was fitted "
-        "without these stretches. Shown is where the belief errs most; " a href="#record" { "the whole record" } " is below."
+        "Recorded position, and two models simulated from the recorded duty, restarted at the recorded position every 10 s. The mended model was "
+        "fitted without these stretches. Shown is the stretch where the config model errs most; " a href="#record" { "the whole record" } " is below."
     };
     figure(&Diagram { direct: true, ..diagram.within(stretch) }, Size::FIRST, &alt, &caption)
 }

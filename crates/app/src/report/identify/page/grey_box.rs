@@ -5,6 +5,7 @@ use super::{INTERVALS, PATCH, to_believe, value};
 use crate::report::identify::grey_box::{Residuals, words};
 use crate::report::identify::plot::{correlations, look, plants, simulations};
 use crate::report::identify::{digits, name, said};
+use crate::report::kit::about::About;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{bars, capital, command, findings, glossary, minus, number, table, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
@@ -37,6 +38,8 @@ pub struct Report<'a> {
     pub best: &'a GreyBox,
     /// It as a patch.
     pub patch: &'a str,
+    /// Its slopes about the height and duty that were asked for.
+    pub about: Option<About>,
 }
 
 /// The page of an identification.
@@ -45,10 +48,10 @@ pub fn page(report: &Report<'_>) -> String {
     let Report { recording, found, best, .. } = *report;
     let record = Record { diagrams: vec![position(recording, found), duty(recording)] };
     let sections = vec![
-        Section::across("numbers", "The numbers of the plant", numbers(report)),
-        Section::across("held-out", "What it foretells", held_out(report)),
-        Section::across("residuals", "What it leaves", residuals(report)),
-        Section::words("simulator", "Believe it", to_believe(report.patch)),
+        Section::across("numbers", "Parameters", numbers(report)),
+        Section::across("held-out", "Forecasts of held-out data", held_out(report)),
+        Section::across("residuals", "Residuals", residuals(report)),
+        Section::words("simulator", "Use the model", to_believe(report.patch)),
         Section::words("next", "What to do next", next(report)),
         Section::words("check", "What the record can answer", findings(report.findings)),
         Section::across("record", "The whole record", whole(report, &record)),
@@ -106,8 +109,8 @@ fn picture(report: &Report<'_>) -> Markup {
         stretch.0, stretch.1
     );
     let caption = html! {
-        "The ball, and the plant, which is told its position every 10 s and flies on by the recorded duty alone. It was fitted without this "
-        "last third of the flight. Shown is where it errs most; " a href="#record" { "the whole record" } " is below."
+        "Recorded position, and simulations of the model from the recorded duty, restarted at the recorded position every 10 s. The model was fitted "
+        "without this last third of the flight. Shown is the stretch with the largest error; " a href="#record" { "the whole record" } " is below."
     };
     let kept = position(report.recording, std::slice::from_ref(report.best)).within(stretch);
     figure(&Diagram { direct: true, ..kept }, Size::FIRST, &alt, &caption)
@@ -131,6 +134,9 @@ fn numbers(report: &Report<'_>) -> Markup {
         ["number", "as believed"].into_iter().chain(report.found.iter().map(|one| words::poles(one.poles))).collect();
     html! {
         (table("Numbers with 90 % intervals", &heads, &rows))
+        @if let Some(about) = &report.about {
+            p { (capital(&about.words())) "." }
+        }
         @if report.found.len() > 1 {
             p { strong { "Kept: " (words::poles(report.best.poles)) "." } " " (capital(&words::why(report.found, report.best))) "." }
         }
@@ -194,23 +200,21 @@ fn residuals(report: &Report<'_>) -> Markup {
     let best = report.best;
     let [whiteness, input] = correlations(&best.residuals);
     let beyond = |values: &[f64]| values.iter().filter(|value| value.abs() > best.residuals.band).count();
-    let outside = |values: &[f64]| {
-        format!("{} of {} lags lie outside the band, where chance puts 1 in 20", beyond(values), values.len())
-    };
+    let outside = |values: &[f64]| format!("{} of {} lags are outside the 95 % band", beyond(values), values.len());
     let (own, of_duty) = (outside(&best.residuals.autocorrelation), outside(&best.residuals.with_input));
     html! {
         p {
-            "The residuals are what the plant's filter did not foresee of each reading. Each test asks all lags together, and allows for the "
-            "numbers that were fitted."
+            "The residuals are the errors of the model's one-step forecasts. Each test covers all lags together and allows for the number of fitted "
+            "parameters."
         }
         (tests(report.found))
         div.three {
-            (figure(&whiteness, Size::SMALL, &format!("Correlation of the residuals with those before: {own}"),
-                &html! { "The residuals beside those before them: " (own) "." }))
-            (figure(&input, Size::SMALL, &format!("Correlation of the residuals with the duty before: {of_duty}"),
-                &html! { "The residuals beside the duty before them: " (of_duty) "." }))
+            (figure(&whiteness, Size::SMALL, &format!("Autocorrelation of the residuals: {own}"),
+                &html! { "Autocorrelation of the residuals: " (own) "." }))
+            (figure(&input, Size::SMALL, &format!("Correlation of the residuals with earlier duty: {of_duty}"),
+                &html! { "Correlation of the residuals with earlier duty: " (of_duty) "." }))
             (figure(&plants(report.found), Size::SMALL, "Magnitude of the plant over frequency, from duty to position",
-                &html! { "The plant in frequency, from duty to position." }))
+                &html! { "Frequency response of the plant, from duty to position." }))
         }
     }
 }
@@ -229,12 +233,12 @@ fn tests(found: &[GreyBox]) -> Markup {
         .iter()
         .flat_map(|one| {
             [
-                row(one.poles, "is the residual foretold by those before it?", one.residuals.whiteness),
-                row(one.poles, "is it foretold by the duty before it?", one.residuals.input),
+                row(one.poles, "are the residuals white?", one.residuals.whiteness),
+                row(one.poles, "are they independent of earlier duty?", one.residuals.input),
             ]
         })
         .collect();
-    table("Tests of the residuals", &["plant", "question", "χ²", "degrees", "chance under a right model"], &rows)
+    table("Tests of the residuals", &["plant", "question", "χ²", "degrees", "p-value"], &rows)
 }
 
 fn next(report: &Report<'_>) -> Markup {
@@ -242,16 +246,16 @@ fn next(report: &Report<'_>) -> Markup {
     html! {
         ul {
             @if unbounded {
-                li { "The record does not bound every number: fly " (command("airball run --experiment experiments/identify.toml")) ", which takes 100 s." }
+                li { "The record does not determine every parameter: fly " (command("airball run --experiment experiments/identify.toml")) ", which takes 100 s." }
             }
             @if Residuals::of(report.best) == Residuals::Noise {
-                li { "Try it on another flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
-                li { "Design for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out gains.toml"))) "." }
+                li { "Validate it on another flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
+                li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out gains.toml"))) "." }
             } @else {
-                li { "Ask what the plant lacks: " (command(&format!("airball diagnose LOG --patch {PATCH} --html report.html"))) "." }
+                li { "Find the effect that the model lacks: " (command(&format!("airball diagnose LOG --patch {PATCH} --html report.html"))) "." }
             }
             @if report.best.poles == Poles::Two {
-                li { "A fan's lag that a flight does not show may still limit the gain: " (command("airball measure critical-gain")) " finds out." }
+                li { "A fan lag that this flight does not show may still limit the gain. Measure it: " (command("airball measure critical-gain")) "." }
             }
         }
     }
@@ -261,9 +265,9 @@ fn whole(report: &Report<'_>, record: &Record) -> Markup {
     html! {
         p {
             @if report.believed.is_none() {
-                "The stretches without control, each about the middle of the pipe and without the line that was taken from it. "
+                "The stretches without control, each with its linear trend removed. "
             }
-            "Each plant starts anew from the reading at every tenth second of what was held out and flies on by the recorded duty alone."
+            "Each model is simulated from the recorded duty and restarted at the recorded position every 10 s of the held-out part."
         }
         (how_to_zoom())
         (record.still(&["Position over time: setpoint, recorded, and simulations of what was held out", "Duty over time"]))
@@ -271,19 +275,16 @@ fn whole(report: &Report<'_>, record: &Record) -> Markup {
 }
 
 const WORDS: [(&str, &str); 6] = [
-    (
-        "poles",
-        "Two are the ball, which gathers speed and place; the third is the fan, which needs time to reach a speed.",
-    ),
-    ("held out", "The last third of each flight, judged by a plant that was fitted to the rest."),
+    ("poles", "Two belong to the ball (position and speed), the third is the lag of the fan."),
+    ("held out", "The last third of each flight, forecast by a model that was fitted to the rest."),
     (
         "noise alone",
-        "The error that a right plant would make, because sensor and air are noisy. Nothing can be better for long.",
+        "The error that a correct model would have, from the noise of sensor and air. It is the lowest that can be reached.",
     ),
     (
         "residuals",
-        "What the plant's filter did not foresee of each reading. If the plant is right they are noise: nothing foretells them.",
+        "The errors of the one-step forecasts. If the model is right they are white noise, independent of the duty.",
     ),
-    ("nats", "How much more probable the held-out readings are, as a natural logarithm: 2 are 7 to 1."),
+    ("nats", "Unit of a log-likelihood difference on the held-out readings: 2 nats are odds of 7 to 1."),
     INTERVALS,
 ];

@@ -64,7 +64,7 @@ fn first(found: &Document, drawn: &Diagrams) -> Markup {
         ),
     ];
     numbers.extend(found.critical_ti_s.map(|ti_s| {
-        let at = format!("foretold at K_p = {}", 0.5 * found.critical_gain_per_mm);
+        let at = format!("predicted at K_p = {}", 0.5 * found.critical_gain_per_mm);
         line("critical T_i", format!("{ti_s:.3} s"), at)
     }));
     html! {
@@ -79,22 +79,22 @@ fn next(found: &Document) -> Markup {
         ul {
             @if let Some(ti_s) = found.critical_ti_s {
                 li {
-                    "Check what the model now foretells: at K_p = " (0.5 * found.critical_gain_per_mm)
-                    (format!(" the loop should swing for ever at T_i = {ti_s:.3} s. "))
-                    "This was not used to find the lag."
+                    "Check the prediction of the model: at K_p = " (0.5 * found.critical_gain_per_mm)
+                    (format!(" the loop should be marginally stable at T_i = {ti_s:.3} s. "))
+                    "This measurement was not used to find the lag."
                 }
             }
-            li { "Look at a flight with it: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
-            li { "Design for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out gains.toml"))) "." }
+            li { "Compare it with a flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
+            li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out gains.toml"))) "." }
         }
     }
 }
 
 const WORDS: [(&str, &str); 3] = [
-    ("critical gain", "The proportional gain at which the loop swings for ever, neither growing nor dying."),
     (
-        "third pole",
-        "The fan's: it needs time to reach the speed that it is told. Without it the model is stable at gains at which the rig is not.",
+        "critical gain",
+        "The proportional gain at which the loop is marginally stable: an oscillation neither grows nor decays.",
     ),
-    ("sampled", "The loop as the firmware closes it, at every period; continuous: as if it never waited."),
+    ("third pole", "The lag of the fan. Without it the model is stable at gains at which the rig is not."),
+    ("sampled", "The loop as the firmware runs it, once per period; continuous: with a period of 0."),
 ];

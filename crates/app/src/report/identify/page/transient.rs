@@ -68,13 +68,13 @@ fn first(report: &Report<'_>) -> Markup {
     };
     let numbers: Vec<_> = [&report.found.gain, &report.found.drag].into_iter().zip(believed).map(line).collect();
     let caption = html! {
-        "The mean pulse of the lowest, the middle and the highest gain, as a share of the jump, and the loop of second order that was read off it."
+        "The mean pulse of the lowest, the middle and the highest gain, relative to the step, and the second-order loop that was fitted to it."
     };
-    let alt = "Mean pulses of the lowest, the middle and the highest gain over the time since the jump, beside loops of second order";
+    let alt = "Mean pulses of the lowest, the middle and the highest gain over the time since the step, and second-order loops";
     html! {
         p.lede {
-            "Two poles are assumed: a fan's pole goes into K_g and a unseen. Each gain's overshoot and peak time give one estimate; the answer is "
-            "their mean."
+            "The model has two poles, so a fan pole biases K_g and a. Overshoot and peak time at each gain give one estimate; the result is their "
+            "mean."
         }
         h2.unseen { "The plant, and the pulses that it was read off" }
         div.first { (values(&numbers)) (figure(&Diagram { direct: true, ..pulses(report.found) }, Size::FIRST, alt, &caption)) }
@@ -90,14 +90,14 @@ fn gains(found: &Sweep) -> Markup {
             p { (found.gains.len() - visible(found)) " without a visible overshoot count as critically damped, and not in the mean." }
         }
         @if rejected.short + rejected.not_proportional > 0 {
-            p { (rejected.short) " jumps were rejected as short, " (rejected.not_proportional) " as not in proportion to the error." }
+            p { (rejected.short) " steps were rejected as too short, " (rejected.not_proportional) " as not proportional to the error." }
         }
         div.three {
             (figure(&of_gain, Size::SMALL, "K_g over the gain, with its 90 % intervals",
-                &html! { "K_g over the gain. Where it falls or rises, the plant is not of two poles." }))
+                &html! { "K_g over the gain. If it falls or rises, the plant has more than two poles." }))
             (figure(&of_drag, Size::SMALL, "a over the gain, with its 90 % intervals", &html! { "a over the gain." }))
             (figure(&plant(found), Size::SMALL, "Magnitude of the plant over frequency, from duty to position",
-                &html! { "The plant in frequency, from duty to position." }))
+                &html! { "Frequency response of the plant, from duty to position." }))
         }
     }
 }
@@ -105,7 +105,7 @@ fn gains(found: &Sweep) -> Markup {
 fn next() -> Markup {
     html! {
         ul {
-            li { "Look for the fan's pole: " (command(&format!("airball identify grey-box LOG --patch {PATCH}"))) "." }
+            li { "Find the fan pole: " (command(&format!("airball identify grey-box LOG --patch {PATCH}"))) "." }
             li {
                 "Or measure it: " (command("airball measure critical-gain")) ", then "
                 (command(&format!("airball identify third-pole --critical-gain K --patch {PATCH}"))) "."

@@ -167,10 +167,17 @@ impl Page<'_> {
 fn footer() -> Markup {
     html! {
         p {
-            "Made by airball " (env!("CARGO_PKG_VERSION")) ". This page needs no network and holds all that it shows. Charts that zoom: "
-            "uPlot, © Leon Sorokin, MIT licence."
+            "Made by airball " (env!("CARGO_PKG_VERSION")) " with " (parts::command(&command_line(std::env::args().skip(1))))
+            ". This page needs no network and contains all that it shows. Charts that zoom: uPlot, © Leon Sorokin, MIT licence."
         }
     }
+}
+
+/// The command that makes the page again, as a shell reads it.
+fn command_line(arguments: impl Iterator<Item = String>) -> String {
+    let plain = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "._-/:=+,%@".contains(c));
+    let quoted = |word: String| if plain(&word) { word } else { format!("'{}'", word.replace('\'', "'\\''")) };
+    std::iter::once("airball".to_owned()).chain(arguments.map(quoted)).collect::<Vec<_>>().join(" ")
 }
 
 /// A policy that allows this script only, and no resource from elsewhere.

@@ -86,7 +86,7 @@ pub fn values(all: &[(String, String, String)]) -> Markup {
 pub fn findings(all: &[String]) -> Markup {
     html! {
         @if all.is_empty() {
-            p { "Rate, gaps, repeats, wild readings and excitation were checked: nothing stands in the way of an answer." }
+            p { "Rate, gaps, repeats, outliers and excitation were checked and are sufficient." }
         } @else {
             ul { @for finding in all { li { (finding) } } }
         }

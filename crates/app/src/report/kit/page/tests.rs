@@ -1,4 +1,4 @@
-use super::{Page, Record, Section, policy};
+use super::{Page, Record, Section, command_line, policy};
 use crate::report::kit::palette::RECORDED;
 use crate::report::kit::plot::{Diagram, Line};
 use maud::html;
@@ -51,4 +51,10 @@ fn a_command_is_broken_between_its_words_alone() {
     let typed = super::parts::command("airball run --log").into_string();
     assert_eq!(typed, "<code class=\"typed\"><span>airball</span> <span>run</span> <span>--log</span></code>");
     assert!(super::STYLE.contains(".typed span { display: inline-block;"));
+}
+
+#[test]
+fn the_command_of_a_page_can_be_given_to_a_shell() {
+    let words = ["diagnose", "my log.csv", "--patch", "it's.toml", "", "$(rm)"].map(String::from);
+    assert_eq!(command_line(words.into_iter()), "airball diagnose 'my log.csv' --patch 'it'\\''s.toml' '' '$(rm)'");
 }

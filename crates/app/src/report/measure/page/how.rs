@@ -4,7 +4,7 @@ use crate::analysis::measurement::{Calibration, Found, Steps};
 use crate::analysis::step_response::Step;
 use crate::report::kit::page::parts::words;
 use crate::report::measure::words::{Rows, bands, forces, swings};
-use diagnose::measure::critical::Critical;
+use diagnose::measure::critical::Swing;
 use diagnose::measure::jumps::Jumps;
 use diagnose::measure::noise_floor::NoiseFloor;
 use maud::{Markup, html};
@@ -12,7 +12,8 @@ use maud::{Markup, html};
 pub(super) fn body(found: &Found) -> Markup {
     match found {
         Found::DeadZone { jumps, .. } | Found::ForceCurve { jumps, .. } => of_jumps(jumps),
-        Found::CriticalGain(critical) => of_swings(critical),
+        Found::CriticalGain(critical) => of_swings(&critical.swings, "rising gains", "gain"),
+        Found::CriticalTime(critical) => of_swings(&critical.swings, "falling integral times", "integral time"),
         Found::Steps(steps) => of_steps(steps),
         Found::NoiseFloor(floor) => of_floor(floor),
         Found::Calibration(calibration) => of_ends(calibration),
@@ -23,23 +24,23 @@ fn of_jumps(jumps: &Jumps) -> Markup {
     let Rows { heads, rows } = forces(jumps);
     html! {
         p {
-            (format!("The fan held a duty, {} times, and the ball went from where it was. Way and time give the force, for a ball with the \
-                      config's drag of {} 1/s; the fan's lag is found from all jumps together. The last column leaves it out, as the \
+            (format!("The fan held a constant duty, {} times, and the ball moved from rest. Distance and time give the force, for a ball with the \
+                      config's drag of {} 1/s; the fan lag is fitted to all jumps together. The last column ignores the lag, as the \
                       classical formula does: short jumps then look weak.", jumps.jumps.len(), jumps.drag_per_s))
         }
         p {
-            "The edges are where straight lines through the forces below and above, near hover, cross zero; each side is found by itself."
+            "The edges are where straight lines through the forces below and above hover cross zero. Each side is fitted on its own."
         }
         (words("Jump by jump", &heads, &rows))
     }
 }
 
-fn of_swings(found: &Critical) -> Markup {
-    let Rows { heads, rows } = swings(found);
+fn of_swings(steps: &[Swing], varied: &str, critical: &str) -> Markup {
+    let Rows { heads, rows } = swings(steps);
     html! {
         p {
-            "The setpoint stepped under rising gains, and each step was followed by a swing that grew or died. The critical gain is where the "
-            "growth crosses zero. It holds for swings of this size: a dead zone lets small ones live, a limit large ones die."
+            "The setpoint stepped under " (varied) ", and after each step the oscillation grew or decayed. The critical " (critical) " is where the "
+            "growth rate crosses zero. It holds for oscillations of this amplitude: a dead zone sustains small ones, a limit of the duty damps large ones."
         }
         (words("Step by step", &heads, &rows))
     }
@@ -58,8 +59,8 @@ fn of_steps(steps: &Steps) -> Markup {
     let heads = ["step at", "jump", "overshoot", "first peak", "settled to ±5 %"];
     html! {
         p {
-            "Each jump of the setpoint is a step, the take-off left out. The overshoot is the largest excursion beyond the new setpoint as a share "
-            "of the jump; a step has settled when the ball stays within 5 % of the jump for a second."
+            "Every step of the setpoint counts, except the take-off. The overshoot is the largest excursion beyond the new setpoint, relative "
+            "to the step; a step has settled when the ball stays within 5 % of the step for 1 s."
         }
         (words("Step by step", &heads, &steps.each.iter().map(row).collect::<Vec<_>>()))
     }
@@ -68,8 +69,8 @@ fn of_steps(steps: &Steps) -> Markup {
 fn of_floor(floor: &NoiseFloor) -> Markup {
     html! {
         p {
-            (format!("The ball lay at {:.1} mm while the sensor went on reading. Noise is what a line over time leaves of the readings, without \
-                      what rounding adds. Neighbours that resemble each other count for less, so that the interval is honest.", floor.position_mm))
+            (format!("The ball lay at {:.1} mm. The noise is the scatter of the readings about a straight line over time, without the part of \
+                      rounding. Correlated readings count for less in the interval.", floor.position_mm))
         }
     }
 }
@@ -78,9 +79,9 @@ fn of_ends(found: &Calibration) -> Markup {
     let Rows { heads, rows } = bands(found);
     html! {
         p {
-            "The ball lay at the bottom, then the fan held it at the top, a known way above. The first says where the sensor's zero is, both "
-            "together by what its distances must be multiplied. The bands are what a loop does not notice."
+            "The ball lay at the bottom, then the fan held it at the top, a known distance above. The first gives the zero of the sensor, both "
+            "together its scale. Errors within the limits do not disturb a control loop."
         }
-        (words("What must hold", &heads, &rows))
+        (words("Limits", &heads, &rows))
     }
 }

@@ -4,7 +4,7 @@ use super::Report;
 use crate::analysis::measurement::{Calibration, Found, Steps};
 use crate::report::kit::page::parts::command;
 use crate::report::measure::words::{BLIND, given, readings, settled, verdict_of_zone};
-use diagnose::measure::critical::Critical;
+use diagnose::measure::critical::{Critical, CriticalTime};
 use diagnose::measure::dead_zone::DeadZone;
 use maud::{Markup, html};
 
@@ -16,14 +16,17 @@ pub(super) fn answer(found: &Found) -> String {
     match found {
         Found::DeadZone { zone, .. } => of_zone(zone),
         Found::ForceCurve { zone, .. } => format!(
-            "A percent of duty gives {:.0} mm/s² below hover and {:.0} mm/s² above",
+            "1 % of duty gives {:.0} mm/s² below hover and {:.0} mm/s² above",
             zone.gain_below.value, zone.gain_above.value
         ),
         Found::CriticalGain(Critical { kp_per_mm, .. }) => {
-            format!("From a gain of {:.4} per mm on, the loop no longer comes to rest", kp_per_mm.value)
+            format!("The critical gain is {:.4} per mm: above it the loop is unstable", kp_per_mm.value)
+        }
+        Found::CriticalTime(CriticalTime { ti_s, .. }) => {
+            format!("The critical integral time is {:.3} s: below it the loop is unstable", ti_s.value)
         }
         Found::Steps(steps) => of_steps(steps),
-        Found::NoiseFloor(floor) => format!("One reading of the sensor errs by {:.2} mm", floor.sensor_mm.value),
+        Found::NoiseFloor(floor) => format!("The noise of a reading is {:.2} mm (1σ)", floor.sensor_mm.value),
         Found::Calibration(calibration) => of_calibration(calibration),
     }
 }
@@ -32,11 +35,11 @@ fn of_zone(zone: &DeadZone) -> String {
     let (lower, upper) = (zone.lower_duty_percent, zone.upper_duty_percent);
     if upper.low > lower.high {
         format!(
-            "Between {:.2} and {:.2} % of duty the ball neither rises nor falls: a dead zone",
+            "Dead zone: between {:.2} and {:.2} % of duty the ball neither rises nor falls",
             lower.value, upper.value
         )
     } else {
-        "The fan shows no dead zone beyond doubt".into()
+        "No significant dead zone".into()
     }
 }
 
@@ -45,7 +48,7 @@ fn of_steps(steps: &Steps) -> String {
     let settling = steps.settling_s.map(|s| format!("settles in {:.1} s", s.value));
     match (overshoot, settling) {
         (Some(overshoot), Some(settling)) => format!("The ball {overshoot} and {settling}"),
-        (Some(overshoot), None) => format!("The ball {overshoot}, and too seldom settles to say how fast"),
+        (Some(overshoot), None) => format!("The ball {overshoot}, and too few steps settle to give a settling time"),
         (None, _) => format!("{} steps are too few for a mean", steps.steps),
     }
 }
@@ -54,12 +57,12 @@ fn of_calibration(found: &Calibration) -> String {
     let failed: Vec<&str> =
         found.bands.iter().filter(|band| !band.pass && band.value.is_some()).map(|band| band.name).collect();
     match (failed.is_empty(), found.sensor_scale) {
-        (true, Some(_)) => "The sensor passes: zero, scale and noise lie in their bands".into(),
-        (true, None) => "The sensor's zero passes, and its scale cannot be told".into(),
+        (true, Some(_)) => "The sensor passes: zero, scale and noise are within their limits".into(),
+        (true, None) => "The zero of the sensor passes; its scale cannot be measured".into(),
         (false, _) if failed.iter().all(|name| name.starts_with("noise")) => {
-            "The sensor's readings are noisier than a loop should bear".into()
+            "The sensor is too noisy for a control loop".into()
         }
-        (false, _) => "The sensor is off, and the patch mends it".into(),
+        (false, _) => "The sensor is off; the patch corrects it".into(),
     }
 }
 
@@ -68,14 +71,18 @@ pub(super) fn lede(found: &Found) -> String {
     match found {
         Found::DeadZone { zone, jumps } | Found::ForceCurve { zone, jumps } => verdict_of_zone(zone, jumps),
         Found::CriticalGain(Critical { ti_s, omega, swings, .. }) => format!(
-            "By {} steps under a proportional-integral law with T_i = {ti_s:.1} s and no derivative; the swing there is of {omega:.2} rad/s.",
+            "From {} steps under PI control with T_i = {ti_s:.1} s; there the loop oscillates at {omega:.2} rad/s.",
+            swings.len()
+        ),
+        Found::CriticalTime(CriticalTime { kp_per_mm, omega, swings, .. }) => format!(
+            "From {} steps under PI control with K_p = {kp_per_mm:.4} per mm; there the loop oscillates at {omega:.2} rad/s.",
             swings.len()
         ),
         Found::Steps(steps) => settled(steps),
         Found::NoiseFloor(floor) => readings(floor),
         Found::Calibration(found) => found.sensor_scale.map_or_else(
             || BLIND.into(),
-            |_| "By the ball at rest at the bottom and at the top, a known way apart.".into(),
+            |_| "From the ball at rest at the bottom and at the top, a known distance apart.".into(),
         ),
     }
 }
@@ -84,13 +91,16 @@ pub(super) fn lede(found: &Found) -> String {
 pub(super) const fn figure(found: &Found) -> &'static str {
     match found {
         Found::DeadZone { .. } | Found::ForceCurve { .. } => {
-            "Force over duty: each jump a cross, and the lines from the edges of the dead zone"
+            "Force over duty: a cross for each jump, and the fitted lines from the edges of the dead zone"
         }
         Found::CriticalGain(_) => {
-            "Growth of the swing over the gain: each step a cross; where it crosses zero, the critical gain"
+            "Growth rate of the oscillation over the gain: a cross for each step; its zero is the critical gain"
         }
-        Found::Steps(_) => "Every step over its own time, as a share of its jump",
-        Found::NoiseFloor(_) | Found::Calibration(_) => "How often each reading came, by the millimetre",
+        Found::CriticalTime(_) => {
+            "Growth rate of the oscillation over the integral time: a cross for each step; its zero is the critical one"
+        }
+        Found::Steps(_) => "Every step over the time since it began, relative to its size",
+        Found::NoiseFloor(_) | Found::Calibration(_) => "Histogram of the readings, 1 mm wide",
     }
 }
 
@@ -105,11 +115,12 @@ pub(super) fn beside(found: &Found) -> Vec<String> {
 /// Why there is no patch.
 pub(super) const fn no_patch(found: &Found) -> &'static str {
     match found {
-        Found::Steps(_) => "Step metrics are no numbers of a config: there is nothing to patch.",
+        Found::Steps(_) => "The config has no keys for step metrics: there is no patch.",
+        Found::CriticalTime(_) => "The config has no key for a critical integral time: there is no patch.",
         Found::CriticalGain(_) => {
-            "No lag of the fan gives the model of the config this critical gain, or the config has no model: there is nothing to patch."
+            "No fan lag gives the model of the config this critical gain, or the config has no model: there is no patch."
         }
-        _ => "The config has no table that holds what was measured: there is nothing to patch.",
+        _ => "The config has no table for this measurement: there is no patch.",
     }
 }
 
@@ -121,17 +132,21 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
         ul {
             @match report.found {
                 Found::DeadZone { .. } | Found::ForceCurve { .. } => {
-                    (line("See what the correction is worth", &format!("airball measure steps --patch {PATCH}")))
-                    (line("Let the simulator have it, and look at the gap of a flight", &format!("airball replay LOG --patch {PATCH}")))
+                    (line("Measure the effect of the correction", &format!("airball measure steps --patch {PATCH}")))
+                    (line("Correct the simulator, and compare it with a flight", &format!("airball replay LOG --patch {PATCH}")))
                 }
                 Found::CriticalGain(critical) => {
                     @let (gain, ti_s) = ti_s(critical);
-                    (line("See what a model with this gain foretells", &format!("airball identify third-pole --critical-gain {gain:.5} --integral-time {ti_s:.1} --sampled")))
-                    (line("Design with a margin to it", "airball design pid --patch measured.toml"))
+                    (line("Find the fan lag for this critical gain", &format!("airball identify third-pole --critical-gain {gain:.5} --integral-time {ti_s:.1} --sampled")))
+                    (line("Design with a margin", "airball design pid --patch measured.toml"))
+                }
+                Found::CriticalTime(_) => {
+                    (line("Compare with the model", "airball identify third-pole"))
+                    (line("Measure the simulator in the same way", "airball measure critical-time --virtual"))
                 }
                 Found::Steps(_) => {
-                    (line("Set the simulator beside it", &format!("airball measure {} --virtual", report.what)))
-                    (line("Ask what separates the two", &format!("airball diagnose {} --html report.html", shell_word(report.log))))
+                    (line("Measure the simulator in the same way", &format!("airball measure {} --virtual", report.what)))
+                    (line("Find what separates the two", &format!("airball diagnose {} --html report.html", shell_word(report.log))))
                     (line("Design another loop", "airball design pid --patch-out gains.toml"))
                 }
                 Found::NoiseFloor(_) => {
@@ -139,8 +154,8 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
                     (line("Calibrate zero and scale", "airball measure calibration"))
                 }
                 Found::Calibration(_) => {
-                    (line("Measure again with the patch: the bands should pass", &format!("airball measure calibration --patch {PATCH}")))
-                    (line("Measure the noise by itself", "airball measure noise-floor"))
+                    (line("Measure again with the patch: it should pass", &format!("airball measure calibration --patch {PATCH}")))
+                    (line("Measure the noise alone", "airball measure noise-floor"))
                 }
             }
         }
@@ -157,28 +172,36 @@ fn shell_word(name: &str) -> &str {
 pub(super) fn words(found: &Found) -> Vec<(&'static str, &'static str)> {
     let own: &[(&str, &str)] = match found {
         Found::DeadZone { .. } | Found::ForceCurve { .. } => &[
-            ("force", "By the ball's mass, mm/s², upward; what the fan adds to what holds the ball still."),
-            ("dead zone", "Duties about hover at which the force does not answer."),
-            ("lag of the fan", "The time in which the air comes within a third of the speed that it is told."),
+            (
+                "force",
+                "Force of the fan beyond the one that holds the ball still, divided by the mass of the ball, mm/s², upward.",
+            ),
+            ("dead zone", "The range of duties about hover in which the force does not change."),
+            ("fan lag", "Time constant of the air speed after a step of the duty (63 % rise time)."),
+        ],
+        Found::CriticalTime(_) => &[
+            ("growth", "Exponential growth rate of the oscillation, 1/s; negative if it decays."),
+            ("critical integral time", "The integral time at which the loop is marginally stable."),
         ],
         Found::CriticalGain(_) => &[
-            ("growth", "By which factor a second the swing grows, as a logarithm; below zero it dies."),
-            ("critical gain", "The proportional gain at which the loop swings for ever."),
+            ("growth", "Exponential growth rate of the oscillation, 1/s; negative if it decays."),
+            ("critical gain", "The proportional gain at which the loop is marginally stable."),
         ],
-        Found::Steps(_) => {
-            &[("overshoot, settling", "On the mean of five readings, so that one noisy reading decides nothing.")]
-        }
+        Found::Steps(_) => &[(
+            "overshoot, settling",
+            "From the moving mean of five readings, so that a single noisy reading does not decide.",
+        )],
         Found::NoiseFloor(_) => &[
-            ("1σ", "Two readings in three are nearer than this to what is right."),
-            ("drift", "How the readings wander while the ball lies still."),
+            ("1σ", "Standard deviation: two readings in three are nearer than this to the true value."),
+            ("drift", "Slope of the readings over time while the ball lies still."),
         ],
         Found::Calibration(_) => &[
             (
                 "sensor to bottom",
                 "The sensor's distance to a ball at the bottom: position is this minus the scaled distance.",
             ),
-            ("scale", "By what the sensor's distances are multiplied."),
+            ("scale", "Factor on the distances of the sensor."),
         ],
     };
-    own.iter().copied().chain([("90 % interval", "It holds the value nine times in ten.")]).collect()
+    own.iter().copied().chain([("90 % interval", "It contains the true value nine times in ten.")]).collect()
 }

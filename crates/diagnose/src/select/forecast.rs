@@ -12,47 +12,47 @@ use plant::Model;
 use rayon::prelude::*;
 
 /// A model with its held-out forecast errors by stretch, and its held-out log-likelihood.
-pub(super) struct Evaluated {
-    pub(super) fit: Fit,
-    pub(super) errors: Vec<Tally>,
+pub(crate) struct Evaluated {
+    pub(crate) fit: Fit,
+    pub(crate) errors: Vec<Tally>,
     /// Plus the log-prior, nats.
-    pub(super) log_likelihood: f64,
+    pub(crate) log_likelihood: f64,
 }
 
 impl Evaluated {
-    pub(super) fn of(search: &Search<'_>, fit: Fit) -> Self {
+    pub(crate) fn of(search: &Search<'_>, fit: Fit) -> Self {
         let errors = held_out(search, &fit, |_| ());
         let log_likelihood = search.held_out_total(&fit);
         Self { fit, errors, log_likelihood }
     }
 
     /// The belief, of which nothing is fitted.
-    pub(super) fn belief(search: &Search<'_>) -> Self {
+    pub(crate) fn belief(search: &Search<'_>) -> Self {
         let fit = search.problem.fit(search.problem.belief, &[]);
         let log_likelihood = search.held_out_total(&fit);
         Self { errors: of_belief(search), fit, log_likelihood }
     }
 
     /// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
-    pub(super) fn square(&self) -> f64 {
+    pub(crate) fn square(&self) -> f64 {
         Tally::sum(self.errors.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
     }
 
     /// Root mean squares over all stretches.
-    pub(super) fn gap(&self) -> Gap {
+    pub(crate) fn gap(&self) -> Gap {
         Tally::sum(self.errors.iter()).gap()
     }
 
     /// The same, with the errors by noise alone: of the model with the noise that was fitted, or with the believed noise,
     /// whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
-    pub(super) fn gap_with_floor(&self, search: &Search<'_>) -> Gap {
+    pub(crate) fn gap_with_floor(&self, search: &Search<'_>) -> Gap {
         let as_believed = held_out(search, &self.fit, |model| model.noise = search.problem.belief.noise);
         self.gap().with_floor_at_most(&Tally::sum(as_believed.iter()).gap())
     }
 }
 
 /// The index of the best of these models, of which the first is the belief.
-pub(super) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize {
+pub(crate) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize {
     let (mut least, mut best) = (models[0].errors.clone(), 0);
     for (at, model) in models.iter().enumerate().skip(1) {
         // A patch does not change the noise.
@@ -62,6 +62,12 @@ pub(super) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize 
         }
     }
     best
+}
+
+/// Whether `these` forecasts are better than `those` in the mean of the stretches by more than chance.
+pub(crate) fn forecasts_better(search: &Search<'_>, this: &Evaluated, that: &Evaluated) -> bool {
+    let errors = |of: &Evaluated| held_out(search, &of.fit, |model| model.noise = search.problem.belief.noise);
+    deviations_at_all_horizons(&errors(that), &errors(this)) > BETTER_FORECAST
 }
 
 /// Forecast errors of the belief, by stretch of the record.
@@ -86,13 +92,27 @@ fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<
 
 /// By how many standard errors over the stretches the mean square at 1 s is larger in `these`; 0 where that cannot be
 /// told.
-pub(super) fn deviations(these: &[Tally], those: &[Tally]) -> f64 {
+pub(crate) fn deviations(these: &[Tally], those: &[Tally]) -> f64 {
     let square = |tally: &Tally| tally.squares_at_1_s().map(|(square, _)| square);
-    let gains: Vec<f64> =
-        these.iter().zip(those).filter_map(|(this, that)| Some(square(this)? - square(that)?)).collect();
-    let count = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / count;
-    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    let deviations = mean / (variance / count).sqrt();
-    if deviations.is_finite() { deviations } else { 0.0 }
+    standard_errors(these.iter().zip(those).filter_map(|(this, that)| Some(square(this)? - square(that)?)))
+}
+
+/// The same of the mean squares at all horizons, each as a share of that of `these` in all stretches.
+pub(crate) fn deviations_at_all_horizons(these: &[Tally], those: &[Tally]) -> f64 {
+    let Some(whole) = Tally::sum(these.iter()).squares() else { return 0.0 };
+    let fall = |(this, that): (&Tally, &Tally)| {
+        let (this, that) = (this.squares()?, that.squares()?);
+        Some((0..whole.len()).map(|at| (this[at] - that[at]) / whole[at]).sum())
+    };
+    standard_errors(these.iter().zip(those).filter_map(fall))
+}
+
+/// The mean of some numbers over its standard error; 0 where that is no number.
+fn standard_errors(numbers: impl Iterator<Item = f64>) -> f64 {
+    let numbers: Vec<f64> = numbers.collect();
+    let count = numbers.len() as f64;
+    let mean = numbers.iter().sum::<f64>() / count;
+    let variance = numbers.iter().map(|number| (number - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let errors = mean / (variance / count).sqrt();
+    if errors.is_finite() { errors } else { 0.0 }
 }

@@ -1,7 +1,7 @@
-//! Where the model of a design is linearised: `--about-duty` and `--about-height`.
+//! Where a model is linearised: `--about-duty` and `--about-height`.
 
 use crate::cli::AboutArgs;
-use crate::report::design::words::About;
+use crate::report::kit::about::About;
 use anyhow::{Result, bail};
 use plant::{Model, Slopes};
 
@@ -29,24 +29,9 @@ pub(super) fn asked(model: &Model, args: AboutArgs) -> Result<Option<About>> {
     if !bounded || gain_mm_per_s2_per_percent <= 0.0 || drag_per_s < 0.0 {
         bail!(
             "at {duty_percent} % and {position_mm} mm the model has a gain of {gain_mm_per_s2_per_percent} mm/s² per percent \
-             and a drag of {drag_per_s} 1/s; a design needs a gain above 0 and a drag of 0 or more: take another \
+             and a drag of {drag_per_s} 1/s; a linear plant needs a gain above 0 and a drag of 0 or more: take another \
              --about-duty, or switch the effect off that bends the force there"
         );
     }
     Ok(Some(About { duty_percent, position_mm, gain_mm_per_s2_per_percent, drag_per_s, gradient_per_s2 }))
-}
-
-/// What a design sees of an effect that is not linear, in words.
-pub(super) fn not_linear(name: &str, about: Option<&About>) -> String {
-    let start = format!("{name} is on in the model and not linear");
-    match about {
-        None => format!(
-            "{start}: the design does not see it; try it in `airball simulate`, or, if it bends the force, give --about-duty \
-             and --about-height"
-        ),
-        Some(About { duty_percent, position_mm, .. }) => format!(
-            "{start}: the design sees at most the slopes of its force at {duty_percent} % and {position_mm} mm; try it in \
-             `airball simulate`"
-        ),
-    }
 }

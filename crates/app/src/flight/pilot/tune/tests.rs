@@ -1,0 +1,138 @@
+//! Tests that numbers change without a bump, as a whole or not at all, and back.
+
+use crate::config::Tables;
+use crate::flight::command::{Command, GainChange, Refusal};
+use crate::flight::experiment::{Experiment, Limits, Segment};
+use crate::flight::pilot::{Orders, Pilot, Seen, Signals};
+use control::controller::Kind;
+use control::numbers::{COUNT, Parameter, Values};
+use control::regulator::Regulator;
+use control::waveform::Waveform;
+
+const T: f64 = 0.02;
+
+/// A flight of the project's rig, whose ball is where `mm` says.
+struct Flown {
+    pilot: Pilot,
+    cycles: u32,
+}
+
+impl Flown {
+    fn with(change: impl FnOnce(&mut Tables)) -> Self {
+        let mut tables: Tables = toml::from_str(include_str!("../../../../../../config.toml")).unwrap();
+        change(&mut tables);
+        let setpoint_mm = Some(Waveform::Constant { value: 300.0 });
+        let segments = vec![Segment { duration_s: 600.0, setpoint_mm, ..Segment::default() }].into();
+        let pilot = Pilot::new(Orders {
+            regulator: Regulator::new(tables.controller.clone().unwrap(), tables.observer.as_ref(), T).unwrap(),
+            compensation: tables.compensation.clone().unwrap(),
+            safety: tables.safety.unwrap(),
+            experiment: Experiment { title: "t".into(), limits: Limits::default(), segments },
+            reading_period_s: T,
+            signals: Signals::default(),
+        });
+        Self { pilot, cycles: 0 }
+    }
+
+    /// Duties of so many cycles.
+    fn fly(&mut self, cycles: u32, mm: impl Fn(u32) -> f64) -> Vec<f64> {
+        let flown = (0..cycles).map(|k| {
+            let time_s = T * f64::from(self.cycles);
+            self.cycles += 1;
+            self.pilot.decide(time_s, Seen::Ball(mm(k))).duty.percent()
+        });
+        flown.collect()
+    }
+
+    fn send(&mut self, numbers: &[(&str, f64)]) -> Result<(), Refusal> {
+        self.pilot.command(Command::Numbers(values(numbers)))
+    }
+}
+
+fn values(numbers: &[(&str, f64)]) -> Values {
+    let mut values = [None; COUNT];
+    numbers.iter().for_each(|(name, value)| values[Parameter::named(name).unwrap()] = Some(*value));
+    values
+}
+
+/// The largest change from one duty to the next.
+fn largest_step(duties: &[f64]) -> f64 {
+    duties.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn no_number_of_any_controller_makes_the_duty_jump() {
+    for kind in Kind::ALL.into_iter().filter(|kind| *kind != Kind::OpenLoop) {
+        for (parameter, value) in Parameter::ALL.iter().zip(Flown::with(|_| ()).pilot.numbers().values()) {
+            let Some(value) = value.filter(|value| *value != 0.0) else { continue };
+            let changed = if parameter.name == "observer.gate_sigma" { 6.0 } else { value * 0.9 };
+            let mut flown = Flown::with(|tables| tables.controller.as_mut().unwrap().active = Some(kind));
+            // 20 mm below the setpoint, at rest.
+            flown.fly(300, |_| 280.0);
+            let usual = largest_step(&flown.fly(50, |_| 280.0));
+            flown.send(&[(parameter.name, changed)]).unwrap();
+            let step = largest_step(&flown.fly(50, |_| 280.0));
+            assert!(step < usual + 0.15, "{} at {}: {step:.3} beside {usual:.3}", parameter.name, kind.name());
+        }
+    }
+}
+
+#[test]
+fn a_new_hover_leaves_the_duty_where_an_integral_has_found_it() {
+    let mut flown = Flown::with(|_| ());
+    flown.fly(500, |_| 298.0);
+    let before = *flown.fly(1, |_| 298.0).last().unwrap();
+    flown.send(&[("compensation.hover_duty_percent", 22.4)]).unwrap();
+    let after = *flown.fly(40, |_| 298.0).last().unwrap();
+    assert!((after - before).abs() < 0.05, "{before} to {after}");
+    assert_eq!(flown.pilot.numbers().compensation.hover_duty_percent, 22.4);
+}
+
+#[test]
+fn a_gain_that_is_lowered_while_the_fan_is_at_its_limit_leaves_nothing_in_the_integral() {
+    let mut flown = Flown::with(|_| ());
+    let gain = |kp_per_mm| Command::Gains(GainChange { kp_per_mm: Some(kp_per_mm), ..GainChange::default() });
+    flown.fly(100, |_| 300.0);
+    let hover = *flown.fly(1, |_| 300.0).last().unwrap();
+    flown.pilot.command(gain(0.2)).unwrap();
+    // 150 mm below: at the upper limit.
+    assert_eq!(*flown.fly(40, |_| 150.0).last().unwrap(), 40.0);
+    flown.pilot.command(gain(0.018)).unwrap();
+    let back = *flown.fly(100, |_| 300.0).last().unwrap();
+    assert!((back - hover).abs() < 0.5, "{hover} before, {back} after");
+}
+
+#[test]
+fn a_transaction_is_in_force_as_a_whole_or_not_at_all() {
+    let mut flown = Flown::with(|_| ());
+    flown.fly(50, |_| 300.0);
+    let before = flown.pilot.numbers().clone();
+    let refused = flown.send(&[("lqg.fan", 0.5), ("observer.sensor_mm", -1.0)]).unwrap_err().to_string();
+    assert_eq!(refused, "observer.sensor_mm = -1 is outside 0.001 to 1000");
+    let refused = flown.send(&[("lqg.fan", 0.5), ("compensation.dead_zone.lower_percent", -0.1)]).unwrap_err();
+    assert!(matches!(refused, Refusal::Absent("compensation.dead_zone.lower_percent")), "{refused}");
+    let refused = flown.send(&[("compensation.hover_duty_percent", 60.0)]).unwrap_err().to_string();
+    assert!(refused.contains("60 is outside 10 to 40"), "{refused}");
+    assert_eq!(*flown.pilot.numbers(), before);
+    flown.send(&[("lqg.fan", 0.5), ("observer.sensor_mm", 3.0)]).unwrap();
+    let now = flown.pilot.numbers().clone();
+    assert_eq!((now.controllers.lqg.unwrap().fan, now.observer.unwrap().sensor_mm), (0.5, 3.0));
+}
+
+#[test]
+fn undo_takes_changes_back_in_their_order_and_says_when_none_is_left() {
+    let mut flown = Flown::with(|_| ());
+    flown.fly(50, |_| 300.0);
+    let first = flown.pilot.numbers().clone();
+    flown.send(&[("lqg.fan", 0.5)]).unwrap();
+    let second = flown.pilot.numbers().clone();
+    flown.pilot.command(Command::Gains(GainChange { td_s: Some(0.4), ..GainChange::default() })).unwrap();
+    flown.fly(10, |_| 300.0);
+    flown.pilot.command(Command::Undo).unwrap();
+    assert_eq!(*flown.pilot.numbers(), second);
+    flown.pilot.command(Command::Undo).unwrap();
+    assert_eq!(*flown.pilot.numbers(), first);
+    assert_eq!(flown.pilot.command(Command::Undo), Err(Refusal::NothingToUndo));
+    flown.fly(60, |_| 300.0);
+    assert_eq!(flown.pilot.orders.regulator.controllers(), &first.controllers);
+}

@@ -1,0 +1,124 @@
+//! What both threads and the link share: the client of the session, and what the broker keeps of us.
+
+use super::about::{About, in_force};
+use super::claim::Claim;
+use super::network::Aside;
+use crate::config::topics::Topics;
+use crate::flight::last_fault::LastFault;
+use control::numbers::{Parameter, Values};
+use rumqttc::{Client, PublishOptions};
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Of a message that the broker keeps for readers to come.
+pub(super) const RETAINED: PublishOptions = PublishOptions::at_least_once().retained();
+
+/// Shared by both threads and the link: the client of the session, while there is one.
+pub(super) struct Line {
+    client: Mutex<Option<Client>>,
+    stopping: AtomicBool,
+    /// The last fault, as published; `None`: none is known.
+    fault: Mutex<Option<String>>,
+    /// The description of the rig, as published.
+    about: String,
+    /// All numbers, as published.
+    numbers: Mutex<String>,
+    /// Our claim of the rig's name.
+    pub(super) claim: Claim,
+    /// The client of a session that has claimed the name and said nothing else yet.
+    claiming: Mutex<Option<Client>>,
+    /// A refusal to be sent in the next session.
+    owed: Mutex<Option<Aside>>,
+}
+
+impl Line {
+    pub(super) fn new(about: &About, claim: Claim) -> Self {
+        let numbers = in_force(about.numbers.iter().map(|number| (number.name.clone(), number.value)));
+        Self {
+            client: Mutex::default(),
+            stopping: AtomicBool::default(),
+            fault: Mutex::default(),
+            about: about.json(),
+            numbers: Mutex::new(numbers),
+            claim,
+            claiming: Mutex::default(),
+            owed: Mutex::default(),
+        }
+    }
+
+    pub(super) fn client(&self) -> MutexGuard<'_, Option<Client>> {
+        self.client.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sets the last fault, if there is one.
+    pub(super) fn know(&self, fault: Option<&LastFault>) {
+        if let Some(fault) = fault {
+            *self.fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(fault.json());
+        }
+    }
+
+    /// Publishes the last fault, if one is known.
+    pub(super) fn publish_fault(&self, client: &Client, topics: &Topics) -> bool {
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        fault.is_none_or(|fault| client.try_publish(&topics.fault, fault, RETAINED).is_ok())
+    }
+
+    pub(super) fn claiming(&self) -> MutexGuard<'_, Option<Client>> {
+        self.claiming.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sends what the broker keeps of us, once in a session, when no other program holds the rig's name; from then on the
+    /// session is used. Returns the refusal that is owed.
+    pub(super) fn introduce(&self, topics: &Topics) -> Option<Aside> {
+        if !self.claim.is_settled() || self.claim.other().is_some() {
+            return None;
+        }
+        let client = self.claiming().take()?;
+        // The queue of a new session has space for these.
+        let _ = client.try_publish(&topics.status, "online", RETAINED).is_ok()
+            && client.try_publish(&topics.about, self.about.clone(), RETAINED).is_ok()
+            && self.publish_numbers(&client, topics)
+            && self.publish_fault(&client, topics);
+        *self.client() = Some(client);
+        self.owed.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Whether a session waits for the answers of others of our name. What is to be said waits with it.
+    pub(super) fn is_claiming(&self) -> bool {
+        self.claiming().is_some()
+    }
+
+    /// Keeps a refusal for the next session.
+    pub(super) fn owe(&self, refusal: Aside) {
+        *self.owed.lock().unwrap_or_else(PoisonError::into_inner) = Some(refusal);
+    }
+
+    /// Leaves a session that has said nothing, so that the broker does not publish the last will.
+    pub(super) fn leave_unsaid(&self) {
+        if let Some(client) = self.claiming().take() {
+            let _ = client.try_disconnect();
+        }
+    }
+
+    /// Sets all numbers.
+    pub(super) fn know_numbers(&self, values: &Values) {
+        let there = Parameter::ALL.iter().zip(values).filter_map(|(parameter, value)| Some((parameter, (*value)?)));
+        let message =
+            in_force(there.map(|(parameter, value)| (parameter.name.into(), value.is_finite().then_some(value))));
+        *self.numbers.lock().unwrap_or_else(PoisonError::into_inner) = message;
+    }
+
+    /// Publishes all numbers.
+    pub(super) fn publish_numbers(&self, client: &Client, topics: &Topics) -> bool {
+        let numbers = self.numbers.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        client.try_publish(&topics.numbers, numbers, RETAINED).is_ok()
+    }
+
+    pub(super) fn stop(&self) {
+        self.stopping.store(true, SeqCst);
+    }
+
+    pub(super) fn stopping(&self) -> bool {
+        self.stopping.load(SeqCst)
+    }
+}

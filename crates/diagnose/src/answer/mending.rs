@@ -1,0 +1,78 @@
+//! The mended model: the rung of the ladder that forecasts best, with the formula where a residual remains.
+
+use crate::answer::ladder::{Ladder, Rung};
+use crate::answer::verdict::rest_matters;
+use crate::fit::estimate::Fit;
+use crate::gap::forecast_error::Gap;
+use crate::gap::share_closed::Closed;
+use crate::select::forecast::{best_forecast, forecasts_better};
+use crate::select::formula::{Formula, formula};
+use crate::select::search::Search;
+use crate::select::stepwise::Selection;
+use plant::Definition;
+
+/// The mended model, and how it was reached.
+pub(super) struct Mending {
+    /// The ladder of the named effects.
+    pub(super) ladder: Ladder,
+    /// The shapes of the formula; empty if there is none.
+    pub(super) formula: Vec<&'static Definition>,
+    /// The rung of the formula.
+    rung: Option<Rung>,
+    /// The mended model.
+    pub(super) fit: Fit,
+    /// Held-out forecast errors: nominal, refitted, mended.
+    pub(super) gaps: [Gap; 3],
+    /// Share of the gap at 1 s that the mended model closes.
+    pub(super) closed: Option<Closed>,
+}
+
+impl Mending {
+    /// Mends the refitted belief. With `incomplete`, a significant residual remains: where a formula is asked for, it gets one if it
+    /// matters and has one, and the effects that only stood for it are removed from `found`.
+    pub(super) fn of(
+        search: &Search<'_>,
+        refitted: &Fit,
+        found: &mut Selection,
+        (incomplete, formula_asked): (bool, bool),
+    ) -> Self {
+        let mut ladder = Ladder::of(search, refitted, found);
+        let formula = if incomplete && formula_asked { accepted(search, &ladder, found) } else { None };
+        if let Some(Formula { stand_ins, .. }) = formula.as_ref().filter(|formula| !formula.stand_ins.is_empty()) {
+            found.remove(search, stand_ins);
+            ladder = Ladder::of(search, refitted, found);
+        }
+        let (last, below) = (ladder.models.len() - 1, best(search, &ladder, incomplete));
+        let rung = formula.as_ref().map(|formula| ladder.rung_of(search, below, formula));
+        let mended = formula.as_ref().map_or(&ladder.models[below], |formula| &formula.evaluated);
+        let is_last = formula.is_none() && below == last;
+        let end = if is_last { ladder.end.clone() } else { mended.gap_with_floor(search) };
+        let belief = &ladder.models[0].errors;
+        let floor = end.floor_mm[2].map(|floor| floor * floor);
+        let closed = floor.and_then(|floor| Closed::of(belief, [belief, &mended.errors], floor));
+        let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
+        let fit = mended.fit.clone();
+        Self { ladder, formula: formula.map(|formula| formula.shapes).unwrap_or_default(), rung, fit, gaps, closed }
+    }
+
+    /// All rungs, the lowest first.
+    pub(super) fn rungs(&self) -> Vec<Rung> {
+        self.ladder.rungs.iter().chain(&self.rung).cloned().collect()
+    }
+}
+
+/// The rung that forecasts best where a residual remains; otherwise the highest.
+fn best(search: &Search<'_>, ladder: &Ladder, incomplete: bool) -> usize {
+    if incomplete { best_forecast(search, &ladder.models) } else { ladder.models.len() - 1 }
+}
+
+/// The formula for a residual that matters, if it forecasts better than every rung of the ladder.
+fn accepted(search: &Search<'_>, ladder: &Ladder, found: &Selection) -> Option<Formula> {
+    if !rest_matters(&ladder.end) {
+        return None;
+    }
+    let highest = &ladder.models[ladder.models.len() - 1];
+    let formula = formula(search, &ladder.models[1], highest, &found.added())?;
+    let best = &ladder.models[best(search, ladder, true)];
+    forecasts_better(search, &formula.evaluated, best).then_some(formula)
+}

@@ -1,0 +1,191 @@
+//! The unexplained as a formula: the smallest sum of shapes that forecasts stretches to which it was not fitted.
+//!
+//! ```text
+//! model → + best shape → + next shape …      each must gain held-out log-likelihood, and lower the held-out error at 1 s
+//! ```
+//!
+//! The shapes are ranked by a score test over the places where they may act: one filter run for all of them. The best
+//! ones are fitted, and the one that forecasts best is added.
+
+mod shape;
+mod shapes;
+mod signals;
+
+use crate::fit::estimate::{Fit, Problem};
+use crate::fit::parameter::Parameter;
+use crate::residual::score_test::{FilterRun, ProjectedInnovations};
+use crate::select::forecast::{Evaluated, deviations, deviations_at_all_horizons};
+use crate::select::screening::added;
+use crate::select::search::Search;
+use crate::select::written_scan::{Linearised, Maximum};
+use crate::thresholds::{BETTER_FORECAST, FIRST_EFFECT, FORMULA_FORECAST, MOST_SHAPES, SECOND_EFFECT};
+use plant::{Definition, Entry, Model};
+use rayon::prelude::*;
+use shapes::shapes;
+use signals::Signals;
+
+/// How many shapes are fitted briefly, and how many of these in full.
+const BRIEFLY: usize = 4;
+const IN_FULL: usize = 2;
+/// Scoring steps of a brief fit, and the shares of the best sizes from which it starts.
+const STEPS: usize = 2;
+const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
+
+/// The shapes that were found, and the model with them.
+pub(crate) struct Formula {
+    pub(crate) shapes: Vec<&'static Definition>,
+    pub(crate) evaluated: Evaluated,
+    /// The named effects that the shapes make needless: they stood for what the shapes are.
+    pub(crate) stand_ins: Vec<&'static Entry>,
+}
+
+/// The formula beyond `with_names`, which has the effects `named` on the refitted belief. A shape that alone is as
+/// likely as all of these, and forecasts better, takes their place. Shapes are added while the forecasts get better by more than chance, and
+/// the effects that are not needed beside them removed. `None` if no shape makes the forecasts better.
+pub(crate) fn formula(
+    search: &Search<'_>,
+    refitted: &Evaluated,
+    with_names: &Evaluated,
+    named: &[&'static Entry],
+) -> Option<Formula> {
+    let problem = search.problem;
+    let all = shapes(&Signals::of(&problem, &refitted.fit)?);
+    let belief = with_known(problem.belief, &all);
+    let search = &Search::of(Problem { belief: &belief, ..problem });
+    let known = |of: &Evaluated| Evaluated {
+        fit: Fit { model: with_known(&of.fit.model, &all), ..of.fit.clone() },
+        errors: of.errors.clone(),
+        ..*of
+    };
+    let instead = if named.is_empty() { None } else { next_shape(search, &known(refitted), &all) };
+    let beats_names = |alone: &Evaluated| {
+        alone.log_likelihood > with_names.log_likelihood
+            && deviations_at_all_horizons(&with_names.errors, &alone.errors) > BETTER_FORECAST
+    };
+    let mut found = match instead.filter(|(_, alone)| beats_names(alone)) {
+        Some((shape, alone)) => Formula { shapes: vec![shape], evaluated: alone, stand_ins: named.to_vec() },
+        None => Formula { shapes: Vec::new(), evaluated: known(with_names), stand_ins: Vec::new() },
+    };
+    found.extend(search, &all);
+    if found.shapes.is_empty() {
+        return None;
+    }
+    found.remove_stand_ins(search, named);
+    Some(found)
+}
+
+impl Formula {
+    /// Adds shapes while the forecasts get better.
+    fn extend(&mut self, search: &Search<'_>, all: &[&'static Definition]) {
+        while self.shapes.len() < MOST_SHAPES {
+            let Some((shape, evaluated)) = next_shape(search, &self.evaluated, all) else { break };
+            self.shapes.push(shape);
+            self.evaluated = evaluated;
+        }
+    }
+
+    /// Removes the named effects without which the shapes explain as much.
+    fn remove_stand_ins(&mut self, search: &Search<'_>, named: &[&'static Entry]) {
+        for entry in named {
+            if self.evaluated.fit.model.effects.values(entry.name).is_none() {
+                continue;
+            }
+            let without = Evaluated::of(search, search.removed(&self.evaluated.fit, entry));
+            if self.evaluated.log_likelihood - without.log_likelihood < SECOND_EFFECT {
+                self.stand_ins.push(entry);
+                self.evaluated = without;
+            }
+        }
+    }
+}
+
+/// `model` with the shapes known, and none on.
+fn with_known(model: &Model, shapes: &[&'static Definition]) -> Model {
+    let mut model = model.clone();
+    shapes.iter().for_each(|shape| model.effects.written.define(shape));
+    model
+}
+
+/// A shape that may act, before it is fitted.
+struct Promising {
+    shape: &'static Definition,
+    /// Where it may act, and the sizes there.
+    at: Maximum,
+    /// Gain by chance from the choice among places and shapes, nats.
+    chance: f64,
+}
+
+impl Promising {
+    /// Gain of log-likelihood by the score test, less what chance gains, nats.
+    fn nats(&self) -> f64 {
+        0.5 * self.at.square - self.chance - self.shape.entry().params.len() as f64
+    }
+}
+
+/// The shape that lowers the error of the forecasts most, and the model with it.
+fn next_shape(
+    search: &Search<'_>,
+    so_far: &Evaluated,
+    all: &[&'static Definition],
+) -> Option<(&'static Definition, Evaluated)> {
+    let mut promising = promising(&search.problem, &so_far.fit, all);
+    promising.retain(|one| one.nats() > FIRST_EFFECT);
+    promising.truncate(BRIEFLY);
+    let start = |one: &Promising| briefly(search, &so_far.fit, one);
+    let mut started: Vec<(&Promising, Started)> =
+        promising.par_iter().filter_map(|one| Some((one, start(one)?))).collect();
+    started.sort_by(|a, b| (b.1.total - b.0.chance).total_cmp(&(a.1.total - a.0.chance)));
+    started.truncate(IN_FULL);
+    let in_full = |start: &Started| Evaluated::of(search, search.problem.fit(&start.model, &start.parameters));
+    let fitted: Vec<(&Promising, Evaluated)> = started.par_iter().map(|(one, start)| (*one, in_full(start))).collect();
+    let is_better = |one: &Promising, with: &Evaluated| {
+        with.log_likelihood - so_far.log_likelihood - one.chance > FIRST_EFFECT
+            && deviations(&so_far.errors, &with.errors) > 0.0
+            && deviations_at_all_horizons(&so_far.errors, &with.errors) > FORMULA_FORECAST
+    };
+    let better = fitted.into_iter().filter(|(one, with)| is_better(one, with));
+    let best = better.min_by(|a, b| a.1.square().total_cmp(&b.1.square()));
+    best.map(|(one, with)| (one.shape, with))
+}
+
+/// The shapes that `fit` lacks, by their score, the best first.
+fn promising(problem: &Problem<'_>, fit: &Fit, all: &[&'static Definition]) -> Vec<Promising> {
+    let run = FilterRun::of(problem, fit.clone(), &|row| problem.folds.counts(row));
+    let linear = Linearised {
+        projected: ProjectedInnovations::of(&run),
+        before: run.before_readings(problem),
+        lag_s: fit.model.linear().fan_lag_s,
+    };
+    let off = all.iter().filter(|shape| fit.model.effects.values(shape.entry().name).is_none());
+    let scored = off.filter_map(|shape| {
+        let maxima = linear.maxima(shape);
+        let chance = ((maxima.len() * all.len()) as f64).ln();
+        let at = maxima.into_iter().next()?;
+        Some(Promising { shape, at, chance })
+    });
+    let mut promising: Vec<Promising> = scored.collect();
+    promising.sort_by(|a, b| b.nats().total_cmp(&a.nats()));
+    promising
+}
+
+/// A brief fit.
+struct Started {
+    model: Model,
+    parameters: Vec<Parameter>,
+    /// Log-likelihood and log-prior, nats.
+    total: f64,
+}
+
+/// A few scoring steps from the best of some sizes.
+fn briefly(search: &Search<'_>, so_far: &Fit, one: &Promising) -> Option<Started> {
+    let entry = search.problem.belief.effects.catalogue().find(|entry| entry.name == one.shape.entry().name)?;
+    let starts = SHARES.iter().filter_map(|share| added(so_far, entry, &one.at.at(*share)));
+    let rated =
+        starts.map(|(model, parameters)| (search.problem.by_fold(&model).iter().sum::<f64>(), model, parameters));
+    let (_, model, parameters) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (model, total) = search.problem.fit_briefly(&model, &parameters, STEPS);
+    Some(Started { model, parameters, total })
+}
+
+#[cfg(test)]
+mod tests;

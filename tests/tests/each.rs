@@ -62,7 +62,7 @@ fn every_log_of_a_folder_has_a_page_and_a_row_and_a_bad_one_has_its_reason() {
     assert!(rows[1].starts_with("bad.csv,,") && rows[1].contains("no column `time_s`"), "{table}");
     assert!(bench.read("reports/index.html").contains("href=\"./monday/b.csv.html\""));
     // One log alone gives the same document.
-    let alone = bench.output(&["diagnose", "--json", "logs/a.csv"]);
+    let alone = bench.run(&["diagnose", "--json", "logs/a.csv"]).output;
     assert_eq!(bench.read("reports/a.csv.json"), alone.trim_end());
 }
 

@@ -141,7 +141,7 @@ fn columns_are_found_by_their_names_their_numbers_or_as_they_are_said() {
         .enumerate()
         .map(|(k, [t, u, y])| {
             format!(
-                "{k};{};{};{}\n",
+                "{k};{:.0};{};{}\n",
                 1000.0 * t,
                 format!("{u:.3}").replace('.', ","),
                 format!("{y:.5}").replace('.', ",")

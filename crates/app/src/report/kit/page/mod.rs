@@ -167,10 +167,18 @@ impl Page<'_> {
 fn footer() -> Markup {
     html! {
         p {
-            "Made by airball " (env!("CARGO_PKG_VERSION")) " with " (parts::command(&command_line(std::env::args().skip(1))))
+            "Made by airball " (env!("CARGO_PKG_VERSION")) " with " (parts::command(&command_line(without_shares(std::env::args().skip(1)))))
             ". This page needs no network and contains all that it shows. Charts that zoom: uPlot, © Leon Sorokin, MIT licence."
         }
     }
+}
+
+/// The arguments; of `--each` no more than that, since the same pages are made by any shares and restarts.
+fn without_shares(arguments: impl Iterator<Item = String>) -> impl Iterator<Item = String> {
+    let all: Vec<String> = arguments.collect();
+    let each = all.iter().any(|argument| argument == "--each");
+    let kept = if each { vec!["diagnose".to_owned(), "--each".to_owned()] } else { all };
+    kept.into_iter()
 }
 
 /// The command that makes the page again, as a shell reads it.

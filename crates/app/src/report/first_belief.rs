@@ -4,6 +4,8 @@ use crate::analysis::first_belief::{FirstBelief, Named, Scaled};
 use diagnose::decimals;
 use diagnose::identify::ParameterEstimate;
 use diagnose::linear::Order;
+use plant::Effect;
+use plant::effects::HeightDependentFlow;
 use rows::{Column, shown};
 use std::fmt::Write;
 
@@ -62,7 +64,7 @@ fn plant(text: &mut String, belief: &FirstBelief) {
         text.push_str("\n[plant.effects.fan_lag]\n");
         line(text, "time_constant_s", &number(lag_s), &origin(belief, "fan_lag.time_constant_s"));
     }
-    if let Some(values) = model.effects.values("height_dependent_flow") {
+    if let Some(values) = model.effects.values(HeightDependentFlow::ENTRY.name) {
         text.push_str("\n[plant.effects.height_dependent_flow]\n");
         let why = "a force returns it to one place, as gravity or a spring does: without one the input shows nothing";
         values.iter().for_each(|value| line(text, "gradient_per_s2", &number(*value), why));
@@ -180,7 +182,7 @@ pub fn words(belief: &FirstBelief) -> Vec<String> {
 fn fitted(belief: &FirstBelief) -> String {
     let model = &belief.plant.model;
     let lag = model.effects.fan_lag_s().map_or_else(String::new, |lag_s| format!(", lag {} s", number(lag_s)));
-    let spring = model.effects.values("height_dependent_flow").and_then(|values| values.first().copied());
+    let spring = model.effects.values(HeightDependentFlow::ENTRY.name).and_then(|values| values.first().copied());
     let spring =
         spring.map_or_else(String::new, |k| format!(", a force of {} /s² that returns it to one place", number(k)));
     format!(

@@ -12,7 +12,8 @@ use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
 use crate::linear::{LinearFit, Order, linear_fit};
 use crate::record::prepare::prepared;
 use crate::record::recording::{Recording, Sample};
-use plant::{Effects, Model, Noise};
+use plant::effects::HeightDependentFlow;
+use plant::{Effect, Effects, Model, Noise};
 use rayon::prelude::*;
 
 /// Rows that the forms are fitted to: 60 s at 200 Hz.
@@ -210,7 +211,7 @@ fn with_sign(flight: &Recording, sign: f64) -> Recording {
 fn model(form: &LinearFit, sign: f64, pipe_length_mm: f64) -> Model {
     let mut effects = Effects::default();
     if form.spring_per_s2 > 0.0 {
-        effects.set("height_dependent_flow", &[form.spring_per_s2]);
+        effects.set(HeightDependentFlow::ENTRY.name, &[form.spring_per_s2]);
     }
     within_bounds(&Model {
         gain_mm_per_s2_per_percent: form.gain.abs(),

@@ -95,6 +95,6 @@ fn the_table_on_a_real_record_is_what_an_independent_program_computes() {
     assert!(at(&gap, "error_mm", 2) > 5.0 * at(&gap, "floor_mm", 2));
 
     let table = bench.output(&["replay", record, "--config", belief, "--plot", "drone.svg"]);
-    assert!(table.contains("10001 readings") && table.contains("the model lacks something"), "{table}");
+    assert!(table.contains("10001 readings") && table.contains("The model lacks an effect"), "{table}");
     assert!(bench.read("drone.svg").contains("recorded"));
 }

@@ -36,8 +36,8 @@ pub(crate) const OTHER_NOISE: f64 = 50.0;
 
 /// The most shapes of a formula. More are no explanation.
 pub(crate) const MOST_SHAPES: usize = 4;
-/// By how many standard errors a shape of a formula lowers the mean square at 1 s: a one-sided test at 5 % corrected for
-/// the choice among 24 shapes (Bonferroni).
+/// By how many standard errors over the stretches a shape of a formula lowers the mean squares at all horizons: a
+/// one-sided test at 5 %, corrected for the two shapes that are compared (Bonferroni). No rate was measured.
 pub(crate) const FORMULA_FORECAST: f64 = 1.96;
 
 /// A model forecasts better than a simpler one where its mean square at 1 s is lower by so many standard errors over the

@@ -19,6 +19,7 @@ pub use measure::{MeasureArgs, Measurement};
 
 use crate::rig::EnableLine;
 use clap::{Args, Parser, Subcommand};
+use diagnose::{Options, Progress};
 use flight::seconds;
 use std::path::PathBuf;
 
@@ -143,6 +144,14 @@ pub struct DiagnoseArgs {
     pub columns: ColumnArgs,
 }
 
+impl DiagnoseArgs {
+    /// The options of the search, which reports to `progress`.
+    #[must_use]
+    pub fn options(&self, progress: Progress) -> Options {
+        Options { progress, without: self.without.clone(), formula: self.formula }
+    }
+}
+
 /// `airball monitor`
 #[derive(Debug, Args)]
 pub struct MonitorArgs {
@@ -245,8 +254,16 @@ pub enum LogCommand {
 
 #[cfg(test)]
 mod tests {
-    use super::Cli;
-    use clap::CommandFactory;
+    use super::{Cli, Command};
+    use clap::{CommandFactory, Parser};
+
+    #[test]
+    fn a_diagnosis_of_each_log_has_the_same_options_as_one() {
+        let flags = ["airball", "diagnose", "--each", "--out", "o", "--formula", "--without", "dead_zone", "a.csv"];
+        let Command::Diagnose(args) = Cli::try_parse_from(flags).unwrap().command else { panic!() };
+        let options = args.options(diagnose::Progress::default());
+        assert_eq!((options.formula, options.without), (true, vec!["dead_zone".to_owned()]));
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

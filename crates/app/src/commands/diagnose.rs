@@ -14,7 +14,7 @@ use crate::report::diagnosis::words::words;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
 use crate::report::kit::page;
 use crate::report::kit::patch::rounded;
-use ::diagnose::{Finding, Options, Progress, ProgressStep, Series, Verdict};
+use ::diagnose::{Finding, Progress, ProgressStep, Series, Verdict};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<ExitCode> {
         ProgressStep::Planned(fits) => shown.inc_length(fits as u64),
         ProgressStep::Made => shown.inc(1),
     });
-    let options = Options { progress, without: args.without.clone(), formula: args.formula };
+    let options = args.options(progress);
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
     bar.finish_and_clear();
     // The answer first: a full disk takes files only. They are written also where the reader has closed the output.

@@ -16,7 +16,7 @@ use crate::cli::DiagnoseArgs;
 use crate::report::diagnosis::page::page as html;
 use crate::report::each::{Row, csv, page as summary};
 use crate::report::kit::page;
-use ::diagnose::{Options, Series};
+use ::diagnose::{Progress, Series};
 use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use std::fs;
@@ -147,7 +147,7 @@ fn reports(args: &DiagnoseArgs, config: Option<&Path>, log: &Named, out: &Path) 
     let mut asked = Asked::read("diagnose", &paths, &config, &args.config.over(), &args.without)?;
     asked.names = vec![log.name.clone()];
     asked.config = config.strip_prefix(out).unwrap_or(&config).to_owned();
-    let options = Options { without: args.without.clone(), ..Options::default() };
+    let options = args.options(Progress::default());
     let answer = asked.diagnose(&options, &|_| {});
     let picture = Series::of(&answer.found, &asked.belief, &asked.recordings);
     Ok(Reports {

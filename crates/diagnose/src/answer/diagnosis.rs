@@ -97,7 +97,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         found = Selection::nothing(&search, &refitted);
     }
     let incomplete = answers && found.is_incomplete();
-    let mending = Mending::of(&search, &refitted, &mut found, (incomplete && asks, options.formula));
+    let mending = Mending::of(&search, &refitted, &mut found, incomplete && asks);
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
     let ladder = &mending.ladder;

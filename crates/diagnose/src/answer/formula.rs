@@ -56,12 +56,13 @@ impl Diagnosis {
             let [value, low, high] = [share.value, share.low, share.high].map(|share| 100.0 * share);
             format!("; it closes {value:.0} % ({low:.0} to {high:.0}) of the gap")
         });
-        let kin = self.nearest_kin().map_or(String::new(), |name| format!("; of the catalogue {name} comes nearest"));
-        Some(format!("no effect of the catalogue, but {}{closes}{kin}", terms.join("; and ")))
+        let nearest =
+            self.nearest_effect().map_or(String::new(), |name| format!("; of the catalogue {name} comes nearest"));
+        Some(format!("no effect of the catalogue, but {}{closes}{nearest}", terms.join("; and ")))
     }
 
     /// The effect of the catalogue with the largest gain on the refitted belief, if it is not among the named ones.
-    fn nearest_kin(&self) -> Option<&'static str> {
+    fn nearest_effect(&self) -> Option<&'static str> {
         let best = self.rounds.first()?.iter().find(|scored| scored.in_full && scored.held_out_gain > 0.0)?;
         let is_named = self.effects.iter().any(|named| named.candidate.entry.name == best.name);
         (!is_named).then_some(best.name)

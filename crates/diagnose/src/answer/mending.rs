@@ -28,18 +28,13 @@ pub(super) struct Mending {
 }
 
 impl Mending {
-    /// Mends the refitted belief. With `incomplete`, a significant residual remains: where a formula is asked for, it gets one if it
-    /// matters and has one, and the effects that only stood for it are removed from `found`.
-    pub(super) fn of(
-        search: &Search<'_>,
-        refitted: &Fit,
-        found: &mut Selection,
-        (incomplete, formula_asked): (bool, bool),
-    ) -> Self {
+    /// Mends the refitted belief. With `incomplete`, a significant residual remains. Where a formula is asked for, the
+    /// residual gets one if it matters and has one, and the effects that it makes redundant are removed from `found`.
+    pub(super) fn of(search: &Search<'_>, refitted: &Fit, found: &mut Selection, incomplete: bool) -> Self {
         let mut ladder = Ladder::of(search, refitted, found);
-        let formula = if incomplete && formula_asked { accepted(search, &ladder, found) } else { None };
-        if let Some(Formula { stand_ins, .. }) = formula.as_ref().filter(|formula| !formula.stand_ins.is_empty()) {
-            found.remove(search, stand_ins);
+        let formula = if incomplete && search.formula { accepted(search, &ladder, found) } else { None };
+        if let Some(Formula { redundant, .. }) = formula.as_ref().filter(|formula| !formula.redundant.is_empty()) {
+            found.remove(search, redundant);
             ladder = Ladder::of(search, refitted, found);
         }
         let (last, below) = (ladder.models.len() - 1, best(search, &ladder, incomplete));

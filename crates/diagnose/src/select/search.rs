@@ -8,22 +8,25 @@ use crate::record::recording::Recording;
 use crate::thresholds::FAR_FROM_BELIEF;
 use plant::{Effects, Entry, Model};
 
-/// A record, a belief, the folds, and the effects that may not be named.
+/// A record, a belief, the folds, and the options of the search.
 pub(crate) struct Search<'a> {
     pub(crate) problem: Problem<'a>,
     without: Vec<String>,
+    /// Whether what no effect explains gets a formula.
+    pub(crate) formula: bool,
     progress: Progress,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, options: &Options) -> Self {
         let problem = Problem { recording, belief, folds, prior: Prior::Belief };
-        Self { problem, without: options.without.clone(), progress: options.progress.clone() }
+        let Options { without, formula, progress } = options.clone();
+        Self { problem, without, formula, progress }
     }
 
     /// A search without options.
     pub(crate) fn of(problem: Problem<'a>) -> Self {
-        Self { problem, without: Vec::new(), progress: Progress::default() }
+        Self { problem, without: Vec::new(), formula: false, progress: Progress::default() }
     }
 
     /// The same search without the effects for which `is_left_out` holds.
@@ -36,7 +39,7 @@ impl<'a> Search<'a> {
             .filter(|entry| is_left_out(entry))
             .map(|entry| entry.name.to_owned());
         let without = self.without.iter().cloned().chain(more).collect();
-        Self { problem: self.problem, without, progress: self.progress.clone() }
+        Self { problem: self.problem, without, formula: self.formula, progress: self.progress.clone() }
     }
 
     /// The effects that may be named.

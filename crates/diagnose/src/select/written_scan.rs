@@ -42,13 +42,9 @@ pub(crate) fn scan(problem: &Problem<'_>, fit: &Fit, effect: &'static Definition
         return None;
     }
     let run = FilterRun::of(problem, fit.clone(), &|row| problem.folds.counts(row));
-    let linear = Linearised {
-        projected: ProjectedInnovations::of(&run),
-        before: run.before_readings(problem),
-        lag_s: fit.model.linear().fan_lag_s,
-    };
+    let linear = Linearised::of(problem, fit, &run);
     let maxima = linear.maxima(effect);
-    let values = maxima.iter().take(BEST).flat_map(|one| SHARES.map(|share| one.at(share)));
+    let values = maxima.iter().take(BEST).flat_map(Maximum::starts);
     Some(Scanned { values: values.collect(), maxima: maxima.len() })
 }
 
@@ -59,25 +55,32 @@ pub(crate) struct Maximum {
     /// The values there, with the neutral sizes.
     neutral: Vec<f64>,
     /// The values there, with the best sizes.
-    pub(crate) values: Vec<f64>,
+    values: Vec<f64>,
 }
 
 impl Maximum {
-    /// The values with a share of the best sizes.
-    pub(crate) fn at(&self, share: f64) -> Vec<f64> {
-        self.neutral.iter().zip(&self.values).map(|(none, all)| none + share * (all - none)).collect()
+    /// Initial values of a fit: the values with shares of the best sizes.
+    pub(crate) fn starts(&self) -> [Vec<f64>; SHARES.len()] {
+        let pairs = || self.neutral.iter().zip(&self.values);
+        SHARES.map(|share| pairs().map(|(none, all)| none + share * (all - none)).collect())
     }
 }
 
 /// The innovations of a fit, linear in what a small effect adds.
 pub(crate) struct Linearised<'a> {
-    pub(crate) projected: ProjectedInnovations<'a>,
-    pub(crate) before: Vec<Option<Before>>,
+    projected: ProjectedInnovations<'a>,
+    before: Vec<Option<Before>>,
     /// Behind which an effect of the actuator acts, seconds.
-    pub(crate) lag_s: f64,
+    lag_s: f64,
 }
 
-impl Linearised<'_> {
+impl<'a> Linearised<'a> {
+    /// Of the filter run of `fit`.
+    pub(crate) fn of(problem: &Problem<'_>, fit: &Fit, run: &'a FilterRun) -> Self {
+        let (projected, before) = (ProjectedInnovations::of(run), run.before_readings(problem));
+        Self { projected, before, lag_s: fit.model.linear().fan_lag_s }
+    }
+
     /// The local maxima of the score of an effect over its free values, the best first.
     pub(crate) fn maxima(&self, effect: &'static Definition) -> Vec<Maximum> {
         let parameters: Vec<&ParameterTable> = effect.table().parameters.values().collect();
@@ -88,9 +91,9 @@ impl Linearised<'_> {
             None => places(parameter, most.powf(1.0 / free as f64)),
         });
         let grid = Grid { axes: axes.collect() };
-        let small = Small { effect, parameters: &parameters, before: &self.before, lag_s: self.lag_s };
+        let small = Small { effect, parameters: &parameters, linear: self };
         let scored: Vec<Option<(f64, Vec<f64>)>> =
-            (0..grid.len()).into_par_iter().map(|at| small.scored(&self.projected, grid.values(at))).collect();
+            (0..grid.len()).into_par_iter().map(|at| small.scored(grid.values(at))).collect();
         let score = |at: usize| scored[at].as_ref().map_or(0.0, |(square, _)| *square);
         let tops = (0..grid.len()).filter(|at| grid.is_local_maximum(*at, score));
         let maximum = |at: usize| {
@@ -154,15 +157,13 @@ impl Grid {
 struct Small<'a> {
     effect: &'static Definition,
     parameters: &'a [&'a ParameterTable],
-    before: &'a [Option<Before>],
-    /// Behind which an effect of the actuator acts, seconds.
-    lag_s: f64,
+    linear: &'a Linearised<'a>,
 }
 
 impl Small<'_> {
     /// The joint score of the parameters with a neutral value, the others being as in `values`; and the values with the
     /// best sizes. `None` where all of them are neutral.
-    fn scored(&self, projected: &ProjectedInnovations<'_>, mut values: Vec<f64>) -> Option<(f64, Vec<f64>)> {
+    fn scored(&self, mut values: Vec<f64>) -> Option<(f64, Vec<f64>)> {
         let sized: Vec<(usize, f64)> = self.parameters.iter().enumerate().filter_map(step).collect();
         let added: Vec<Vec<(f64, f64)>> = sized
             .iter()
@@ -172,7 +173,7 @@ impl Small<'_> {
                 self.added(&of_one)
             })
             .collect();
-        let Joint { square, sizes } = projected.joint(sized.len(), |one, k| added[one][k])?;
+        let Joint { square, sizes } = self.linear.projected.joint(sized.len(), |one, k| added[one][k])?;
         let mut acts = false;
         for ((index, step), size) in sized.into_iter().zip(sizes) {
             let ParameterTable { low, high, .. } = *self.parameters[index];
@@ -199,13 +200,13 @@ impl Small<'_> {
                 Stage::Sensor => (0.0, added),
                 Stage::Air | Stage::Ball => (added, 0.0),
                 Stage::Actuator => {
-                    let share = if self.lag_s > 0.0 { -(-dt_s / self.lag_s).exp_m1() } else { 1.0 };
+                    let share = if self.linear.lag_s > 0.0 { -(-dt_s / self.linear.lag_s).exp_m1() } else { 1.0 };
                     late += (conditions.gain_mm_per_s2_per_percent * added - late) * share;
                     (late, 0.0)
                 }
             }
         };
-        self.before.iter().map(of).collect()
+        self.linear.before.iter().map(of).collect()
     }
 }
 

@@ -13,12 +13,14 @@ mod signals;
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
-use crate::residual::score_test::{FilterRun, ProjectedInnovations};
+use crate::residual::score_test::FilterRun;
 use crate::select::forecast::{Evaluated, deviations, deviations_at_all_horizons};
 use crate::select::screening::added;
 use crate::select::search::Search;
 use crate::select::written_scan::{Linearised, Maximum};
-use crate::thresholds::{BETTER_FORECAST, FIRST_EFFECT, FORMULA_FORECAST, MOST_SHAPES, SECOND_EFFECT};
+use crate::thresholds::{
+    BETTER_FORECAST, COST_OF_A_PARAMETER, FIRST_EFFECT, FORMULA_FORECAST, MOST_SHAPES, SECOND_EFFECT,
+};
 use plant::{Definition, Entry, Model};
 use rayon::prelude::*;
 use shapes::shapes;
@@ -27,21 +29,21 @@ use signals::Signals;
 /// How many shapes are fitted briefly, and how many of these in full.
 const BRIEFLY: usize = 4;
 const IN_FULL: usize = 2;
-/// Scoring steps of a brief fit, and the shares of the best sizes from which it starts.
+/// Scoring steps of a brief fit.
 const STEPS: usize = 2;
-const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
 
 /// The shapes that were found, and the model with them.
 pub(crate) struct Formula {
     pub(crate) shapes: Vec<&'static Definition>,
     pub(crate) evaluated: Evaluated,
-    /// The named effects that the shapes make needless: they stood for what the shapes are.
-    pub(crate) stand_ins: Vec<&'static Entry>,
+    /// The named effects that the shapes make redundant.
+    pub(crate) redundant: Vec<&'static Entry>,
 }
 
 /// The formula beyond `with_names`, which has the effects `named` on the refitted belief. A shape that alone is as
-/// likely as all of these, and forecasts better, takes their place. Shapes are added while the forecasts get better by more than chance, and
-/// the effects that are not needed beside them removed. `None` if no shape makes the forecasts better.
+/// likely as all of these, and forecasts better, takes their place. Shapes are added while the forecasts get better by
+/// more than chance; then the effects that are redundant beside them are removed. `None` if no shape makes the forecasts
+/// better.
 pub(crate) fn formula(
     search: &Search<'_>,
     refitted: &Evaluated,
@@ -63,14 +65,14 @@ pub(crate) fn formula(
             && deviations_at_all_horizons(&with_names.errors, &alone.errors) > BETTER_FORECAST
     };
     let mut found = match instead.filter(|(_, alone)| beats_names(alone)) {
-        Some((shape, alone)) => Formula { shapes: vec![shape], evaluated: alone, stand_ins: named.to_vec() },
-        None => Formula { shapes: Vec::new(), evaluated: known(with_names), stand_ins: Vec::new() },
+        Some((shape, alone)) => Formula { shapes: vec![shape], evaluated: alone, redundant: named.to_vec() },
+        None => Formula { shapes: Vec::new(), evaluated: known(with_names), redundant: Vec::new() },
     };
     found.extend(search, &all);
     if found.shapes.is_empty() {
         return None;
     }
-    found.remove_stand_ins(search, named);
+    found.remove_redundant(search, named);
     Some(found)
 }
 
@@ -85,14 +87,14 @@ impl Formula {
     }
 
     /// Removes the named effects without which the shapes explain as much.
-    fn remove_stand_ins(&mut self, search: &Search<'_>, named: &[&'static Entry]) {
+    fn remove_redundant(&mut self, search: &Search<'_>, named: &[&'static Entry]) {
         for entry in named {
             if self.evaluated.fit.model.effects.values(entry.name).is_none() {
                 continue;
             }
             let without = Evaluated::of(search, search.removed(&self.evaluated.fit, entry));
             if self.evaluated.log_likelihood - without.log_likelihood < SECOND_EFFECT {
-                self.stand_ins.push(entry);
+                self.redundant.push(entry);
                 self.evaluated = without;
             }
         }
@@ -118,7 +120,7 @@ struct Promising {
 impl Promising {
     /// Gain of log-likelihood by the score test, less what chance gains, nats.
     fn nats(&self) -> f64 {
-        0.5 * self.at.square - self.chance - self.shape.entry().params.len() as f64
+        0.5 * self.at.square - self.chance - COST_OF_A_PARAMETER * self.shape.entry().params.len() as f64
     }
 }
 
@@ -151,11 +153,7 @@ fn next_shape(
 /// The shapes that `fit` lacks, by their score, the best first.
 fn promising(problem: &Problem<'_>, fit: &Fit, all: &[&'static Definition]) -> Vec<Promising> {
     let run = FilterRun::of(problem, fit.clone(), &|row| problem.folds.counts(row));
-    let linear = Linearised {
-        projected: ProjectedInnovations::of(&run),
-        before: run.before_readings(problem),
-        lag_s: fit.model.linear().fan_lag_s,
-    };
+    let linear = Linearised::of(problem, fit, &run);
     let off = all.iter().filter(|shape| fit.model.effects.values(shape.entry().name).is_none());
     let scored = off.filter_map(|shape| {
         let maxima = linear.maxima(shape);
@@ -178,8 +176,7 @@ struct Started {
 
 /// A few scoring steps from the best of some sizes.
 fn briefly(search: &Search<'_>, so_far: &Fit, one: &Promising) -> Option<Started> {
-    let entry = search.problem.belief.effects.catalogue().find(|entry| entry.name == one.shape.entry().name)?;
-    let starts = SHARES.iter().filter_map(|share| added(so_far, entry, &one.at.at(*share)));
+    let starts = one.at.starts().into_iter().filter_map(|values| added(so_far, one.shape.entry(), &values));
     let rated =
         starts.map(|(model, parameters)| (search.problem.by_fold(&model).iter().sum::<f64>(), model, parameters));
     let (_, model, parameters) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;

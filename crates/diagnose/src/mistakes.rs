@@ -11,17 +11,17 @@
 //! columns exchanged, the gain lies within 9 deviations of 0; and of two halves of a record, no gains differ by a
 //! factor of 1.6 and 6 deviations, and no hovers by 0.7 %.
 
-use crate::linear::{LinearFit, Order, linear_fit, linear_fit_at};
+use crate::linear::{LinearFit, Order, beginning, linear_fit, linear_fit_at};
 use crate::record::airborne::airborne;
-use crate::record::check::{Finding, without_codes};
-use crate::record::implausible::without_implausible_readings;
+use crate::record::check::Finding;
+use crate::record::implausible::plausible;
 use crate::record::prepare::FlightFinding;
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
+use crate::thresholds::ENOUGH_READINGS;
 use plant::Model;
+use std::borrow::Cow;
 
-/// Rows that are looked at.
-const MOST_ROWS: usize = 12_000;
 /// A gain that lies this many of its deviations from 0 is seen.
 const SEEN: f64 = 8.0;
 /// A gain so many times the believed one, or so few, is in other units; a small one only where the input explains so
@@ -43,8 +43,8 @@ const GAINS_DEVIATIONS: f64 = 8.0;
 const HOVERS: f64 = 0.08;
 const HOVERS_OF_RANGE: f64 = 0.1;
 
-/// A log as a linear plant.
-struct Look {
+/// A log fitted by a linear plant.
+struct FittedLog {
     flight: usize,
     fit: LinearFit,
     readings: f64,
@@ -53,16 +53,16 @@ struct Look {
 /// The mistakes of several logs, by log.
 pub(crate) fn mistakes(belief: &Model, recordings: &[Recording]) -> Vec<FlightFinding> {
     let mut found = Vec::new();
-    let mut looks: Vec<Look> = Vec::new();
+    let mut fitted: Vec<FittedLog> = Vec::new();
     for (flight, recording) in recordings.iter().enumerate() {
-        let recording = beginning(recording, belief);
+        let recording = flown(recording, belief);
         match of_one(belief, &recording) {
-            Ok(Some(fit)) => looks.push(Look { flight, fit, readings: recording.readings() as f64 }),
+            Ok(Some(fit)) => fitted.push(FittedLog { flight, fit, readings: recording.readings() as f64 }),
             Ok(None) => {}
             Err(finding) => found.push(FlightFinding { flight, finding }),
         }
     }
-    if found.is_empty() { several(&looks, recordings) } else { found }
+    if found.is_empty() { several(&fitted, recordings) } else { found }
 }
 
 /// The log's linear plant; `None` where nothing is seen.
@@ -81,20 +81,11 @@ fn of_one(belief: &Model, recording: &Recording) -> Result<Option<LinearFit>, Fi
 }
 
 /// The first rows, without those on the ground, codes of the sensor and other readings that are no position.
-fn beginning(recording: &Recording, belief: &Model) -> Recording {
-    let rows = recording.samples();
-    let first = rows.get(..MOST_ROWS).and_then(|rows| Recording::new(rows.to_vec()).ok());
-    let first = first.unwrap_or_else(|| recording.clone());
-    let first = without_codes(&first).unwrap_or(first);
-    let first = without_implausible_readings(&first, belief).unwrap_or(first);
+fn flown<'a>(recording: &'a Recording, belief: &Model) -> Cow<'a, Recording> {
+    let first = plausible(beginning(recording), belief);
     // A ball that lies still shows no gain; one that seems to lie still all the time is in another unit.
     let flies = airborne(&first, belief).filter(|(_, flies)| 2 * flies.readings() > first.readings());
-    flies.map_or(first, |(_, flies)| flies)
-}
-
-/// Share of the forecasts' variance that the input explains.
-fn explained(fit: &LinearFit, readings: f64) -> f64 {
-    1.0 - (-2.0 * fit.of_input / readings.max(1.0)).exp()
+    flies.map_or(first, |(_, flies)| Cow::Owned(flies))
 }
 
 /// Whose sign is wrong: a duty near the believed hover is right.
@@ -119,7 +110,7 @@ fn unit(belief: &Model, fit: &LinearFit, readings: f64) -> Option<Finding> {
     if has_hover && (seen / hover).ln().abs() > HOVER.ln() {
         return Some(Finding::DutyUnit { hover_percent: seen, believed_percent: hover, scale: hover / seen });
     }
-    let much_less = ratio < FAR_LESS || (ratio < LESS && explained(fit, readings) > LESS_EXPLAINS);
+    let much_less = ratio < FAR_LESS || (ratio < LESS && fit.explained(readings) > LESS_EXPLAINS);
     if !(ratio > MORE || much_less) {
         return None;
     }
@@ -133,29 +124,29 @@ fn exchanged(fit: &LinearFit, recording: &Recording, readings: f64) -> Option<Fi
         |row: &Sample| Some(Sample { duty_percent: row.position_mm?, position_mm: Some(row.duty_percent), ..*row });
     let rows: Vec<Sample> = recording.samples().iter().filter_map(exchange).collect();
     let other = linear_fit(&Recording::new(rows).ok()?, Order::Second)?;
-    let more = explained(&other, readings) - explained(fit, readings);
+    let more = other.explained(readings) - fit.explained(readings);
     (other.gain_in_deviations.abs() > EXCHANGED_SEEN && more > EXCHANGED_EXPLAINS).then_some(Finding::Exchanged)
 }
 
 /// Logs whose gain or hover differs from the first one's.
-fn several(looks: &[Look], recordings: &[Recording]) -> Vec<FlightFinding> {
-    let Some((first, others)) = looks.split_first() else { return Vec::new() };
+fn several(logs: &[FittedLog], recordings: &[Recording]) -> Vec<FlightFinding> {
+    let Some((first, others)) = logs.split_first() else { return Vec::new() };
     let range = recordings.iter().map(|one| one.duty_range()[1] - one.duty_range()[0]).fold(0.0, f64::max);
-    let differs = |look: &&Look| {
-        let (a, b) = (&first.fit, &look.fit);
+    let differs = |log: &&FittedLog| {
+        let (a, b) = (&first.fit, &log.fit);
         let ratio = (b.gain / a.gain).ln().abs();
         let deviation = a.gain_in_deviations.recip().hypot(b.gain_in_deviations.recip());
         let hovers = HOVERS * a.hover.abs().max(b.hover.abs()) + HOVERS_OF_RANGE * range;
         (ratio > GAINS.ln() && ratio > GAINS_DEVIATIONS * deviation) || (b.hover - a.hover).abs() > hovers
     };
-    let finding = |look: &Look| Finding::SeveralRigs {
-        gain_ratio: look.fit.gain / first.fit.gain,
-        hover_percent: look.fit.hover,
+    let finding = |log: &FittedLog| Finding::SeveralRigs {
+        gain_ratio: log.fit.gain / first.fit.gain,
+        hover_percent: log.fit.hover,
         first_hover_percent: first.fit.hover,
     };
-    let enough = |look: &&Look| look.readings >= crate::thresholds::ENOUGH_READINGS as f64;
+    let enough = |log: &&FittedLog| log.readings >= ENOUGH_READINGS as f64;
     let others = others.iter().filter(enough).filter(differs);
-    others.map(|look| FlightFinding { flight: look.flight, finding: finding(look) }).collect()
+    others.map(|log| FlightFinding { flight: log.flight, finding: finding(log) }).collect()
 }
 
 #[cfg(test)]

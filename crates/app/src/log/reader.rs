@@ -8,10 +8,10 @@ use super::flight::{self, Flight};
 use super::header::About;
 use super::packed::unpacked;
 use crate::flight::vocabulary::Cycle;
-use diagnose::{Recording, Sample, without_codes, without_implausible_readings};
+use diagnose::{Recording, Sample, plausible};
 use plant::Model;
 use rows::{Import, Sheet};
-use std::{fs, path::Path};
+use std::{borrow::Cow, fs, path::Path};
 
 /// A log for replay and diagnosis.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,10 +34,7 @@ impl LoadedLog {
     /// Discards the readings that are no position of a ball in the pipe of `model`: the sensor's codes for "no target",
     /// and those far outside.
     pub fn discard_implausible_readings(&mut self, model: &Model) {
-        if let Some(seen) = without_codes(&self.recording) {
-            self.recording = seen;
-        }
-        if let Some(seen) = without_implausible_readings(&self.recording, model) {
+        if let Cow::Owned(seen) = plausible(Cow::Borrowed(&self.recording), model) {
             self.recording = seen;
         }
     }

@@ -9,15 +9,13 @@
 //! shows nothing without it: dry friction looks a little like one.
 
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
-use crate::linear::{LinearFit, Order, linear_fit};
+use crate::linear::{LinearFit, Order, beginning, linear_fit};
 use crate::record::prepare::prepared;
 use crate::record::recording::{Recording, Sample};
 use plant::effects::HeightDependentFlow;
 use plant::{Effect, Effects, Model, Noise};
 use rayon::prelude::*;
 
-/// Rows that the forms are fitted to: 60 s at 200 Hz.
-const MOST_ROWS: usize = 12_000;
 /// A gain that lies this many of its deviations from 0 is seen.
 const SEEN: f64 = 4.0;
 /// The same, for a form to be preferred to one with a spring.
@@ -122,14 +120,9 @@ impl Forms {
         (is_first && is_seen).then_some(1.0 / self.first.drag_per_s)
     }
 
-    /// Share of the forecasts' variance that the input explains in a form.
-    fn explained(&self, form: &LinearFit) -> f64 {
-        1.0 - (-2.0 * form.of_input / self.readings).exp()
-    }
-
     /// Whether every form says that the position falls where the input rises.
     fn are_turned(&self) -> bool {
-        let turned = |form: &LinearFit| form.gain < 0.0 && self.explained(form) > TURNED;
+        let turned = |form: &LinearFit| form.gain < 0.0 && form.explained(self.readings) > TURNED;
         (turned(&self.second) || turned(&self.spring)) && self.drifting.gain_in_deviations < -SEEN
     }
 
@@ -192,13 +185,6 @@ fn without_short_lag(model: Model, shortest_s: f64) -> Model {
         Some(lag_s) if lag_s < shortest_s => Model { effects: model.effects.with_fan_lag(None), ..model },
         _ => model,
     }
-}
-
-/// The first rows of a long flight.
-fn beginning(flight: &Recording) -> Recording {
-    let rows = flight.samples();
-    let first = || Recording::new(rows.get(..MOST_ROWS)?.to_vec()).ok();
-    first().unwrap_or_else(|| flight.clone())
 }
 
 /// The flight with an input of this sign.

@@ -18,6 +18,7 @@ use crate::record::recording::Recording;
 use crate::stats::median::median;
 use filter::{Input, Regression, regression};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// The form of the plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -58,6 +59,24 @@ pub struct LinearFit {
     pub log_likelihood: f64,
     /// By how much the input raises it, nats.
     pub of_input: f64,
+}
+
+/// Rows at the beginning of a flight that a linear plant is fitted to: 60 s at 200 Hz.
+const MOST_ROWS: usize = 12_000;
+
+impl LinearFit {
+    /// Share of the forecasts' variance that the input explains, of a fit to so many readings.
+    #[must_use]
+    pub fn explained(&self, readings: f64) -> f64 {
+        1.0 - (-2.0 * self.of_input / readings.max(1.0)).exp()
+    }
+}
+
+/// The beginning of a long flight, as much of it as a linear plant is fitted to.
+pub(crate) fn beginning(flight: &Recording) -> Cow<'_, Recording> {
+    let rows = flight.samples().get(..MOST_ROWS);
+    let first = rows.and_then(|rows| Recording::new(rows.to_vec()).ok());
+    first.map_or(Cow::Borrowed(flight), Cow::Owned)
 }
 
 /// Drags of the grid, 1/s, and the factor of their refinement.

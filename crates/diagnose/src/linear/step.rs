@@ -16,19 +16,14 @@ pub(super) struct Step {
 impl Step {
     /// Over `dt` seconds.
     pub(super) fn over(dt: f64, point: Point) -> Self {
-        let response = |dt| match point.order {
-            Order::First => [integral(point.drag_per_s, dt), 0.0],
-            Order::Second | Order::Spring | Order::Drifting => second(point.drag_per_s, point.spring_per_s2, dt).1,
+        let Point { order, drag_per_s, spring_per_s2, .. } = point;
+        let (transition, response) = match order {
+            Order::First => ([[(-drag_per_s * dt).exp(), 0.0], [0.0, 0.0]], [integral(drag_per_s, dt), 0.0]),
+            Order::Second | Order::Spring | Order::Drifting => second(drag_per_s, spring_per_s2, dt),
         };
-        let transition = match point.order {
-            Order::First => [[(-point.drag_per_s * dt).exp(), 0.0], [0.0, 0.0]],
-            Order::Second | Order::Spring | Order::Drifting => second(point.drag_per_s, point.spring_per_s2, dt).0,
-        };
-        Self { transition, response: response(dt), drifts: point.order == Order::Drifting, noise: noise(dt, point) }
+        Self { transition, response, drifts: order == Order::Drifting, noise: noise(dt, point) }
     }
-}
 
-impl Step {
     /// The next state.
     pub(super) fn moved(&self, [y, v, d]: [f64; 3], input: f64) -> [f64; 3] {
         let [[a, b], [c, e]] = self.transition;

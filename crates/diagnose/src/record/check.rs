@@ -149,8 +149,7 @@ pub(crate) fn other_rig(belief: &Model, mended: &Model) -> Option<Finding> {
 }
 
 /// The recording without the readings by which a VL53L0X reports no target (8190, 8191); `None` if it has none of them.
-#[must_use]
-pub fn without_codes(recording: &Recording) -> Option<Recording> {
+pub(crate) fn without_codes(recording: &Recording) -> Option<Recording> {
     let samples = recording.samples();
     samples.iter().find(|sample| sample.position_mm.is_some_and(is_code))?;
     let plain = |sample: &Sample| Sample { position_mm: sample.position_mm.filter(|mm| !is_code(*mm)), ..*sample };

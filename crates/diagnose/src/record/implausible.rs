@@ -3,10 +3,11 @@
 //! A duty has no neighbour that could stand in for it, so one that is implausible ends the diagnosis. A reading is only a
 //! look at the ball: without it, the filter goes on.
 
-use crate::record::check::Finding;
+use crate::record::check::{Finding, without_codes};
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use plant::Model;
+use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
 
 /// Duties beyond this are no percent, in either direction: 100, with room for a wrong offset of the import.
@@ -126,10 +127,16 @@ fn is_far(position_mm: f64, model: &Model) -> bool {
     (-position_mm).max(position_mm - model.pipe_length_mm) > FAR * model.pipe_length_mm
 }
 
+/// The recording without codes of a sensor that saw no target, and without readings and fan speeds that cannot be.
+#[must_use]
+pub fn plausible<'a>(recording: Cow<'a, Recording>, model: &Model) -> Cow<'a, Recording> {
+    let seen = without_codes(&recording).map_or(recording, Cow::Owned);
+    without_implausible_readings(&seen, model).map_or(seen, Cow::Owned)
+}
+
 /// The recording without the readings that are no position of the ball, and without implausible fan speeds; `None` if it
 /// has none of them, or too few others.
-#[must_use]
-pub fn without_implausible_readings(recording: &Recording, model: &Model) -> Option<Recording> {
+fn without_implausible_readings(recording: &Recording, model: &Model) -> Option<Recording> {
     let is_near = |mm: &f64| !is_far(*mm, model);
     let turns = |rpm: &f64| rpm.abs() < FASTEST_RPM;
     let mut samples = recording.samples().to_vec();

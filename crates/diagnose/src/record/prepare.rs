@@ -5,9 +5,9 @@
 //! content, so that the answer does not depend on the order in which they were given.
 
 use crate::record::airborne::airborne;
-use crate::record::check::{Finding, check, is_hopeless, without_codes};
+use crate::record::check::{Finding, check, is_hopeless};
 use crate::record::decimate::decimated;
-use crate::record::implausible::without_implausible_readings;
+use crate::record::implausible::plausible;
 use crate::record::quantisation::coarse_step;
 use crate::record::reading_variance::reading_variance;
 use crate::record::recording::{Recording, Sample};
@@ -99,8 +99,7 @@ fn part<'a>(
     all: &[Recording],
     belief: &Model,
 ) -> (Vec<Finding>, Cow<'a, Recording>) {
-    let flight = without_codes(&flight).map_or(flight, Cow::Owned);
-    let flight = without_implausible_readings(&flight, belief).map_or(flight, Cow::Owned);
+    let flight = plausible(flight, belief);
     let flight = match airborne(&flight, belief) {
         Some((finding, airborne)) => {
             findings.push(finding);

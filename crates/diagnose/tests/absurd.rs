@@ -1,5 +1,6 @@
-//! Records with numbers that are finite and absurd: units off by any power of ten, single wild cells anywhere, any length.
-//! They have an answer, in time and memory that depend on their length alone, and no sure name from what was spoilt.
+//! Records with numbers that are finite and absurd: units off by any power of ten, single wild cells anywhere, any
+//! length. They have an answer, in time and memory that depend on their length alone, and no sure name from what was
+//! spoilt.
 
 use diagnose::identify::{GreyBox, Poles};
 use diagnose::measure::critical::critical;

@@ -23,8 +23,8 @@ pub(crate) struct Table {
     decimal: Decimal,
 }
 
-/// All rows of a file, header and units among them. The cells lie one behind another in one text: a record of the parser
-/// for each row would take five times the memory of the file.
+/// All rows of a file, header and units among them. The cells lie one behind another in one text: a record of the
+/// parser for each row would take five times the memory of the file.
 #[derive(Default)]
 struct Rows {
     cells: String,

@@ -101,8 +101,8 @@ impl ConfigArgs {
 /// `airball diagnose`
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
-    /// Log, MCAP of this program or CSV; several logs of one rig are used together. With --each, a folder stands for the
-    /// logs in it
+    /// Log, MCAP of this program or CSV; several logs of one rig are used together. With --each, a folder stands for
+    /// the logs in it
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
     /// Which model, and how to read a foreign CSV.
@@ -172,8 +172,8 @@ pub struct LiveArgs {
     /// Write the page here (HTML)
     #[arg(long, value_name = "FILE", default_value = "live.html")]
     pub out: PathBuf,
-    /// WebSockets address of the broker [default: the host that serves the page; if it is opened as a file, port 9001 of
-    /// the config's broker]
+    /// WebSockets address of the broker [default: the host that serves the page; if it is opened as a file, port 9001
+    /// of the config's broker]
     #[arg(long, value_name = "URL")]
     pub broker: Option<String>,
 }

@@ -49,7 +49,8 @@ fn for_reader(to: impl AsFd, text: &str) -> String {
     }
 }
 
-/// Announces the files that were written, each with what it is. Where standard output holds a document, on standard error.
+/// Announces the files that were written, each with what it is. Where standard output holds a document, on standard
+/// error.
 ///
 /// # Errors
 /// A standard output that cannot be written.

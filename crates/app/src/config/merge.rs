@@ -1,7 +1,7 @@
 //! A config file and its patches as one table: later ones over earlier ones, key by key.
 //!
-//! A patch can also take away, by `remove = ["plant.effects.fan_lag", "controller.state_feedback.integral"]` at its top.
-//! Where a table holds one of several variants, the variant of a later file takes the place of the earlier one.
+//! A patch can also take away, by `remove = ["plant.effects.fan_lag", "controller.state_feedback.integral"]` at its
+//! top. Where a table holds one of several variants, the variant of a later file takes the place of the earlier one.
 
 use plant::Effects;
 use toml::{Table, Value};

@@ -1,5 +1,5 @@
-//! Units behind a predistortion: the control value is an acceleration, and gains of a config without it are too small by
-//! the force per percent of duty, hundreds of times.
+//! Units behind a predistortion: the control value is an acceleration, and gains of a config without it are too small
+//! by the force per percent of duty, hundreds of times.
 //!
 //! ```text
 //! S = force per percent at hover      [observer.believed] gain: 1 converted, S not      K_p: ω² converted, ω²/S not

@@ -1,4 +1,5 @@
-//! One rig of a name: programs that fly rigs of the same name on one broker notice each other, and the younger gives way.
+//! One rig of a name: programs that fly rigs of the same name on one broker notice each other, and the younger gives
+//! way.
 //!
 //! ```text
 //! at every connection    claim {id, age_s}             seen by all who fly this name, and by its sender

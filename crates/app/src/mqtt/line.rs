@@ -67,8 +67,8 @@ impl Line {
         self.claiming.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends what the broker keeps of us, once in a session, when no other program holds the rig's name; from then on the
-    /// session is used. Returns the refusal that is owed.
+    /// Sends what the broker keeps of us, once in a session, when no other program holds the rig's name; from then on
+    /// the session is used. Returns the refusal that is owed.
     pub(super) fn introduce(&self, topics: &Topics) -> Option<Aside> {
         if !self.claim.is_settled() || self.claim.other().is_some() {
             return None;

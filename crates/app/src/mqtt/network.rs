@@ -135,8 +135,9 @@ impl Network {
         }
     }
 
-    /// Subscribes and claims the rig's name. False where that is no longer wanted: a disconnection without a message makes the
-    /// broker publish the last will, which is then right. The queue of a new session has space for these requests.
+    /// Subscribes and claims the rig's name. False where that is no longer wanted: a disconnection without a message
+    /// makes the broker publish the last will, which is then right. The queue of a new session has space for these
+    /// requests.
     fn greet(&mut self, client: &Client) -> bool {
         let mut held = self.line.claiming();
         let greeted = !self.line.stopping()

@@ -23,8 +23,8 @@ impl Regulator {
         set.mpc.map_or(Ok(()), |mpc| Planner::new(&mpc, &observer.believed).map(drop).ok_or(Unready::Plan))
     }
 
-    /// Flies with other numbers of the same tables from the next step on: integrals stay. The control value moves as far
-    /// as the numbers do, so go to far ones in small steps.
+    /// Flies with other numbers of the same tables from the next step on: integrals stay. The control value moves as
+    /// far as the numbers do, so go to far ones in small steps.
     pub fn adopt(&mut self, set: Controllers, observer: Option<&Observer>) {
         if let (Some(old), Some(new)) = (self.set.pid, set.pid) {
             new.rescale(&old, &mut self.pid);

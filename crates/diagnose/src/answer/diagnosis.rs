@@ -159,8 +159,8 @@ fn has_finite_errors(belief: &Model, recording: &Recording) -> bool {
     innovations(belief, recording).iter().all(is_number)
 }
 
-/// The findings that leave logs without a verdict before any search: mistakes of units, signs and columns; else what all
-/// rows together, `recording`, are insufficient for.
+/// The findings that leave logs without a verdict before any search: mistakes of units, signs and columns; else what
+/// all rows together, `recording`, are insufficient for.
 fn obstacles(belief: &Model, logs: &[Recording], recording: &Recording, folds: &Folds) -> Vec<FlightFinding> {
     let mistakes = mistakes(belief, logs);
     if !mistakes.is_empty() {

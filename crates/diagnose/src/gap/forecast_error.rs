@@ -7,8 +7,8 @@
 //! free run: the forecasts of all readings in windows of 10 s, each from the state at its start
 //! ```
 //!
-//! Readings that are no position of the ball were counted as empty before (`record::implausible`): one of them would be the
-//! whole of E. What is left is off by no more than a pipe's length or so. A root that is not finite is `None`.
+//! Readings that are no position of the ball were counted as empty before (`record::implausible`): one of them would be
+//! the whole of E. What is left is off by no more than a pipe's length or so. A root that is not finite is `None`.
 //!
 //! A right model has E = F at every horizon. This holds in closed loop too: forecasts use the duty as recorded, and
 //! only the noise after reading k can separate them from the readings.

@@ -1,5 +1,5 @@
-//! The critical gain from setpoint steps at rising gains of a proportional-integral controller, and the critical integral
-//! time from steps at falling ones.
+//! The critical gain from setpoint steps at rising gains of a proportional-integral controller, and the critical
+//! integral time from steps at falling ones.
 //!
 //! ```text
 //! law       Δu = K_p·Δe + (K_p/T_i)·e·dt                    from the log: exact if nothing else acts
@@ -25,8 +25,8 @@ const JUMP_MM: f64 = 20.0;
 /// Rows from which the control law is determined, and the largest deviation of the others, as a share of Δu.
 const LAW_ROWS: usize = 25;
 const EXACT: f64 = 1e-3;
-/// The fast poles have decayed after this time, seconds, with a slow integral and with a fast one, which leaves a pole of the
-/// ball's drag; and the shortest oscillation after it.
+/// The fast poles have decayed after this time, seconds, with a slow integral and with a fast one, which leaves a pole
+/// of the ball's drag; and the shortest oscillation after it.
 const SKIP_S: f64 = 0.8;
 const SKIP_OF_TIME_S: f64 = 2.5;
 const SHORTEST_S: f64 = 3.0;

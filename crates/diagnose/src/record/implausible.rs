@@ -1,7 +1,7 @@
 //! Numbers of a record that no rig can have: duties far from any percent, and readings far from the pipe.
 //!
-//! A duty has no neighbour that could stand in for it, so one that is implausible ends the diagnosis. A reading is only a
-//! look at the ball: without it, the filter goes on.
+//! A duty has no neighbour that could stand in for it, so one that is implausible ends the diagnosis. A reading is only
+//! a look at the ball: without it, the filter goes on.
 
 use crate::record::check::{Finding, without_codes};
 use crate::record::recording::{Recording, Sample};
@@ -72,7 +72,8 @@ pub(crate) fn duty_beyond_percent(samples: &[Sample], model: &Model) -> Option<F
     })
 }
 
-/// The finding about duties far below what holds a ball, the other side of the same limit. Duties of 0 are a fan at rest.
+/// The finding about duties far below what holds a ball, the other side of the same limit. Duties of 0 are a fan at
+/// rest.
 pub(crate) fn duty_far_below_hover(samples: &[Sample], model: &Model) -> Option<Finding> {
     let usual_percent = median(samples.iter().map(|sample| sample.duty_percent.abs()).collect())?;
     let hover_percent = model.hover_duty_percent.abs();
@@ -134,8 +135,8 @@ pub fn plausible<'a>(recording: Cow<'a, Recording>, model: &Model) -> Cow<'a, Re
     without_implausible_readings(&seen, model).map_or(seen, Cow::Owned)
 }
 
-/// The recording without the readings that are no position of the ball, and without implausible fan speeds; `None` if it
-/// has none of them, or too few others.
+/// The recording without the readings that are no position of the ball, and without implausible fan speeds; `None` if
+/// it has none of them, or too few others.
 fn without_implausible_readings(recording: &Recording, model: &Model) -> Option<Recording> {
     let is_near = |mm: &f64| !is_far(*mm, model);
     let turns = |rpm: &f64| rpm.abs() < FASTEST_RPM;

@@ -1,5 +1,5 @@
-//! A very long flight in parts: stretches of its rows, spread evenly over it, so that time and memory of a diagnosis stay
-//! bounded.
+//! A very long flight in parts: stretches of its rows, spread evenly over it, so that time and memory of a diagnosis
+//! stay bounded.
 //!
 //! Stretches, not single rows: a filter needs every duty between two readings.
 

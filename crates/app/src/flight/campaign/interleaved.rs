@@ -1,6 +1,7 @@
 //! Faults, commands and restarts, interleaved: three flights in one world, each with a fault of the list from a random
 //! moment on and any commands at any moments, and then one to which nothing happens. The fan never gets more than the
-//! safe duty, is off after each flight or known to be on, and every command is answered; the last flight holds the ball.
+//! safe duty, is off after each flight or known to be on, and every command is answered; the last flight holds the
+//! ball.
 
 use super::faults::{Case, Lasting, Mishap, PERIOD_S, SECOND, SENSOR, cases};
 use super::scene::{Bus, Scene, Struck};

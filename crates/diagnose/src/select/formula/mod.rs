@@ -42,8 +42,8 @@ pub(crate) struct Formula {
 
 /// The formula beyond `with_names`, which has the effects `named` on the refitted belief. A shape that alone is as
 /// likely as all of these, and forecasts better, takes their place. Shapes are added while the forecasts get better by
-/// more than chance; then the effects that are redundant beside them are removed. `None` if no shape makes the forecasts
-/// better.
+/// more than chance; then the effects that are redundant beside them are removed. `None` if no shape makes the
+/// forecasts better.
 pub(crate) fn formula(
     search: &Search<'_>,
     refitted: &Evaluated,

@@ -16,10 +16,11 @@ const COMPETITORS: usize = 4;
 pub(crate) fn list(exhibits: &[Exhibit]) -> String {
     let mut page = format!(
         "{MARK}\n\n# Gallery of effects\n\n\
-         What each effect of the catalogue does to a flight. Each page shows the simulated rig of the config with one more effect, flown with one \
-         experiment (`experiments/gallery.toml`), controller and seed, and diagnosed with the model of the config, which lacks the effect.\n\n\
-         The last column is the answer of `diagnose` to this one record. It is not always the right name: some effects hardly \
-         show here, and some look like another.\n\n\
+         What each effect of the catalogue does to a flight. Each page shows the simulated rig of the config with one \
+         more effect, flown with one experiment (`experiments/gallery.toml`), controller and seed, and diagnosed with \
+         the model of the config, which lacks the effect.\n\n\
+         The last column is the answer of `diagnose` to this one record. It is not always the right name: some effects \
+         hardly show here, and some look like another.\n\n\
          | effect | stage | in a log | diagnosed as |\n|---|---|---|---|\n"
     );
     for exhibit in exhibits {
@@ -90,11 +91,14 @@ fn numbers(exhibit: &Exhibit) -> String {
 fn pictures(file: &str, name: &str) -> String {
     format!(
         "![Position and duty of one experiment with {name} and without it]({file}-flight.svg)\n\n\
-         The same experiment, controller and seed on two rigs: with the effect, and without it. Below, the two duties.\n\n\
-         ![Free runs of the config model and of the mended model, the record, and the residual force]({file}-force.svg)\n\n\
-         The recorded duty of the flight with the effect, simulated with two models that are restarted at the recorded position every 10 s: the config model, \
-         which lacks the effect, and the mended one. Below, the residual force: the force that the config model with refitted gain, drag and \
-         hover lacks for the recorded motion; over time, and its mean over duty, height and speed. Shaded: significant forecast errors."
+         The same experiment, controller and seed on two rigs: with the effect, and without it. Below, the two \
+         duties.\n\n\
+         ![Free runs of the config model and of the mended model, the record, and the residual \
+         force]({file}-force.svg)\n\n\
+         The recorded duty of the flight with the effect, simulated with two models that are restarted at the recorded \
+         position every 10 s: the config model, which lacks the effect, and the mended one. Below, the residual force: \
+         the force that the config model with refitted gain, drag and hover lacks for the recorded motion; over time, \
+         and its mean over duty, height and speed. Shaded: significant forecast errors."
     )
 }
 
@@ -124,8 +128,9 @@ fn competitors(exhibit: &Exhibit) -> String {
     tried.sort_by(|a, b| b.0.held_out_gain.total_cmp(&a.0.held_out_gain));
     let mut text = String::from("No effect passed the screening of this record.");
     if !tried.is_empty() {
-        text = "The effects that explain this record best, each alone, on held-out stretches. 5 nats are odds of 150 to 1.\n\n\
-                | effect | stage | gain, nats | probability |\n|---|---|---|---|"
+        text = "The effects that explain this record best, each alone, on held-out stretches. 5 nats are odds of 150 \
+             to 1.\n\n\
+             | effect | stage | gain, nats | probability |\n|---|---|---|---|"
             .into();
     }
     for (one, likely) in tried.into_iter().take(COMPETITORS) {

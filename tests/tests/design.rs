@@ -116,7 +116,11 @@ fn the_integral_of_the_configs_state_feedback_is_kept_and_said() {
 #[test]
 fn behind_a_predistortion_gains_are_for_its_control_value() {
     let bench = Bench::default();
-    bench.write("curve.toml", "[compensation.predistortion]\npoints = [[19.4, -20.0], [20.4, -10.0], [21.4, 0.0], [22.4, 10.0], [23.4, 20.0]]\n");
+    bench.write(
+        "curve.toml",
+        "[compensation.predistortion]\npoints = [[19.4, -20.0], [20.4, -10.0], [21.4, 0.0], \
+         [22.4, 10.0], [23.4, 20.0]]\n",
+    );
     let [plain, curved] = [&["pid"][..], &["pid", "--patch", "curve.toml"]].map(|arguments| design(&bench, arguments));
     let kp = |found: &Value| found["pid"]["kp_per_mm"].as_f64().unwrap();
     // A percent is 10 mm/s² of the control value, so that the gains are ten times as large.

@@ -27,7 +27,9 @@ pub enum RowsError {
     },
     /// A column is missing.
     #[error(
-        "{name}, line {line}: no column `{column}` for {quantity}, found {found}; rename the column, or map another in the config: [import] {quantity} = {{ column = \"…\", scale = 1.0, offset = 0.0 }}; or let `airball diagnose {name} --init` find all columns and propose a config"
+        "{name}, line {line}: no column `{column}` for {quantity}, found {found}; rename the column, or map another in \
+         the config: [import] {quantity} = {{ column = \"…\", scale = 1.0, offset = 0.0 }}; or let `airball diagnose \
+         {name} --init` find all columns and propose a config"
     )]
     MissingColumn {
         /// The file.

@@ -21,7 +21,8 @@ const FORMATS: [Format; 19] = [
     format(
         b"\x89HDF\r\n\x1a\n",
         "an HDF5 file, as MATLAB 7.3 and h5py write",
-        "in MATLAB: writetable(table(t, u, y), 'log.csv'); in Python: pandas.DataFrame of its data sets, then .to_csv('log.csv', index=False)",
+        "in MATLAB: writetable(table(t, u, y), 'log.csv'); in Python: pandas.DataFrame of its data sets, then \
+         .to_csv('log.csv', index=False)",
     ),
     format(
         b"PK\x03\x04",

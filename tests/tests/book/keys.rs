@@ -51,7 +51,8 @@ pub(crate) fn page(keys: &[Key], bounds: &Bounds) -> String {
          the number that this key holds. What else has to fit is said where it does not.\n\n| key | holds |\n|---|---|\n",
     );
     let mut effects = String::from(
-        "\n## Effects\n\nA key of an effect is needed, unless it may be absent.\n\n| key | accepted | no effect at |\n|---|---|---|\n",
+        "\n## Effects\n\nA key of an effect is needed, unless it may be absent.\n\n| key | accepted | no effect at \
+         |\n|---|---|---|\n",
     );
     for Key { path, holds, is_word } in keys {
         match (path.strip_prefix(EFFECTS), holds) {

@@ -28,7 +28,8 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "airball", version, max_term_width = 100, args_override_self = true)]
 #[command(
-    after_help = "Exit status: 0 done, 1 failed, 2 wrong usage or config. `diagnose`: 3 if the record cannot answer. `log recover`: 0 complete, 3 incomplete, 1 nothing recovered."
+    after_help = "Exit status: 0 done, 1 failed, 2 wrong usage or config. `diagnose`: 3 if the record cannot answer. \
+         `log recover`: 0 complete, 3 incomplete, 1 nothing recovered."
 )]
 pub struct Cli {
     /// What to do.

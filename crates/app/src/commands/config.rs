@@ -37,8 +37,8 @@ fn hasty(config: &Config) -> Option<String> {
     let (period_s, sensor_s) = (config.tables.r#loop?.period_s, f64::from(BUDGET_US) * 1e-6);
     (period_s < sensor_s).then(|| {
         format!(
-            "[loop] period_s = {period_s} is shorter than the {sensor_s} s of a reading of the sensor, so that some cycles have no \
-             new position; give {sensor_s} or more"
+            "[loop] period_s = {period_s} is shorter than the {sensor_s} s of a reading of the sensor, so that some \
+             cycles have no new position; give {sensor_s} or more"
         )
     })
 }

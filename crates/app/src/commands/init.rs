@@ -46,7 +46,8 @@ pub(super) fn propose(
 ) -> Result<Proposed> {
     if out.exists() && !replaces {
         return Err(Usage(format!(
-            "{0} exists and is kept; diagnose with it (--config {0}), give another name with --out, or replace it with --force",
+            "{0} exists and is kept; diagnose with it (--config {0}), give another name with --out, or replace it with \
+             --force",
             out.display()
         ))
         .into());

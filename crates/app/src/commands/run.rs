@@ -132,8 +132,8 @@ fn alone(link: &Link, rig: &str) -> Result<()> {
     let Some(other) = link.other() else { return Ok(()) };
     let (process, _) = other.split_once('-').unwrap_or((&other, ""));
     bail!(
-        "another program flies a rig named {rig} on this broker (its process is {process}, perhaps of another computer), and \
-         each would obey the other's commands; end that one, or give one of them another [rig] name"
+        "another program flies a rig named {rig} on this broker (its process is {process}, perhaps of another \
+         computer), and each would obey the other's commands; end that one, or give one of them another [rig] name"
     )
 }
 

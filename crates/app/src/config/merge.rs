@@ -39,7 +39,8 @@ fn remove_all(base: &mut Table, names: &Value) -> Result<(), (String, String)> {
     for name in names {
         if !remove(base, name) {
             return wrong(format!(
-                "`{}` is not in the config, so that it cannot be removed; name a key or a table that `airball config print` shows",
+                "`{}` is not in the config, so that it cannot be removed; name a key or a table that `airball config \
+                 print` shows",
                 rows::shown(name)
             ));
         }

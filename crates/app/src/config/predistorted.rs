@@ -21,9 +21,9 @@ pub(super) fn check(tables: &Tables) -> Result<(), (&'static str, String)> {
     let Some(slope) = curve.map(per_percent).filter(|slope| *slope > TELLING) else { return Ok(()) };
     let refused = |key: &'static str, value: f64, wanted: f64| {
         let message = format!(
-            "{value} is of a control value in percent, and behind [compensation] predistortion it is in mm/s²: {wanted:.3} is the \
-             same there. `airball measure force-curve --patch-out FILE` converts every gain; without new gains, leave \
-             predistortion out"
+            "{value} is of a control value in percent, and behind [compensation] predistortion it is in mm/s²: \
+             {wanted:.3} is the same there. `airball measure force-curve --patch-out FILE` converts every gain; \
+             without new gains, leave predistortion out"
         );
         Err((key, message))
     };

@@ -254,8 +254,8 @@ impl Tables {
             return Ok(());
         }
         Err(format!(
-            "it is {here}, and [compensation] hover_duty_percent = {there}: one of them is in another unit (a fraction, or counts); both are in \
-             percent of duty: hover_duty_percent = {there}"
+            "it is {here}, and [compensation] hover_duty_percent = {there}: one of them is in another unit (a \
+             fraction, or counts); both are in percent of duty: hover_duty_percent = {there}"
         ))
     }
 

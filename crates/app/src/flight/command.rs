@@ -116,7 +116,8 @@ pub enum Refusal {
     },
     /// There is no such experiment.
     #[error(
-        "there is no experiment {asked}; the retained topic `about` lists all, and [mqtt] experiments of the config adds files"
+        "there is no experiment {asked}; the retained topic `about` lists all, and [mqtt] experiments of the config \
+         adds files"
     )]
     Experiment {
         /// The commanded experiment.

@@ -156,7 +156,8 @@ pub enum Fault {
     /// The ball does not move although it is pushed.
     #[error(
         "the ball at {position_mm:.0} mm has not moved for {still_s:.1} s although the controller asks for \
-         {control_percent:+.1} % about hover; free it, check the fan's supply; if it is not stuck, change [safety] stuck"
+         {control_percent:+.1} % about hover; free it, check the fan's supply; if it is not stuck, change [safety] \
+         stuck"
     )]
     BallStuck {
         /// Position of the ball.
@@ -203,8 +204,8 @@ pub enum Fault {
     },
     /// The cycles do not keep up with their deadlines.
     #[error(
-        "the control cycles fell {behind_s:.2} s behind their deadlines; end other programs on this computer, check the \
-         bus for transactions that hang, or raise [safety] stall_s"
+        "the control cycles fell {behind_s:.2} s behind their deadlines; end other programs on this computer, check \
+         the bus for transactions that hang, or raise [safety] stall_s"
     )]
     Late {
         /// Total lateness of consecutive cycles, seconds.

@@ -45,7 +45,8 @@ pub enum LogError {
         path: PathBuf,
     },
     /// Writing failed.
-    #[error("writing {} failed after {cycles} cycles: {cause}; what was written before can be read, except perhaps for the last second; check the space on the disk", path.display())]
+    #[error("writing {} failed after {cycles} cycles: {cause}; what was written before can be read, except perhaps for \
+         the last second; check the space on the disk", path.display())]
     Write {
         /// The file.
         path: PathBuf,

@@ -211,7 +211,8 @@ mod tests {
         assert_eq!(lines[0].split(',').count(), 21, "{}", lines[0]);
         assert_eq!(
             lines[1],
-            "a.csv,effect,dead_zone 96 % lower_percent = -0.300 (-0.310 to -0.290),3.5,,,,0.9,0.8,1,,,,2,1.9,2.1,,,,a gap,"
+            "a.csv,effect,dead_zone 96 % lower_percent = -0.300 (-0.310 to -0.290),3.5,,,,0.9,0.8,1,,,,2,1.9,2.1,,,,a \
+             gap,"
         );
         assert!(lines[2].starts_with("b.csv,,,") && lines[2].ends_with(",empty"), "{}", lines[2]);
         assert!(Row::of("a.csv", "{").error.is_some());

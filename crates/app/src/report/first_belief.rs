@@ -10,8 +10,8 @@ use rows::{Column, shown};
 use std::fmt::Write;
 
 /// The meaning of a diagnosis with a belief that was fitted to the same record.
-pub const MEANING: &str = "the belief is a linear model fitted to this record, so what follows is how the rig differs from a linear model of itself; \
-     wrong numbers of a belief of your own cannot show";
+pub const MEANING: &str = "the belief is a linear model fitted to this record, so what follows is how the rig differs \
+     from a linear model of itself; wrong numbers of a belief of your own cannot show";
 
 /// How the config of a first belief begins.
 pub const HEAD: &str = "# A first belief about ";
@@ -24,8 +24,10 @@ const COMMENT_COLUMN: usize = 46;
 pub fn config(belief: &FirstBelief, logs: &[String]) -> String {
     let mut text = format!(
         "{HEAD}{}, written by `airball init` ({} s, {} readings).\n\
-         # Gain, drag, hover and noise are those of a linear model fitted to this record, so that a diagnosis with it says how the rig\n\
-         # differs from a linear model of itself. Put in what you know: a diagnosis against it then says more.\n\n[import]\n",
+         # Gain, drag, hover and noise are those of a linear model fitted to this record, so that a diagnosis with it \
+         says how the rig\n\
+         # differs from a linear model of itself. Put in what you know: a diagnosis against it then says \
+         more.\n\n[import]\n",
         logs.iter().map(|log| shown(log)).collect::<Vec<_>>().join(", "),
         number(belief.duration_s),
         belief.readings,
@@ -186,7 +188,8 @@ fn fitted(belief: &FirstBelief) -> String {
     let spring =
         spring.map_or_else(String::new, |k| format!(", a force of {} /s² that returns it to one place", number(k)));
     format!(
-        "linear model of the record: gain {} mm/s² per %, drag {} /s, hover {} %{lag}{spring}; noise of a reading {} mm",
+        "linear model of the record: gain {} mm/s² per %, drag {} /s, hover {} %{lag}{spring}; noise of a reading {} \
+         mm",
         number(model.gain_mm_per_s2_per_percent),
         number(model.drag_per_s),
         number(model.hover_duty_percent),
@@ -201,17 +204,22 @@ pub fn warnings(belief: &FirstBelief) -> Vec<String> {
     let input = shown(&belief.roles.input.column);
     let turned = plant.is_turned.then(|| {
         format!(
-            "the position falls where `{input}` rises, so its sign is turned (scale {}); if the position is a distance from above, turn that \
-             instead: --position-scale {}",
+            "the position falls where `{input}` rises, so its sign is turned (scale {}); if the position is a distance \
+             from above, turn that instead: --position-scale {}",
             number(belief.import.duty_percent.scale),
             number(-belief.import.position_mm.scale),
         )
     });
     let unseen = (!plant.sign_is_seen).then(|| {
-        format!("the record does not show whether the position rises or falls with `{input}`: a linear plant hardly follows it")
+        format!(
+            "the record does not show whether the position rises or falls with `{input}`: a linear plant hardly \
+             follows it"
+        )
     });
     let lost = plant.gain_is_lost.then(|| {
-        "no linear plant follows this record, so gain, drag and hover are first guesses: put in what you know before you diagnose".into()
+        "no linear plant follows this record, so gain, drag and hover are first guesses: put in what you know before \
+         you diagnose"
+            .into()
     });
     let spring = (plant.form.order == Order::Spring)
         .then(|| "a force returns the rig to one place; about one angle, gravity is such a force".into());

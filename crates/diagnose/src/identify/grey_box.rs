@@ -75,7 +75,8 @@ pub struct GreyBox {
 pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
-        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes 100 s"
+        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes \
+         100 s"
     )]
     Readings {
         /// Number of readings found.
@@ -83,9 +84,9 @@ pub enum TooLittle {
     },
     /// Too few readings in stretches without control.
     #[error(
-        "{readings} readings in stretches without control of {SHORTEST_S} s or longer, {ENOUGH_READINGS} are needed, and the longest such \
-         stretch in free flight has {longest_s:.1} s; fly experiments/open-loop.toml, which takes 80 s, or identify a flight under \
-         control without --open-loop"
+        "{readings} readings in stretches without control of {SHORTEST_S} s or longer, {ENOUGH_READINGS} are needed, \
+         and the longest such stretch in free flight has {longest_s:.1} s; fly experiments/open-loop.toml, which takes \
+         80 s, or identify a flight under control without --open-loop"
     )]
     OpenLoop {
         /// Number of readings found.

@@ -60,8 +60,8 @@ pub enum NoPlant {
     Still,
     /// The input does nothing that can be seen.
     #[error(
-        "the position does not answer the input (its gain is {deviations:.1} of its standard deviations); choose other columns, \
-         or record an experiment in which the input moves the rig"
+        "the position does not answer the input (its gain is {deviations:.1} of its standard deviations); choose other \
+         columns, or record an experiment in which the input moves the rig"
     )]
     NoAnswer {
         /// The gain in its standard deviations.
@@ -69,9 +69,9 @@ pub enum NoPlant {
     },
     /// The plant is of first order.
     #[error(
-        "the reading follows the input as a plant of first order, with a time constant of {time_constant_s:.3} s, as a temperature or \
-         a speed does: ẏ = K·u − a·y. A plant here is of second order, ÿ = K·(u − hover) − a·ẏ: the input is a force. If the column \
-         holds a speed, say so, and it is integrated"
+        "the reading follows the input as a plant of first order, with a time constant of {time_constant_s:.3} s, as a \
+         temperature or a speed does: ẏ = K·u − a·y. A plant here is of second order, ÿ = K·(u − hover) − a·ẏ: the \
+         input is a force. If the column holds a speed, say so, and it is integrated"
     )]
     FirstOrder {
         /// 1/a, seconds.
@@ -79,8 +79,9 @@ pub enum NoPlant {
     },
     /// The position returns too stiffly.
     #[error(
-        "the position follows the input as a servo does (it returns by {per_s2:.0} per s², and a model takes {STIFFEST_PER_S2}); if the \
-         input is a commanded position, name it as the setpoint: the input is then setpoint minus position"
+        "the position follows the input as a servo does (it returns by {per_s2:.0} per s², and a model takes \
+         {STIFFEST_PER_S2}); if the input is a commanded position, name it as the setpoint: the input is then setpoint \
+         minus position"
     )]
     Servo {
         /// k, 1/s².

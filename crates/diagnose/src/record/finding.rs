@@ -9,8 +9,8 @@ use crate::record::implausible::DutyScale;
 pub enum Finding {
     /// The duty hardly moves.
     #[error(
-        "the duty stays within {range_percent:.3} %, which excites nothing: gain, lag and dead zone cannot be told from such \
-         a record; fly one with a moving setpoint"
+        "the duty stays within {range_percent:.3} %, which excites nothing: gain, lag and dead zone cannot be told \
+         from such a record; fly one with a moving setpoint"
     )]
     StillDuty {
         /// Largest minus smallest duty, percent.
@@ -37,8 +37,9 @@ pub enum Finding {
     },
     /// Duties far below the believed hover.
     #[error(
-        "the usual duty is {usual_percent:.4e} % where {hover_percent} % are believed to hold the ball: the column holds another \
-         unit, or the record is of another rig; say [import] duty_percent.scale, about {scale:.3e}, or mend plant.hover_duty_percent"
+        "the usual duty is {usual_percent:.4e} % where {hover_percent} % are believed to hold the ball: the column \
+         holds another unit, or the record is of another rig; say [import] duty_percent.scale, about {scale:.3e}, or \
+         mend plant.hover_duty_percent"
     )]
     DutyFarBelowHover {
         /// Median of the duties' sizes, percent.
@@ -50,8 +51,8 @@ pub enum Finding {
     },
     /// Readings that cannot be positions of the ball.
     #[error(
-        "{count} readings are no position of the ball: they lie more than half the pipe's length outside of it, or jump by \
-         three quarters of it and back, the first in row {row}: {reading_mm:.4e} mm; they count as empty"
+        "{count} readings are no position of the ball: they lie more than half the pipe's length outside of it, or \
+         jump by three quarters of it and back, the first in row {row}: {reading_mm:.4e} mm; they count as empty"
     )]
     ImplausibleReadings {
         /// Number of such readings.
@@ -63,8 +64,8 @@ pub enum Finding {
     },
     /// Numbers that grew beyond any bound.
     #[error(
-        "the forecasts of the model are not finite, so nothing can be compared; look for implausible numbers in the record, and in \
-         the tables [plant] and [import]"
+        "the forecasts of the model are not finite, so nothing can be compared; look for implausible numbers in the \
+         record, and in the tables [plant] and [import]"
     )]
     NotFinite,
     /// The position never moves.
@@ -97,7 +98,8 @@ pub enum Finding {
     },
     /// The time between rows is uneven.
     #[error(
-        "{count} gaps between rows, the longest {longest_s:.3} s where {usual_s:.4} s is usual; forecasts cross them by the duty before them"
+        "{count} gaps between rows, the longest {longest_s:.3} s where {usual_s:.4} s is usual; forecasts cross them \
+         by the duty before them"
     )]
     Gaps {
         /// Number of gaps.
@@ -109,8 +111,8 @@ pub enum Finding {
     },
     /// Rows at the time of the row before them.
     #[error(
-        "{percent:.0} % of the rows repeat the time of the row before, the first is row {row}: the clock is coarser than the rows; \
-         name a finer one as [import] time_s, or keep one row of each time"
+        "{percent:.0} % of the rows repeat the time of the row before, the first is row {row}: the clock is coarser \
+         than the rows; name a finer one as [import] time_s, or keep one row of each time"
     )]
     RepeatedTimes {
         /// Share of all rows, percent.
@@ -120,7 +122,8 @@ pub enum Finding {
     },
     /// The rows are too far apart.
     #[error(
-        "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
+        "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times \
+         are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
     )]
     SlowRows {
         /// The usual time between rows, seconds.
@@ -128,7 +131,8 @@ pub enum Finding {
     },
     /// Too few readings.
     #[error(
-        "{readings} readings in free flight, and the diagnosis needs {needed}: fly longer, or name more flights of this rig together"
+        "{readings} readings in free flight, and the diagnosis needs {needed}: fly longer, or name more flights of \
+         this rig together"
     )]
     TooFew {
         /// Readings in free flight.
@@ -138,7 +142,8 @@ pub enum Finding {
     },
     /// Readings far from their neighbours.
     #[error(
-        "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of all; a reading so far off counts for little in the fits: look at them first"
+        "{count} readings jump by more than {OUTLIER} robust deviations ({limit_mm:.1} mm) and back, {percent:.2} % of \
+         all; a reading so far off counts for little in the fits: look at them first"
     )]
     Outliers {
         /// Number of such readings.
@@ -153,8 +158,8 @@ pub enum Finding {
     LeftOut,
     /// A very long flight, of which parts are used.
     #[error(
-        "of {rows} rows {used} are used, in {count} stretches spread evenly over the flight: more would take long and much memory; \
-         to diagnose another part, cut the log to it"
+        "of {rows} rows {used} are used, in {count} stretches spread evenly over the flight: more would take long and \
+         much memory; to diagnose another part, cut the log to it"
     )]
     Stretches {
         /// Rows of the flight.
@@ -178,7 +183,8 @@ pub enum Finding {
     },
     /// The record and the belief do not match.
     #[error(
-        "the record fits a {number} that is {ratio:.3} times the believed one: it is in other units, or of another rig; check the scales of [import] and plant.{number}"
+        "the record fits a {number} that is {ratio:.3} times the believed one: it is in other units, or of another \
+         rig; check the scales of [import] and plant.{number}"
     )]
     OtherRig {
         /// The base parameter, as the config names it.
@@ -188,7 +194,8 @@ pub enum Finding {
     },
     /// The fitted model is outside the bounds that the record sets.
     #[error(
-        "no model that this record allows fits it: {key} ends outside its bounds; check the scales of [import] and the table [plant]"
+        "no model that this record allows fits it: {key} ends outside its bounds; check the scales of [import] and the \
+         table [plant]"
     )]
     Impossible {
         /// The key of the parameter that is outside, in its table of the config.
@@ -196,9 +203,9 @@ pub enum Finding {
     },
     /// The position falls where the duty rises, at duties near the believed hover.
     #[error(
-        "the position falls where the duty rises ({deviations:.0} deviations from 0), as the distance from a sensor above does: write \
-         [import] position_mm = {{ column = \"position_mm\", scale = -1.0, offset = {offset_mm:.1} }} with the column's own name; if it has \
-         a scale already, turn its sign"
+        "the position falls where the duty rises ({deviations:.0} deviations from 0), as the distance from a sensor \
+         above does: write [import] position_mm = {{ column = \"position_mm\", scale = -1.0, offset = {offset_mm:.1} \
+         }} with the column's own name; if it has a scale already, turn its sign"
     )]
     PositionReversed {
         /// The gain in its standard deviations.
@@ -208,9 +215,9 @@ pub enum Finding {
     },
     /// The same at duties that have the other sign than hover.
     #[error(
-        "the position falls where the duty rises ({deviations:.0} deviations from 0), and the duty has the other sign than \
-         plant.hover_duty_percent: write [import] duty_percent = {{ column = \"duty_percent\", scale = -1.0 }} with the column's own name; if \
-         it has a scale already, turn its sign"
+        "the position falls where the duty rises ({deviations:.0} deviations from 0), and the duty has the other sign \
+         than plant.hover_duty_percent: write [import] duty_percent = {{ column = \"duty_percent\", scale = -1.0 }} \
+         with the column's own name; if it has a scale already, turn its sign"
     )]
     InputReversed {
         /// The gain in its standard deviations.
@@ -218,9 +225,10 @@ pub enum Finding {
     },
     /// The same of a rig that rests at a duty of 0.
     #[error(
-        "the position falls where the duty rises ({deviations:.0} deviations from 0), so one of them has the wrong sign: write [import] \
-         duty_percent = {{ column = \"duty_percent\", scale = -1.0 }}, or position_mm = {{ column = \"position_mm\", scale = -1.0, offset = \
-         … }}, with the column's own name; if it has a scale already, turn its sign"
+        "the position falls where the duty rises ({deviations:.0} deviations from 0), so one of them has the wrong \
+         sign: write [import] duty_percent = {{ column = \"duty_percent\", scale = -1.0 }}, or position_mm = {{ column \
+         = \"position_mm\", scale = -1.0, offset = … }}, with the column's own name; if it has a scale already, turn \
+         its sign"
     )]
     SignReversed {
         /// The gain in its standard deviations.
@@ -228,9 +236,10 @@ pub enum Finding {
     },
     /// The record hovers at another duty than believed, by a factor.
     #[error(
-        "the record hovers at a duty of {hover_percent:.4}, and plant.hover_duty_percent is {believed_percent}: if the duty is in another \
-         unit, write [import] duty_percent = {{ column = \"duty_percent\", scale = {} }} with the column's own name, times the scale that is \
-         there; if the belief is, plant.hover_duty_percent = {hover_percent:.4}", digits(known_scale(*scale, NEAR_BY_HOVER))
+        "the record hovers at a duty of {hover_percent:.4}, and plant.hover_duty_percent is {believed_percent}: if the \
+         duty is in another unit, write [import] duty_percent = {{ column = \"duty_percent\", scale = {} }} with the \
+         column's own name, times the scale that is there; if the belief is, plant.hover_duty_percent = \
+         {hover_percent:.4}", digits(known_scale(*scale, NEAR_BY_HOVER))
     )]
     DutyUnit {
         /// Hover of the record, in the unit of its duty.
@@ -242,9 +251,9 @@ pub enum Finding {
     },
     /// The gain is off by a factor, and hover is not: the position's unit.
     #[error(
-        "the record fits a gain that is {ratio:.3e} times the believed one, and its hover fits: the position is in another unit{}; write \
-         [import] position_mm = {{ column = \"position_mm\", scale = {} }} with the column's own name, times the scale that is there; or, if \
-         the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}", length(*ratio).0, digits(length(*ratio).1)
+        "the record fits a gain that is {ratio:.3e} times the believed one, and its hover fits: the position is in \
+         another unit{}; write [import] position_mm = {{ column = \"position_mm\", scale = {} }} with the column's own \
+         name, times the scale that is there; or, if the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}", length(*ratio).0, digits(length(*ratio).1)
     )]
     PositionUnit {
         /// Gain of the record over that of the belief.
@@ -254,9 +263,10 @@ pub enum Finding {
     },
     /// The gain is off by a factor, of a rig that rests at a duty of 0: the unit of the duty or of the position.
     #[error(
-        "the record fits a gain that is {ratio:.3} times the believed one: if the duty is in another unit, write [import] duty_percent = \
-         {{ column = \"duty_percent\", scale = {} }}; if the position is{}, position_mm = {{ column = \"position_mm\", scale = {} }}; each with the \
-         column's own name, times the scale that is there; if the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}",
+        "the record fits a gain that is {ratio:.3} times the believed one: if the duty is in another unit, write \
+         [import] duty_percent = {{ column = \"duty_percent\", scale = {} }}; if the position is{}, position_mm = {{ \
+         column = \"position_mm\", scale = {} }}; each with the column's own name, times the scale that is there; if \
+         the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}",
          digits(known_scale(*ratio, NEAR_BY_GAIN)), length(*ratio).0, digits(length(*ratio).1)
     )]
     GainUnit {
@@ -267,14 +277,15 @@ pub enum Finding {
     },
     /// Position and duty are exchanged.
     #[error(
-        "the position does not answer the duty, and the duty answers the position: the columns are exchanged; in [import], give duty_percent the \
-         column of position_mm, and position_mm that of duty_percent"
+        "the position does not answer the duty, and the duty answers the position: the columns are exchanged; in \
+         [import], give duty_percent the column of position_mm, and position_mm that of duty_percent"
     )]
     Exchanged,
     /// Several logs are not of one rig.
     #[error(
-        "this log is of another rig than the first: its gain is {gain_ratio:.2} times that one's, and it hovers at {hover_percent:.2} % instead of \
-         {first_hover_percent:.2} %; diagnose each by itself: airball diagnose --each LOG… --out reports"
+        "this log is of another rig than the first: its gain is {gain_ratio:.2} times that one's, and it hovers at \
+         {hover_percent:.2} % instead of {first_hover_percent:.2} %; diagnose each by itself: airball diagnose --each \
+         LOG… --out reports"
     )]
     SeveralRigs {
         /// Its gain over that of the first log.
@@ -286,7 +297,8 @@ pub enum Finding {
     },
     /// Rows before the take-off or after the landing.
     #[error(
-        "the ball lies at an end of the pipe for {before_s:.2} s before it takes off and {after_s:.2} s after it lands: these rows are left out"
+        "the ball lies at an end of the pipe for {before_s:.2} s before it takes off and {after_s:.2} s after it \
+         lands: these rows are left out"
     )]
     AtEnd {
         /// Time before the take-off, seconds.
@@ -296,8 +308,9 @@ pub enum Finding {
     },
     /// The same reading is repeated many times.
     #[error(
-        "{percent:.0} % of the readings are repeated, up to {longest} times: the ball stands still, the readings are coarse, or \
-         the sensor refreshes slower than the loop reads; in the last case mark repeats by a column `fresh` or leave them empty"
+        "{percent:.0} % of the readings are repeated, up to {longest} times: the ball stands still, the readings are \
+         coarse, or the sensor refreshes slower than the loop reads; in the last case mark repeats by a column `fresh` \
+         or leave them empty"
     )]
     Repeats {
         /// Share of readings in such runs, percent.

@@ -36,20 +36,25 @@ impl Effect for DeadZone {
         sizes: &[&[-0.15, 0.15], &[-0.4, 0.4]],
         difference: Some(Difference { name: "width", key: "width_percent", of: [0, 1] }),
         represents_its_stage: Some(0),
-        in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop oscillates slowly (limit cycle)",
-        mend: "correct it in [compensation.dead_zone] with the same two numbers, or use a fan and driver with finer steps",
+        in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop \
+             oscillates slowly (limit cycle)",
+        mend: "correct it in [compensation.dead_zone] with the same two numbers, or use a fan and driver with finer \
+             steps",
         similar: &[
             Similar {
                 name: "wall_friction",
-                distinguished_by: "inside a dead zone a moving ball drifts on; friction stops it and holds it. Fly a slow ramp of duty through hover",
+                distinguished_by: "inside a dead zone a moving ball drifts on; friction stops it and holds it. Fly a \
+                     slow ramp of duty through hover",
             },
             Similar {
                 name: "hysteresis",
-                distinguished_by: "a dead zone stays at hover, so that slow ramps up and down give the same curve; with hysteresis the flat part moves with each reversal",
+                distinguished_by: "a dead zone stays at hover, so that slow ramps up and down give the same curve; \
+                     with hysteresis the flat part moves with each reversal",
             },
             Similar {
                 name: "duty_quantisation",
-                distinguished_by: "a dead zone is one flat part, at hover; quantisation repeats at every step. Fly a slow ramp over several percent",
+                distinguished_by: "a dead zone is one flat part, at hover; quantisation repeats at every step. Fly a \
+                     slow ramp over several percent",
             },
         ],
         ..Entry::PLAIN

@@ -27,16 +27,19 @@ impl Effect for DutyQuantisation {
         params: &[Param { name: "step_percent", min: 0.0, max: 20.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.4], &[0.8]],
         start: Start::DutySteps,
-        in_a_log: "the force jumps at certain duties and is flat between them, and the loop has a limit cycle between two levels",
+        in_a_log: "the force jumps at certain duties and is flat between them, and the loop has a limit cycle between \
+             two levels",
         mend: "dither the duty so that its mean falls between the steps, or use a driver with finer steps",
         similar: &[
             Similar {
                 name: "dead_zone",
-                distinguished_by: "quantisation is flat at every step of duty; a dead zone is one flat part, at hover. Fly a slow ramp of duty",
+                distinguished_by: "quantisation is flat at every step of duty; a dead zone is one flat part, at hover. \
+                     Fly a slow ramp of duty",
             },
             Similar {
                 name: "hysteresis",
-                distinguished_by: "with quantisation the force depends on the duty alone: slow ramps up and down jump at the same duties",
+                distinguished_by: "with quantisation the force depends on the duty alone: slow ramps up and down jump \
+                     at the same duties",
             },
         ],
         ..Entry::PLAIN

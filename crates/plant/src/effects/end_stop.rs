@@ -53,11 +53,13 @@ impl Effect for EndStop {
         similar: &[
             Similar {
                 name: "saturation",
-                distinguished_by: "an end stop holds the ball at one height at any duty; saturation acts at every height",
+                distinguished_by: "an end stop holds the ball at one height at any duty; saturation acts at every \
+                     height",
             },
             Similar {
                 name: "height_dependent_flow",
-                distinguished_by: "an end stop acts only at contact, where the ball rebounds. Hold heights far from the ends as well",
+                distinguished_by: "an end stop acts only at contact, where the ball rebounds. Hold heights far from \
+                     the ends as well",
             },
         ],
         ..Entry::PLAIN

@@ -37,20 +37,24 @@ impl Effect for FanLag {
         sizes: &[&[0.05], &[0.2]],
         form: Form::Approximate,
         twins: &["sensor_lag"],
-        in_a_log: "the ball responds late to every change of duty, and oscillates at gains at which the simulator is stable",
+        in_a_log: "the ball responds late to every change of duty, and oscillates at gains at which the simulator is \
+             stable",
         mend: "a lighter rotor or a fan with active braking; more derivative action or less gain in the controller",
         similar: &[
             Similar {
                 name: "transport_delay",
-                distinguished_by: "with a lag the force begins right after a step of duty and grows; with a delay it begins late and at its full size. Fly steps of duty",
+                distinguished_by: "with a lag the force begins right after a step of duty and grows; with a delay it \
+                     begins late and at its full size. Fly steps of duty",
             },
             Similar {
                 name: "sensor_lag",
-                distinguished_by: "duty and position hardly separate them. With a fan lag a recorded fan speed lags the duty, and a second sensor is late as well",
+                distinguished_by: "duty and position hardly separate them. With a fan lag a recorded fan speed lags \
+                     the duty, and a second sensor is late as well",
             },
             Similar {
                 name: "spin_asymmetry",
-                distinguished_by: "with a plain lag the responses to a rise and to a fall of duty are equally slow. Fly equal steps up and down",
+                distinguished_by: "with a plain lag the responses to a rise and to a fall of duty are equally slow. \
+                     Fly equal steps up and down",
             },
         ],
         ..Entry::PLAIN

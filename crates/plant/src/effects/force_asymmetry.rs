@@ -34,15 +34,18 @@ impl Effect for ForceAsymmetry {
         similar: &[
             Similar {
                 name: "thrust_curve",
-                distinguished_by: "with an asymmetry small steps up and down differ by the same ratio as large ones. Fly pairs of steps of several sizes",
+                distinguished_by: "with an asymmetry small steps up and down differ by the same ratio as large ones. \
+                     Fly pairs of steps of several sizes",
             },
             Similar {
                 name: "saturation",
-                distinguished_by: "with an asymmetry small steps differ too; saturation does not affect them. Fly pairs of steps of several sizes",
+                distinguished_by: "with an asymmetry small steps differ too; saturation does not affect them. Fly \
+                     pairs of steps of several sizes",
             },
             Similar {
                 name: "spin_asymmetry",
-                distinguished_by: "with a force asymmetry the final forces of equal steps up and down differ; with spin asymmetry only the transients do",
+                distinguished_by: "with a force asymmetry the final forces of equal steps up and down differ; with \
+                     spin asymmetry only the transients do",
             },
         ],
         ..Entry::PLAIN

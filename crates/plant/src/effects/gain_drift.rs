@@ -38,7 +38,8 @@ impl Effect for GainDrift {
         mend: "use a regulated supply for the fan, let the rig warm up first, or identify the gain before each flight",
         similar: &[Similar {
             name: "hover_drift",
-            distinguished_by: "with gain drift the hover duty stays and the response to steps changes. Fly the same steps about hover early and late",
+            distinguished_by: "with gain drift the hover duty stays and the response to steps changes. Fly the same \
+                 steps about hover early and late",
         }],
         ..Entry::PLAIN
     };

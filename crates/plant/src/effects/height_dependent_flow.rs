@@ -44,11 +44,13 @@ impl Effect for HeightDependentFlow {
         similar: &[
             Similar {
                 name: "hover_drift",
-                distinguished_by: "the hover duty at one height is the same at every visit. Hold several heights, and the first one again at the end",
+                distinguished_by: "the hover duty at one height is the same at every visit. Hold several heights, and \
+                     the first one again at the end",
             },
             Similar {
                 name: "end_stop",
-                distinguished_by: "the force changes gradually along the pipe; an end stop acts only at its height. Hold several heights far from the ends",
+                distinguished_by: "the force changes gradually along the pipe; an end stop acts only at its height. \
+                     Hold several heights far from the ends",
             },
         ],
         ..Entry::PLAIN

@@ -33,15 +33,18 @@ impl Effect for HoverDrift {
         similar: &[
             Similar {
                 name: "gain_drift",
-                distinguished_by: "with hover drift the hover duty changes and the response to steps stays. Fly the same steps early and late",
+                distinguished_by: "with hover drift the hover duty changes and the response to steps stays. Fly the \
+                     same steps early and late",
             },
             Similar {
                 name: "height_dependent_flow",
-                distinguished_by: "the hover duty differs between two visits to the same height. Return to the first height at the end",
+                distinguished_by: "the hover duty differs between two visits to the same height. Return to the first \
+                     height at the end",
             },
             Similar {
                 name: "turbulence",
-                distinguished_by: "drift goes in one direction through the whole log; turbulence averages out. Hold one height for minutes",
+                distinguished_by: "drift goes in one direction through the whole log; turbulence averages out. Hold \
+                     one height for minutes",
             },
         ],
         ..Entry::PLAIN

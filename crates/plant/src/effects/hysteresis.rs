@@ -35,16 +35,19 @@ impl Effect for Hysteresis {
         sizes: &[&[0.1], &[0.3]],
         start: Start::Values(&[&[0.1], &[0.2], &[0.4], &[0.8]]),
         form: Form::Approximate,
-        in_a_log: "the same duty holds or lifts the ball, depending on whether it was reached from below or above; small reversals of duty have no effect",
+        in_a_log: "the same duty holds or lifts the ball, depending on whether it was reached from below or above; \
+             small reversals of duty have no effect",
         mend: "a fan driver that controls the speed by the tachometer; dither wider than the hysteresis",
         similar: &[
             Similar {
                 name: "dead_zone",
-                distinguished_by: "hysteresis is flat after every reversal of the duty, a dead zone only at hover. Ramp the duty slowly up and down, and compare the two curves",
+                distinguished_by: "hysteresis is flat after every reversal of the duty, a dead zone only at hover. \
+                     Ramp the duty slowly up and down, and compare the two curves",
             },
             Similar {
                 name: "wall_friction",
-                distinguished_by: "hysteresis depends on the path of the duty: reverse the duty while the ball moves on, and at first the force does not change; with friction it does",
+                distinguished_by: "hysteresis depends on the path of the duty: reverse the duty while the ball moves \
+                     on, and at first the force does not change; with friction it does",
             },
             Similar {
                 name: "fan_lag",

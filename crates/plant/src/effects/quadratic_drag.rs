@@ -37,15 +37,18 @@ impl Effect for QuadraticDrag {
         similar: &[
             Similar {
                 name: "saturation",
-                distinguished_by: "the residual force grows with the speed, also at small duties. Compare slow and fast motion at the same duty",
+                distinguished_by: "the residual force grows with the speed, also at small duties. Compare slow and \
+                     fast motion at the same duty",
             },
             Similar {
                 name: "wall_friction",
-                distinguished_by: "drag hardly acts on a slow ball and never holds it; friction is the same at any speed. Fly a slow ramp and large steps",
+                distinguished_by: "drag hardly acts on a slow ball and never holds it; friction is the same at any \
+                     speed. Fly a slow ramp and large steps",
             },
             Similar {
                 name: "thrust_curve",
-                distinguished_by: "drag acts equally in both directions and only when the ball is fast; a thrust curve acts right after a step. Fly steps up and down",
+                distinguished_by: "drag acts equally in both directions and only when the ball is fast; a thrust curve \
+                     acts right after a step. Fly steps up and down",
             },
         ],
         ..Entry::PLAIN

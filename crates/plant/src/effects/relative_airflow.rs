@@ -42,19 +42,24 @@ impl Effect for RelativeAirflow {
         }],
         sizes: &[&[5e-4], &[2e-3]],
         in_a_log: "the drag is larger than in the simulator at large duties, and smaller at small ones",
-        mend: "none, it is the physics of the pipe. Put it into the simulator, or schedule the derivative gain over the duty",
+        mend: "none, it is the physics of the pipe. Put it into the simulator, or schedule the derivative gain over \
+             the duty",
         similar: &[
             Similar {
                 name: "thrust_curve",
-                distinguished_by: "here the drag changes with the duty and the force on a ball at rest does not; with a thrust curve it is the reverse. Fly large steps of duty, with fast motion at small and at large duties",
+                distinguished_by: "here the drag changes with the duty and the force on a ball at rest does not; with \
+                     a thrust curve it is the reverse. Fly large steps of duty, with fast motion at small and at large \
+                     duties",
             },
             Similar {
                 name: "quadratic_drag",
-                distinguished_by: "here the drag depends on the duty and differs between rise and fall; quadratic drag depends on the speed alone. Fly fast motion at small and at large duties",
+                distinguished_by: "here the drag depends on the duty and differs between rise and fall; quadratic drag \
+                     depends on the speed alone. Fly fast motion at small and at large duties",
             },
             Similar {
                 name: "force_asymmetry",
-                distinguished_by: "right after a step of duty the forces up and down are equal; they differ when the ball moves. Fly pairs of large steps",
+                distinguished_by: "right after a step of duty the forces up and down are equal; they differ when the \
+                     ball moves. Fly pairs of large steps",
             },
         ],
         ..Entry::PLAIN

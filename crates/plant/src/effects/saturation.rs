@@ -32,16 +32,19 @@ impl Effect for Saturation {
         ],
         sizes: &[&[-800.0, 800.0], &[-400.0, 400.0]],
         start: Start::CommandedRange,
-        in_a_log: "above some duty the ball rises or falls no faster, and large steps overshoot while small ones do not",
+        in_a_log: "above some duty the ball rises or falls no faster, and large steps overshoot while small ones do \
+             not",
         mend: "keep the controller within the limits, with anti-windup and slower setpoints; or a stronger fan",
         similar: &[
             Similar {
                 name: "quadratic_drag",
-                distinguished_by: "with saturation the force is too small right after a large step; with drag only when the ball is fast",
+                distinguished_by: "with saturation the force is too small right after a large step; with drag only \
+                     when the ball is fast",
             },
             Similar {
                 name: "thrust_curve",
-                distinguished_by: "steps within the limits fit the model; a curved force shows in every step, and more in larger ones",
+                distinguished_by: "steps within the limits fit the model; a curved force shows in every step, and more \
+                     in larger ones",
             },
             Similar {
                 name: "force_asymmetry",

@@ -27,20 +27,24 @@ impl Effect for SensorDelay {
         params: &[Param { name: "delay_s", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.03], &[0.1]],
         twins: &["transport_delay"],
-        in_a_log: "the reading follows the duty late by a fixed time, and the loop oscillates at gains at which the simulator is stable",
+        in_a_log: "the reading follows the duty late by a fixed time, and the loop oscillates at gains at which the \
+             simulator is stable",
         mend: "a shorter timing budget; read right after the measurement is ready; a predictor for the delay",
         similar: &[
             Similar {
                 name: "transport_delay",
-                distinguished_by: "duty and position cannot separate them. A second sensor is earlier than a delayed sensor; a transport delay is the same in both",
+                distinguished_by: "duty and position cannot separate them. A second sensor is earlier than a delayed \
+                     sensor; a transport delay is the same in both",
             },
             Similar {
                 name: "sensor_lag",
-                distinguished_by: "a delay shifts fast reversals; a lag makes them smaller and rounder. Move the ball back and forth fast",
+                distinguished_by: "a delay shifts fast reversals; a lag makes them smaller and rounder. Move the ball \
+                     back and forth fast",
             },
             Similar {
                 name: "stale_samples",
-                distinguished_by: "delayed readings do not repeat while the ball moves; stale ones do. Look at successive readings of a fast ball",
+                distinguished_by: "delayed readings do not repeat while the ball moves; stale ones do. Look at \
+                     successive readings of a fast ball",
             },
         ],
         ..Entry::PLAIN

@@ -43,15 +43,18 @@ impl Effect for SensorLag {
         similar: &[
             Similar {
                 name: "sensor_delay",
-                distinguished_by: "a lag makes fast reversals smaller and rounder; a delay shifts them. Move the ball back and forth fast",
+                distinguished_by: "a lag makes fast reversals smaller and rounder; a delay shifts them. Move the ball \
+                     back and forth fast",
             },
             Similar {
                 name: "fan_lag",
-                distinguished_by: "duty and position hardly separate them. With a sensor lag a second sensor is earlier than this one, and a recorded fan speed follows the duty as modelled",
+                distinguished_by: "duty and position hardly separate them. With a sensor lag a second sensor is \
+                     earlier than this one, and a recorded fan speed follows the duty as modelled",
             },
             Similar {
                 name: "stale_samples",
-                distinguished_by: "a lagging reading changes in every cycle and never jumps. Look at successive readings of a fast ball",
+                distinguished_by: "a lagging reading changes in every cycle and never jumps. Look at successive \
+                     readings of a fast ball",
             },
         ],
         ..Entry::PLAIN

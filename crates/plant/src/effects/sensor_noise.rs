@@ -32,15 +32,18 @@ impl Effect for SensorNoise {
         similar: &[
             Similar {
                 name: "turbulence",
-                distinguished_by: "sensor noise is there with the ball at rest and the fan off, and successive readings are uncorrelated. Fly `airball measure noise-floor`",
+                distinguished_by: "sensor noise is there with the ball at rest and the fan off, and successive \
+                     readings are uncorrelated. Fly `airball measure noise-floor`",
             },
             Similar {
                 name: "sensor_quantisation",
-                distinguished_by: "a ball at rest gives many values instead of one or two. Fly `airball measure noise-floor`",
+                distinguished_by: "a ball at rest gives many values instead of one or two. Fly `airball measure \
+                     noise-floor`",
             },
             Similar {
                 name: "sensor_outliers",
-                distinguished_by: "noise scatters every reading; outliers are a few readings far from the others. Look at a ball at rest",
+                distinguished_by: "noise scatters every reading; outliers are a few readings far from the others. Look \
+                     at a ball at rest",
             },
         ],
         ..Entry::PLAIN

@@ -34,7 +34,8 @@ impl Effect for SensorOutliers {
         start: Start::Values(&[&[0.015, 20.0], &[0.015, 40.0], &[0.015, 80.0], &[0.015, 160.0]]),
         shown_at: Some(&[0.02, 60.0]),
         in_a_log: "single readings jump away and back faster than a ball can move, and the duty has spikes",
-        mend: "narrow the field of view of the sensor, darken the pipe; reject implausible readings (gate of the observer)",
+        mend: "narrow the field of view of the sensor, darken the pipe; reject implausible readings (gate of the \
+             observer)",
         similar: &[
             Similar {
                 name: "sensor_noise",
@@ -42,7 +43,8 @@ impl Effect for SensorOutliers {
             },
             Similar {
                 name: "turbulence",
-                distinguished_by: "after an outlier the next reading is back at the path of the ball; a force on the ball acts for longer",
+                distinguished_by: "after an outlier the next reading is back at the path of the ball; a force on the \
+                     ball acts for longer",
             },
         ],
         ..Entry::PLAIN

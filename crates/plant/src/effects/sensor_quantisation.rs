@@ -31,11 +31,13 @@ impl Effect for SensorQuantisation {
         similar: &[
             Similar {
                 name: "sensor_noise",
-                distinguished_by: "only multiples of a step occur, and a ball at rest gives one or two of them. Fly `airball measure noise-floor`",
+                distinguished_by: "only multiples of a step occur, and a ball at rest gives one or two of them. Fly \
+                     `airball measure noise-floor`",
             },
             Similar {
                 name: "stale_samples",
-                distinguished_by: "a quantised value repeats until the ball has moved a step, so that a fast ball repeats none; a stale one repeats for a fixed time",
+                distinguished_by: "a quantised value repeats until the ball has moved a step, so that a fast ball \
+                     repeats none; a stale one repeats for a fixed time",
             },
         ],
         ..Entry::PLAIN

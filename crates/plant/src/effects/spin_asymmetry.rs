@@ -35,16 +35,20 @@ impl Effect for SpinAsymmetry {
         sizes: &[&[0.1, 0.25], &[0.25, 0.1]],
         contains: Some("fan_lag"),
         shown_at: Some(&[0.15, 0.40]),
-        in_a_log: "the ball responds to a rise of duty sooner than to a fall, and floats higher while the duty oscillates fast about hover",
-        mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); a lower gain for downward moves",
+        in_a_log: "the ball responds to a rise of duty sooner than to a fall, and floats higher while the duty \
+             oscillates fast about hover",
+        mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); a lower gain for \
+             downward moves",
         similar: &[
             Similar {
                 name: "fan_lag",
-                distinguished_by: "the response to a fall of duty is slower than to a rise; here both are equal. Fly equal steps up and down; a fast square wave about hover lifts the ball only with spin asymmetry",
+                distinguished_by: "the response to a fall of duty is slower than to a rise; here both are equal. Fly \
+                     equal steps up and down; a fast square wave about hover lifts the ball only with spin asymmetry",
             },
             Similar {
                 name: "force_asymmetry",
-                distinguished_by: "the final forces of equal steps up and down are equal. Hold each step for several time constants of the fan",
+                distinguished_by: "the final forces of equal steps up and down are equal. Hold each step for several \
+                     time constants of the fan",
             },
         ],
         ..Entry::PLAIN

@@ -35,11 +35,13 @@ impl Effect for StaleSamples {
         similar: &[
             Similar {
                 name: "sensor_lag",
-                distinguished_by: "a stale reading is constant and then jumps; a lag is smooth. Look at successive readings of a fast ball",
+                distinguished_by: "a stale reading is constant and then jumps; a lag is smooth. Look at successive \
+                     readings of a fast ball",
             },
             Similar {
                 name: "sensor_quantisation",
-                distinguished_by: "stale values repeat for a fixed time, also with a fast ball; quantised ones repeat as long as the ball is within a step. Move the ball fast and slowly",
+                distinguished_by: "stale values repeat for a fixed time, also with a fast ball; quantised ones repeat \
+                     as long as the ball is within a step. Move the ball fast and slowly",
             },
             Similar { name: "sensor_delay", distinguished_by: "stale readings repeat; delayed readings do not" },
         ],

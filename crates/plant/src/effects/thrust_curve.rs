@@ -38,20 +38,24 @@ impl Effect for ThrustCurve {
         start: Start::Values(&[&[0.01], &[0.03], &[-0.01], &[-0.03]]),
         form: Form::Approximate,
         represents_its_stage: Some(2),
-        in_a_log: "small steps of duty fit the gain; large ones give too much force on one side of hover and too little on the other",
+        in_a_log: "small steps of duty fit the gain; large ones give too much force on one side of hover and too \
+             little on the other",
         mend: "invert the measured force curve between controller and fan (predistortion)",
         similar: &[
             Similar {
                 name: "force_asymmetry",
-                distinguished_by: "with a thrust curve small steps up and down have the same gain; with an asymmetry they differ as large ones do. Fly pairs of steps of several sizes",
+                distinguished_by: "with a thrust curve small steps up and down have the same gain; with an asymmetry \
+                     they differ as large ones do. Fly pairs of steps of several sizes",
             },
             Similar {
                 name: "saturation",
-                distinguished_by: "a thrust curve bends from hover on; a saturated one is straight up to the limit and flat beyond. Fly steps of several sizes",
+                distinguished_by: "a thrust curve bends from hover on; a saturated one is straight up to the limit and \
+                     flat beyond. Fly steps of several sizes",
             },
             Similar {
                 name: "relative_airflow",
-                distinguished_by: "a thrust curve acts on a ball at rest too, and the drag is the same at every duty. Fly large steps of duty, with fast motion at small and at large duties",
+                distinguished_by: "a thrust curve acts on a ball at rest too, and the drag is the same at every duty. \
+                     Fly large steps of duty, with fast motion at small and at large duties",
             },
         ],
         ..Entry::PLAIN

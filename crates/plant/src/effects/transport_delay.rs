@@ -30,15 +30,18 @@ impl Effect for TransportDelay {
         twins: &["sensor_delay"],
         represents_its_stage: Some(1),
         in_a_log: "after every change of duty nothing happens for a fixed time, then the response is as modelled",
-        mend: "write the duty right after the reading, raise the PWM frequency, shorten the distance from fan to ball; or reduce the gain",
+        mend: "write the duty right after the reading, raise the PWM frequency, shorten the distance from fan to ball; \
+             or reduce the gain",
         similar: &[
             Similar {
                 name: "sensor_delay",
-                distinguished_by: "duty and position cannot separate them. A second sensor is late as well with a transport delay, and on time with a sensor delay",
+                distinguished_by: "duty and position cannot separate them. A second sensor is late as well with a \
+                     transport delay, and on time with a sensor delay",
             },
             Similar {
                 name: "fan_lag",
-                distinguished_by: "after a step of duty the force of a delayed fan begins late and at its full size; with a lag it begins at once and grows. Fly steps",
+                distinguished_by: "after a step of duty the force of a delayed fan begins late and at its full size; \
+                     with a lag it begins at once and grows. Fly steps",
             },
         ],
         ..Entry::PLAIN

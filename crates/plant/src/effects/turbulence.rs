@@ -41,11 +41,13 @@ impl Effect for Turbulence {
         similar: &[
             Similar {
                 name: "sensor_noise",
-                distinguished_by: "turbulence moves the ball, so that successive readings agree. With the fan off and the ball at rest only sensor noise is left",
+                distinguished_by: "turbulence moves the ball, so that successive readings agree. With the fan off and \
+                     the ball at rest only sensor noise is left",
             },
             Similar {
                 name: "hover_drift",
-                distinguished_by: "turbulence averages out and differs between flights; drift repeats. Fly the same experiment twice and compare",
+                distinguished_by: "turbulence averages out and differs between flights; drift repeats. Fly the same \
+                     experiment twice and compare",
             },
         ],
         ..Entry::PLAIN

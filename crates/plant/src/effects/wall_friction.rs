@@ -39,15 +39,18 @@ impl Effect for WallFriction {
         similar: &[
             Similar {
                 name: "dead_zone",
-                distinguished_by: "friction holds a resting ball and stops a moving one; in a dead zone it drifts on. Fly a slow ramp through hover",
+                distinguished_by: "friction holds a resting ball and stops a moving one; in a dead zone it drifts on. \
+                     Fly a slow ramp through hover",
             },
             Similar {
                 name: "hysteresis",
-                distinguished_by: "friction depends on the motion of the ball: while the ball moves on, a reversal of the duty acts at once; with hysteresis it does not",
+                distinguished_by: "friction depends on the motion of the ball: while the ball moves on, a reversal of \
+                     the duty acts at once; with hysteresis it does not",
             },
             Similar {
                 name: "quadratic_drag",
-                distinguished_by: "friction affects slow motion most; drag hardly affects it. Fly a slow ramp and large steps",
+                distinguished_by: "friction affects slow motion most; drag hardly affects it. Fly a slow ramp and \
+                     large steps",
             },
         ],
         ..Entry::PLAIN

@@ -111,12 +111,12 @@ fn not_linear(name: &str, about: Option<&About>) -> String {
     let start = format!("{name} is on in the model and not linear");
     match about {
         None => format!(
-            "{start}: the design does not see it; try it in `airball simulate`, or, if it bends the force, give --about-duty \
-             and --about-height"
+            "{start}: the design does not see it; try it in `airball simulate`, or, if it bends the force, give \
+             --about-duty and --about-height"
         ),
         Some(About { duty_percent, position_mm, .. }) => format!(
-            "{start}: the design sees at most the slopes of its force at {duty_percent} % and {position_mm} mm; try it in \
-             `airball simulate`"
+            "{start}: the design sees at most the slopes of its force at {duty_percent} % and {position_mm} mm; try it \
+             in `airball simulate`"
         ),
     }
 }

@@ -140,10 +140,12 @@ pub mod words {
         match residuals {
             Residuals::Noise => "The residuals are white: this record does not contradict the model.",
             Residuals::KnowDuty => {
-                "The residuals depend on the duty: the model lacks an effect, and its intervals are too narrow. Find it with `airball diagnose`."
+                "The residuals depend on the duty: the model lacks an effect, and its intervals are too narrow. Find \
+                 it with `airball diagnose`."
             }
             Residuals::Coloured => {
-                "The residuals are coloured: the noise of air or sensor differs from the model, and the intervals are too narrow. See `airball diagnose`."
+                "The residuals are coloured: the noise of air or sensor differs from the model, and the intervals are \
+                 too narrow. See `airball diagnose`."
             }
         }
     }

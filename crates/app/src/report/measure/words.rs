@@ -134,11 +134,13 @@ pub fn verdict_of_zone(zone: &DeadZone, jumps: &Jumps) -> String {
     let (width, count) = (upper.value - lower.value, jumps.jumps.len());
     if upper.low > lower.high {
         format!(
-            "A dead zone of {width:.3} %, from {count} jumps. Any duty within it may be called hover; the patch takes its centre."
+            "A dead zone of {width:.3} %, from {count} jumps. Any duty within it may be called hover; the patch takes \
+             its centre."
         )
     } else {
         format!(
-            "No significant dead zone: from {count} jumps its width is {width:.3} %, and the intervals of the edges overlap."
+            "No significant dead zone: from {count} jumps its width is {width:.3} %, and the intervals of the edges \
+             overlap."
         )
     }
 }
@@ -149,8 +151,8 @@ pub fn given(jumps: &Jumps) -> String {
 }
 
 /// What the patch of a force curve does to the controllers.
-pub const OF_PATCH: &str = "The patch makes the control value an acceleration in mm/s², so it multiplies the gains of all controllers by the force \
-                            per percent of duty.";
+pub const OF_PATCH: &str = "The patch makes the control value an acceleration in mm/s², so it multiplies the gains of \
+     all controllers by the force per percent of duty.";
 
 /// Rows of words under their heads.
 pub struct Rows<const N: usize> {
@@ -205,7 +207,8 @@ fn words_of_gain(found: &Critical) -> Vec<String> {
     vec![
         swings(&found.swings).table(),
         format!(
-            "critical gain {value:.5} per mm ({low:.5} to {high:.5}) under PI control with T_i = {ti_s:.1} s; it oscillates at {omega:.2} rad/s"
+            "critical gain {value:.5} per mm ({low:.5} to {high:.5}) under PI control with T_i = {ti_s:.1} s; it \
+             oscillates at {omega:.2} rad/s"
         ),
     ]
 }
@@ -216,7 +219,8 @@ fn words_of_time(found: &CriticalTime) -> Vec<String> {
     vec![
         swings(&found.swings).table(),
         format!(
-            "critical integral time {value:.3} s ({low:.3} to {high:.3}) under PI control with K_p = {kp_per_mm:.4} per mm; it oscillates at {omega:.2} rad/s"
+            "critical integral time {value:.3} s ({low:.3} to {high:.3}) under PI control with K_p = {kp_per_mm:.4} \
+             per mm; it oscillates at {omega:.2} rad/s"
         ),
     ]
 }
@@ -239,13 +243,14 @@ pub fn settled(steps: &Steps) -> String {
 pub fn readings(floor: &NoiseFloor) -> String {
     let NoiseFloor { correlation, resolution_mm, readings, wild, .. } = floor;
     format!(
-        "{readings} readings at rest, {wild} outliers left out; resolution {resolution_mm:.2} mm, autocorrelation at lag 1 {correlation:+.3}."
+        "{readings} readings at rest, {wild} outliers left out; resolution {resolution_mm:.2} mm, autocorrelation at \
+         lag 1 {correlation:+.3}."
     )
 }
 
 /// Why a scale is not identifiable.
-pub const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be measured. Mount the sensor at \
-                                least 30 mm above the ball's rest there.";
+pub const BLIND: &str = "At the top the ball is in the sensor's blind zone: the scale cannot be measured. Mount the \
+     sensor at least 30 mm above the ball's rest there.";
 
 /// The bands, and whether each is met.
 pub fn bands(found: &Calibration) -> Rows<5> {

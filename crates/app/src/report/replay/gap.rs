@@ -51,15 +51,15 @@ pub fn sentence(gap: &Gap, recording: &Recording) -> String {
     };
     if error < AS_GOOD_AS_NOISE * floor {
         return format!(
-            "{ahead} s ahead the error of the model is {error:.1} mm; noise alone gives {floor:.1} mm: this record shows no gap at \
-             that horizon."
+            "{ahead} s ahead the error of the model is {error:.1} mm; noise alone gives {floor:.1} mm: this record \
+             shows no gap at that horizon."
         );
     }
     let beside = if error < stay_put { "" } else { ", so the model is of no use at that horizon" };
     format!(
-        "{ahead} s ahead the error of the model is {error:.1} mm; noise alone gives {floor:.1} mm, and \"the ball stays put\" \
-         {stay_put:.1} mm{beside}. The model lacks an effect, or its parameters or noise are wrong: `airball diagnose` \
-         finds which."
+        "{ahead} s ahead the error of the model is {error:.1} mm; noise alone gives {floor:.1} mm, and \"the ball \
+         stays put\" {stay_put:.1} mm{beside}. The model lacks an effect, or its parameters or noise are wrong: \
+         `airball diagnose` finds which."
     )
 }
 

@@ -68,7 +68,8 @@ fn first(report: &Report<'_>, position: Diagram) -> Markup {
         ("noise alone", "setpoint", gap.floor_mm[2]),
     ];
     let caption = html! {
-        "Recorded position, and the model simulated from the recorded duty, restarted at the recorded position every 10 s."
+        "Recorded position, and the model simulated from the recorded duty, restarted at the recorded position every \
+         10 s."
     };
     let alt = "Position over the record: setpoint, recorded, and free runs of the simulator";
     html! {

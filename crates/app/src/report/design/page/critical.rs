@@ -62,8 +62,10 @@ fn first(found: &Table) -> Markup {
     let numbers: Vec<(String, String, String)> = rig.chain(poles).collect();
     html! {
         p.lede {
-            "A model with two poles is stable at any gain. The rig is not, because its fan has a pole as well. If this pole is chosen so that a model has "
-            "the critical gain of the rig, the model predicts the critical integral time, which was also measured and not used."
+            "A model with two poles is stable at any gain. The rig is not, because its fan has a pole as well. If this \
+             pole is chosen so that a model has "
+            "the critical gain of the rig, the model predicts the critical integral time, which was also measured and \
+             not used."
         }
         h2.unseen { "The rig, and the pole that each model lacks" }
         div.first { (values(&numbers)) }

@@ -49,7 +49,8 @@ pub(super) fn first(document: &Document, drawn: &Diagrams) -> Markup {
     let of = decisive(document);
     html! {
         p.lede {
-            @if document.sampled.is_some() { "Sampled, as the firmware runs it. " } @else { "In continuous time: the config has no period. " }
+            @if document.sampled.is_some() { "Sampled, as the firmware runs it. " } @else { "In continuous time: the \
+                 config has no period. " }
             @for (name, words) in law(document) { @if !name.is_empty() { (spoken(name)) ": " (words) ". " } }
         }
         h2.unseen { "What the loop does" }
@@ -110,7 +111,8 @@ pub(super) fn spoken(name: &str) -> &str {
 /// The step response beside the first numbers.
 pub fn step_first(drawn: &Diagrams) -> Markup {
     let caption = html! {
-        "Response to a step of the setpoint, relative to the step, for the linear plant without noise and without limits of the duty."
+        "Response to a step of the setpoint, relative to the step, for the linear plant without noise and without \
+         limits of the duty."
     };
     figure(&Diagram { direct: true, ..drawn.step.clone() }, Size::FIRST, STEP, &caption)
 }

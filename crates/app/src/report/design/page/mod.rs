@@ -160,24 +160,29 @@ fn warnings(report: &Report<'_>) -> Markup {
         ul {
             @if !of.stable { li { strong { "The loop is unstable. " } "Ask for slower poles or a lower gain." } }
             @if of.stable && more_gain(of).is_some_and(|factor| factor < LITTLE_GAIN) {
-                li { "A gain margin below " (LITTLE_GAIN) " is small: a rig whose gain is off by a third may be unstable." }
+                li { "A gain margin below " (LITTLE_GAIN) " is small: a rig whose gain is off by a third may be \
+                     unstable." }
             }
             @if let Some(factor) = less_gain(of).filter(|_| of.stable) {
-                li { (format!("The loop is conditionally stable: it becomes unstable if its gain falls to {factor:.2} times its value.")) }
+                li { (format!("The loop is conditionally stable: it becomes unstable if its gain falls to {factor:.2} \
+                     times its value.")) }
             }
             @if of.stable && least_phase(of).is_some_and(|phase| phase < LITTLE_PHASE_DEG) {
                 li { "A phase margin below " (LITTLE_PHASE_DEG) "° is small: the ball will oscillate visibly." }
             }
             @if let Some((delay_s, period_s)) = short {
-                li { (format!("The delay margin is {delay_s:.3} s and a period is {period_s} s: a few late cycles make the loop oscillate.")) }
+                li { (format!("The delay margin is {delay_s:.3} s and a period is {period_s} s: a few late cycles make \
+                     the loop oscillate.")) }
             }
             @for name in report.not_linear {
                 li { strong { (name.replace('_', " ")) } " is in the model and not linear: the design uses "
-                    @if report.document.about.is_some() { "at most the slope of its force at the operating point" } @else { "nothing of it" }
+                    @if report.document.about.is_some() { "at most the slope of its force at the operating point" } @else { "nothing \
+                         of it" }
                     "; check it with "
                     (command("airball simulate")) "." }
             }
-            li { "The step response above has no limits of the duty, no quantisation and no noise. A step that saturates the fan is slower." }
+            li { "The step response above has no limits of the duty, no quantisation and no noise. A step that \
+                 saturates the fan is slower." }
         }
     }
 }
@@ -202,10 +207,12 @@ fn next(of: &Assessment) -> Markup {
             @if of.stable {
                 li { "Fly it on the simulated rig first, with its noise and its limits: "
                     (command("airball simulate --patch gains.toml --experiment experiments/steps.toml")) "." }
-                li { "Then on the rig: " (command("airball measure steps --patch gains.toml")) " measures overshoot and settling time." }
+                li { "Then on the rig: " (command("airball measure steps --patch gains.toml")) " measures overshoot \
+                     and settling time." }
                 li { "To measure the gain margin of the rig: " (command("airball measure critical-gain")) "." }
             } @else {
-                li { "Do not fly it. " (command("airball design pid")) " places the poles of a stable loop; or lower the gain." }
+                li { "Do not fly it. " (command("airball design pid")) " places the poles of a stable loop; or lower \
+                     the gain." }
             }
         }
     }
@@ -215,11 +222,13 @@ const WORDS: [(&str, &str); 6] = [
     ("gain margin", "The factor by which the gain may rise until the loop is marginally stable."),
     (
         "phase margin",
-        "The additional phase lag until the loop is marginally stable, degrees; the delay margin is the same in seconds.",
+        "The additional phase lag until the loop is marginally stable, degrees; the delay margin is the same in \
+         seconds.",
     ),
     (
         "peak sensitivity M_s",
-        "The largest factor by which the loop amplifies a disturbance; 1 / M_s is the distance of the Nyquist curve to −1. Usual: 1.2 to 2.",
+        "The largest factor by which the loop amplifies a disturbance; 1 / M_s is the distance of the Nyquist curve to \
+         −1. Usual: 1.2 to 2.",
     ),
     (
         "sampled",
@@ -228,6 +237,7 @@ const WORDS: [(&str, &str); 6] = [
     ("critical", "The value at which the loop is marginally stable, with its other gains unchanged."),
     (
         "pole",
-        "A mode of the closed loop: it decays faster the further left the pole is in s, or the nearer to the origin in z.",
+        "A mode of the closed loop: it decays faster the further left the pole is in s, or the nearer to the origin in \
+         z.",
     ),
 ];

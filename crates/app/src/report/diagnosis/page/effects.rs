@@ -16,9 +16,13 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         @if let Some((first, later)) = found.rounds.split_first() {
             h3 { "Every effect that was tried" }
             p {
-                "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out stretches; those that the "
-                "screening rejected were not fitted in full. Evidence is the held-out gain, at most the gain in sample less one nat per parameter. An effect is named if its evidence "
-                "is at least " (FIRST_EFFECT) " nats; a second one needs " (SECOND_EFFECT) " nats and " (format!("{:.0} %", 100.0 * SHARE_OF_OMITTED)) " of the remaining misfit."
+                "Each effect of the catalogue was fitted together with gain, drag and hover and scored on held-out \
+                 stretches; those that the "
+                "screening rejected were not fitted in full. Evidence is the held-out gain, at most the gain in sample \
+                 less one nat per parameter. An effect is named if its evidence "
+                "is at least " (FIRST_EFFECT) " nats; a second one needs " (SECOND_EFFECT) " nats and " (format!("{:.0} \
+                     %", 100.0 * SHARE_OF_OMITTED)) " \
+                     of the remaining misfit."
             }
             (tried(report, "Tried with the config model", first))
             @for (k, round) in later.iter().enumerate() {
@@ -94,7 +98,8 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     match twins.and_then(|entry| entry.acts.late) {
         Some(late) => format!("{}{nats}", late.why_twins()),
         None => format!(
-            "both explain the held-out stretches about equally well{nats}; differences below {INDISTINGUISHABLE} nats may be chance"
+            "both explain the held-out stretches about equally well{nats}; differences below {INDISTINGUISHABLE} nats \
+             may be chance"
         ),
     }
 }

@@ -39,7 +39,8 @@ fn forecasts(found: &Diagnosis) -> Markup {
     let heads =
         ["model", &a, &b, &c, "free run, 10 s", "share of the gap at 1 s", "alone", "log-likelihood gain, nats"];
     table(
-        "Forecast error of the position, rms over held-out stretches, mm, and the share of the gap that each step closes",
+        "Forecast error of the position, rms over held-out stretches, mm, and the share of the gap that each step \
+         closes",
         &heads,
         &rows,
     )
@@ -74,7 +75,8 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
             p.nothing { "The record has no steps of the setpoint, or its controller is not known." }
         } @else {
             p {
-                (found.steps) " steps of the record, simulated again with the controller of the record and each model; medians. A first peak is visible if it exceeds "
+                (found.steps) " steps of the record, simulated again with the controller of the record and each model; \
+                     medians. A first peak is visible if it exceeds "
                 "the setpoint by more than half of the settling band; the overshoot includes noise."
             }
             (table("The loop as recorded and as simulated", &["figure", "recorded", "as believed", "mended"], &rows))

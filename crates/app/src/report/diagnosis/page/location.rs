@@ -18,8 +18,10 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
     html! {
         @if !places.is_empty() {
             p {
-                "Residual force of the model with refitted parameters. Shaded: significant forecast errors (5 % over all regions together). "
-                "The test uses the forecasts, not this curve: under feedback the curve has a shape even if the model is right."
+                "Residual force of the model with refitted parameters. Shaded: significant forecast errors (5 % over \
+                 all regions together). "
+                "The test uses the forecasts, not this curve: under feedback the curve has a shape even if the model \
+                 is right."
             }
         }
         (in_words(&places))
@@ -37,7 +39,8 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
             div.three {
                 @for diagram in over_signals(&picture.missing, &places) { (over(&diagram, &places)) }
             }
-            (figure(&over_time(&picture.missing, &places), Size::WIDE, "Residual force over time with its standard deviation",
+            (figure(&over_time(&picture.missing, &places), Size::WIDE, "Residual force over time with its standard \
+                 deviation",
                 &html! { "Residual force over time." (flat(&picture.missing)) }))
         }
         h3 { "By frequency, and by time after a change of the duty" }
@@ -60,7 +63,8 @@ fn flat(missing: &[MissingForce]) -> &'static str {
     if missing.iter().any(|moment| moment.force_mm_per_s2.abs() > moment.sigma_mm_per_s2) {
         return "";
     }
-    " It stays within its standard deviation: what is missing is too weak or too fast to show as a slowly varying force."
+    " It stays within its standard deviation: what is missing is too weak or too fast to show as a slowly varying \
+     force."
 }
 
 fn span(place: &Place) -> String {
@@ -70,7 +74,8 @@ fn span(place: &Place) -> String {
 fn in_words(places: &[Place]) -> Markup {
     html! {
         @if places.is_empty() {
-            p { "No region of duty, height, speed, time or time since a change of the duty has significant forecast errors." }
+            p { "No region of duty, height, speed, time or time since a change of the duty has significant forecast \
+                 errors." }
         } @else {
             ul {
                 @for place in places {
@@ -151,12 +156,14 @@ fn lag([before, after]: &[ResidualPlots; 2], places: &[Place]) -> Markup {
     let words = match (most(before), most(after)) {
         (None, None) => "The misfit is not correlated with earlier duty at any lag.".to_owned(),
         (Some((lag_s, r)), None) => format!(
-            "With refitted parameters the misfit is correlated with the duty {lag_s:.2} s before (correlation {}); in the mended model it is not.",
+            "With refitted parameters the misfit is correlated with the duty {lag_s:.2} s before (correlation {}); in \
+             the mended model it is not.",
             number(Some(r), 2)
         ),
         (_, Some((lag_s, r))) => {
             format!(
-                "In the mended model the misfit is still correlated with the duty {lag_s:.2} s before (correlation {}).",
+                "In the mended model the misfit is still correlated with the duty {lag_s:.2} s before (correlation \
+                 {}).",
                 number(Some(r), 2)
             )
         }

@@ -92,7 +92,8 @@ fn record(report: &Report<'_>) -> Record {
 fn whole(record: &Record) -> Markup {
     html! {
         p {
-            "Position, duty and residual force over the time of the record. Each model is simulated from the recorded duty and restarted at the "
+            "Position, duty and residual force over the time of the record. Each model is simulated from the recorded \
+             duty and restarted at the "
             "recorded position every 10 s."
         }
         (crate::report::kit::page::record::how_to_zoom())
@@ -121,16 +122,20 @@ fn words() -> Markup {
     html! {
         dl {
             dt { "as believed" } dd { "The model of the config (nominal model), unchanged." }
-            dt { "mended" } dd { "The same model with the effects that were found and with refitted parameters (corrected model)." }
+            dt { "mended" } dd { "The same model with the effects that were found and with refitted parameters \
+                 (corrected model)." }
             dt { "noise alone" }
-            dd { "The error that a correct model would have, from the noise of sensor and air. It is the lowest that can be reached." }
+            dd { "The error that a correct model would have, from the noise of sensor and air. It is the lowest that \
+                 can be reached." }
             dt { "held out" }
             dd {
-                "The record is cut into stretches of 5 s, which are divided into four folds. Each fold is forecast by a model that was fitted to the "
+                "The record is cut into stretches of 5 s, which are divided into four folds. Each fold is forecast by \
+                 a model that was fitted to the "
                 "other three (cross-validation)."
             }
             dt { "residual force" }
-            dd { "The force that the model lacks for the recorded motion, divided by the mass of the ball, upward, mm/s²." }
+            dd { "The force that the model lacks for the recorded motion, divided by the mass of the ball, upward, \
+                 mm/s²." }
             dt { "nats" }
             dd {
                 "Unit of a log-likelihood difference: 6 nats are odds of 400 to 1. Gains are on held-out "

@@ -164,8 +164,11 @@ fn held_out(picture: &Series) -> Markup {
         stretch.0, stretch.1
     );
     let caption = html! {
-        "Recorded position, and two models simulated from the recorded duty, restarted at the recorded position every 10 s. The mended model was "
-        "fitted without these stretches. Shown is the stretch where the config model errs most; " a href="#record" { "the whole record" } " is below."
+        "Recorded position, and two models simulated from the recorded duty, restarted at the recorded position every \
+         10 s. The mended model was "
+        "fitted without these stretches. Shown is the stretch where the config model errs most; " a href="#record" { "the \
+             whole record" } " \
+             is below."
     };
     figure(&Diagram { direct: true, ..diagram.within(stretch) }, Size::FIRST, &alt, &caption)
 }

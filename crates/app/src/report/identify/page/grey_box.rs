@@ -109,8 +109,11 @@ fn picture(report: &Report<'_>) -> Markup {
         stretch.0, stretch.1
     );
     let caption = html! {
-        "Recorded position, and simulations of the model from the recorded duty, restarted at the recorded position every 10 s. The model was fitted "
-        "without this last third of the flight. Shown is the stretch with the largest error; " a href="#record" { "the whole record" } " is below."
+        "Recorded position, and simulations of the model from the recorded duty, restarted at the recorded position \
+         every 10 s. The model was fitted "
+        "without this last third of the flight. Shown is the stretch with the largest error; " a href="#record" { "the \
+             whole record" } " \
+             is below."
     };
     let kept = position(report.recording, std::slice::from_ref(report.best)).within(stretch);
     figure(&Diagram { direct: true, ..kept }, Size::FIRST, &alt, &caption)
@@ -204,7 +207,8 @@ fn residuals(report: &Report<'_>) -> Markup {
     let (own, of_duty) = (outside(&best.residuals.autocorrelation), outside(&best.residuals.with_input));
     html! {
         p {
-            "The residuals are the errors of the model's one-step forecasts. Each test covers all lags together and allows for the number of fitted "
+            "The residuals are the errors of the model's one-step forecasts. Each test covers all lags together and \
+             allows for the number of fitted "
             "parameters."
         }
         (tests(report.found))
@@ -246,16 +250,21 @@ fn next(report: &Report<'_>) -> Markup {
     html! {
         ul {
             @if unbounded {
-                li { "The record does not determine every parameter: fly " (command("airball run --experiment experiments/identify.toml")) ", which takes 100 s." }
+                li { "The record does not determine every parameter: fly " (command("airball run --experiment \
+                     experiments/identify.toml")) ", \
+                     which takes 100 s." }
             }
             @if Residuals::of(report.best) == Residuals::Noise {
                 li { "Validate it on another flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
-                li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out gains.toml"))) "." }
+                li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out \
+                     gains.toml"))) "." }
             } @else {
-                li { "Find the effect that the model lacks: " (command(&format!("airball diagnose LOG --patch {PATCH} --html report.html"))) "." }
+                li { "Find the effect that the model lacks: " (command(&format!("airball diagnose LOG --patch {PATCH} \
+                     --html report.html"))) "." }
             }
             @if report.best.poles == Poles::Two {
-                li { "A fan lag that this flight does not show may still limit the gain. Measure it: " (command("airball measure critical-gain")) "." }
+                li { "A fan lag that this flight does not show may still limit the gain. Measure it: " (command("airball \
+                     measure critical-gain")) "." }
             }
         }
     }
@@ -267,7 +276,8 @@ fn whole(report: &Report<'_>, record: &Record) -> Markup {
             @if report.believed.is_none() {
                 "The stretches without control, each with its linear trend removed. "
             }
-            "Each model is simulated from the recorded duty and restarted at the recorded position every 10 s of the held-out part."
+            "Each model is simulated from the recorded duty and restarted at the recorded position every 10 s of the \
+             held-out part."
         }
         (how_to_zoom())
         (record.still(&["Position over time: setpoint, recorded, and simulations of what was held out", "Duty over time"]))
@@ -279,7 +289,8 @@ const WORDS: [(&str, &str); 6] = [
     ("held out", "The last third of each flight, forecast by a model that was fitted to the rest."),
     (
         "noise alone",
-        "The error that a correct model would have, from the noise of sensor and air. It is the lowest that can be reached.",
+        "The error that a correct model would have, from the noise of sensor and air. It is the lowest that can be \
+         reached.",
     ),
     (
         "residuals",

@@ -85,7 +85,8 @@ fn next(found: &Document) -> Markup {
                 }
             }
             li { "Compare it with a flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
-            li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out gains.toml"))) "." }
+            li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out \
+                 gains.toml"))) "." }
         }
     }
 }

@@ -68,12 +68,15 @@ fn first(report: &Report<'_>) -> Markup {
     };
     let numbers: Vec<_> = [&report.found.gain, &report.found.drag].into_iter().zip(believed).map(line).collect();
     let caption = html! {
-        "The mean pulse of the lowest, the middle and the highest gain, relative to the step, and the second-order loop that was fitted to it."
+        "The mean pulse of the lowest, the middle and the highest gain, relative to the step, and the second-order \
+         loop that was fitted to it."
     };
-    let alt = "Mean pulses of the lowest, the middle and the highest gain over the time since the step, and second-order loops";
+    let alt = "Mean pulses of the lowest, the middle and the highest gain over the time since the step, and \
+         second-order loops";
     html! {
         p.lede {
-            "The model has two poles, so a fan pole biases K_g and a. Overshoot and peak time at each gain give one estimate; the result is their "
+            "The model has two poles, so a fan pole biases K_g and a. Overshoot and peak time at each gain give one \
+             estimate; the result is their "
             "mean."
         }
         h2.unseen { "The plant, and the pulses that it was read off" }
@@ -90,7 +93,8 @@ fn gains(found: &Sweep) -> Markup {
             p { (found.gains.len() - visible(found)) " without a visible overshoot count as critically damped, and not in the mean." }
         }
         @if rejected.short + rejected.not_proportional > 0 {
-            p { (rejected.short) " steps were rejected as too short, " (rejected.not_proportional) " as not proportional to the error." }
+            p { (rejected.short) " steps were rejected as too short, " (rejected.not_proportional) " as not \
+                 proportional to the error." }
         }
         div.three {
             (figure(&of_gain, Size::SMALL, "K_g over the gain, with its 90 % intervals",

@@ -168,7 +168,8 @@ fn footer() -> Markup {
     html! {
         p {
             "Made by airball " (env!("CARGO_PKG_VERSION")) " with " (parts::command(&command_line(without_shares(std::env::args().skip(1)))))
-            ". This page needs no network and contains all that it shows. Charts that zoom: uPlot, © Leon Sorokin, MIT licence."
+            ". This page needs no network and contains all that it shows. Charts that zoom: uPlot, © Leon Sorokin, MIT \
+             licence."
         }
     }
 }

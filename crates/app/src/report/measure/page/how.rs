@@ -24,12 +24,13 @@ fn of_jumps(jumps: &Jumps) -> Markup {
     let Rows { heads, rows } = forces(jumps);
     html! {
         p {
-            (format!("The fan held a constant duty, {} times, and the ball moved from rest. Distance and time give the force, for a ball with the \
-                      config's drag of {} 1/s; the fan lag is fitted to all jumps together. The last column ignores the lag, as the \
-                      classical formula does: short jumps then look weak.", jumps.jumps.len(), jumps.drag_per_s))
+            (format!("The fan held a constant duty, {} times, and the ball moved from rest. Distance and time give the \
+                 force, for a ball with the config's drag of {} 1/s; the fan lag is fitted to all jumps together. The \
+                 last column ignores the lag, as the classical formula does: short jumps then look weak.", jumps.jumps.len(), jumps.drag_per_s))
         }
         p {
-            "The edges are where straight lines through the forces below and above hover cross zero. Each side is fitted on its own."
+            "The edges are where straight lines through the forces below and above hover cross zero. Each side is \
+             fitted on its own."
         }
         (words("Jump by jump", &heads, &rows))
     }
@@ -39,8 +40,11 @@ fn of_swings(steps: &[Swing], varied: &str, critical: &str) -> Markup {
     let Rows { heads, rows } = swings(steps);
     html! {
         p {
-            "The setpoint stepped under " (varied) ", and after each step the oscillation grew or decayed. The critical " (critical) " is where the "
-            "growth rate crosses zero. It holds for oscillations of this amplitude: a dead zone sustains small ones, a limit of the duty damps large ones."
+            "The setpoint stepped under " (varied) ", and after each step the oscillation grew or decayed. The \
+                 critical " (critical) " \
+                 is where the "
+            "growth rate crosses zero. It holds for oscillations of this amplitude: a dead zone sustains small ones, a \
+             limit of the duty damps large ones."
         }
         (words("Step by step", &heads, &rows))
     }
@@ -59,7 +63,8 @@ fn of_steps(steps: &Steps) -> Markup {
     let heads = ["step at", "jump", "overshoot", "first peak", "settled to ±5 %"];
     html! {
         p {
-            "Every step of the setpoint counts, except the take-off. The overshoot is the largest excursion beyond the new setpoint, relative "
+            "Every step of the setpoint counts, except the take-off. The overshoot is the largest excursion beyond the \
+             new setpoint, relative "
             "to the step; a step has settled when the ball stays within 5 % of the step for 1 s."
         }
         (words("Step by step", &heads, &steps.each.iter().map(row).collect::<Vec<_>>()))
@@ -69,8 +74,8 @@ fn of_steps(steps: &Steps) -> Markup {
 fn of_floor(floor: &NoiseFloor) -> Markup {
     html! {
         p {
-            (format!("The ball lay at {:.1} mm. The noise is the scatter of the readings about a straight line over time, without the part of \
-                      rounding. Correlated readings count for less in the interval.", floor.position_mm))
+            (format!("The ball lay at {:.1} mm. The noise is the scatter of the readings about a straight line over \
+                 time, without the part of rounding. Correlated readings count for less in the interval.", floor.position_mm))
         }
     }
 }
@@ -79,7 +84,8 @@ fn of_ends(found: &Calibration) -> Markup {
     let Rows { heads, rows } = bands(found);
     html! {
         p {
-            "The ball lay at the bottom, then the fan held it at the top, a known distance above. The first gives the zero of the sensor, both "
+            "The ball lay at the bottom, then the fan held it at the top, a known distance above. The first gives the \
+             zero of the sensor, both "
             "together its scale. Errors within the limits do not disturb a control loop."
         }
         (words("Limits", &heads, &rows))

@@ -75,7 +75,8 @@ pub(super) fn lede(found: &Found) -> String {
             swings.len()
         ),
         Found::CriticalTime(CriticalTime { kp_per_mm, omega, swings, .. }) => format!(
-            "From {} steps under PI control with K_p = {kp_per_mm:.4} per mm; there the loop oscillates at {omega:.2} rad/s.",
+            "From {} steps under PI control with K_p = {kp_per_mm:.4} per mm; there the loop oscillates at {omega:.2} \
+             rad/s.",
             swings.len()
         ),
         Found::Steps(steps) => settled(steps),
@@ -118,7 +119,8 @@ pub(super) const fn no_patch(found: &Found) -> &'static str {
         Found::Steps(_) => "The config has no keys for step metrics: there is no patch.",
         Found::CriticalTime(_) => "The config has no key for a critical integral time: there is no patch.",
         Found::CriticalGain(_) => {
-            "No fan lag gives the model of the config this critical gain, or the config has no model: there is no patch."
+            "No fan lag gives the model of the config this critical gain, or the config has no model: there is no \
+             patch."
         }
         _ => "The config has no table for this measurement: there is no patch.",
     }
@@ -133,11 +135,13 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
             @match report.found {
                 Found::DeadZone { .. } | Found::ForceCurve { .. } => {
                     (line("Measure the effect of the correction", &format!("airball measure steps --patch {PATCH}")))
-                    (line("Correct the simulator, and compare it with a flight", &format!("airball replay LOG --patch {PATCH}")))
+                    (line("Correct the simulator, and compare it with a flight", &format!("airball replay LOG --patch \
+                         {PATCH}")))
                 }
                 Found::CriticalGain(critical) => {
                     @let (gain, ti_s) = ti_s(critical);
-                    (line("Find the fan lag for this critical gain", &format!("airball identify third-pole --critical-gain {gain:.5} --integral-time {ti_s:.1} --sampled")))
+                    (line("Find the fan lag for this critical gain", &format!("airball identify third-pole \
+                         --critical-gain {gain:.5} --integral-time {ti_s:.1} --sampled")))
                     (line("Design with a margin", "airball design pid --patch measured.toml"))
                 }
                 Found::CriticalTime(_) => {
@@ -154,7 +158,8 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
                     (line("Calibrate zero and scale", "airball measure calibration"))
                 }
                 Found::Calibration(_) => {
-                    (line("Measure again with the patch: it should pass", &format!("airball measure calibration --patch {PATCH}")))
+                    (line("Measure again with the patch: it should pass", &format!("airball measure calibration \
+                         --patch {PATCH}")))
                     (line("Measure the noise alone", "airball measure noise-floor"))
                 }
             }
@@ -174,7 +179,8 @@ pub(super) fn words(found: &Found) -> Vec<(&'static str, &'static str)> {
         Found::DeadZone { .. } | Found::ForceCurve { .. } => &[
             (
                 "force",
-                "Force of the fan beyond the one that holds the ball still, divided by the mass of the ball, mm/s², upward.",
+                "Force of the fan beyond the one that holds the ball still, divided by the mass of the ball, mm/s², \
+                 upward.",
             ),
             ("dead zone", "The range of duties about hover in which the force does not change."),
             ("fan lag", "Time constant of the air speed after a step of the duty (63 % rise time)."),

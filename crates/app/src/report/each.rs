@@ -3,6 +3,7 @@
 use crate::report::kit::page::parts::{number, spoken, table};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
+use diagnose::Interval;
 use maud::{Markup, html};
 use serde_json::Value;
 
@@ -90,19 +91,14 @@ impl Row {
 
 impl Estimate {
     fn in_words(self) -> String {
-        let Some(value) = self.value else { return String::new() };
-        let ends = self.low.zip(self.high).map(|(low, high)| format!(" ({} to {})", digits(low), digits(high)));
-        format!("{}{}", digits(value), ends.unwrap_or_default())
+        let Self { low, high, .. } = self;
+        self.value.map_or_else(String::new, |value| Interval { value, low, high, at_bound: None }.in_words())
     }
 }
 
 fn estimate(value: &Value) -> Estimate {
     let number = |key: &str| value[key].as_f64();
     Estimate { value: number("value"), low: number("low"), high: number("high") }
-}
-
-fn digits(value: f64) -> String {
-    format!("{:.*}", diagnose::decimals(value), value + 0.0)
 }
 
 /// The table as CSV.

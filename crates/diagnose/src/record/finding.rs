@@ -2,6 +2,12 @@
 
 use crate::record::check::OUTLIER;
 use crate::record::implausible::DutyScale;
+use crate::record::units::{digits, length, nearest_scale, short};
+
+/// A scale by hover is that of a usual unit within this factor; by the gain, of which an effect takes a part, within the
+/// other.
+const NEAR_BY_HOVER: f64 = 1.15;
+const NEAR_BY_GAIN: f64 = 2.0;
 
 /// A finding about a record that its reader should know.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, thiserror::Error)]
@@ -239,7 +245,7 @@ pub enum Finding {
         "the record hovers at a duty of {hover_percent:.4}, and plant.hover_duty_percent is {believed_percent}: if the \
          duty is in another unit, write [import] duty_percent = {{ column = \"duty_percent\", scale = {} }} with the \
          column's own name, times the scale that is there; if the belief is, plant.hover_duty_percent = \
-         {hover_percent:.4}", digits(known_scale(*scale, NEAR_BY_HOVER))
+         {hover_percent:.4}", digits(nearest_scale(*scale, NEAR_BY_HOVER))
     )]
     DutyUnit {
         /// Hover of the record, in the unit of its duty.
@@ -267,7 +273,7 @@ pub enum Finding {
          [import] duty_percent = {{ column = \"duty_percent\", scale = {} }}; if the position is{}, position_mm = {{ \
          column = \"position_mm\", scale = {} }}; each with the column's own name, times the scale that is there; if \
          the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}",
-         digits(known_scale(*ratio, NEAR_BY_GAIN)), length(*ratio).0, digits(length(*ratio).1)
+         digits(nearest_scale(*ratio, NEAR_BY_GAIN)), length(*ratio).0, digits(length(*ratio).1)
     )]
     GainUnit {
         /// Gain of the record over that of the belief.
@@ -339,44 +345,4 @@ impl Finding {
                 | Self::SlowRows { .. }
         )
     }
-}
-
-/// Percent per unit of usual inputs: a fraction, and counts of 8, 10, 12 and 16 bits.
-const KNOWN_SCALES: [f64; 5] = [100.0, 100.0 / 255.0, 100.0 / 1023.0, 100.0 / 4095.0, 100.0 / 65535.0];
-/// A scale within this factor of a known one is that one: by hover, and by the gain, of which an effect takes a part.
-const NEAR_BY_HOVER: f64 = 1.15;
-const NEAR_BY_GAIN: f64 = 2.0;
-
-/// A gain within this factor of that of a unit is that unit's.
-const LIKE_A_UNIT: f64 = 2.5;
-
-/// The usual scale near this one, or this one.
-fn known_scale(scale: f64, within: f64) -> f64 {
-    let off = |known: &f64| (known / scale).ln().abs();
-    let nearest = KNOWN_SCALES.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    nearest.filter(|known| off(known) < within.ln()).unwrap_or(scale)
-}
-
-/// A number with four significant digits, without zeros at its end.
-fn digits(value: f64) -> String {
-    if !(1e-6..1e9).contains(&value.abs()) {
-        return format!("{value:.3e}");
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
-    let places = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.places$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
-}
-
-/// The unit of a length whose gain is so many times that of millimetres, and its scale.
-fn length(ratio: f64) -> (&'static str, f64) {
-    let known =
-        [(1e-3, ", perhaps metres", 1e3), (0.1, ", perhaps centimetres", 10.0), (1e3, ", perhaps micrometres", 1e-3)];
-    let near = known.into_iter().find(|(unit, ..)| (ratio / unit).ln().abs() < LIKE_A_UNIT.ln());
-    near.map_or_else(|| ("", ratio.recip()), |(_, words, scale)| (words, scale))
-}
-
-/// A number with one decimal; a very large one by its power of ten, not by three hundred digits.
-fn short(value: f64) -> String {
-    if value.abs() < 1e6 { format!("{value:.1}") } else { format!("{value:.3e}") }
 }

@@ -5,6 +5,7 @@
 
 use crate::record::check::{Finding, without_codes};
 use crate::record::recording::{Recording, Sample};
+use crate::record::units::nearest_scale;
 use crate::stats::median::median;
 use plant::Model;
 use std::borrow::Cow;
@@ -17,8 +18,6 @@ pub(crate) const NO_PERCENT: f64 = 150.0;
 const TIMES: f64 = 7.0;
 /// Where more than this share of the readings is implausible, their unit is wrong, and none is removed.
 const UNIT: f64 = 0.1;
-/// Largest counts of usual PWM chips, of 8, 10, 12 and 16 bits.
-const FULL_COUNTS: [f64; 4] = [255.0, 1023.0, 4095.0, 65535.0];
 /// A scale that gives the believed hover within this factor is that of the counts.
 const NEAR: f64 = 2.0;
 /// A reading further outside the pipe than this share of its length is no position of the ball. None of the same
@@ -87,9 +86,7 @@ pub(crate) fn duty_far_below_hover(samples: &[Sample], model: &Model) -> Option<
 /// Percent per count: of the chip whose counts come nearest to the believed hover; of none, what gives that hover.
 fn scale(usual: f64, hover_percent: f64) -> f64 {
     let wanted = if hover_percent > 0.0 { hover_percent / usual } else { 100.0 / usual };
-    let off = |scale: &f64| (scale / wanted).ln().abs();
-    let chips = FULL_COUNTS.map(|counts| 100.0 / counts);
-    chips.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|scale| off(scale) < NEAR.ln()).unwrap_or(wanted)
+    nearest_scale(wanted, NEAR)
 }
 
 /// The finding about readings that are no position of the ball; `is_code` tells codes of the sensor, which are

@@ -17,3 +17,4 @@ pub(crate) mod recording;
 pub(crate) mod sample_hold;
 pub(crate) mod second_sensor;
 pub(crate) mod stretches;
+pub(crate) mod units;

@@ -9,6 +9,7 @@
 mod names;
 mod roles;
 mod scales;
+mod words;
 
 pub use roles::{Asked, Named, Role, Roles, roles};
 pub use scales::{Scaled, Scales, scales};

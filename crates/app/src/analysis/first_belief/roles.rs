@@ -1,6 +1,7 @@
 //! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
 
 use super::names::Name;
+use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, TIMES};
 use diagnose::linear::{Order, linear_fit};
 use diagnose::{Recording, Sample};
 use rows::{Sheet, SheetColumn, shown};
@@ -128,66 +129,6 @@ impl Display for Role {
     }
 }
 
-const TIMES: &[&str] = &["t", "time", "timestamp", "stamp", "zeit", "seconds", "sec", "elapsed", "clock", "temps"];
-const INPUTS: &[&str] = &[
-    "u",
-    "input",
-    "duty",
-    "pwm",
-    "voltage",
-    "volt",
-    "volts",
-    "torque",
-    "force",
-    "throttle",
-    "current",
-    "thrust",
-    "power",
-    "effort",
-    "drive",
-    "actuation",
-    "control",
-    "tau",
-    "motor",
-    "heater",
-    "valve",
-    "spannung",
-    "moment",
-];
-const POSITIONS: &[&str] = &[
-    "y",
-    "x",
-    "z",
-    "q",
-    "position",
-    "pos",
-    "angle",
-    "theta",
-    "phi",
-    "height",
-    "alt",
-    "altitude",
-    "distance",
-    "range",
-    "level",
-    "displacement",
-    "encoder",
-    "output",
-    "weg",
-    "winkel",
-    "temperature",
-    "temp",
-    "pitch",
-    "roll",
-    "yaw",
-];
-const SPEEDS: &[&str] =
-    &["speed", "velocity", "vel", "omega", "rpm", "rate", "tacho", "tachometer", "geschwindigkeit", "drehzahl"];
-const SETPOINTS: &[&str] =
-    &["r", "ref", "reference", "setpoint", "sp", "target", "desired", "goal", "soll", "sollwert"];
-/// Setpoint beside another input or of a servo, and else the input.
-const COMMANDS: &[&str] = &["command", "cmd", "commanded"];
-
 const BY_USER: &str = "as said";
 const BY_NAME: &str = "by its name";
 const BY_ORDER: &str = "it only grows";
@@ -207,10 +148,10 @@ struct Candidate<'a> {
 pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
     let all: Vec<Candidate<'_>> =
         sheet.columns.iter().map(|column| Candidate { column, name: Name::of(column) }).collect();
-    let look = Look { all: &all };
-    let time = look.time(asked)?;
+    let columns = Columns { all: &all };
+    let time = columns.time(asked)?;
     let moving: Vec<&Candidate<'_>> = all.iter().filter(|one| one.column.name != time.column && moves(one)).collect();
-    let (position, is_speed) = look.position(asked, &moving)?;
+    let (position, is_speed) = columns.position(asked, &moving)?;
     let others: Vec<&Candidate<'_>> = match &position {
         Some(found) => moving.iter().filter(|one| one.column.name != found.column).copied().collect(),
         None => moving.clone(),
@@ -218,11 +159,11 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
     let number = position.as_ref().and_then(|found| all.iter().find(|one| one.column.name == found.column));
     let number = number.map(|one| one.name.number.clone()).unwrap_or_default();
     let said = |words: &[&str]| first(&others, &number, words);
-    let input = match look.given(Role::Input, asked.input.as_deref())? {
+    let input = match columns.given(Role::Input, asked.input.as_deref())? {
         Some(found) => Some(found),
         None => said(INPUTS),
     };
-    let setpoint = match look.given(Role::Setpoint, asked.setpoint.as_deref())? {
+    let setpoint = match columns.given(Role::Setpoint, asked.setpoint.as_deref())? {
         Some(found) => Some(found),
         None => said(SETPOINTS).or_else(|| said(COMMANDS).filter(|_| input.is_some() || position.is_some())),
     };
@@ -240,7 +181,7 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
             let time_column = all.iter().find(|one| one.column.name == time.column);
             let pair = time_column.and_then(|time| by_fit(time, &free, input.as_ref(), position.as_ref()));
             let missing = if position.is_none() { Role::Position } else { Role::Input };
-            let (found_input, found_position) = pair.ok_or_else(|| look.not_found(missing))?;
+            let (found_input, found_position) = pair.ok_or_else(|| columns.not_found(missing))?;
             let (input, position) = (input.unwrap_or(found_input), position.unwrap_or(found_position));
             Ok(Roles { time, input, minus: None, position, is_speed, setpoint })
         }
@@ -248,11 +189,11 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
 }
 
 /// The columns of a table.
-struct Look<'a> {
+struct Columns<'a> {
     all: &'a [Candidate<'a>],
 }
 
-impl Look<'_> {
+impl Columns<'_> {
     fn names(&self) -> String {
         let names: Vec<String> = self.all.iter().map(|one| format!("`{}`", shown(&one.column.name))).take(20).collect();
         names.join(", ")

@@ -1,6 +1,7 @@
 //! A shape as a written effect: its formula, with parameters whose bounds follow from what the record shows.
 
 use super::signals::{Seen, rounded};
+use crate::record::units::four_digits;
 use plant::{Definition, DefinitionTable, ParameterTable, Stage, StateTable};
 use std::collections::BTreeMap;
 
@@ -32,11 +33,8 @@ pub(super) fn ripple(signal: &str) -> String {
 
 /// A number to four digits, as a formula has it.
 pub(super) fn number(value: f64) -> String {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
-    let places = (3.0 - value.abs().max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.places$}");
-    let text = if places > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if value < 0.0 { format!("({text})") } else { text.to_owned() }
+    let text = four_digits(value);
+    if value < 0.0 { format!("({text})") } else { text }
 }
 
 impl Shape {

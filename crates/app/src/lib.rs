@@ -12,6 +12,7 @@ pub mod commands;
 mod config;
 mod files;
 mod flight;
+mod locked;
 mod log;
 mod mqtt;
 mod report;

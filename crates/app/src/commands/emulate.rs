@@ -3,6 +3,7 @@
 use super::say;
 use crate::cli::EmulateArgs;
 use crate::config::Config;
+use crate::locked::locked;
 use crate::rig::{Monotonic, Served, emulated_bus, serve};
 use anyhow::{Context, Result};
 use hal::Clock;
@@ -10,7 +11,7 @@ use std::fs;
 use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 
 /// Serves the bus until a signal ends the process, and prints each change of the fan.
@@ -32,7 +33,7 @@ pub fn emulate(args: &EmulateArgs) -> Result<()> {
         let (bus, said) = (bus.clone(), Arc::clone(&said));
         let after = move |bus: &hal::emulator::EmulatedBus<_>| {
             let percent = bus.with_world(|world: &mut crate::rig::PlantWorld| world.fan_percent());
-            let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut said = locked(&said);
             if *said != percent {
                 *said = percent;
                 // Nobody reads the output: the rig goes on.

@@ -1,7 +1,8 @@
 //! The files of a flight so far: for the writer, and for the summary before or after the last file is closed.
 
+use crate::locked::locked;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// A list that its copies share. Never empty.
 #[derive(Clone, Debug)]
@@ -32,6 +33,6 @@ impl Files {
     }
 
     fn held(&self) -> MutexGuard<'_, Vec<PathBuf>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.0)
     }
 }

@@ -9,10 +9,11 @@
 //! Ages are since the start of each program, so that clocks that differ between computers do not matter; about as old,
 //! the lower id stays. Nothing is retained: a program that is gone holds no name.
 
+use crate::locked::locked;
 use serde::{Deserialize, Serialize};
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant, SystemTime};
 
 /// Ages that differ by less are the same, seconds.
@@ -92,7 +93,7 @@ impl Claim {
     }
 
     fn known(&self) -> MutexGuard<'_, Known> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.known)
     }
 
     /// Notes that a connection failed.

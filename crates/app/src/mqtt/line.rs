@@ -5,10 +5,11 @@ use super::claim::Claim;
 use super::network::Aside;
 use crate::config::topics::Topics;
 use crate::flight::last_fault::LastFault;
+use crate::locked::locked;
 use control::numbers::{Parameter, Values};
 use rumqttc::{Client, PublishOptions};
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 /// Of a message that the broker keeps for readers to come.
 pub(super) const RETAINED: PublishOptions = PublishOptions::at_least_once().retained();
@@ -47,24 +48,24 @@ impl Line {
     }
 
     pub(super) fn client(&self) -> MutexGuard<'_, Option<Client>> {
-        self.client.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.client)
     }
 
     /// Sets the last fault, if there is one.
     pub(super) fn know(&self, fault: Option<&LastFault>) {
         if let Some(fault) = fault {
-            *self.fault.lock().unwrap_or_else(PoisonError::into_inner) = Some(fault.json());
+            *locked(&self.fault) = Some(fault.json());
         }
     }
 
     /// Publishes the last fault, if one is known.
     pub(super) fn publish_fault(&self, client: &Client, topics: &Topics) -> bool {
-        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let fault = locked(&self.fault).clone();
         fault.is_none_or(|fault| client.try_publish(&topics.fault, fault, RETAINED).is_ok())
     }
 
     pub(super) fn claiming(&self) -> MutexGuard<'_, Option<Client>> {
-        self.claiming.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.claiming)
     }
 
     /// Sends what the broker keeps of us, once in a session, when no other program holds the rig's name; from then on
@@ -80,7 +81,7 @@ impl Line {
             && self.publish_numbers(&client, topics)
             && self.publish_fault(&client, topics);
         *self.client() = Some(client);
-        self.owed.lock().unwrap_or_else(PoisonError::into_inner).take()
+        locked(&self.owed).take()
     }
 
     /// Whether a session waits for the answers of others of our name. What is to be said waits with it.
@@ -90,7 +91,7 @@ impl Line {
 
     /// Keeps a refusal for the next session.
     pub(super) fn owe(&self, refusal: Aside) {
-        *self.owed.lock().unwrap_or_else(PoisonError::into_inner) = Some(refusal);
+        *locked(&self.owed) = Some(refusal);
     }
 
     /// Leaves a session that has said nothing, so that the broker does not publish the last will.
@@ -105,12 +106,12 @@ impl Line {
         let there = Parameter::ALL.iter().zip(values).filter_map(|(parameter, value)| Some((parameter, (*value)?)));
         let message =
             in_force(there.map(|(parameter, value)| (parameter.name.into(), value.is_finite().then_some(value))));
-        *self.numbers.lock().unwrap_or_else(PoisonError::into_inner) = message;
+        *locked(&self.numbers) = message;
     }
 
     /// Publishes all numbers.
     pub(super) fn publish_numbers(&self, client: &Client, topics: &Topics) -> bool {
-        let numbers = self.numbers.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let numbers = locked(&self.numbers).clone();
         client.try_publish(&topics.numbers, numbers, RETAINED).is_ok()
     }
 

@@ -163,8 +163,7 @@ fn gains(text: &str) -> Result<GainChange, String> {
     if !text.starts_with('{') {
         return Err("not a JSON object".to_owned());
     }
-    let change: GainChange =
-        serde_json::from_str(text).map_err(|why| printable(&plain_words(&why.to_string()), LONGEST_WHY))?;
+    let change: GainChange = serde_json::from_str(text).map_err(why)?;
     if change == GainChange::default() { Err("no gain is given".to_owned()) } else { Ok(change) }
 }
 
@@ -176,9 +175,13 @@ fn original_gains(text: &str) -> Option<GainChange> {
     (all && numbers.next().is_none()).then_some(change)
 }
 
+/// Why a payload is not JSON, in words of the files.
+fn why(error: serde_json::Error) -> String {
+    printable(&plain_words(&error.to_string()), LONGEST_WHY)
+}
+
 /// At least one number by name; the text "inf" is infinity, which JSON has no number for.
 fn numbers(text: &str) -> Result<Values, String> {
-    let why = |why: serde_json::Error| printable(&plain_words(&why.to_string()), LONGEST_WHY);
     let given: serde_json::Map<String, serde_json::Value> = serde_json::from_str(text).map_err(why)?;
     let mut values = [None; COUNT];
     for (name, value) in &given {

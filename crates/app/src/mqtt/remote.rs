@@ -8,11 +8,12 @@ use super::seen::{Said, Seen};
 use crate::config::mqtt::{MqttConfig, MqttError};
 use crate::config::topics::{Quantity, Topics};
 use crate::flight::last_fault::LastFault;
+use crate::locked::locked;
 use rumqttc::{Client, ConnectionError, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
 use serde::de::DeserializeOwned;
 use std::process;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
@@ -81,7 +82,7 @@ impl Remote {
     /// Sends a command. False: there is no connection.
     #[must_use]
     pub fn send(&self, quantity: Quantity, payload: &str) -> bool {
-        let client = self.client.lock().unwrap_or_else(PoisonError::into_inner);
+        let client = locked(&self.client);
         let topic = self.topics.set(quantity);
         client
             .as_ref()
@@ -111,7 +112,7 @@ impl Session {
     }
 
     fn hold(&self, client: Option<Client>) {
-        *self.client.lock().unwrap_or_else(PoisonError::into_inner) = client;
+        *locked(&self.client) = client;
     }
 
     /// One connection, until it fails. `None`: the receiver is gone.

@@ -42,7 +42,7 @@ fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
     Ok(asked)
 }
 
-/// A patch can add or change a table, and cannot remove one.
+/// The patch of an identification adds or changes tables and removes none.
 fn has_one_lag(model: &Model) -> Result<()> {
     let excluded = |entry: &Entry| Effects::exclude_each_other(entry.name, FanLag::ENTRY.name);
     match model.effects.present().iter().find(|entry| excluded(entry)) {

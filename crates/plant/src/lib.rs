@@ -41,6 +41,6 @@ pub use motion::{Input, Motion, OWN_STATES};
 pub use normal::Normal;
 pub use rotor::Rotor;
 pub use simulator::Simulator;
-pub use tangent::Friction;
+pub use tangent::{Derivatives, Friction};
 pub use unsound::Unsound;
 pub use written::{Definition, DefinitionError, DefinitionTable, ParameterTable, StateTable, WrittenEffects};

@@ -13,7 +13,7 @@
 use crate::flow::Flow;
 use crate::model::Model;
 use crate::root::falling_zero;
-use crate::tangent::Friction;
+use crate::tangent::{Derivatives, Friction};
 
 /// More events than this in one step are the chatter of a ball at rest.
 const MAX_EVENTS: u32 = 8;
@@ -130,10 +130,16 @@ impl Motion {
         Flow { model, input }.free(self, friction_mm_per_s2, dt_s)
     }
 
-    /// The directional derivative of [`Motion::slide`] by the start, along `along`.
+    /// The same step, and its derivatives by the states at its start.
     #[must_use]
-    pub fn slide_along(&self, model: &Model, input: Input, friction: Friction, dt_s: f64, along: &Self) -> Self {
-        Flow { model, input }.free_along(self, friction, dt_s, along)
+    pub fn slide_with_derivatives(
+        &self,
+        model: &Model,
+        input: Input,
+        friction: Friction,
+        dt_s: f64,
+    ) -> (Self, Derivatives) {
+        Flow { model, input }.free_with_derivatives(self, friction, dt_s)
     }
 
     #[inline(always)]

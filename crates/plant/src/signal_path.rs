@@ -176,12 +176,6 @@ impl Effects {
         self.written.own_spread(conditions).unwrap_or_default()
     }
 
-    /// Whether a written effect is a force or has states, so that a step has derivatives of its formulas.
-    #[must_use]
-    pub fn has_written_motion(&self) -> bool {
-        self.written.has_force() || self.has_own_states()
-    }
-
     /// The number of own states. Only written effects have any.
     #[inline(always)]
     #[must_use]
@@ -222,10 +216,11 @@ impl Effects {
         slot!(self, ends, |act, effect| act(effect))
     }
 
-    /// Whether the smooth motion is linear in its state, so that its derivatives are the same everywhere.
+    /// Whether the motion between two events is linear in its state, so that its derivatives are the same everywhere,
+    /// friction aside.
     #[must_use]
     pub fn motion_is_linear(&self) -> bool {
-        let mut linear = self.friction().is_none();
+        let mut linear = true;
         for_each_effect!(self, effect => {
             let acts = acts(effect);
             let moves = acts.follows.is_some() || acts.force.is_some();
@@ -234,8 +229,8 @@ impl Effects {
         linear && self.written.motion_is_linear()
     }
 
-    /// Whether a step in an endless pipe is a linear map of state and command that depends on its length alone: no
-    /// force acts but the fan's, turbulence and drag.
+    /// Whether a step between two events is a linear map of state, command and friction that depends on its length
+    /// alone: no force acts but the fan's, turbulence, drag and friction.
     #[must_use]
     pub fn motion_is_linear_in_command(&self) -> bool {
         self.motion_is_linear() && !self.has_force() && !self.has_own_states()

@@ -1,10 +1,10 @@
-//! The directional derivative of a step of the smooth motion by its start.
+//! A step of the smooth motion and its derivatives by the states at its start.
 //!
 //! ```text
-//! dx/dt = f(x, t)      dδ/dt = ∂f/∂x · δ      one RK4 step of both together
+//! dx/dt = f(x, t)      dD/dt = ∂f/∂x · D, D = I at the start      one RK4 step of both together
 //! ```
 //!
-//! This is the derivative of the RK4 step itself, to rounding, and not that of the exact motion. Written formulas are
+//! These are the derivatives of the RK4 step itself, to rounding, and not those of the exact motion. Written formulas are
 //! differentiated automatically; at a kink, as of `max`, theirs is the derivative of one side (see
 //! [`formula::Formula::dual`]). The effects of the catalogue have no derivatives in closed form: those of their forces
 //! and of the fan's lag are central differences, exact where they are linear.
@@ -15,10 +15,8 @@ use crate::flow::{Drive, Flow};
 use crate::motion::{Motion, OWN_STATES};
 use crate::rk4;
 
-/// Step of the differences along a direction, per unit of it: far below what a flight covers, far above rounding.
+/// Step of the differences, in mm, mm/s and mm/s²: far below what a flight covers, far above rounding.
 const NUDGE: f64 = 1e-2;
-/// y, v and the own states, then their directional derivatives.
-const STATES: usize = 2 * (2 + OWN_STATES);
 
 /// Dry friction during a step, mm/s², and its derivative by the velocity at the start, 1/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,63 +27,224 @@ pub struct Friction {
     pub slope_per_s: f64,
 }
 
+/// The derivatives of the motion after a step by each state at its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Derivatives {
+    /// By the position.
+    pub by_position: Motion,
+    /// By the velocity.
+    pub by_velocity: Motion,
+    /// By the fan's acceleration.
+    pub by_fan: Motion,
+    /// By the turbulence.
+    pub by_turbulence: Motion,
+    /// By the sensed position.
+    pub by_sensed: Motion,
+    /// By the own states.
+    pub by_own: [Motion; OWN_STATES],
+}
+
+/// What drives the ball at one instant, and its derivatives by the fan's acceleration and by the turbulence at the
+/// start of the step.
+#[derive(Clone, Copy)]
+struct Moving {
+    drive: Drive,
+    by_fan: f64,
+    by_turbulence: f64,
+}
+
+/// The columns of D, in this order: position, velocity, fan, turbulence, own states.
+const POSITION: usize = 0;
+const VELOCITY: usize = 1;
+const FAN: usize = 2;
+const TURBULENCE: usize = 3;
+const OWN: usize = 4;
+
+/// Position and velocity with their derivatives by the first four; the same with own states.
+const PLAIN: usize = 2 * (1 + OWN);
+const WITH_OWN: usize = (2 + OWN_STATES) * (1 + OWN + OWN_STATES);
+
 impl Flow<'_> {
-    /// The directional derivative of [`Flow::free`] by the start, along `along`.
-    pub(crate) fn free_along(&self, motion: &Motion, friction: Friction, dt_s: f64, along: &Motion) -> Motion {
-        let drives = self.drives(self.fans(motion, dt_s), self.turbulences(motion, dt_s), friction.mm_per_s2, dt_s);
-        let fan = self.fans_along(motion, along.fan_mm_per_s2, dt_s);
-        let turbulence = self.turbulences(along, dt_s);
-        let moving = self.drives(fan, turbulence, friction.slope_per_s * along.velocity_mm_per_s, dt_s);
-        let both = std::array::from_fn(|i| (drives[i], moving[i]));
-        let start = flat(motion, along);
-        let end = rk4::step(|x, (drive, moving)| self.rate_along(x, drive, moving), &start, both, dt_s);
-        let [.., y, v, p, q] = end;
-        Motion {
+    /// [`Flow::free`], and its derivatives by the start.
+    pub(crate) fn free_with_derivatives(
+        &self,
+        motion: &Motion,
+        friction: Friction,
+        dt_s: f64,
+    ) -> (Motion, Derivatives) {
+        let (fan, turbulence) = (self.fans(motion, dt_s), self.turbulences(motion, dt_s));
+        let drives = self.drives(fan, turbulence, friction.mm_per_s2, dt_s);
+        let by_fan = self.fans_slope(motion, dt_s);
+        let by_turbulence = self.turbulences(&Motion { turbulence_mm_per_s2: 1.0, ..*motion }, dt_s);
+        let moving =
+            std::array::from_fn(|i| Moving { drive: drives[i], by_fan: by_fan[i], by_turbulence: by_turbulence[i] });
+        let all = if self.model.effects.has_own_states() {
+            self.with_columns::<{ 2 + OWN_STATES }, WITH_OWN>(motion, friction, moving, dt_s)
+        } else {
+            self.with_columns::<2, PLAIN>(motion, friction, moving, dt_s)
+        };
+        let after = |start: &Motion, [y, v, p, q]: [f64; 2 + OWN_STATES], fan: f64, turbulence: f64| Motion {
             position_mm: y,
             velocity_mm_per_s: v,
-            fan_mm_per_s2: fan[2],
-            turbulence_mm_per_s2: turbulence[2],
+            fan_mm_per_s2: fan,
+            turbulence_mm_per_s2: turbulence,
             // A sensor's lag is linear.
-            sensed_mm: self.sensed(along, [y, v], dt_s),
+            sensed_mm: self.sensed(start, [y, v], dt_s),
             own: [p, q],
-        }
-    }
-
-    /// The rates of y, v and the own states, and those of their directional derivatives.
-    fn rate_along(&self, x: &[f64; STATES], drive: Drive, moving: Drive) -> [f64; STATES] {
-        let [y, v, p, q, y_along, v_along, p_along, q_along] = *x;
-        let effects = &self.model.effects;
-        let conditions = self.conditions([y, v], [p, q], drive);
-        let along = Direction { position: y_along, velocity: v_along, fan: moving.fan, own: [p_along, q_along] };
-        let linear = moving.force - self.model.drag_per_s * v_along;
-        let [dp, dq] = effects.own_rates(&conditions);
-        let [dp_along, dq_along] = effects.written.own_rates_along(&conditions, &along);
-        let built_in = if effects.has_built_in_force() {
-            let at = |by: f64| effects.built_in_force(&conditions.moved(&along, by));
-            (at(NUDGE) - at(-NUDGE)) / (2.0 * NUDGE)
-        } else {
-            0.0
         };
-        let a_along = linear + built_in + effects.written.force_along(&conditions, &along);
-        [v, self.acceleration([y, v], [p, q], drive), dp, dq, v_along, a_along, dp_along, dq_along]
+        let unit = Unit::ALL;
+        let slopes = Derivatives {
+            by_position: after(&unit.position, all[1 + POSITION], 0.0, 0.0),
+            by_velocity: after(&unit.velocity, all[1 + VELOCITY], 0.0, 0.0),
+            by_fan: after(&unit.still, all[1 + FAN], by_fan[2], 0.0),
+            by_turbulence: after(&unit.still, all[1 + TURBULENCE], 0.0, by_turbulence[2]),
+            by_sensed: after(&unit.sensed, [0.0; 2 + OWN_STATES], 0.0, 0.0),
+            by_own: std::array::from_fn(|state| after(&unit.still, all[1 + OWN + state], 0.0, 0.0)),
+        };
+        (after(motion, all[0], fan[2], turbulence[2]), slopes)
     }
 
-    /// The derivative of the fan's acceleration at the start, the middle and the end of `dt_s`.
-    fn fans_along(&self, motion: &Motion, along: f64, dt_s: f64) -> [f64; 3] {
-        if along == 0.0 || !self.model.effects.has_fan_state() {
+    /// y, v and the own states after the step, then the columns of D: `ROWS` rows of them where there are own states.
+    fn with_columns<const ROWS: usize, const ALL: usize>(
+        &self,
+        motion: &Motion,
+        friction: Friction,
+        moving: [Moving; 3],
+        dt_s: f64,
+    ) -> [[f64; 2 + OWN_STATES]; 1 + OWN + OWN_STATES] {
+        let whole = [motion.position_mm, motion.velocity_mm_per_s, motion.own[0], motion.own[1]];
+        let mut start = [0.0; ALL];
+        start[..ROWS].copy_from_slice(&whole[..ROWS]);
+        for (row, column) in [(0, POSITION), (1, VELOCITY), (2, OWN), (3, OWN + 1)].into_iter().take(ROWS) {
+            start[ROWS * (1 + column) + row] = 1.0;
+        }
+        let rate = |x: &[f64; ALL], moving: Moving| self.rates::<ROWS, ALL>(x, moving, friction.slope_per_s);
+        let end = rk4::step(rate, &start, moving, dt_s);
+        let mut all = [[0.0; 2 + OWN_STATES]; 1 + OWN + OWN_STATES];
+        for (column, rows) in all.iter_mut().zip(end.chunks_exact(ROWS)) {
+            column[..ROWS].copy_from_slice(rows);
+        }
+        if ROWS == 2 {
+            all[0][2..].copy_from_slice(&motion.own);
+        }
+        all
+    }
+
+    /// The rates of y, v and the own states, and of the columns of D.
+    #[inline(always)]
+    fn rates<const ROWS: usize, const ALL: usize>(
+        &self,
+        x: &[f64; ALL],
+        Moving { drive, by_fan, by_turbulence }: Moving,
+        friction_slope_per_s: f64,
+    ) -> [f64; ALL] {
+        let own = if ROWS > 2 { [x[2], x[3]] } else { [0.0; OWN_STATES] };
+        let conditions = self.conditions([x[0], x[1]], own, drive);
+        let mut rates = [0.0; ALL];
+        (rates[0], rates[1]) = (x[1], self.acceleration([x[0], x[1]], own, drive));
+        let of_force = self.force_slopes(&conditions);
+        let mut of_own = [[0.0; 3 + OWN_STATES]; OWN_STATES];
+        if ROWS > 2 {
+            rates[2..ROWS].copy_from_slice(&self.model.effects.own_rates(&conditions));
+            of_own = self.own_slopes(&conditions);
+        }
+        let columns = x[ROWS..].chunks_exact(ROWS).zip(rates[ROWS..].chunks_exact_mut(ROWS)).enumerate();
+        for (column, (x, rate)) in columns {
+            let (fan, force) = match column {
+                VELOCITY => (0.0, friction_slope_per_s),
+                FAN => (by_fan, by_fan),
+                TURBULENCE => (0.0, by_turbulence),
+                _ => (0.0, 0.0),
+            };
+            rate[0] = x[1];
+            rate[1] = force - self.model.drag_per_s * x[1] + along(&of_force, x, fan);
+            for (rate, slopes) in rate[2..].iter_mut().zip(&of_own) {
+                *rate = along(slopes, x, fan);
+            }
+        }
+        rates
+    }
+
+    /// The derivatives of the force of the effects by y, v, the fan and the own states.
+    #[inline(always)]
+    fn force_slopes(&self, conditions: &Conditions) -> [f64; 3 + OWN_STATES] {
+        let effects = &self.model.effects;
+        let (built_in, written) = (effects.has_built_in_force(), effects.written.has_force());
+        if !built_in && !written {
+            return [0.0; 3 + OWN_STATES];
+        }
+        self.directions().map(|along| {
+            let Some(along) = along else { return 0.0 };
+            let of_written = if written { effects.written.force_along(conditions, &along) } else { 0.0 };
+            if !built_in || along.own != [0.0; OWN_STATES] {
+                return of_written;
+            }
+            let at = |by: f64| effects.built_in_force(&conditions.moved(&along, by));
+            of_written + (at(NUDGE) - at(-NUDGE)) / (2.0 * NUDGE)
+        })
+    }
+
+    /// The derivatives of the rate of each own state by the same.
+    fn own_slopes(&self, conditions: &Conditions) -> [[f64; 3 + OWN_STATES]; OWN_STATES] {
+        let along = |along: Direction| self.model.effects.written.own_rates_along(conditions, &along);
+        let columns = self.directions().map(|direction| direction.map_or([0.0; OWN_STATES], along));
+        std::array::from_fn(|state| columns.map(|column| column[state]))
+    }
+
+    /// y, v, the fan and the own states as directions; `None`: it is no state of the model.
+    #[inline(always)]
+    fn directions(&self) -> [Option<Direction>; 3 + OWN_STATES] {
+        let (effects, none) = (&self.model.effects, Direction::default());
+        let own = |state: usize| {
+            let mut own = [0.0; OWN_STATES];
+            own[state] = 1.0;
+            (state < effects.own_states()).then_some(Direction { own, ..none })
+        };
+        [
+            Some(Direction { position: 1.0, ..none }),
+            Some(Direction { velocity: 1.0, ..none }),
+            effects.has_fan_state().then_some(Direction { fan: 1.0, ..none }),
+            own(0),
+            own(1),
+        ]
+    }
+
+    /// The derivatives of the fan's acceleration at the start, the middle and the end of `dt_s` by that at the start.
+    fn fans_slope(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
+        if !self.model.effects.has_fan_state() {
             return [0.0; 3];
         }
-        let at = |by: f64| self.fans(&Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + by * along, ..*motion }, dt_s);
+        let at = |by: f64| self.fans(&Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + by, ..*motion }, dt_s);
         let (after, before) = (at(NUDGE), at(-NUDGE));
         std::array::from_fn(|i| (after[i] - before[i]) / (2.0 * NUDGE))
     }
 }
 
-/// y, v and the own states, then the same of the direction.
-const fn flat(motion: &Motion, along: &Motion) -> [f64; STATES] {
-    let ([p, q], [p_along, q_along]) = (motion.own, along.own);
-    let (v, v_along) = (motion.velocity_mm_per_s, along.velocity_mm_per_s);
-    [motion.position_mm, v, p, q, along.position_mm, v_along, p_along, q_along]
+/// The rate of a column: slopes by y, v, the fan and the own states, times the column's y, v, own states and fan.
+#[inline(always)]
+fn along(slopes: &[f64; 3 + OWN_STATES], column: &[f64], fan: f64) -> f64 {
+    let own: f64 = slopes[3..].iter().zip(&column[2..]).map(|(slope, own)| slope * own).sum();
+    slopes[0] * column[0] + slopes[1] * column[1] + slopes[2] * fan + own
+}
+
+/// The starts of the columns as the sensor sees them.
+struct Unit {
+    position: Motion,
+    velocity: Motion,
+    sensed: Motion,
+    still: Motion,
+}
+
+impl Unit {
+    const ALL: Self = {
+        let still = Motion::at_rest(0.0, 0.0);
+        Self {
+            position: Motion { position_mm: 1.0, ..still },
+            velocity: Motion { velocity_mm_per_s: 1.0, ..still },
+            sensed: Motion { sensed_mm: 1.0, ..still },
+            still,
+        }
+    };
 }
 
 impl Conditions {

@@ -94,7 +94,7 @@ impl Definition {
 
     /// The directional derivative of what it adds, along `towards`.
     pub(super) fn adds_along(&self, values: &[f64], towards: &[f64]) -> f64 {
-        self.adds.dual(values, towards).1
+        along(&self.adds, values, towards)
     }
 
     pub(super) const fn uses_time(&self) -> bool {
@@ -116,7 +116,7 @@ impl Definition {
 
     /// The directional derivatives of the rates, along `towards`.
     pub(super) fn rates_along(&self, values: &[f64], towards: &[f64]) -> [f64; OWN_STATES] {
-        std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.dual(values, towards).1))
+        std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| along(rate, values, towards)))
     }
 
     pub(super) fn start(&self, values: &[f64]) -> [f64; OWN_STATES] {
@@ -150,6 +150,13 @@ impl Definition {
         }
         Ok(())
     }
+}
+
+/// The directional derivative of a formula along `towards`.
+fn along(formula: &Formula, values: &[f64], towards: &[f64]) -> f64 {
+    // To find that none of the variables that move occurs takes less time than to evaluate the formula.
+    let moves = towards.iter().enumerate().any(|(variable, speed)| *speed != 0.0 && formula.uses(variable));
+    if moves { formula.dual(values, towards).1 } else { 0.0 }
 }
 
 /// Key, text and column of the first use of the setpoint.

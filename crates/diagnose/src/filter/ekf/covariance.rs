@@ -22,22 +22,23 @@ pub(super) struct Propagation {
     pub(super) transition: Square,
     /// Process noise Q.
     pub(super) noise: Square,
-    /// g of the whole step, x ← Φ·x + g·command, where it is such a map.
-    response: Option<State>,
+    /// g and h of the whole step, x ← Φ·x + g·command + h·friction, where it is such a map.
+    response: Option<[State; 2]>,
 }
 
 impl Propagation {
-    /// The step of a model whose motion is a linear map: Φ and g are the motions of unit states and of a unit command.
+    /// The step of a model whose motion is a linear map: Φ, g and h are the motions of unit states, of a unit command
+    /// and of a unit friction.
     pub(super) fn linear(active: &Active, model: &Model, dt: f64) -> Self {
-        let moved = |state: State, commanded: f64| {
-            vector(&motion_of(&state).step_in_endless_pipe(model, Input::of(commanded), dt))
+        let moved = |state: State, commanded: f64, friction: f64| {
+            vector(&motion_of(&state).slide(model, Input::of(commanded), friction, dt))
         };
         let mut transition = Square::zeros();
         for &i in active.indices() {
-            transition.set_column(i, &moved(State::from_fn(|j, _| f64::from(u8::from(i == j))), 0.0));
+            transition.set_column(i, &moved(State::from_fn(|j, _| f64::from(u8::from(i == j))), 0.0, 0.0));
         }
-        let noise = process_noise(active, model, &transition, dt);
-        Self { transition, noise, response: Some(moved(State::zeros(), 1.0)) }
+        let response = [moved(State::zeros(), 1.0, 0.0), moved(State::zeros(), 0.0, 1.0)];
+        Self { response: Some(response), ..Self::of(active, model, transition, dt) }
     }
 
     /// A step with this transition matrix.
@@ -46,12 +47,22 @@ impl Propagation {
     }
 
     /// The state after the step in an endless pipe. `None`: the step is no linear map.
-    pub(super) fn moved(&self, active: &Active, state: &State, commanded: f64) -> Option<State> {
-        let mut next = self.response? * commanded;
+    pub(super) fn moved(&self, active: &Active, state: &State, commanded: f64, friction: f64) -> Option<State> {
+        let [by_command, by_friction] = self.response?;
+        let mut next = by_command * commanded + by_friction * friction;
         for &j in active.indices() {
             next.axpy(state[j], &self.transition.column(j), 1.0);
         }
         Some(next)
+    }
+
+    /// The same step where friction changes with the velocity at its start.
+    pub(super) fn with_friction(&self, active: &Active, model: &Model, slope_per_s: f64, dt: f64) -> Self {
+        let mut transition = self.transition;
+        if let Some([_, by_friction]) = self.response {
+            transition.column_mut(1).axpy(slope_per_s, &by_friction, 1.0);
+        }
+        Self::of(active, model, transition, dt)
     }
 }
 
@@ -68,7 +79,10 @@ pub(crate) struct PropagationCache {
 impl PropagationCache {
     /// An empty cache for `model`.
     pub(crate) fn of(model: &Model) -> Self {
-        Self { linear: model.effects.motion_is_linear(), lengths: Vec::new(), known: Vec::new(), next: 0 }
+        let effects = &model.effects;
+        let linear =
+            effects.motion_is_linear_in_command() || effects.motion_is_linear() && effects.friction().is_none();
+        Self { linear, lengths: Vec::new(), known: Vec::new(), next: 0 }
     }
 
     pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> &Propagation {
@@ -148,7 +162,8 @@ pub(super) fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, moti
 #[cfg(test)]
 mod tests {
     use super::super::active::Active;
-    use super::{Propagation, PropagationCache, Square, State, derivative, motion_of, vector};
+    use super::super::step::Step;
+    use super::{Propagation, PropagationCache, Square, State, motion_of, vector};
     use crate::tests_support::model;
     use plant::{Effects, Input, Model, Motion};
 
@@ -185,16 +200,14 @@ mod tests {
         for entry in Effects::CATALOGUE {
             let mut model = bare.clone();
             model.effects.set(entry.name, entry.sizes[0]);
-            if model.effects.friction().is_some() {
-                continue; // The filter averages friction over the distribution of the velocity; see `Ekf::step`.
-            }
             // What is cached at the first state must hold at the second.
             let mut cache = PropagationCache::of(&model);
             for motion in &states {
-                let flow = |nudged: &Motion| nudged.step_in_endless_pipe(&model, Input::of(commanded), dt);
                 let active = Active::of(&model);
+                // A velocity that is known exactly: friction is not smoothed.
+                let (_, moved) = Step::new(&model, Input::of(commanded), dt, 0.0).moved(&active, motion);
                 let Propagation { transition, .. } =
-                    *cache.propagation(dt, || Propagation::of(&active, &model, derivative(&active, flow, motion), dt));
+                    *cache.propagation(dt, || Propagation::of(&active, &model, moved, dt));
                 let expected = by_differences(&model, commanded, motion, dt);
                 let off = (transition - expected).abs().max();
                 assert!(off < 1e-5, "{}: {off}: {transition} for {expected}", entry.name);
@@ -213,16 +226,40 @@ mod tests {
             assert!(model.effects.motion_is_linear_in_command());
             let (active, motion) =
                 (Active::of(&model), motion_of(&State::from([300.0, -80.0, 90.0, 40.0, 295.0, 0.0, 0.0])));
-            let linear = Propagation::linear(&active, &model, dt).moved(&active, &vector(&motion), 250.0).unwrap();
+            let linear = Propagation::linear(&active, &model, dt).moved(&active, &vector(&motion), 250.0, 0.0).unwrap();
             let exact = vector(&motion.step_in_endless_pipe(&model, Input::of(250.0), dt));
             let off = (linear - exact).abs().max();
             assert!(off < 1e-11, "{count}: {linear} for {exact}");
         }
-        for name in ["height_dependent_flow", "quadratic_drag", "spin_asymmetry", "wall_friction"] {
+        for name in ["height_dependent_flow", "quadratic_drag", "spin_asymmetry"] {
             let mut model = bare.clone();
             let entry = Effects::CATALOGUE.iter().find(|entry| entry.name == name).unwrap();
             assert!(model.effects.set(name, entry.sizes[0]));
             assert!(!model.effects.motion_is_linear_in_command(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_linear_step_with_friction_is_that_of_the_plant_with_its_derivatives_sliding_and_averaged() {
+        let (dt, commanded) = (0.017, 250.0);
+        let mut model = model();
+        assert!(model.effects.set("wall_friction", &[200.0]));
+        let active = Active::of(&model);
+        let linear = Propagation::linear(&active, &model, dt);
+        for (velocity, roughness) in [(80.0, 0.0), (-80.0, 0.0), (30.0, 60.0), (0.0, 60.0)] {
+            let motion = motion_of(&State::from([300.0, velocity, 90.0, 0.0, 300.0, 0.0, 0.0]));
+            let step = Step::new(&model, Input::of(commanded), dt, roughness);
+            let friction = step.friction(&motion).unwrap();
+            let (after, transition) = step.moved(&active, &motion);
+            let found = linear.moved(&active, &vector(&motion), commanded, friction.mm_per_s2).unwrap();
+            let slopes = linear.with_friction(&active, &model, friction.slope_per_s, dt).transition;
+            let own = active.indices();
+            let off = |a: f64, b: f64| (a - b).abs();
+            let most = own.iter().map(|&i| off(found[i], after[i])).fold(0.0, f64::max);
+            assert!(most < 1e-10, "{velocity}: {found} for {after}");
+            let entries = own.iter().flat_map(|&i| own.iter().map(move |&j| (i, j)));
+            let most = entries.map(|at| off(slopes[at], transition[at])).fold(0.0, f64::max);
+            assert!(most < 1e-10, "{velocity}: {slopes} for {transition}");
         }
     }
 }

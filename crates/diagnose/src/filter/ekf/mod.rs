@@ -35,7 +35,7 @@ use step::Step;
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
 use nalgebra::{SMatrix, SVector};
-use plant::{Actuator, Input, Model, OWN_STATES};
+use plant::{Actuator, Friction, Input, Model, Motion, OWN_STATES};
 
 const STATES: usize = 5 + OWN_STATES;
 type State = SVector<f64, STATES>;
@@ -267,17 +267,30 @@ impl<'a> Ekf<'a> {
 
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
         self.commanded_mm_per_s2 = commanded;
-        let (motion, input) = (motion_of(&self.state), self.input());
-        let step = Step::new(self.model, input, dt, self.covariance[(1, 1)].max(0.0).sqrt());
-        let propagation = known.propagation(dt, || {
-            if self.linear {
-                Propagation::linear(&self.active, self.model, dt)
-            } else {
-                Propagation::of(&self.active, self.model, step.transition(&self.active, &motion), dt)
+        let motion = motion_of(&self.state);
+        let step = Step::new(self.model, self.input(), dt, self.covariance[(1, 1)].max(0.0).sqrt());
+        let (mut next, mut own) = (None, None);
+        let mut moved = || {
+            let (after, transition) = step.moved(&self.active, &motion);
+            next = Some(after);
+            Propagation::of(&self.active, self.model, transition, dt)
+        };
+        let shared = if self.linear {
+            let shared = known.propagation(dt, || Propagation::linear(&self.active, self.model, dt));
+            match self.slid(&step, &motion, shared) {
+                None => own = Some(moved()),
+                Some((after, friction)) => {
+                    next = Some(after);
+                    let changes = friction.slope_per_s != 0.0;
+                    own = changes.then(|| shared.with_friction(&self.active, self.model, friction.slope_per_s, dt));
+                }
             }
-        });
-        let next = self.in_the_air(propagation.moved(&self.active, &self.state, commanded));
-        let next = next.unwrap_or_else(|| vector(&step.after(&motion)));
+            shared
+        } else {
+            known.propagation(dt, moved)
+        };
+        let propagation = own.as_ref().unwrap_or(shared);
+        let next = self.in_the_air(next).unwrap_or_else(|| vector(&step.after(&motion)));
         if let Some(back) = &mut self.back {
             back.go(&propagation.transition);
         }
@@ -286,8 +299,18 @@ impl<'a> Ekf<'a> {
         self.time_s += dt;
     }
 
-    /// The state after a step, where the step touches no end of the pipe.
+    /// The state after a linear step and the friction during it. `None`: friction stops the ball.
+    fn slid(&self, step: &Step<'_>, motion: &Motion, shared: &Propagation) -> Option<(State, Friction)> {
+        let friction = step.friction(motion)?;
+        let after = shared.moved(&self.active, &self.state, self.commanded_mm_per_s2, friction.mm_per_s2)?;
+        step.slides(motion, &motion_of(&after)).then_some((after, friction))
+    }
+
+    /// The state after a step, where the step touches no end of the pipe. With friction the filter knows no ends.
     fn in_the_air(&self, next: Option<State>) -> Option<State> {
+        if self.model.effects.friction().is_some() {
+            return next;
+        }
         let (bottom, top) = self.model.ends_mm();
         let between = |state: &State| bottom < state[0] && state[0] < top;
         next.filter(|next| between(&self.state) && between(next))

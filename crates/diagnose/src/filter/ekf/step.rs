@@ -6,10 +6,11 @@
 //!
 //! Without the mean a filter would take a slow ball for a stopped one, with too small a covariance.
 
-use super::Square;
 use super::active::Active;
-use super::covariance::{derivative, motion_of, vector};
-use plant::{Friction, Input, Model, Motion};
+use super::covariance::{derivative, vector};
+use super::{Square, State};
+use plant::effects::WallFriction;
+use plant::{Derivatives, Friction, Input, Model, Motion};
 use std::f64::consts::{FRAC_2_SQRT_PI, SQRT_2};
 
 /// Friction is smoothed over at least this speed, or over the speed that friction takes off in a step if that is less.
@@ -23,61 +24,87 @@ pub(super) struct Step<'a> {
     model: &'a Model,
     input: Input,
     dt: f64,
-    /// Friction, mm/s², and the speed over which it is smoothed, mm/s.
-    smoothed: Option<(f64, f64)>,
-    has_friction: bool,
+    friction: Option<WallFriction>,
+    /// The speed over which friction is smoothed, mm/s; `None`: it is not.
+    smoothed: Option<f64>,
 }
 
 impl<'a> Step<'a> {
     /// A step of a ball whose velocity has the standard deviation `roughness`, mm/s.
     pub(super) fn new(model: &'a Model, input: Input, dt: f64, roughness: f64) -> Self {
-        let friction = model.effects.friction().map(|friction| friction.acceleration_mm_per_s2);
-        let smoothed = friction.filter(|friction| roughness > KNOWN * friction * dt);
-        let smoothed = smoothed.map(|friction| (friction, roughness.max(SLOWEST_MM_PER_S.min(friction * dt))));
-        Self { model, input, dt, smoothed, has_friction: friction.is_some() }
+        let friction = model.effects.friction();
+        let taken = friction.map_or(0.0, |friction| friction.acceleration_mm_per_s2) * dt;
+        let smoothed =
+            (friction.is_some() && roughness > KNOWN * taken).then(|| roughness.max(SLOWEST_MM_PER_S.min(taken)));
+        Self { model, input, dt, friction, smoothed }
     }
 
-    /// The motion after the step.
+    /// The motion after the step. With friction an end of the pipe does not stop the ball.
     pub(super) fn after(&self, motion: &Motion) -> Motion {
-        if self.has_friction { self.endless(motion) } else { motion.step(self.model, self.input, self.dt) }
+        if self.friction.is_some() { self.endless(motion) } else { motion.step(self.model, self.input, self.dt) }
     }
 
     /// The same in an endless pipe: an end stops the ball but does not reduce the uncertainty.
     fn endless(&self, motion: &Motion) -> Motion {
         match self.smoothed {
-            Some(_) => motion.slide(self.model, self.input, self.friction(motion).mm_per_s2, self.dt),
+            Some(_) => {
+                let friction = self.friction(motion).unwrap_or_default();
+                motion.slide(self.model, self.input, friction.mm_per_s2, self.dt)
+            }
             None => motion.step_in_endless_pipe(self.model, self.input, self.dt),
         }
     }
 
-    /// Φ: the derivative of the motion by the active states. By differences, unless a written effect moves the ball
-    /// smoothly: its formulas may be as steep as their author likes, and are differentiated exactly.
-    pub(super) fn transition(&self, active: &Active, motion: &Motion) -> Square {
-        if !self.model.effects.has_written_motion() || (self.has_friction && self.smoothed.is_none()) {
-            return derivative(active, |nudged| self.endless(nudged), motion);
-        }
-        let (mut transition, friction) = (Square::zeros(), self.friction(motion));
-        for &index in active.indices() {
-            let unit = Square::identity().column(index).into_owned();
-            let along = motion.slide_along(self.model, self.input, friction, self.dt, &motion_of(&unit));
-            transition.set_column(index, &vector(&along));
-        }
-        transition
+    /// The friction during the whole step, if the ball does not stop: the expected friction where it is smoothed.
+    /// `None`: the ball is at rest.
+    pub(super) fn friction(&self, motion: &Motion) -> Option<Friction> {
+        let Some(friction) = self.friction else { return Some(Friction::default()) };
+        let (velocity, most) = (motion.velocity_mm_per_s, friction.acceleration_mm_per_s2);
+        let Some(smooth) = self.smoothed else {
+            let mm_per_s2 = friction.acceleration(velocity.signum());
+            return (velocity != 0.0).then_some(Friction { mm_per_s2, slope_per_s: 0.0 });
+        };
+        let share = velocity / (SQRT_2 * smooth);
+        let slope_per_s = -most * FRAC_2_SQRT_PI * libm::exp(-share * share) / (SQRT_2 * smooth);
+        Some(Friction { mm_per_s2: -most * libm::erf(share), slope_per_s })
     }
 
-    /// The expected friction; none where it is not smoothed.
-    fn friction(&self, motion: &Motion) -> Friction {
-        self.smoothed.map_or_else(Friction::default, |(friction, smooth)| {
-            let share = motion.velocity_mm_per_s / (SQRT_2 * smooth);
-            let slope_per_s = -friction * FRAC_2_SQRT_PI * libm::exp(-share * share) / (SQRT_2 * smooth);
-            Friction { mm_per_s2: -friction * libm::erf(share), slope_per_s }
-        })
+    /// Whether a ball that slides from one state to another may do so without a stop.
+    pub(super) fn slides(&self, from: &Motion, to: &Motion) -> bool {
+        self.friction.is_none() || self.smoothed.is_some() || from.velocity_mm_per_s * to.velocity_mm_per_s >= 0.0
     }
+
+    /// The state after a step in an endless pipe, and Φ, its derivative by the active states: that of the smooth motion,
+    /// or central differences where friction stops the ball.
+    pub(super) fn moved(&self, active: &Active, motion: &Motion) -> (State, Square) {
+        let sliding = self
+            .friction(motion)
+            .map(|friction| motion.slide_with_derivatives(self.model, self.input, friction, self.dt));
+        match sliding {
+            Some((after, slopes)) if self.slides(motion, &after) => (vector(&after), transition(active, &slopes)),
+            _ => {
+                let flow = |nudged: &Motion| self.endless(nudged);
+                (vector(&flow(motion)), derivative(active, flow, motion))
+            }
+        }
+    }
+}
+
+/// Φ of these slopes.
+fn transition(active: &Active, slopes: &Derivatives) -> Square {
+    let Derivatives { by_position, by_velocity, by_fan, by_turbulence, by_sensed, by_own: [first, second] } = slopes;
+    let columns = [by_position, by_velocity, by_fan, by_turbulence, by_sensed, first, second];
+    let mut transition = Square::zeros();
+    for &index in active.indices() {
+        transition.set_column(index, &vector(columns[index]));
+    }
+    transition
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Active, Square, Step, motion_of, vector};
+    use super::super::covariance::motion_of;
+    use super::{Active, Square, Step, vector};
     use crate::filter::written_support::with_written;
     use crate::tests_support::model;
     use plant::{Effects, Input, Model, Motion, Stage};
@@ -124,7 +151,7 @@ mod tests {
             model.effects.set(entry.name, entry.sizes[0]);
             let step = Step::new(&model, INPUT, DT, 60.0);
             let active = Active::of(&model);
-            let found = step.transition(&active, &somewhere());
+            let (_, found) = step.moved(&active, &somewhere());
             let expected = by_differences(&step, &active, &somewhere(), 1e-3, [-1.0, 1.0]);
             let off = (found - expected).abs().max();
             assert!(off < 1e-6, "{}: {off}: {found} for {expected}", entry.name);
@@ -144,19 +171,19 @@ mod tests {
             let active = Active::of(&model);
             let sides = if above { [0.0, 1.0] } else { [-1.0, 0.0] };
             let expected = by_differences(&step, &active, &still, 1e-3, sides);
-            let found = step.transition(&active, &still);
+            let (_, found) = step.moved(&active, &still);
             assert!((found.column(0) - expected.column(0)).abs().max() < 1e-6, "{adds}: {found} for {expected}");
         }
     }
 
     #[test]
-    fn a_ball_that_friction_may_stop_within_the_step_keeps_its_differences() {
+    fn a_ball_that_friction_stops_within_the_step_keeps_its_differences() {
         let mut model = non_linear(model());
         model.effects.set("wall_friction", &[200.0]);
         let step = Step::new(&model, INPUT, DT, 1e-3);
         let active = Active::of(&model);
-        let slow = Motion { velocity_mm_per_s: 0.1, ..somewhere() };
-        let found = step.transition(&active, &slow);
+        let slow = Motion { velocity_mm_per_s: -0.1, ..somewhere() };
+        let (_, found) = step.moved(&active, &slow);
         let expected = super::derivative(&active, |nudged| step.endless(nudged), &slow);
         assert_eq!(found, expected);
     }

@@ -27,6 +27,7 @@ mod rounding;
 mod sensor;
 mod signal_path;
 mod simulator;
+mod stops;
 mod tangent;
 mod unsound;
 mod written;

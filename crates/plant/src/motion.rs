@@ -13,10 +13,10 @@
 use crate::flow::Flow;
 use crate::model::Model;
 use crate::root::falling_zero;
-use crate::tangent::{Derivatives, Friction};
+use crate::tangent::{Derivatives, Friction, Phase};
 
 /// More events than this in one step are the chatter of a ball at rest.
-const MAX_EVENTS: u32 = 8;
+pub(crate) const MAX_EVENTS: u32 = 8;
 
 /// The number of states that an effect may have of its own.
 pub const OWN_STATES: usize = 2;
@@ -39,7 +39,7 @@ impl Input {
         Self { commanded_mm_per_s2, time_s: 0.0, setpoint_mm: None }
     }
 
-    const fn later(self, by_s: f64) -> Self {
+    pub(crate) const fn later(self, by_s: f64) -> Self {
         Self { time_s: self.time_s + by_s, ..self }
     }
 }
@@ -139,7 +139,7 @@ impl Motion {
         friction: Friction,
         dt_s: f64,
     ) -> (Self, Derivatives) {
-        Flow { model, input }.free_with_derivatives(self, friction, dt_s)
+        Flow { model, input }.with_derivatives(self, Phase::Sliding(friction), dt_s)
     }
 
     #[inline(always)]
@@ -177,23 +177,30 @@ impl Motion {
         if self.velocity_mm_per_s * out > 0.0 {
             self.velocity_mm_per_s = flow.model.rebound(self.velocity_mm_per_s);
         }
-        let friction = flow.model.effects.friction().filter(|friction| friction.acceleration_mm_per_s2 > 0.0);
-        let v = self.velocity_mm_per_s;
-        if v == 0.0 && friction.is_some_and(|friction| friction.holds(flow.net(&self))) {
-            return (flow.held(&self, dt_s), dt_s);
-        }
-        let Some(friction) = friction else {
-            return self.until_end(flow, 0.0, ends, (flow.free(&self, 0.0, dt_s), dt_s));
-        };
-        let direction = if v == 0.0 { flow.net(&self) } else { v }.signum();
-        let friction = friction.acceleration(direction);
-        let slide = |t: f64| flow.free(&self, friction, t);
-        let mut last = (slide(dt_s), dt_s);
-        if last.0.velocity_mm_per_s * direction < 0.0 {
-            let stop = falling_zero(|t| slide(t).velocity_mm_per_s * direction, dt_s);
-            last = (Self { velocity_mm_per_s: 0.0, ..slide(stop) }, stop);
-        }
+        let Some(direction) = self.slides(flow) else { return (flow.held(&self, dt_s), dt_s) };
+        let friction = flow.model.effects.friction().map_or(0.0, |friction| friction.acceleration(direction));
+        let last = self.until_stop(flow, direction, friction, dt_s);
         self.until_end(flow, friction, ends, last)
+    }
+
+    /// The direction in which the ball slides, or begins to slide. `None`: friction holds it.
+    pub(crate) fn slides(&self, flow: &Flow<'_>) -> Option<f64> {
+        let v = self.velocity_mm_per_s;
+        let net = if v == 0.0 { flow.net(self) } else { v };
+        let friction = flow.model.effects.friction().filter(|friction| friction.acceleration_mm_per_s2 > 0.0);
+        let is_held = v == 0.0 && friction.is_some_and(|friction| friction.holds(net));
+        (!is_held).then(|| net.signum())
+    }
+
+    /// The motion under a constant friction until friction stops the ball, or for all of `dt_s`; and how long that took.
+    pub(crate) fn until_stop(&self, flow: &Flow<'_>, direction: f64, friction: f64, dt_s: f64) -> (Self, f64) {
+        let slide = |t: f64| flow.free(self, friction, t);
+        let last = slide(dt_s);
+        if friction == 0.0 || last.velocity_mm_per_s * direction >= 0.0 {
+            return (last, dt_s);
+        }
+        let stop = falling_zero(|t| slide(t).velocity_mm_per_s * direction, dt_s);
+        (Self { velocity_mm_per_s: 0.0, ..slide(stop) }, stop)
     }
 
     /// What becomes of a free motion to `last` when an end of the pipe is in its way.

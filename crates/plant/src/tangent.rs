@@ -1,13 +1,15 @@
-//! A step of the smooth motion and its derivatives by the states at its start.
+//! The motion between two events and its derivatives by the states at its start.
 //!
 //! ```text
 //! dx/dt = f(x, t)      dD/dt = ∂f/∂x · D, D = I at the start      one RK4 step of both together
 //! ```
 //!
+//! A ball that is held keeps its position: its rates, and those of its derivatives, are 0.
+//!
 //! These are the derivatives of the RK4 step itself, to rounding, and not those of the exact motion. Written formulas are
 //! differentiated automatically; at a kink, as of `max`, theirs is the derivative of one side (see
 //! [`formula::Formula::dual`]). The effects of the catalogue have no derivatives in closed form: those of their forces
-//! and of the fan's lag are central differences, exact where they are linear.
+//! and of the fan's lag are differences, exact where they are linear.
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, section I.14.
 
 use crate::acts::{Conditions, Direction};
@@ -17,6 +19,15 @@ use crate::rk4;
 
 /// Step of the differences, in mm, mm/s and mm/s²: far below what a flight covers, far above rounding.
 const NUDGE: f64 = 1e-2;
+
+/// What moves the ball between two events.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Phase {
+    /// It is free, but for friction.
+    Sliding(Friction),
+    /// It is held where it is.
+    Held,
+}
 
 /// Dry friction during a step, mm/s², and its derivative by the velocity at the start, 1/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,23 +76,19 @@ const PLAIN: usize = 2 * (1 + OWN);
 const WITH_OWN: usize = (2 + OWN_STATES) * (1 + OWN + OWN_STATES);
 
 impl Flow<'_> {
-    /// [`Flow::free`], and its derivatives by the start.
-    pub(crate) fn free_with_derivatives(
-        &self,
-        motion: &Motion,
-        friction: Friction,
-        dt_s: f64,
-    ) -> (Motion, Derivatives) {
+    /// [`Flow::free`] or [`Flow::held`], and its derivatives by the start.
+    pub(crate) fn with_derivatives(&self, motion: &Motion, phase: Phase, dt_s: f64) -> (Motion, Derivatives) {
         let (fan, turbulence) = (self.fans(motion, dt_s), self.turbulences(motion, dt_s));
-        let drives = self.drives(fan, turbulence, friction.mm_per_s2, dt_s);
-        let by_fan = self.fans_slope(motion, dt_s);
+        let friction = if let Phase::Sliding(friction) = phase { friction.mm_per_s2 } else { 0.0 };
+        let drives = self.drives(fan, turbulence, friction, dt_s);
+        let by_fan = self.fans_slope(motion, fan, dt_s);
         let by_turbulence = self.turbulences(&Motion { turbulence_mm_per_s2: 1.0, ..*motion }, dt_s);
         let moving =
             std::array::from_fn(|i| Moving { drive: drives[i], by_fan: by_fan[i], by_turbulence: by_turbulence[i] });
         let all = if self.model.effects.has_own_states() {
-            self.with_columns::<{ 2 + OWN_STATES }, WITH_OWN>(motion, friction, moving, dt_s)
+            self.with_columns::<{ 2 + OWN_STATES }, WITH_OWN>(motion, phase, moving, dt_s)
         } else {
-            self.with_columns::<2, PLAIN>(motion, friction, moving, dt_s)
+            self.with_columns::<2, PLAIN>(motion, phase, moving, dt_s)
         };
         let after = |start: &Motion, [y, v, p, q]: [f64; 2 + OWN_STATES], fan: f64, turbulence: f64| Motion {
             position_mm: y,
@@ -95,7 +102,12 @@ impl Flow<'_> {
         let unit = Unit::ALL;
         let slopes = Derivatives {
             by_position: after(&unit.position, all[1 + POSITION], 0.0, 0.0),
-            by_velocity: after(&unit.velocity, all[1 + VELOCITY], 0.0, 0.0),
+            by_velocity: after(
+                if phase == Phase::Held { &unit.still } else { &unit.velocity },
+                all[1 + VELOCITY],
+                0.0,
+                0.0,
+            ),
             by_fan: after(&unit.still, all[1 + FAN], by_fan[2], 0.0),
             by_turbulence: after(&unit.still, all[1 + TURBULENCE], 0.0, by_turbulence[2]),
             by_sensed: after(&unit.sensed, [0.0; 2 + OWN_STATES], 0.0, 0.0),
@@ -108,17 +120,18 @@ impl Flow<'_> {
     fn with_columns<const ROWS: usize, const ALL: usize>(
         &self,
         motion: &Motion,
-        friction: Friction,
+        phase: Phase,
         moving: [Moving; 3],
         dt_s: f64,
     ) -> [[f64; 2 + OWN_STATES]; 1 + OWN + OWN_STATES] {
-        let whole = [motion.position_mm, motion.velocity_mm_per_s, motion.own[0], motion.own[1]];
+        let velocity = if phase == Phase::Held { 0.0 } else { 1.0 };
+        let whole = [motion.position_mm, velocity * motion.velocity_mm_per_s, motion.own[0], motion.own[1]];
         let mut start = [0.0; ALL];
         start[..ROWS].copy_from_slice(&whole[..ROWS]);
         for (row, column) in [(0, POSITION), (1, VELOCITY), (2, OWN), (3, OWN + 1)].into_iter().take(ROWS) {
-            start[ROWS * (1 + column) + row] = 1.0;
+            start[ROWS * (1 + column) + row] = if row == 1 { velocity } else { 1.0 };
         }
-        let rate = |x: &[f64; ALL], moving: Moving| self.rates::<ROWS, ALL>(x, moving, friction.slope_per_s);
+        let rate = |x: &[f64; ALL], moving: Moving| self.rates::<ROWS, ALL>(x, moving, phase);
         let end = rk4::step(rate, &start, moving, dt_s);
         let mut all = [[0.0; 2 + OWN_STATES]; 1 + OWN + OWN_STATES];
         for (column, rows) in all.iter_mut().zip(end.chunks_exact(ROWS)) {
@@ -136,13 +149,16 @@ impl Flow<'_> {
         &self,
         x: &[f64; ALL],
         Moving { drive, by_fan, by_turbulence }: Moving,
-        friction_slope_per_s: f64,
+        phase: Phase,
     ) -> [f64; ALL] {
         let own = if ROWS > 2 { [x[2], x[3]] } else { [0.0; OWN_STATES] };
         let conditions = self.conditions([x[0], x[1]], own, drive);
         let mut rates = [0.0; ALL];
-        (rates[0], rates[1]) = (x[1], self.acceleration([x[0], x[1]], own, drive));
-        let of_force = self.force_slopes(&conditions);
+        let (mut of_force, mut friction_slope_per_s) = ([0.0; 3 + OWN_STATES], 0.0);
+        if let Phase::Sliding(friction) = phase {
+            (rates[0], rates[1]) = (x[1], self.acceleration([x[0], x[1]], own, drive));
+            (of_force, friction_slope_per_s) = (self.force_slopes(&conditions), friction.slope_per_s);
+        }
         let mut of_own = [[0.0; 3 + OWN_STATES]; OWN_STATES];
         if ROWS > 2 {
             rates[2..ROWS].copy_from_slice(&self.model.effects.own_rates(&conditions));
@@ -156,8 +172,10 @@ impl Flow<'_> {
                 TURBULENCE => (0.0, by_turbulence),
                 _ => (0.0, 0.0),
             };
-            rate[0] = x[1];
-            rate[1] = force - self.model.drag_per_s * x[1] + along(&of_force, x, fan);
+            if phase != Phase::Held {
+                rate[0] = x[1];
+                rate[1] = force - self.model.drag_per_s * x[1] + along(&of_force, x, fan);
+            }
             for (rate, slopes) in rate[2..].iter_mut().zip(&of_own) {
                 *rate = along(slopes, x, fan);
             }
@@ -209,14 +227,15 @@ impl Flow<'_> {
         ]
     }
 
-    /// The derivatives of the fan's acceleration at the start, the middle and the end of `dt_s` by that at the start.
-    fn fans_slope(&self, motion: &Motion, dt_s: f64) -> [f64; 3] {
+    /// The derivatives of the fan's acceleration at the start, the middle and the end of `dt_s`, where it is `fan`, by
+    /// that at the start.
+    fn fans_slope(&self, motion: &Motion, fan: [f64; 3], dt_s: f64) -> [f64; 3] {
         if !self.model.effects.has_fan_state() {
             return [0.0; 3];
         }
-        let at = |by: f64| self.fans(&Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + by, ..*motion }, dt_s);
-        let (after, before) = (at(NUDGE), at(-NUDGE));
-        std::array::from_fn(|i| (after[i] - before[i]) / (2.0 * NUDGE))
+        let nudged = Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + NUDGE, ..*motion };
+        let there = self.fans(&nudged, dt_s);
+        std::array::from_fn(|i| (there[i] - fan[i]) / NUDGE)
     }
 }
 

@@ -7,11 +7,9 @@
 //! ```
 
 use super::active::Active;
-use super::{STATES, Square, State};
+use super::{Square, State};
 use plant::{Input, Model, Motion};
 
-/// Steps of the central differences: small compared with the motion of a flight, large compared with rounding errors.
-const NUDGE: [f64; STATES] = [1e-3, 1e-2, 1e-1, 1e-1, 1e-3, 1e-3, 1e-3];
 /// Number of cached step lengths: a clock of whole milliseconds has few.
 const STEPS_KNOWN: usize = 16;
 
@@ -143,20 +141,6 @@ pub(super) fn motion_of(state: &State) -> Motion {
         (*state).into();
     let own = [first, second];
     Motion { position_mm, velocity_mm_per_s, fan_mm_per_s2, turbulence_mm_per_s2, sensed_mm, own }
-}
-
-/// ∂flow/∂x at `motion` by central differences, for the active states.
-pub(super) fn derivative(active: &Active, flow: impl Fn(&Motion) -> Motion, motion: &Motion) -> Square {
-    let mut transition = Square::zeros();
-    for &i in active.indices() {
-        let nudged = |by: f64| {
-            let mut nudged = vector(motion);
-            nudged[i] += by;
-            vector(&flow(&motion_of(&nudged)))
-        };
-        transition.set_column(i, &((nudged(NUDGE[i]) - nudged(-NUDGE[i])) / (2.0 * NUDGE[i])));
-    }
-    transition
 }
 
 #[cfg(test)]

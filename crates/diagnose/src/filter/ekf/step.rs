@@ -7,7 +7,7 @@
 //! Without the mean a filter would take a slow ball for a stopped one, with too small a covariance.
 
 use super::active::Active;
-use super::covariance::{derivative, vector};
+use super::covariance::vector;
 use super::{Square, State};
 use plant::effects::WallFriction;
 use plant::{Derivatives, Friction, Input, Model, Motion};
@@ -74,25 +74,20 @@ impl<'a> Step<'a> {
         self.friction.is_none() || self.smoothed.is_some() || from.velocity_mm_per_s * to.velocity_mm_per_s >= 0.0
     }
 
-    /// The state after a step in an endless pipe, and Φ, its derivative by the active states: that of the smooth motion,
-    /// or central differences where friction stops the ball.
+    /// The state after a step in an endless pipe, and Φ, its derivative by the active states.
     pub(super) fn moved(&self, active: &Active, motion: &Motion) -> (State, Square) {
-        let sliding = self
-            .friction(motion)
-            .map(|friction| motion.slide_with_derivatives(self.model, self.input, friction, self.dt));
-        match sliding {
-            Some((after, slopes)) if self.slides(motion, &after) => (vector(&after), transition(active, &slopes)),
-            _ => {
-                let flow = |nudged: &Motion| self.endless(nudged);
-                (vector(&flow(motion)), derivative(active, flow, motion))
-            }
-        }
+        let (after, derivatives) = match self.smoothed.and_then(|_| self.friction(motion)) {
+            Some(friction) => motion.slide_with_derivatives(self.model, self.input, friction, self.dt),
+            None => motion.step_with_derivatives(self.model, self.input, self.dt),
+        };
+        (vector(&after), transition(active, &derivatives))
     }
 }
 
-/// Φ of these slopes.
-fn transition(active: &Active, slopes: &Derivatives) -> Square {
-    let Derivatives { by_position, by_velocity, by_fan, by_turbulence, by_sensed, by_own: [first, second] } = slopes;
+/// Φ of these derivatives.
+fn transition(active: &Active, derivatives: &Derivatives) -> Square {
+    let Derivatives { by_position, by_velocity, by_fan, by_turbulence, by_sensed, by_own: [first, second] } =
+        derivatives;
     let columns = [by_position, by_velocity, by_fan, by_turbulence, by_sensed, first, second];
     let mut transition = Square::zeros();
     for &index in active.indices() {
@@ -174,17 +169,5 @@ mod tests {
             let (_, found) = step.moved(&active, &still);
             assert!((found.column(0) - expected.column(0)).abs().max() < 1e-6, "{adds}: {found} for {expected}");
         }
-    }
-
-    #[test]
-    fn a_ball_that_friction_stops_within_the_step_keeps_its_differences() {
-        let mut model = non_linear(model());
-        model.effects.set("wall_friction", &[200.0]);
-        let step = Step::new(&model, INPUT, DT, 1e-3);
-        let active = Active::of(&model);
-        let slow = Motion { velocity_mm_per_s: -0.1, ..somewhere() };
-        let (_, found) = step.moved(&active, &slow);
-        let expected = super::derivative(&active, |nudged| step.endless(nudged), &slow);
-        assert_eq!(found, expected);
     }
 }

@@ -7,8 +7,9 @@
 //! ```
 //!
 //! Parameters of p itself, such as the share of outliers, add their scores: g = Σ ∂ln p, H = Σ ∂ln p·∂ln pᵀ.
-//! Derivatives are differences of whole filter runs, in the scales of [`Parameter`], so that one λ suits all. Gradient
-//! and information are kept by fold, so that a fit without a fold takes one step. The covariance of θ is H⁻¹ when the
+//! Derivatives are differences of whole filter runs, in the scales of [`Parameter`], so that one λ suits all. After each
+//! step further ones are tried with the same derivatives, which take a single run each (the chord method). Gradient and
+//! information are kept by fold, so that a fit without a fold takes one step. The covariance of θ is H⁻¹ when the
 //! model is right.
 //! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
 
@@ -21,6 +22,7 @@ use crate::record::recording::Recording;
 use crate::thresholds::LONG;
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
+use rayon::prelude::*;
 
 /// Most scoring steps; a fit that needs more moves along a ridge of the likelihood that the record does not determine.
 const STEPS: usize = 15;
@@ -38,6 +40,9 @@ const DIFFERENCE: f64 = 0.01;
 pub(crate) const SHORTER: usize = 6;
 const PROMISING: f64 = 1.0;
 const SHORTEST: usize = 14;
+
+/// Most steps with the derivatives of an earlier point.
+const CHORDS: usize = 3;
 
 /// A model fitted to a recording.
 #[derive(Clone, Debug)]
@@ -189,16 +194,20 @@ impl Problem<'_> {
             if taken > end {
                 break;
             }
-            let slope = self.slope(&best, parameters);
+            let (sensitivities, before) = (self.sensitivities(&best, parameters), best.total);
+            let slope = self.derivatives(&best, parameters, &sensitivities);
             let Some(next) = self.step(&best, parameters, &slope.total(None), &mut damping) else {
                 return (best, Some(slope));
             };
-            let gain = next.total - best.total;
             best = next;
-            if gain < GAIN_ENOUGH {
+            if best.total - before < GAIN_ENOUGH {
                 return (best, Some(slope));
             }
-            if gain >= steep {
+            for _ in 0..CHORDS {
+                let Some(next) = self.chord(&best, parameters, &sensitivities, damping) else { break };
+                best = next;
+            }
+            if best.total - before >= steep {
                 end = end.max(taken + patience.more);
             }
         }
@@ -227,11 +236,7 @@ impl Problem<'_> {
         damping: &mut f64,
     ) -> Option<Point> {
         for shortened in 0..SHORTEST {
-            let mut damped = information.clone();
-            for i in 0..parameters.len() {
-                damped[(i, i)] = damped[(i, i)] * (1.0 + *damping) + 1e-9;
-            }
-            let direction = damped.cholesky().map(|factor| factor.solve(gradient))?;
+            let direction = damped(information.clone(), *damping).cholesky()?.solve(gradient);
             if shortened >= SHORTER && 0.5 * gradient.dot(&direction) < PROMISING {
                 return None;
             }
@@ -245,31 +250,56 @@ impl Problem<'_> {
         None
     }
 
+    /// A full scoring step with the derivatives of an earlier point. `None`: it gains too little.
+    fn chord(
+        &self,
+        best: &Point,
+        parameters: &[Parameter],
+        sensitivities: &Sensitivities,
+        damping: f64,
+    ) -> Option<Point> {
+        if parameters.iter().any(|parameter| parameter.is_of_the_density()) {
+            return None;
+        }
+        let (gradient, information) = self.derivatives(best, parameters, sensitivities).total(None);
+        let direction = damped(information, damping).cholesky()?.solve(&gradient);
+        if gradient.dot(&direction) < GAIN_ENOUGH {
+            return None;
+        }
+        let there = self.point(self.moved(&best.model, parameters, &direction), parameters);
+        (there.total > best.total + GAIN_ENOUGH).then_some(there)
+    }
+
     /// Gradient and information of log-likelihood and log-prior at `point`.
     fn slope(&self, point: &Point, parameters: &[Parameter]) -> Derivatives {
-        let nudged: Vec<Vec<Innovation>> = parameters
-            .iter()
-            .map(|parameter| innovations(&parameter.stepped(&point.model, DIFFERENCE), self.recording))
-            .collect();
+        self.derivatives(point, parameters, &self.sensitivities(point, parameters))
+    }
+
+    /// The derivatives of the innovations at `point`.
+    fn sensitivities(&self, point: &Point, parameters: &[Parameter]) -> Sensitivities {
+        let of_one = |parameter: &Parameter| -> Vec<[f64; 2]> {
+            let nudged = innovations(&parameter.stepped(&point.model, DIFFERENCE), self.recording);
+            let of_density = parameter.is_of_the_density();
+            let both = point.innovations.iter().zip(&nudged);
+            both.map(|(here, there)| derivative(here, there, of_density)).collect()
+        };
+        Sensitivities { by_parameter: parameters.par_iter().map(of_one).collect() }
+    }
+
+    /// Gradient and information at `point` from the derivatives of the innovations.
+    fn derivatives(&self, point: &Point, parameters: &[Parameter], known: &Sensitivities) -> Derivatives {
         let n = parameters.len();
         let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
         let mut folds = vec![zero.clone(); Folds::COUNT];
+        let of_density: Vec<bool> = parameters.iter().map(|parameter| parameter.is_of_the_density()).collect();
         let (mut shift, mut spread, mut density) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         for (k, s) in point.innovations.iter().enumerate() {
-            let Some(fold) = self.folds.of(s.row) else { continue };
+            let Some(fold) = self.folds.of(s.row).filter(|_| !s.repeat) else { continue };
             let deviation = s.variance_mm2.sqrt();
             for i in 0..n {
-                // A reading that changes between new and repeated has no derivative.
-                if s.repeat || nudged[i][k].repeat {
-                    (shift[i], spread[i], density[i]) = (0.0, 0.0, 0.0);
-                    continue;
-                }
-                if parameters[i].is_of_the_density() {
-                    density[i] = (nudged[i][k].log_density - s.log_density) / DIFFERENCE;
-                    continue;
-                }
-                shift[i] = (nudged[i][k].expected_mm - s.expected_mm) / DIFFERENCE / deviation;
-                spread[i] = (nudged[i][k].variance_mm2 / s.variance_mm2).ln() / DIFFERENCE;
+                let [first, second] = known.by_parameter[i][k];
+                (shift[i], spread[i], density[i]) =
+                    if of_density[i] { (0.0, 0.0, first) } else { (first / deviation, second, 0.0) };
             }
             let (gradient, information) = &mut folds[fold];
             for i in 0..n {
@@ -291,6 +321,34 @@ impl Problem<'_> {
         }
         Derivatives { folds, prior }
     }
+}
+
+/// The derivatives of the innovations by each parameter: of the expectation, mm, and of the logarithm of the variance;
+/// or of ln p alone.
+struct Sensitivities {
+    by_parameter: Vec<Vec<[f64; 2]>>,
+}
+
+/// The derivatives of an innovation by a parameter from a run with this parameter moved.
+fn derivative(here: &Innovation, there: &Innovation, of_density: bool) -> [f64; 2] {
+    // A reading that changes between new and repeated has no derivative.
+    if here.repeat || there.repeat {
+        return [0.0; 2];
+    }
+    let derivatives = if of_density {
+        [there.log_density - here.log_density, 0.0]
+    } else {
+        [there.expected_mm - here.expected_mm, (there.variance_mm2 / here.variance_mm2).ln()]
+    };
+    derivatives.map(|change| change / DIFFERENCE)
+}
+
+/// Information with a share of its diagonal added.
+fn damped(mut information: DMatrix<f64>, damping: f64) -> DMatrix<f64> {
+    for i in 0..information.nrows() {
+        information[(i, i)] = information[(i, i)] * (1.0 + damping) + 1e-9;
+    }
+    information
 }
 
 #[cfg(test)]

@@ -24,6 +24,8 @@ const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 const FREE_RUN_S: f64 = 10.0;
 /// The filter's first seconds depend on the prior, not on the model.
 const WARM_UP_S: f64 = 2.0;
+/// Forecasts that start closer together than half the shortest horizon err alike.
+const APART_S: f64 = 0.5 * HORIZONS_S[0];
 /// Number of forecast steps that is enough for three digits; a longer recording starts its forecasts less often.
 const ENOUGH_STEPS: usize = 10_000_000;
 
@@ -173,7 +175,9 @@ fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item 
     let samples = recording.samples();
     let begins_s = |row: usize| samples[recording.flight_of(row).start].time_s + WARM_UP_S;
     let is_warm = move |k: &usize| track.reading(*k).is_some_and(|(row, time_s, _)| time_s >= begins_s(row));
-    (0..track.readings()).filter(is_warm).step_by(steps.div_ceil(ENOUGH_STEPS).max(1))
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
+    let apart = (APART_S * rows_per_s) as usize;
+    (0..track.readings()).filter(is_warm).step_by((steps / apart.max(1)).div_ceil(ENOUGH_STEPS).max(1) * apart.max(1))
 }
 
 fn horizons(

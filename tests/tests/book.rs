@@ -177,11 +177,7 @@ fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_oth
         let mut keys = BTreeSet::new();
         let mut schema = String::new();
         for log in logs {
-            let written: Value = {
-                let formula = &["--formula"][usize::from(command != "diagnose")..];
-                let flags = [&[command, log, "--json"], formula].concat();
-                serde_json::from_str(&bench.run(&flags).output).unwrap()
-            };
+            let written: Value = { serde_json::from_str(&bench.run(&[command, log, "--json"]).output).unwrap() };
             keys_of(&written, "", &mut keys);
             schema = written["schema"].as_str().unwrap().to_owned();
         }

@@ -122,3 +122,45 @@ fn a_sensor_whose_scale_bends_with_height_is_named() {
     let act: Act = |now| (0.0, 9.0 * ((now.x - 300.0) / 100.0).powi(2));
     is_named_first(act, "bent_scale", &[("k", 9.0)]);
 }
+
+#[test]
+fn a_leak_above_one_height_is_named() {
+    let act: Act = |now| (if now.x > 280.0 { -4.0 * (now.x - 280.0) } else { 0.0 }, 0.0);
+    is_named_first(act, "leak", &[("k", 4.0), ("start", 280.0)]);
+}
+
+#[test]
+fn a_force_that_sets_in_at_a_moment_is_named() {
+    let act: Act = |now| (if now.t < 23.7 { 0.0 } else { -160.0 }, 0.0);
+    is_named_first(act, "force_onset", &[("force", -160.0), ("start", 23.7)]);
+}
+
+#[test]
+fn friction_that_drops_with_speed_is_named() {
+    let act: Act = |now| (-250.0 * (now.v / 6.0).clamp(-1.0, 1.0) / (1.0 + (now.v / 80.0).powi(4)), 0.0);
+    is_named_first(act, "stribeck_friction", &[("k", 250.0)]);
+}
+
+#[test]
+fn a_second_lag_of_the_fan_is_named() {
+    let act: Act = |now| {
+        now.own[0] += (now.fan - now.own[0]) * STEP_S / 0.45;
+        (0.6 * (now.own[0] - now.fan), 0.0)
+    };
+    is_named_first(act, "second_lag", &[("share", 0.6), ("tau", 0.45)]);
+}
+
+#[test]
+fn a_gain_that_falls_with_height_is_named() {
+    let act: Act = |now| (now.fan * (0.3 - 0.001 * now.x), 0.0);
+    is_named_first(act, "gain_by_height", &[("k", 0.1)]);
+}
+
+#[test]
+fn a_supply_that_gives_way_under_load_is_named() {
+    let act: Act = |now| {
+        now.own[0] += (now.fan - now.own[0]) * STEP_S / 3.0;
+        (-0.4 * now.own[0], 0.0)
+    };
+    is_named_first(act, "supply_sag", &[("share", 0.4), ("tau", 3.0)]);
+}

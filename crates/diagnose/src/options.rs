@@ -9,8 +9,8 @@ use std::sync::Arc;
 pub struct Options {
     /// Effects that the search must not consider, as if they were not in the catalogue.
     pub without: Vec<String>,
-    /// Whether what no effect explains gets a formula. It takes many times as long as the rest of a diagnosis.
-    pub formula: bool,
+    /// Whether what no effect explains is left without a formula, whose search may take longer than all else.
+    pub without_formula: bool,
     /// The receiver of progress reports.
     #[serde(skip)]
     pub progress: Progress,

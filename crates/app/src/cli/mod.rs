@@ -131,9 +131,9 @@ pub struct DiagnoseArgs {
     /// Leave this effect out of the search; may be repeated
     #[arg(long, value_name = "EFFECT")]
     pub without: Vec<String>,
-    /// Search for a formula of what no effect explains; this takes many times as long
+    /// Search for no formula of what no effect explains; that search may take longer than all else
     #[arg(long)]
-    pub formula: bool,
+    pub without_formula: bool,
     /// Write the diagnosis as JSON to standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
@@ -149,7 +149,7 @@ impl DiagnoseArgs {
     /// The options of the search, which reports to `progress`.
     #[must_use]
     pub fn options(&self, progress: Progress) -> Options {
-        Options { progress, without: self.without.clone(), formula: self.formula }
+        Options { progress, without: self.without.clone(), without_formula: self.without_formula }
     }
 }
 
@@ -260,10 +260,11 @@ mod tests {
 
     #[test]
     fn a_diagnosis_of_each_log_has_the_same_options_as_one() {
-        let flags = ["airball", "diagnose", "--each", "--out", "o", "--formula", "--without", "dead_zone", "a.csv"];
+        let flags =
+            ["airball", "diagnose", "--each", "--out", "o", "--without-formula", "--without", "dead_zone", "a.csv"];
         let Command::Diagnose(args) = Cli::try_parse_from(flags).unwrap().command else { panic!() };
         let options = args.options(diagnose::Progress::default());
-        assert_eq!((options.formula, options.without), (true, vec!["dead_zone".to_owned()]));
+        assert_eq!((options.without_formula, options.without), (true, vec!["dead_zone".to_owned()]));
     }
 
     #[test]

@@ -38,6 +38,11 @@ impl Evaluated {
         Tally::sum(self.errors.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
     }
 
+    /// Root mean square error of free runs, mm; `None` if the record is too short.
+    pub(crate) fn free_run_mm(&self) -> Option<f64> {
+        self.gap().free_run_10s_mm
+    }
+
     /// Root mean squares over all stretches.
     pub(crate) fn gap(&self) -> Gap {
         Tally::sum(self.errors.iter()).gap()

@@ -20,13 +20,13 @@ pub(crate) struct Search<'a> {
 impl<'a> Search<'a> {
     pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, options: &Options) -> Self {
         let problem = Problem { recording, belief, folds, prior: Prior::Belief };
-        let Options { without, formula, progress } = options.clone();
-        Self { problem, without, formula, progress }
+        let Options { without, without_formula, progress } = options.clone();
+        Self { problem, without, formula: !without_formula, progress }
     }
 
     /// A search without options.
     pub(crate) fn of(problem: Problem<'a>) -> Self {
-        Self { problem, without: Vec::new(), formula: false, progress: Progress::default() }
+        Self { problem, without: Vec::new(), formula: true, progress: Progress::default() }
     }
 
     /// The same search without the effects for which `is_left_out` holds.

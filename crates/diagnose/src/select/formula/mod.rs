@@ -1,7 +1,8 @@
 //! The unexplained as a formula: the smallest sum of shapes that forecasts stretches to which it was not fitted.
 //!
 //! ```text
-//! model → + best shape → + next shape …      each must gain held-out log-likelihood, and lower the held-out error at 1 s
+//! model → + best shape → + next shape …      each must gain held-out log-likelihood, lower the held-out error at 1 s,
+//!                                            and raise no error of free runs
 //! ```
 //!
 //! The shapes are ranked by a score test over the places where they may act: one filter run for all of them. The best
@@ -144,6 +145,8 @@ fn next_shape(
         with.log_likelihood - so_far.log_likelihood - one.chance > FIRST_EFFECT
             && deviations(&so_far.errors, &with.errors) > 0.0
             && deviations_at_all_horizons(&so_far.errors, &with.errors) > FORMULA_FORECAST
+            // What follows this record and no other lowers the errors of short forecasts, and not those of long ones.
+            && !with.free_run_mm().zip(so_far.free_run_mm()).is_some_and(|(with, without)| with > without)
     };
     let better = fitted.into_iter().filter(|(one, with)| is_better(one, with));
     let best = better.min_by(|a, b| a.1.square().total_cmp(&b.1.square()));

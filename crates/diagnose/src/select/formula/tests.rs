@@ -35,7 +35,7 @@ static OF_RIPPLE: LazyLock<Diagnosis> = LazyLock::new(|| {
     let mut rig = model();
     rig.effects.written.define(Definition::new("bumpy_pipe", &table).unwrap());
     rig.effects.set("bumpy_pipe", &[90.0]);
-    diagnose(&model(), &record(&rig, 1, 80), &Options { formula: true, ..Options::default() })
+    diagnose(&model(), &record(&rig, 1, 80), &Options::default())
 });
 
 #[test]

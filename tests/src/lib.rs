@@ -1,6 +1,7 @@
 //! What the system tests share: the built binary, a broker of their own, a directory of their own.
 
 mod emulated;
+pub mod spoilt;
 
 pub use emulated::Emulated;
 

@@ -47,6 +47,7 @@ pub mod scoring;
 mod select;
 mod stats;
 pub mod thresholds;
+mod unfelt;
 
 // The flights for tests name this crate as the tests of `score` do, which share them.
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! ```text
 //! gain and hover of the record, by least squares over the innovations, with the believed drag and lag
 //! gain < 0: a sign      hover far off: the unit of the duty      gain far off: a unit      more if exchanged: columns
+//! as believed with another clock: the unit of the times
 //! several logs: gains or hovers that differ by more than chance and by more than one rig's do
 //! ```
 //!
@@ -10,6 +11,8 @@
 //! There, every gain is above 0; the gain is 0.08 to 4.6 times the believed one; hover is off by less than 0.9 %; with
 //! columns exchanged, the gain lies within 9 deviations of 0; and of two halves of a record, no gains differ by a
 //! factor of 1.6 and 6 deviations, and no hovers by 0.7 %.
+
+mod clock;
 
 use crate::linear::{LinearFit, Order, beginning, linear_fit, linear_fit_at};
 use crate::record::airborne::airborne;
@@ -19,6 +22,7 @@ use crate::record::prepare::FlightFinding;
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 use crate::thresholds::ENOUGH_READINGS;
+use clock::other_clock;
 use plant::Model;
 use std::borrow::Cow;
 
@@ -30,6 +34,8 @@ const MORE: f64 = 6.5;
 const LESS: f64 = 0.2;
 const LESS_EXPLAINS: f64 = 0.25;
 const FAR_LESS: f64 = 0.02;
+/// Or where the noise of the readings is smaller by the same factor, within this one.
+const LIKE_THE_GAIN: f64 = 2.0;
 /// A hover off by such a factor is in other units, where the believed one is not near 0, percent.
 const HOVER: f64 = 1.5;
 const NEAR_ZERO_PERCENT: f64 = 2.0;
@@ -70,6 +76,9 @@ fn of_one(belief: &Model, recording: &Recording) -> Result<Option<LinearFit>, Fi
     let lag_s = belief.effects.fan_lag_s().unwrap_or_default();
     let Some(fit) = linear_fit_at(recording, belief.drag_per_s, lag_s) else { return Ok(None) };
     let readings = recording.readings() as f64;
+    if let Some(clock) = other_clock(belief, &fit, recording) {
+        return Err(clock);
+    }
     if fit.gain_in_deviations.abs() < SEEN {
         return exchanged(&fit, recording, readings).map_or(Ok(None), Err);
     }
@@ -110,7 +119,10 @@ fn unit(belief: &Model, fit: &LinearFit, readings: f64) -> Option<Finding> {
     if has_hover && (seen / hover).ln().abs() > HOVER.ln() {
         return Some(Finding::DutyUnit { hover_percent: seen, believed_percent: hover, scale: hover / seen });
     }
-    let much_less = ratio < FAR_LESS || (ratio < LESS && fit.explained(readings) > LESS_EXPLAINS);
+    // No effect that takes a part of the gain takes the same part of the sensor's noise.
+    let noise = fit.sensor / belief.noise.sensor_mm;
+    let shrinks = (noise / ratio).ln().abs() < LIKE_THE_GAIN.ln();
+    let much_less = ratio < FAR_LESS || (ratio < LESS && (shrinks || fit.explained(readings) > LESS_EXPLAINS));
     if !(ratio > MORE || much_less) {
         return None;
     }
@@ -219,6 +231,15 @@ mod tests {
             said.contains("metres") && said.contains("position_mm = { column = \"position_mm\", scale = 1000 }"),
             "{said}"
         );
+    }
+
+    #[test]
+    fn centimetres_are_told_from_an_effect_by_the_noise_of_the_readings() {
+        let cm = |row: &mut Sample| row.position_mm = row.position_mm.map(|mm| 0.1 * mm);
+        let found: Vec<Finding> =
+            mistakes(&model(), &[spoilt(&model(), cm)]).into_iter().map(|noted| noted.finding).collect();
+        let said = found.first().map(ToString::to_string).unwrap_or_default();
+        assert!(said.contains("centimetres") && said.contains("scale = 10"), "{said}");
     }
 
     #[test]

@@ -29,6 +29,7 @@ use crate::select::refit;
 use crate::select::search::Search;
 use crate::select::stepwise::{NamedEffect, Selection, select_effects};
 use crate::thresholds::ENOUGH_READINGS;
+use crate::unfelt::unfelt_duties;
 use plant::{Definition, Model};
 
 /// The result of a diagnosis.
@@ -159,10 +160,11 @@ fn has_finite_errors(belief: &Model, recording: &Recording) -> bool {
     innovations(belief, recording).iter().all(is_number)
 }
 
-/// The findings that leave logs without a verdict before any search: mistakes of units, signs and columns; else what
-/// all rows together, `recording`, are insufficient for.
+/// The findings that leave logs without a verdict before any search: a wild duty; mistakes of units, signs and columns;
+/// else what all rows together, `recording`, are insufficient for.
 fn obstacles(belief: &Model, logs: &[Recording], recording: &Recording, folds: &Folds) -> Vec<FlightFinding> {
-    let mistakes = mistakes(belief, logs);
+    let unfelt = unfelt_duties(belief, logs);
+    let mistakes = if unfelt.is_empty() { mistakes(belief, logs) } else { unfelt };
     if !mistakes.is_empty() {
         return mistakes;
     }

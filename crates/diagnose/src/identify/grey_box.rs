@@ -16,6 +16,7 @@ use crate::fit::profile::{OF_90_PERCENT, interval};
 use crate::identify::open_loop::SHORTEST_S;
 use crate::identify::residual_tests::ResidualTests;
 use crate::identify::validation::HeldOut;
+use crate::record::check::SLOWEST_S;
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
 use crate::select::refit::with_noise_that_fits;
@@ -82,6 +83,15 @@ pub enum TooLittle {
         /// Number of readings found.
         readings: usize,
     },
+    /// The rows are too far apart.
+    #[error(
+        "the rows are {apart_s:.3} s apart, and no lag or drag of a rig shows in such a record: record at least 10 a \
+         second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
+    )]
+    SlowRows {
+        /// The mean time between rows, seconds.
+        apart_s: f64,
+    },
     /// Too few readings in stretches without control.
     #[error(
         "{readings} readings in stretches without control of {SHORTEST_S} s or longer, {ENOUGH_READINGS} are needed, \
@@ -100,8 +110,12 @@ impl GreyBox {
     /// Identifies a plant with this number of poles from `recording`; `start`: initial values.
     ///
     /// # Errors
-    /// [`TooLittle`]: the record is too short.
+    /// [`TooLittle`]: the record is too short, or its rows are too far apart.
     pub fn identify(start: &Model, recording: &Recording, poles: Poles) -> Result<Self, TooLittle> {
+        let apart_s = recording.duration_s() / recording.samples().len() as f64;
+        if apart_s > SLOWEST_S {
+            return Err(TooLittle::SlowRows { apart_s });
+        }
         let folds = Folds::new(start, recording);
         let readings = folds.readings(recording);
         if readings < ENOUGH_READINGS {

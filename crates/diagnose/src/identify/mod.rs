@@ -3,6 +3,7 @@
 
 pub(crate) mod grey_box;
 mod initial;
+mod lone_input;
 pub(crate) mod open_loop;
 mod relay;
 pub(crate) mod residual_tests;

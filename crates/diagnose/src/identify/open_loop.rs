@@ -67,7 +67,7 @@ impl OpenLoop {
     pub fn identify(&self, poles: Poles) -> Result<GreyBox, TooLittle> {
         let mut found = GreyBox::identify(&self.detrended, &self.recording, poles).map_err(|error| match error {
             TooLittle::Readings { readings } => TooLittle::OpenLoop { readings, longest_s: self.longest_s },
-            other @ TooLittle::OpenLoop { .. } => other,
+            other => other,
         })?;
         found.estimates.retain(|estimate| estimate.name != "hover_duty_percent");
         for model in [&mut found.fit.model, &mut found.held_out.model] {

@@ -155,6 +155,9 @@ fn explained(rows: &[Row], x: impl Fn(&Row) -> Vec<f64>) -> (f64, usize) {
         squares.ger(1.0, &x, &x, 1.0);
     }
     // Each regressor is normalised, so that small units are not taken for weak directions.
+    if !squares.iter().chain(&products).all(|number| number.is_finite()) {
+        return (0.0, 0);
+    }
     let size = squares.diagonal().map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
     let scale = DMatrix::from_diagonal(&size);
     let eigen = (&scale * squares * &scale).symmetric_eigen();

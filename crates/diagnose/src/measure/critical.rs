@@ -25,6 +25,8 @@ const JUMP_MM: f64 = 20.0;
 /// Rows from which the control law is determined, and the largest deviation of the others, as a share of Δu.
 const LAW_ROWS: usize = 25;
 const EXACT: f64 = 1e-3;
+/// Steps of no controller, in any unit: their squares must be finite.
+const LARGEST: f64 = 1e100;
 /// The fast poles have decayed after this time, seconds, with a slow integral and with a fast one, which leaves a pole
 /// of the ball's drag; and the shortest oscillation after it.
 const SKIP_S: f64 = 0.8;
@@ -249,7 +251,7 @@ impl Stretch {
                 [pair[1].error - pair[0].error, pair[0].error * pair[0].duration_s, pair[1].control - pair[0].control]
             })
             .collect();
-        let first = steps.get(..LAW_ROWS)?;
+        let first = steps.get(..LAW_ROWS).filter(|rows| rows.iter().flatten().all(|step| step.abs() < LARGEST))?;
         let inputs = DMatrix::from_fn(LAW_ROWS, 2, |row, column| first[row][column]);
         let outputs = DVector::from_fn(LAW_ROWS, |row, _| first[row][2]);
         let law = inputs.svd(true, true).solve(&outputs, 0.0).ok()?;

@@ -27,7 +27,7 @@ const FRACTION_OF_HOVER: f64 = 2.0;
 /// From this share of readings outside the pipe on, the record is of another pipe.
 const ELSEWHERE: f64 = 0.1;
 /// Rows further apart than this, the longest forecast horizon, seconds, are too slow.
-const SLOWEST_S: f64 = 1.0;
+pub(crate) const SLOWEST_S: f64 = 1.0;
 /// With more rows than this at the time of the row before, percent, speeds cannot be told from the record.
 const COARSE_CLOCK_PERCENT: f64 = 20.0;
 
@@ -71,7 +71,9 @@ fn clock(samples: &[Sample]) -> [Option<Finding>; 3] {
     let long = || steps.iter().filter(|step| **step > GAP * usual_s);
     let longest_s = long().copied().fold(0.0, f64::max);
     let gaps = (longest_s > 0.0).then(|| Finding::Gaps { count: long().count(), longest_s, usual_s });
-    [repeated, (usual_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s }), gaps]
+    // Gaps that are half of the rows leave their median as it is.
+    let apart_s = usual_s.max(steps.iter().sum::<f64>() / steps.len() as f64);
+    [repeated, (apart_s > SLOWEST_S).then_some(Finding::SlowRows { usual_s: apart_s }), gaps]
 }
 
 fn repeated_times(steps: &[f64]) -> Option<Finding> {

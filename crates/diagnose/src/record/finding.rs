@@ -41,6 +41,17 @@ pub enum Finding {
         /// Percent per unit of the column, where its unit is another; `None` where single rows are wrong.
         scale: DutyScale,
     },
+    /// A duty in a single row that did not move the ball.
+    #[error(
+        "the duty of row {row} is {duty_percent:.4}, far from the rows before and after it, and the ball did not feel it: \
+         remove this row, or mend the recorder"
+    )]
+    UnfeltDuty {
+        /// The row, counted from 1.
+        row: usize,
+        /// Its duty, percent.
+        duty_percent: f64,
+    },
     /// Duties far below the believed hover.
     #[error(
         "the usual duty is {usual_percent:.4e} % where {hover_percent} % are believed to hold the ball: the column \
@@ -281,6 +292,16 @@ pub enum Finding {
         /// Gain of the record.
         gain: f64,
     },
+    /// The believed plant fits with another clock.
+    #[error(
+        "the record is that of the believed rig with its times in another unit: write [import] time_s = {{ column = \
+         \"time_s\", scale = {} }} with the column's own name, times the scale that is there",
+        digits(*scale)
+    )]
+    TimeUnit {
+        /// Seconds per unit of the times.
+        scale: f64,
+    },
     /// Position and duty are exchanged.
     #[error(
         "the position does not answer the duty, and the duty answers the position: the columns are exchanged; in \
@@ -327,6 +348,19 @@ pub enum Finding {
 }
 
 impl Finding {
+    /// Whether no plant can be identified from such a record, whatever is believed.
+    #[must_use]
+    pub const fn stops_identification(&self) -> bool {
+        matches!(
+            self,
+            Self::DutyBeyondPercent { .. }
+                | Self::SlowRows { .. }
+                | Self::RepeatedTimes { .. }
+                | Self::StillDuty { .. }
+                | Self::StillPosition { .. }
+        )
+    }
+
     /// Whether it is a mistake of units, signs or columns, which no other flight mends.
     #[must_use]
     pub const fn is_mistake(&self) -> bool {
@@ -339,9 +373,11 @@ impl Finding {
                 | Self::PositionUnit { .. }
                 | Self::GainUnit { .. }
                 | Self::Exchanged
+                | Self::TimeUnit { .. }
                 | Self::SeveralRigs { .. }
                 | Self::FractionalDuty
                 | Self::DutyBeyondPercent { .. }
+                | Self::UnfeltDuty { .. }
                 | Self::SlowRows { .. }
         )
     }

@@ -7,6 +7,9 @@ use crate::record::recording::Recording;
 
 /// Most rows of all flights together that a diagnosis uses: more than an hour at 50 rows a second.
 pub const MOST_ROWS: usize = 200_000;
+/// Rows that are used of more: half, since a search takes time in proportion, and 33 minutes at 50 rows a second show
+/// what a rig lacks as well as 66 do.
+const USED_ROWS: usize = 100_000;
 /// Most stretches of a flight.
 const MOST_STRETCHES: usize = 8;
 /// Fewest rows of a stretch.
@@ -19,7 +22,7 @@ pub(crate) fn stretches(flight: &Recording, all_rows: usize) -> Option<Vec<Recor
         return None;
     }
     // Its share of the rows, in whole numbers.
-    let share = usize::try_from(MOST_ROWS as u128 * rows as u128 / all_rows as u128).unwrap_or(MOST_ROWS);
+    let share = usize::try_from(USED_ROWS as u128 * rows as u128 / all_rows as u128).unwrap_or(USED_ROWS);
     let used = share.max(FEWEST_ROWS);
     if rows <= used {
         return None;
@@ -37,7 +40,7 @@ pub(crate) fn stretches(flight: &Recording, all_rows: usize) -> Option<Vec<Recor
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST_ROWS, MOST_STRETCHES, stretches};
+    use super::{MOST_ROWS, MOST_STRETCHES, USED_ROWS, stretches};
     use crate::record::check::Finding;
     use crate::record::prepare::Prepared;
     use crate::tests_support::{model, record};
@@ -56,7 +59,7 @@ mod tests {
         let flights = [long(3 * MOST_ROWS)];
         let prepared = Prepared::of(&flights, &model());
         let samples = prepared.recording.samples();
-        assert!(samples.len() <= MOST_ROWS && samples.len() > 9 * MOST_ROWS / 10, "{}", samples.len());
+        assert!(samples.len() <= USED_ROWS && samples.len() > 9 * USED_ROWS / 10, "{}", samples.len());
         assert_eq!(prepared.recording.flights().len(), MOST_STRETCHES);
         let said = prepared.findings.iter().find_map(|found| match found.finding {
             Finding::Stretches { rows, used, count } => Some((found.flight, rows, used, count)),
@@ -72,7 +75,7 @@ mod tests {
         assert!(stretches(&flight, MOST_ROWS).is_none());
         let parts = stretches(&flight, 4 * MOST_ROWS).unwrap();
         let rows: usize = parts.iter().map(|part| part.samples().len()).sum();
-        assert_eq!((parts.len(), rows), (MOST_STRETCHES, MOST_ROWS / 4));
+        assert_eq!((parts.len(), rows), (MOST_STRETCHES, USED_ROWS / 4));
         let starts: Vec<f64> = parts.iter().map(|part| part.samples()[0].time_s).collect();
         assert!(starts.windows(2).all(|pair| (pair[1] - pair[0] - 500.0).abs() < 0.1), "{starts:?}");
     }

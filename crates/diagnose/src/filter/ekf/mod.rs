@@ -30,7 +30,7 @@ use measurement::{Measured, expected_mm};
 pub(crate) use prior::VELOCITY_PRIOR_MM_PER_S;
 use prior::prior;
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
-use step::Step;
+use step::{MAX_STEP_S, Step, steps_over};
 
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
@@ -41,8 +41,6 @@ const STATES: usize = 5 + OWN_STATES;
 type State = SVector<f64, STATES>;
 type Square = SMatrix<f64, STATES, STATES>;
 
-/// Longest integration step, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
-const MAX_STEP_S: f64 = 0.02;
 /// Outliers come singly: after this many in a row the filter was wrong, and the next reading counts in full.
 const WILD_IN_A_ROW: u32 = 2;
 /// The same for a sensor that is believed to have outliers: they may come in bursts.
@@ -251,7 +249,7 @@ impl<'a> Ekf<'a> {
     /// Propagates to `time_s`; the command does not jump before.
     fn propagate_to(&mut self, time_s: f64, known: &mut PropagationCache) {
         let (start, ahead) = (self.time_s, time_s - self.time_s);
-        let steps = (ahead / MAX_STEP_S).ceil().max(1.0);
+        let steps = steps_over(ahead);
         let dt = ahead / steps;
         let drifts = Actuator::drifts(self.model);
         let mut commanded = self.actuator.commanded(self.model, start.max(0.0));

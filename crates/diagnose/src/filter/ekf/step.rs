@@ -13,11 +13,23 @@ use plant::effects::WallFriction;
 use plant::{Derivatives, Friction, Input, Model, Motion};
 use std::f64::consts::{FRAC_2_SQRT_PI, SQRT_2};
 
+/// Longest integration step, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
+pub(super) const MAX_STEP_S: f64 = 0.02;
+/// Over more than so many of them longer steps do, seconds: over a gap a forecast is uncertain by far more than they
+/// err, and rows that are far apart must not take longer in proportion.
+const FINE_STEPS: f64 = 5.0;
+const GAP_STEP_S: f64 = 0.1;
 /// Friction is smoothed over at least this speed, or over the speed that friction takes off in a step if that is less.
 const SLOWEST_MM_PER_S: f64 = 1.0;
 /// Friction is smoothed where the velocity's standard deviation exceeds this share of the speed that friction takes off
 /// in a step.
 const KNOWN: f64 = 0.25;
+
+/// The number of steps in which `ahead` seconds are integrated.
+pub(super) fn steps_over(ahead: f64) -> f64 {
+    let fine = (ahead / MAX_STEP_S).ceil().clamp(1.0, FINE_STEPS);
+    fine + ((ahead - FINE_STEPS * MAX_STEP_S) / GAP_STEP_S).ceil().max(0.0)
+}
 
 /// A step of the filter.
 pub(super) struct Step<'a> {
@@ -99,7 +111,7 @@ fn transition(active: &Active, derivatives: &Derivatives) -> Square {
 #[cfg(test)]
 mod tests {
     use super::super::covariance::motion_of;
-    use super::{Active, Square, Step, vector};
+    use super::{Active, Square, Step, steps_over, vector};
     use crate::filter::written_support::with_written;
     use crate::tests_support::model;
     use plant::{Effects, Input, Model, Motion, Stage};
@@ -150,6 +162,27 @@ mod tests {
             let expected = by_differences(&step, &active, &somewhere(), 1e-3, [-1.0, 1.0]);
             let off = (found - expected).abs().max();
             assert!(off < 1e-6, "{}: {off}: {found} for {expected}", entry.name);
+        }
+    }
+
+    #[test]
+    fn the_longer_steps_of_a_gap_end_where_short_ones_do_and_are_few() {
+        assert_eq!([0.0, 0.01, 0.02, 0.05, 0.1].map(steps_over), [1.0, 1.0, 1.0, 3.0, 5.0]);
+        let mut curved = model();
+        curved.effects.set("quadratic_drag", &[2e-3]);
+        for gap_s in [0.2, 1.0, 10.0] {
+            let after = |steps: f64| {
+                let (dt, mut at, mut left) = (gap_s / steps, somewhere(), steps);
+                while left > 0.5 {
+                    at = at.step_in_endless_pipe(&curved, Input::of(50.0), dt);
+                    left -= 1.0;
+                }
+                at
+            };
+            let (few, many) = (after(steps_over(gap_s)), after(1000.0 * gap_s));
+            assert!(steps_over(gap_s) <= 5.0 + 10.0 * gap_s);
+            let off = (few.position_mm - many.position_mm).abs();
+            assert!(off < 0.02, "{off} mm after {gap_s} s");
         }
     }
 

@@ -31,6 +31,9 @@ const BETWEEN: (u32, u32) = (90, 42);
 const NARROW: u32 = 620;
 /// Largest number of points of a line per pixel: more are not visible.
 const MOST_POINTS_A_PIXEL: usize = 2;
+/// No point further than this is drawn, in the unit of its axis, nor is an axis narrower than this share of its ends.
+const WIDEST: f64 = 1e100;
+const NARROWEST: f64 = 1e-9;
 /// With more crosses than this, they overlap on a phone.
 const CROWDED: usize = 40;
 
@@ -156,7 +159,8 @@ fn grounds(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
     };
     chart.draw_series(of.shaded.iter().map(shade)).map_err(failed)?;
     if let Some(line) = of.lines.first().filter(|_| !of.band.is_empty()) {
-        let outline = Polygon::new(of.band.to_vec(), line.colour.mix(0.22).filled());
+        let band = of.band.iter().copied().filter(|(t, y)| is_there(*t, *y)).collect::<Vec<_>>();
+        let outline = Polygon::new(band, line.colour.mix(0.22).filled());
         chart.draw_series([outline]).map_err(failed)?;
     }
     Ok(())
@@ -198,7 +202,8 @@ fn lines(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
     // Below the lines, which many crosses would hide; where there are many, smaller ones.
     let (size, width) = if of.marks.len() > CROWDED { (3, FINE) } else { (6, 2 * FINE) };
     let cross = |at: &(f64, f64)| Cross::new(*at, fine(size), NOMINAL.stroke_width(width));
-    chart.draw_series(of.marks.iter().map(cross)).map_err(failed)?;
+    let drawn = |points: &[(f64, f64)]| points.iter().copied().filter(|(t, y)| is_there(*t, *y)).collect::<Vec<_>>();
+    chart.draw_series(drawn(&of.marks).iter().map(cross)).map_err(failed)?;
     for line in &of.lines {
         let all = line.points.len();
         for piece in line.points.split(|(t, y)| !is_there(*t, *y)) {
@@ -209,8 +214,8 @@ fn lines(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
         }
     }
     let outline = NOMINAL.stroke_width(2 * FINE);
-    chart.draw_series(of.rings.iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
-    chart.draw_series(of.dots.iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
+    chart.draw_series(drawn(&of.rings).iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
+    chart.draw_series(drawn(&of.dots).iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
     Ok(())
 }
 
@@ -226,13 +231,19 @@ pub(super) fn letters(size: u32, colour: RGBColor) -> TextStyle<'static> {
 fn number(value: f64, span: f64) -> String {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
     let places = (1.0 - span.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
-    let text = format!("{value:.places$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    // Beyond these an axis is of wild numbers, and a label of all their digits would hide it.
+    let text = if value.abs() < 1e7 { format!("{value:.places$}") } else { format!("{value:.1e}") };
+    let text = if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
     if text == "-0" { "0".into() } else { text.replace('-', "−") }
 }
 
+/// Whether a point can be drawn. No rig has numbers beyond; the library's sums of them would not be numbers of pixels.
 pub(super) fn is_there(t: f64, y: f64) -> bool {
-    t.is_finite() && y.is_finite()
+    t.abs() <= WIDEST && y.abs() <= WIDEST
 }
 
 /// The ranges of the axes.
@@ -257,7 +268,12 @@ fn ranges(of: &Diagram) -> Result<(Range<f64>, Range<f64>), PlotError> {
 
 fn range(values: impl Iterator<Item = f64>) -> Result<Range<f64>, PlotError> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    if low <= high { Ok(low..high.max(low + 1e-9)) } else { Err(PlotError::Nothing) }
+    if low > high {
+        return Err(PlotError::Nothing);
+    }
+    // The library looks for labels by steps of a share of the range, which must be seen beside its ends.
+    let narrowest = NARROWEST * low.abs().max(high.abs()).max(1.0);
+    Ok(low..high.max(low + narrowest))
 }
 
 /// Pixels in drawing steps.
@@ -276,12 +292,32 @@ pub fn failed(error: impl std::fmt::Display) -> PlotError {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::{Diagram, Line, number, shapes};
+    use crate::report::kit::palette::RECORDED;
 
     #[test]
     fn labels_have_the_places_that_their_axis_needs_and_no_more() {
         let labels =
             [number(200.0, 400.0), number(-0.5, 3.0), number(21.25, 0.8), number(-0.0, 3.0), number(0.0625, 0.0625)];
         assert_eq!(labels, ["200", "−0.5", "21.25", "0", "0.062"]);
+        assert_eq!([number(-2e300, 4e300), number(4e7, 1e8)], ["−2.0e300", "4.0e7"]);
+    }
+
+    // Without limits of the axes the library looks for their labels without end.
+    #[test]
+    fn any_finite_numbers_are_drawn() {
+        let odd = [0.0, f64::MAX, f64::MIN, 1e17, 1e9, -1e300, f64::MIN_POSITIVE, 5e-324, 400.0];
+        for (a, b) in odd.iter().flat_map(|a| odd.map(|b| (*a, b))) {
+            let line = |points| Line { label: "recorded", colour: RECORDED, points };
+            for points in [vec![(0.0, a), (1.0, b)], vec![(a, 1.0), (b, 2.0)]] {
+                let diagram = Diagram { lines: vec![line(points)], ..Diagram::default() };
+                let is_small = |(_, drawn): (String, String)| drawn.len() < 20_000;
+                // Where all are beyond what a picture can show, there is none.
+                assert!(
+                    shapes((360, 240), &diagram).is_ok_and(is_small) || a.abs().max(b.abs()) > 1e100,
+                    "{a:e}, {b:e}"
+                );
+            }
+        }
     }
 }

@@ -227,3 +227,34 @@ fn records_that_cannot_answer_are_refused_with_the_next_thing_to_fly() {
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("no third pole"), "{}", ran.errors);
 }
+
+#[test]
+fn a_plant_is_identified_per_control_value_with_and_without_a_predistortion() {
+    let bench = bench();
+    let curve: Vec<String> =
+        (10..=40).map(|duty| format!("[{duty}.0, {:.2}]", 827.2 * (f64::from(duty) - 21.4))).collect();
+    let alone = "remove = [\"observer\", \"controller.cascade\", \"controller.lqg\", \"controller.mpc\", \
+                 \"controller.state_feedback\"]\n";
+    let predistorted = format!(
+        "{alone}[controller.pid]\nkp_per_mm = 14.89\n[compensation.predistortion]\npoints = [{}]\n",
+        curve.join(", ")
+    );
+    bench.write("percent.toml", alone);
+    bench.write("acceleration.toml", predistorted);
+    for (patch, gain) in [("percent.toml", 827.2), ("acceleration.toml", 1.0)] {
+        let flags = ["--experiment", "experiments/identify.toml", "--log", "f.mcap", "--patch", patch];
+        let _ = bench.output(&[&["simulate"], &flags[..]].concat());
+        let log = ["grey-box", "f.mcap", "--poles", "3", "--per-control", "--patch", patch, "--patch-out", "p.toml"];
+        let found = identify(&bench, &log);
+        std::fs::remove_file(bench.path("f.mcap")).unwrap();
+        let estimates = &found["models"][0]["estimates"];
+        let value = |name: &str| {
+            let own = estimates.as_array().unwrap().iter().find(|one| one["name"] == name);
+            own.unwrap_or_else(|| panic!("{name}: {estimates}"))["value"].as_f64().unwrap()
+        };
+        assert!((value("gain_mm_per_s2_per_control") / gain - 1.0).abs() < 0.25, "{patch}: {estimates}");
+        assert!(value("hover_control").abs() < 0.3 * 827.2 / gain, "{patch}: {estimates}");
+        assert!((value("fan_lag.time_constant_s") / 0.257 - 1.0).abs() < 0.3, "{patch}: {estimates}");
+        assert!(bench.read("p.toml").contains("[observer.believed]\ngain_mm_per_s2_per_control"), "{patch}");
+    }
+}

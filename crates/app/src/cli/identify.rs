@@ -53,6 +53,10 @@ pub struct GreyBoxArgs {
     /// Use only the stretches without control, each with its linear trend removed
     #[arg(long)]
     pub open_loop: bool,
+    /// Identify the plant from the control value instead of the duty, as the config's compensation converts one to the
+    /// other: behind a predistortion in mm/s², otherwise in percent about hover
+    #[arg(long, conflicts_with_all = ["about_duty", "about_height"])]
+    pub per_control: bool,
 }
 
 /// How many poles.

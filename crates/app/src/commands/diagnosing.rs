@@ -10,6 +10,7 @@ use crate::log::reader::{self, LoadedLog};
 use crate::report::diagnosis::logs::Logs;
 use crate::report::first_belief;
 use anyhow::{Result, bail};
+use control::compensation::Compensation;
 use diagnose::{ClosedLoop, Context, Diagnosis, MOST_ROWS, Options, Recording, Verdict};
 use plant::Model;
 use std::path::{Path, PathBuf};
@@ -91,6 +92,11 @@ impl Asked {
         logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
         let is_fitted = config.begins_with(first_belief::HEAD);
         Ok(Self { belief, config: path, tables: config.tables, is_fitted, logs, names, recordings })
+    }
+
+    /// The compensation of the config.
+    pub(super) const fn compensation(&self) -> Option<&Compensation> {
+        self.tables.compensation.as_ref()
     }
 
     /// Their rows without the readings that show no position of a ball in the pipe, log by log.

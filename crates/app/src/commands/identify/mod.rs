@@ -1,6 +1,7 @@
 //! `airball identify`: a plant model from recorded flights.
 
 mod grey_box;
+mod per_control;
 mod third_pole;
 mod transient;
 

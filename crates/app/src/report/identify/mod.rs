@@ -56,7 +56,9 @@ pub(super) fn said(estimate: &ParameterEstimate) -> String {
 pub(super) fn name(key: &str) -> &str {
     match key {
         "gain_mm_per_s2_per_percent" => "gain, mm/s² per %",
+        "gain_mm_per_s2_per_control" => "gain, mm/s² per control value",
         "drag_per_s" => "drag, 1/s",
+        "hover_control" => "hover, control value",
         "hover_duty_percent" => "hover, %",
         LAG => "fan's lag, s",
         other => other,

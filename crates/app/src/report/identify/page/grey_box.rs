@@ -149,9 +149,9 @@ fn numbers(report: &Report<'_>) -> Markup {
 /// The config's value of a parameter of the plant.
 fn believed(belief: &Model, key: &str) -> Option<f64> {
     match key {
-        "gain_mm_per_s2_per_percent" => Some(belief.gain_mm_per_s2_per_percent),
+        "gain_mm_per_s2_per_percent" | "gain_mm_per_s2_per_control" => Some(belief.gain_mm_per_s2_per_percent),
         "drag_per_s" => Some(belief.drag_per_s),
-        "hover_duty_percent" => Some(belief.hover_duty_percent),
+        "hover_duty_percent" | "hover_control" => Some(belief.hover_duty_percent),
         _ => belief.effects.fan_lag_s(),
     }
 }

@@ -174,3 +174,24 @@ fn a_design_about_a_duty_has_the_gain_and_drag_of_the_air_there() {
         assert!(ran.code == Some(1) && ran.errors.contains(said), "{}", ran.errors);
     }
 }
+
+#[test]
+fn an_observer_of_a_given_w_and_v_is_that_of_the_riccati_equation() {
+    let bench = Bench::default();
+    let two = "remove = [\"plant.effects.fan_lag\", \"observer.believed.fan_lag_s\"]\n[plant]\ndrag_per_s = 0.78\n";
+    bench.write("two.toml", two);
+    let found = design(&bench, &["observer", "--patch", "two.toml", "--w", "3,3", "--v", "5"]);
+    let gain = |k: usize| found["continuous"][k].as_f64().unwrap();
+    // The thesis' model, W and V: not its L, which belongs to W = 0.1·V·I.
+    let (first, second) = (gain(0), gain(1));
+    // L of A = [0 1; 0 -a] by hand: 2·l₂ = l₁² − W₁/V, and l₁·l₂ = P₂₂/V − a·l₂ with 2·a·P₂₂/V = W₂/V − l₂².
+    assert!((2.0 * second - first * first + 0.6).abs() < 1e-9, "{found}");
+    assert!((first * second - (0.6 - second * second) / (2.0 * 0.78) + 0.78 * second).abs() < 1e-9, "{found}");
+    assert_eq!(found["flown"], serde_json::json!([]));
+    let refused = bench.run(&["design", "observer", "--patch", "two.toml", "--w", "3,3,3", "--v", "5"]);
+    assert!(refused.code == Some(2) && refused.errors.contains("2 states"), "{refused:?}");
+    let flies = ["observer", "--patch", "two.toml", "--w", "0,500", "--v", "0.1", "--patch-out", "o.toml"];
+    assert!(design(&bench, &flies)["flown"].as_array().is_some_and(|gains| gains.len() == 4));
+    let patch = bench.read("o.toml");
+    assert!(patch.contains("acceleration_psd_mm2_per_s3 = 500") && patch.contains("sensor_mm = 2.236"), "{patch}");
+}

@@ -124,6 +124,13 @@ pub struct ObserverArgs {
     /// Linearised where.
     #[command(flatten)]
     pub about: AboutArgs,
+    /// Process noise W, the diagonal: white noise on the rates of position (mm²/s), velocity (mm²/s³) and, with a fan
+    /// lag, of the fan's acceleration (mm²/s⁵) [default: that of the table plant.noise]
+    #[arg(long, value_name = "W1,W2[,W3]", value_delimiter = ',', value_parser = intensity, requires = "v")]
+    pub w: Vec<f64>,
+    /// Measurement noise V: white noise of the reading, mm²·s; a reading's variance times the period
+    #[arg(long, value_name = "V", value_parser = positive_intensity, requires = "w")]
+    pub v: Option<f64>,
     /// Write the observer as a config patch for --patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
@@ -133,6 +140,20 @@ pub struct ObserverArgs {
     /// Write the design as JSON to standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
+}
+
+fn intensity(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if (0.0..=1e12).contains(&value) => Ok(value),
+        _ => Err("an intensity of noise is 0 to 1e12".into()),
+    }
+}
+
+fn positive_intensity(text: &str) -> Result<f64, String> {
+    intensity(text)
+        .ok()
+        .filter(|value| *value >= 1e-12)
+        .ok_or_else(|| "the reading's noise is 1e-12 to 1e12 mm²·s".into())
 }
 
 /// `airball design relay`

@@ -1,8 +1,8 @@
-//! `airball design observer`: the steady-state Kalman filter of a config's model and noise.
+//! `airball design observer`: the steady-state Kalman filter of a config's model, and of its noise or that of W and V.
 
 use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
-use crate::commands::{announce, may_write, say};
+use crate::commands::{Usage, announce, may_write, say};
 use crate::config::Config;
 use crate::report::design::observer::Document;
 use crate::report::design::page::observer::{self, Report};
@@ -47,29 +47,73 @@ impl Ground {
     }
 }
 
+/// W, the diagonal, and V of the noise, in continuous time.
+struct Noise {
+    w: Vec<f64>,
+    v: f64,
+}
+
+impl Noise {
+    /// As asked for, or of the observer: its acceleration is white, and so is its reading.
+    fn of(args: &ObserverArgs, observer: &Observer, states: usize, period_s: f64) -> Result<Self> {
+        let Some(v) = args.v else {
+            let w = (0..states).map(|k| if k == 1 { observer.acceleration_psd_mm2_per_s3 } else { 0.0 }).collect();
+            return Ok(Self { w, v: observer.sensor_mm * observer.sensor_mm * period_s });
+        };
+        if args.w.len() != states {
+            let why = if states == 3 { "with a lag of the fan" } else { "without a lag of the fan" };
+            return Err(Usage(format!("the model has {states} states, {why}, and --w {} numbers", args.w.len())).into());
+        }
+        let noise = Self { w: args.w.clone(), v };
+        if !noise.can_fly() && (args.patch_out.is_some() || args.html.is_some()) {
+            bail!(
+                "an observer in flight has process noise on the velocity alone, so no patch and no page can hold this W; \
+                 leave --patch-out and --html out, or give --w 0,W2"
+            );
+        }
+        Ok(noise)
+    }
+
+    /// Whether an observer in flight has this noise.
+    fn can_fly(&self) -> bool {
+        self.w.iter().enumerate().all(|(k, intensity)| k == 1 || *intensity == 0.0)
+    }
+}
+
 pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
     may_write(None, args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
     let ground = Ground::of(Config::read(&args.config.config, &args.config.over())?, args.about)?;
     let period_s = ground.config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s;
-    let (plant, observer) = (ground.plant, ground.observer()?);
-    let (psd, sensor_mm) = (observer.acceleration_psd_mm2_per_s3, observer.sensor_mm);
-    let (continuous, sampled) = if plant.fan_lag_s > 0.0 {
+    let (plant, believed) = (ground.plant, ground.observer()?);
+    let with_fan = plant.fan_lag_s > 0.0;
+    let noise = Noise::of(args, &believed, if with_fan { 3 } else { 2 }, period_s)?;
+    let observer = if args.v.is_some() {
+        let own =
+            Observer { acceleration_psd_mm2_per_s3: noise.w[1], sensor_mm: (noise.v / period_s).sqrt(), ..believed };
+        own.check().map_err(|error| anyhow!("no observer has this W and V: {error}"))?;
+        own
+    } else {
+        believed
+    };
+    let (continuous, sampled) = if with_fan {
         let (a, b) = plant.three_states();
-        design(&a, &b, psd, sensor_mm, period_s)?
+        design(&a, &b, &noise, period_s)?
     } else {
         let (a, b) = plant.two_states();
-        design(&a, &b, psd, sensor_mm, period_s)?
+        design(&a, &b, &noise, period_s)?
     };
     let states = ["position, mm", "velocity, mm/s", "acceleration by the fan, mm/s²"];
+    let flown = if noise.can_fly() { observer.steady_gain(period_s)?.as_slice().to_vec() } else { Vec::new() };
     let document = Document {
         schema: "airball.observer/1",
         states: states[..continuous.len()].to_vec(),
         period_s,
-        reading_intensity_mm2_s: sensor_mm * sensor_mm * period_s,
+        process_intensities: noise.w,
+        reading_intensity_mm2_s: noise.v,
         continuous,
         sampled,
         observer,
-        flown: observer.steady_gain(period_s)?.as_slice().to_vec(),
+        flown,
     };
     let patch = patch::of_observer(observer)?;
     if let Some(path) = &args.patch_out {
@@ -94,23 +138,25 @@ fn tell(document: &Document) -> Result<()> {
             document.continuous[k], document.sampled[k]
         ))?;
     }
+    if document.flown.is_empty() {
+        return say("in flight this observer cannot be had: there, process noise acts on the velocity alone");
+    }
     let flown: Vec<String> = document.flown.iter().map(|l| format!("{l:.6}")).collect();
     say(format_args!("in flight, with hover as a state: L = [{}] sampled", flown.join(", ")))
 }
 
-/// Continuous and sampled gain under white acceleration; the position is read.
+/// Continuous and sampled gain under white noise; the position is read.
 fn design<const N: usize>(
     a: &SMatrix<f64, N, N>,
     b: &SVector<f64, N>,
-    psd: f64,
-    sensor_mm: f64,
+    noise: &Noise,
     period_s: f64,
 ) -> Result<(Vec<f64>, Vec<f64>)> {
-    let (mut w, mut c) = (SMatrix::<f64, N, N>::zeros(), RowSVector::<f64, N>::zeros());
-    (w[(1, 1)], c[0]) = (psd, 1.0);
-    let variance = sensor_mm * sensor_mm;
+    let w = SMatrix::<f64, N, N>::from_fn(|i, j| if i == j { noise.w[i] } else { 0.0 });
+    let mut c = RowSVector::<f64, N>::zeros();
+    c[0] = 1.0;
     let over = discretise(a, b, &w, period_s);
-    let continuous = kalman(a, &c, &w, variance * period_s)?;
-    let sampled = sampled_kalman(&over.transition, &c, &over.noise, variance)?;
+    let continuous = kalman(a, &c, &w, noise.v)?;
+    let sampled = sampled_kalman(&over.transition, &c, &over.noise, noise.v / period_s)?;
     Ok((continuous.iter().copied().collect(), sampled.iter().copied().collect()))
 }

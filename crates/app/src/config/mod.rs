@@ -16,6 +16,7 @@ mod written;
 
 pub use load::{Config, ConfigError, parse_file, parse_text};
 pub(crate) use plain_words::plain_words;
+pub use predistorted::with_other_control;
 pub use rig::Rig;
 pub use signals::{SecondSensor, Tachometer};
 pub use tables::{Bus, Loop, Reference, Safety, Stuck, Tables};

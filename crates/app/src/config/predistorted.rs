@@ -20,10 +20,14 @@ pub(super) fn check(tables: &Tables) -> Result<(), (&'static str, String)> {
     let curve = tables.compensation.as_ref().and_then(|table| table.predistortion.as_ref());
     let Some(slope) = curve.map(per_percent).filter(|slope| *slope > TELLING) else { return Ok(()) };
     let refused = |key: &'static str, value: f64, wanted: f64| {
+        let all = with_other_control(tables, slope);
+        let lines: Vec<String> = all.into_iter().map(|(key, value)| format!("{key} = {}", shown(value))).collect();
         let message = format!(
             "{value} is of a control value in percent, and behind [compensation] predistortion it is in mm/s²: \
-             {wanted:.3} is the same there. `airball measure force-curve --patch-out FILE` converts every gain; \
-             without new gains, leave predistortion out"
+             {wanted:.3} is the same there. Either leave predistortion out, or set all numbers of the control value to \
+             what is the same by this curve: {}. By the curve of your own rig `airball measure force-curve --patch-out \
+             FILE` sets them, flown without predistortion",
+            lines.join(", ")
         );
         Err((key, message))
     };
@@ -36,6 +40,45 @@ pub(super) fn check(tables: &Tables) -> Result<(), (&'static str, String)> {
         Some((key, gain)) => refused(key, gain, gain * slope),
         None => Ok(()),
     }
+}
+
+/// A number of a message: no longer than it helps.
+fn shown(value: f64) -> String {
+    let digits = format!("{value:.4e}").parse().unwrap_or(value);
+    format!("{digits:?}")
+}
+
+/// Every number of a config whose unit has the control value in it, by its key, for a control value that is `factor`
+/// times as large.
+pub fn with_other_control(tables: &Tables, factor: f64) -> Vec<(&'static str, f64)> {
+    let mut all = Vec::new();
+    let mut times = |key, value: Option<f64>, by: f64| all.extend(value.map(|value| (key, value * by)));
+    if let Some(set) = &tables.controller {
+        let pid = set.pid.as_ref();
+        times("controller.pid.kp_per_mm", pid.map(|law| law.kp_per_mm), factor);
+        times("controller.pid.rate_limit_per_s", pid.and_then(|law| law.rate_limit_per_s), factor);
+        let cascade = set.cascade.as_ref().map(|law| law.velocity_s_per_mm);
+        times("controller.cascade.velocity_s_per_mm", cascade, factor);
+        let state = set.state_feedback.as_ref();
+        times("controller.state_feedback.position_per_mm", state.map(|law| law.position_per_mm), factor);
+        times("controller.state_feedback.setpoint_per_mm", state.and_then(|law| law.setpoint_per_mm), factor);
+        times("controller.state_feedback.velocity_s_per_mm", state.map(|law| law.velocity_s_per_mm), factor);
+        // The gain on the fan's state has no unit: control value per control value.
+        let lqg = set.lqg.as_ref();
+        times("controller.lqg.position_per_mm", lqg.map(|law| law.position_per_mm), factor);
+        times("controller.lqg.velocity_s_per_mm", lqg.map(|law| law.velocity_s_per_mm), factor);
+        times("controller.mpc.control", set.mpc.as_ref().map(|law| law.control), factor);
+        times("controller.open_loop.control", set.open_loop.as_ref().map(|law| law.control), factor);
+    }
+    if let Some(observer) = &tables.observer {
+        let gain = observer.believed.gain_mm_per_s2_per_control;
+        times("observer.believed.gain_mm_per_s2_per_control", Some(gain), factor.recip());
+        times("observer.disturbance_psd_per_s", observer.disturbance_psd_per_s, factor * factor);
+        let tachometer = observer.tachometer.as_ref();
+        times("observer.tachometer.control", tachometer.map(|one| one.control), factor);
+        times("observer.tachometer.psd_per_s", tachometer.map(|one| one.psd_per_s), factor * factor);
+    }
+    all
 }
 
 /// Force per percent of duty at hover, mm/s².

@@ -1,7 +1,7 @@
 //! What a measurement found, as a config patch.
 
 use crate::analysis::measurement::Found;
-use crate::config::Tables;
+use crate::config::{Tables, with_other_control};
 use crate::report::kit::patch::rounded;
 use anyhow::{Result, anyhow};
 use control::predistortion::{MAX_POINTS, Predistortion};
@@ -113,44 +113,16 @@ fn of_force_curve(zone: &DeadZone, jumps: &Jumps, tables: &Tables, set: &mut Set
         (curve.mm_per_s2(ABOUT_HOVER_PERCENT) - curve.mm_per_s2(-ABOUT_HOVER_PERCENT)) / (2.0 * ABOUT_HOVER_PERCENT)
     };
     let old = compensation.predistortion.as_ref().map_or(1.0, slope);
-    scale_gains(tables, (zone.gain_below.value + zone.gain_above.value) / 2.0 / old, set);
+    let factor = (zone.gain_below.value + zone.gain_above.value) / 2.0 / old;
+    for (key, value) in with_other_control(tables, factor) {
+        let path: Vec<&str> = key.split('.').collect();
+        set(&path, value.into());
+    }
     Ok(())
 }
 
 fn hover_of(zone: &DeadZone) -> f64 {
     (zone.lower_duty_percent.value + zone.upper_duty_percent.value) / 2.0
-}
-
-/// Every number of the config whose unit has the control value in it.
-fn scale_gains(tables: &Tables, factor: f64, set: &mut Set<'_>) {
-    let mut times = |path: &[&str], value: Option<f64>, by: f64| {
-        if let Some(value) = value {
-            set(path, (value * by).into());
-        }
-    };
-    if let Some(all) = &tables.controller {
-        let pid = all.pid.as_ref();
-        times(&["controller", "pid", "kp_per_mm"], pid.map(|law| law.kp_per_mm), factor);
-        times(&["controller", "pid", "rate_limit_per_s"], pid.and_then(|law| law.rate_limit_per_s), factor);
-        let cascade = all.cascade.as_ref().map(|law| law.velocity_s_per_mm);
-        times(&["controller", "cascade", "velocity_s_per_mm"], cascade, factor);
-        let state = all.state_feedback.as_ref();
-        times(&["controller", "state_feedback", "position_per_mm"], state.map(|law| law.position_per_mm), factor);
-        let setpoint = state.and_then(|law| law.setpoint_per_mm);
-        times(&["controller", "state_feedback", "setpoint_per_mm"], setpoint, factor);
-        times(&["controller", "state_feedback", "velocity_s_per_mm"], state.map(|law| law.velocity_s_per_mm), factor);
-        // The gain on the fan's state has no unit: control value per control value.
-        let lqg = all.lqg.as_ref();
-        times(&["controller", "lqg", "position_per_mm"], lqg.map(|law| law.position_per_mm), factor);
-        times(&["controller", "lqg", "velocity_s_per_mm"], lqg.map(|law| law.velocity_s_per_mm), factor);
-        times(&["controller", "mpc", "control"], all.mpc.as_ref().map(|law| law.control), factor);
-        times(&["controller", "open_loop", "control"], all.open_loop.as_ref().map(|law| law.control), factor);
-    }
-    if let Some(observer) = &tables.observer {
-        let gain = observer.believed.gain_mm_per_s2_per_control;
-        times(&["observer", "believed", "gain_mm_per_s2_per_control"], Some(gain), factor.recip());
-        times(&["observer", "disturbance_psd_per_s"], observer.disturbance_psd_per_s, factor * factor);
-    }
 }
 
 /// The lag of the fan that gives the config's model the measured critical gain, sampled as the loop does it; proposed

@@ -147,6 +147,17 @@ fn gains_per_percent_behind_a_predistortion_are_refused_with_the_ones_that_are_m
 }
 
 #[test]
+fn the_numbers_that_a_refused_predistortion_names_make_it_fly() {
+    let message = patched("[compensation]\npredistortion = {}\n").unwrap_err();
+    let numbers = message.split_once("by this curve: ").and_then(|(_, rest)| rest.split_once(". By the curve"));
+    let (numbers, _) = numbers.unwrap_or_else(|| panic!("{message}"));
+    let patch = format!("{}\ncompensation.predistortion = {{}}\n", numbers.replace(", ", "\n"));
+    let there = patched(&patch).unwrap();
+    let kp_per_mm = there.controller.unwrap().pid.unwrap().kp_per_mm;
+    assert!(kp_per_mm > 1.0 && there.observer.unwrap().believed.gain_mm_per_s2_per_control < 10.0, "{patch}");
+}
+
+#[test]
 fn what_two_tables_say_must_agree() {
     let safety = "[safety]\nsetpoint_min_mm = 30.0\nsetpoint_max_mm = 550.0\nduty_min_percent = 10.0\nduty_max_percent = 40.0\n\
         coast_s = 0.3\n";

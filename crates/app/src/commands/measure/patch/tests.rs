@@ -1,8 +1,8 @@
 //! Tests of the patches.
 
-use super::{lag_of, patch, scale_gains};
+use super::{lag_of, patch};
 use crate::analysis::measurement::Found;
-use crate::config::Tables;
+use crate::config::{Tables, with_other_control};
 use control::design::critical::critical_gain;
 use control::design::law::Gains;
 use diagnose::measure::Estimate;
@@ -62,8 +62,7 @@ fn a_gain_on_the_setpoint_is_scaled_with_the_gain_on_the_position() {
     let mut tables = tables();
     let law = tables.controller.as_mut().unwrap().state_feedback.as_mut().unwrap();
     (law.position_per_mm, law.setpoint_per_mm) = (0.02, Some(0.03));
-    let mut scaled = Vec::new();
-    scale_gains(&tables, 300.0, &mut |path, value| scaled.push((path.join("."), value.as_float().unwrap())));
+    let scaled = with_other_control(&tables, 300.0);
     for (key, wanted) in [("position_per_mm", 6.0), ("setpoint_per_mm", 9.0)] {
         let path = format!("controller.state_feedback.{key}");
         let found = scaled.iter().find(|(scaled, _)| *scaled == path).unwrap().1;

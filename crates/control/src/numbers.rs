@@ -5,8 +5,8 @@
 //! values(t) = from + λ·(to − from)        λ = t/T, 0 to 1: the control value does not jump, whatever changes
 //! ```
 //!
-//! What a config does not have cannot be changed: a table that is absent is off. Words, lists and switches stay as they
-//! are. Bounds are those of the checks of the tables, found by asking them.
+//! What a config does not have cannot be changed: a table that is absent is off. Words and switches stay as they are, and
+//! so do the points of a predistortion and the number of rows of a schedule. Bounds are those of the checks of the tables, found by asking them.
 
 use crate::check::OutOfRange;
 use crate::compensation::Compensation;
@@ -37,13 +37,20 @@ pub struct Parameter {
 }
 
 /// How many there are.
-pub const COUNT: usize = 38;
+pub const COUNT: usize = 70;
 
 /// Values of parameters, in the order of [`Parameter::ALL`]; `None` where one is absent or is not meant.
 pub type Values = [Option<f64>; COUNT];
 
 const fn parameter(name: &'static str, unit: &'static str, place: fn(&mut Numbers) -> Option<&mut f64>) -> Parameter {
     Parameter { name, unit, place }
+}
+
+/// A number of a row of the gain schedule.
+macro_rules! row {
+    ($name:literal, $unit:literal, $column:ident, $row:literal) => {
+        parameter($name, $unit, |n| n.controllers.gain_schedule.as_mut()?.$column.get_mut($row))
+    };
 }
 
 impl Parameter {
@@ -89,6 +96,38 @@ impl Parameter {
         parameter("mpc.velocity_mm_per_s", "mm/s", |n| Some(&mut n.controllers.mpc.as_mut()?.velocity_mm_per_s)),
         parameter("mpc.control", "u", |n| Some(&mut n.controllers.mpc.as_mut()?.control)),
         parameter("open_loop.control", "u", |n| Some(&mut n.controllers.open_loop.as_mut()?.control)),
+        row!("gain_schedule.height_mm.1", "mm", height_mm, 0),
+        row!("gain_schedule.factor.1", "", factor, 0),
+        row!("gain_schedule.height_mm.2", "mm", height_mm, 1),
+        row!("gain_schedule.factor.2", "", factor, 1),
+        row!("gain_schedule.height_mm.3", "mm", height_mm, 2),
+        row!("gain_schedule.factor.3", "", factor, 2),
+        row!("gain_schedule.height_mm.4", "mm", height_mm, 3),
+        row!("gain_schedule.factor.4", "", factor, 3),
+        row!("gain_schedule.height_mm.5", "mm", height_mm, 4),
+        row!("gain_schedule.factor.5", "", factor, 4),
+        row!("gain_schedule.height_mm.6", "mm", height_mm, 5),
+        row!("gain_schedule.factor.6", "", factor, 5),
+        row!("gain_schedule.height_mm.7", "mm", height_mm, 6),
+        row!("gain_schedule.factor.7", "", factor, 6),
+        row!("gain_schedule.height_mm.8", "mm", height_mm, 7),
+        row!("gain_schedule.factor.8", "", factor, 7),
+        row!("gain_schedule.height_mm.9", "mm", height_mm, 8),
+        row!("gain_schedule.factor.9", "", factor, 8),
+        row!("gain_schedule.height_mm.10", "mm", height_mm, 9),
+        row!("gain_schedule.factor.10", "", factor, 9),
+        row!("gain_schedule.height_mm.11", "mm", height_mm, 10),
+        row!("gain_schedule.factor.11", "", factor, 10),
+        row!("gain_schedule.height_mm.12", "mm", height_mm, 11),
+        row!("gain_schedule.factor.12", "", factor, 11),
+        row!("gain_schedule.height_mm.13", "mm", height_mm, 12),
+        row!("gain_schedule.factor.13", "", factor, 12),
+        row!("gain_schedule.height_mm.14", "mm", height_mm, 13),
+        row!("gain_schedule.factor.14", "", factor, 13),
+        row!("gain_schedule.height_mm.15", "mm", height_mm, 14),
+        row!("gain_schedule.factor.15", "", factor, 14),
+        row!("gain_schedule.height_mm.16", "mm", height_mm, 15),
+        row!("gain_schedule.factor.16", "", factor, 15),
         parameter("feed_forward.time_constant_s", "s", |n| {
             Some(&mut n.controllers.feed_forward.as_mut()?.time_constant_s)
         }),

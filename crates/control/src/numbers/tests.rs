@@ -11,6 +11,7 @@ use crate::inputs::Source;
 use crate::mpc::Mpc;
 use crate::observer::{Gain, Observer, Tachometer};
 use crate::pid::{AntiWindup, DerivativeOn, Pid};
+use crate::schedule::Schedule;
 use crate::state_feedback::{Integral, Lqg, StateFeedback};
 use std::collections::BTreeSet;
 
@@ -41,6 +42,10 @@ fn all() -> Numbers {
             lqg: Some(Lqg { position_per_mm: 0.019, velocity_s_per_mm: 0.0044, fan: 0.7 }),
             mpc: Some(Mpc { move_s: 0.06, position_mm: 20.0, velocity_mm_per_s: 200.0, control: 0.4 }),
             open_loop: Some(OpenLoop { control: 0.0 }),
+            gain_schedule: Some(Schedule {
+                height_mm: (0..16).map(|row| 30.0 * f64::from(row)).collect(),
+                factor: (0..16).map(|row| 1.0 + 0.01 * f64::from(row)).collect(),
+            }),
             feed_forward: Some(FeedForward { time_constant_s: 0.15 }),
             ..Controllers::default()
         },

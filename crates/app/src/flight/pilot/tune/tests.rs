@@ -7,6 +7,7 @@ use crate::flight::pilot::{Orders, Pilot, Seen, Signals};
 use control::controller::Kind;
 use control::numbers::{COUNT, Parameter, Values};
 use control::regulator::Regulator;
+use control::schedule::Schedule;
 use control::waveform::Waveform;
 
 const T: f64 = 0.02;
@@ -135,4 +136,19 @@ fn undo_takes_changes_back_in_their_order_and_says_when_none_is_left() {
     assert_eq!(flown.pilot.command(Command::Undo), Err(Refusal::NothingToUndo));
     flown.fly(60, |_| 300.0);
     assert_eq!(flown.pilot.orders.regulator.controllers(), &first.controllers);
+}
+
+#[test]
+fn rows_of_the_gain_schedule_change_without_a_bump_and_stay_in_order() {
+    let rows = Schedule { height_mm: [200.0, 400.0].into_iter().collect(), factor: [1.0, 1.2].into_iter().collect() };
+    let mut flown = Flown::with(|tables| tables.controller.as_mut().unwrap().gain_schedule = Some(rows));
+    flown.fly(300, |_| 280.0);
+    let usual = largest_step(&flown.fly(50, |_| 280.0));
+    flown.send(&[("gain_schedule.factor.1", 1.5), ("gain_schedule.height_mm.2", 420.0)]).unwrap();
+    let step = largest_step(&flown.fly(50, |_| 280.0));
+    assert!(step < usual + 0.15, "{step:.3} beside {usual:.3}");
+    let in_force = flown.pilot.orders.regulator.controllers().gain_schedule.clone().unwrap();
+    assert_eq!((in_force.factor[0], in_force.height_mm[1]), (1.5, 420.0));
+    assert!(matches!(flown.send(&[("gain_schedule.height_mm.1", 500.0)]), Err(Refusal::Number { .. })));
+    assert!(matches!(flown.send(&[("gain_schedule.factor.3", 1.0)]), Err(Refusal::Absent(_))));
 }

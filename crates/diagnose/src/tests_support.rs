@@ -16,7 +16,7 @@ pub(crate) fn model() -> Model {
 }
 
 /// Flies `rig` for `seconds` at 50 Hz; `law` gives the duty from time and reading.
-fn flown(rig: &Model, seed: u64, seconds: u32, mut law: impl FnMut(f64, f64) -> f64) -> Recording {
+pub(crate) fn flown(rig: &Model, seed: u64, seconds: u32, mut law: impl FnMut(f64, f64) -> f64) -> Recording {
     let mut simulator = Simulator::new(rig.clone(), seed);
     let rows = (0..seconds * 50).map(|k| {
         let time_s = 0.02 * f64::from(k);

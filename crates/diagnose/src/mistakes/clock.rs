@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_is_ten_or_a_hundred_times_too_slow_or_too_fast_is_named_with_its_scale() {
+    fn a_clock_that_is_ten_times_too_slow_or_too_fast_is_named_with_its_scale() {
         assert_eq!(on_a_clock(1.0), []);
         for clock in [10.0, 0.1, 0.01] {
             let found = on_a_clock(clock);

@@ -28,10 +28,16 @@ fn diagnosis(bench: &Bench) {
     assert!(said.contains("dead_zone"), "{said}");
     let _ = run(bench, "replay STRANGER.mcap --html replay.html");
     assert!(bench.read("report.html").contains("The rig has a dead zone that the simulator lacks"));
+    let page = bench.read("report.html");
+    // The effect itself is drawn; what is not significant is said and not drawn.
+    assert!(page.contains("The dead zone: acceleration of the ball over duty"));
     assert!(
-        bench.read("report.html").contains("of the misfit above noise lies between")
-            && bench.read("report.html").contains(", not significant")
+        page.contains("No frequency band has significantly more misfit than noise")
+            && !page.contains("in a third of an octave")
     );
+    // The checks with their limits, and the seed and the command in the head.
+    assert!(page.contains("at least 300 readings in free flight") && page.contains("seed 1"));
+    assert!(page.contains("<span>diagnose</span>"));
     // The text to copy on the page is the patch.
     assert!(bench.read("report.html").contains(bench.read("mended.toml").trim()));
 }

@@ -64,6 +64,7 @@
       })),
     ],
     hooks: {
+      drawClear: [(u) => ground(u, chart)],
       setScale: [
         (u, key) => {
           const { min, max } = u.scales.x;
@@ -72,15 +73,44 @@
       ],
     },
   });
+  // Shaded stretches, and a dashed line at each event.
+  const ground = (u, chart) => {
+    const { ctx } = u;
+    const { left, top, width, height } = u.bbox;
+    const x = (time) => Math.min(Math.max(u.valToPos(time, "x", true), left), left + width);
+    ctx.save();
+    ctx.fillStyle = ink("shade");
+    ctx.globalAlpha = 0.28;
+    for (const [from, to] of chart.shaded) ctx.fillRect(x(from), top, x(to) - x(from), height);
+    ctx.globalAlpha = 1;
+    ctx.strokeStyle = ink("setpoint");
+    ctx.setLineDash([4, 4]);
+    for (const time of chart.events.filter((time) => time >= shown.min && time <= shown.max)) {
+      ctx.beginPath();
+      ctx.moveTo(x(time), top);
+      ctx.lineTo(x(time), top + height);
+      ctx.stroke();
+    }
+    ctx.restore();
+  };
   const font = () => `12px ${getComputedStyle(document.body).fontFamily}`;
 
   // Readings that were not taken leave no gap in a line: only what a model does not forecast does.
-  const values = (line) => (line.whole ? line.values.map((v) => (v === null ? undefined : v)) : line.values);
+  const values = (chart) => (line) => {
+    if (!line.whole) return line.values;
+    const joined = line.values.map((v) => (v === null ? undefined : v));
+    // Between two flights every line ends.
+    for (const end of chart.breaks) {
+      const k = chart.times.findIndex((time) => time >= end - 1e-3);
+      if (k > 0) joined[k - 1] = null;
+    }
+    return joined;
+  };
 
   const draw = () => {
     charts.forEach((chart) => chart.destroy());
     const holders = place.querySelectorAll(".chart .plot");
-    charts = data.map((chart, k) => new uPlot(options(chart, holders[k].clientWidth), [chart.times, ...chart.lines.map(values)], holders[k]));
+    charts = data.map((chart, k) => new uPlot(options(chart, holders[k].clientWidth), [chart.times, ...chart.lines.map(values(chart))], holders[k]));
     show(shown.min, shown.max);
   };
 

@@ -7,6 +7,7 @@
 #![allow(unreachable_pub, rustdoc::private_intra_doc_links)]
 
 mod analysis;
+mod aside;
 pub mod cli;
 pub mod commands;
 mod config;
@@ -17,6 +18,7 @@ mod log;
 mod mqtt;
 mod report;
 mod rig;
+mod wrapped;
 
 pub use config::ConfigError;
 

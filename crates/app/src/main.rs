@@ -3,8 +3,8 @@
 use airball::ConfigError;
 use airball::cli::{Cli, Command, ConfigCommand, LogCommand};
 use airball::commands::{
-    Usage, config, design, diagnose, emulate, fail, fan_off, guard, identify, init, live, log, measure, monitor,
-    reader_is_gone, replay, run, simulate, with_causes,
+    Usage, compare, config, design, diagnose, emulate, fail, fan_off, guard, identify, init, live, log, measure,
+    monitor, reader_is_gone, replay, run, simulate, with_causes,
 };
 use clap::Parser;
 use std::process::ExitCode;
@@ -20,6 +20,7 @@ fn main() -> ExitCode {
             Ok(status) => return status,
             Err(error) => Err(error),
         },
+        Command::Compare(args) => compare::compare(&args),
         Command::Design(command) => design::design(&command),
         Command::Identify(command) => identify::identify(&command),
         Command::FanOff(args) => fan_off::fan_off(&args),

@@ -60,12 +60,15 @@ pub use answer::diagnosis::diagnose;
 pub use fit::log_likelihood::log_likelihood;
 pub use options::{Options, Progress, ProgressStep};
 pub use record::check::{Finding, check};
+pub use record::checks::Check;
 pub use record::recording::{Recording, RecordingError, Sample};
 
 // The answer, and what it is made of.
+pub use answer::change::{Changes, NumberChange, Side};
 pub use answer::closed_loop::{ClosedLoop, Compared, NextExperiment, Simulated};
 pub use answer::diagnosis::Diagnosis;
 pub use answer::document::{Context, Document, Interval, ParameterEntry};
+pub use answer::effect_curves::{Abscissa, Binned, EffectCurve};
 pub use answer::formula::FormulaTerm;
 pub use answer::formula_curves::{FormulaCurve, Over};
 pub use answer::ladder::{Dropped, Rest, Rung, Step};

@@ -127,7 +127,7 @@ impl From<Linear> for Plant {
 }
 
 /// The controller that closes a loop.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Closing {
     /// A PID, or a state feedback of position and velocity, which is one.
     Pid(Gains, Weights),

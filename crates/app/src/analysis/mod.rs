@@ -2,6 +2,7 @@
 
 pub mod closed_loop;
 pub mod first_belief;
+pub mod lateness_change;
 pub mod loop_deviations;
 pub mod loop_margins;
 pub mod measurement;

@@ -61,6 +61,9 @@ pub struct ReplayArgs {
     /// Which model, and how to read a foreign CSV.
     #[command(flatten)]
     pub config: ConfigArgs,
+    /// Compare a second model with it: the same config with this patch over it
+    #[arg(long, value_name = "PATCH")]
+    pub against: Option<PathBuf>,
     /// Draw the recorded position beside the model's free runs (SVG)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,

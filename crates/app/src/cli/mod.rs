@@ -1,5 +1,6 @@
 //! The command line. Flags mean the same everywhere.
 
+mod compare;
 mod design;
 mod each;
 mod flight;
@@ -7,6 +8,7 @@ mod identify;
 mod init;
 mod measure;
 
+pub use compare::CompareArgs;
 pub use design::{
     AboutArgs, CriticalGainArgs, DesignArgs, DesignCommand, LqrArgs, ObserverArgs, PidArgs, PolesArgs, RelayArgs,
     RelayRule,
@@ -52,6 +54,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Find the effect that a model lacks, from logs of the rig, and how much of the gap it closes
     Diagnose(DiagnoseArgs),
+    /// Compare two logs or diagnoses of one rig, before and after: what changed beyond chance
+    Compare(CompareArgs),
     /// Design a controller, or report the stability margins of the current loop
     #[command(subcommand)]
     Design(DesignCommand),

@@ -48,6 +48,8 @@ fn hasty(config: &Config) -> Option<String> {
 /// # Errors
 /// Where it is not sound.
 pub fn print(args: &ConfigArgs) -> Result<()> {
-    say(Config::read(&args.config, &args.over())?.to_toml().to_string().trim_end())?;
+    let config = Config::read(&args.config, &args.over())?;
+    let text = if config.words.is_ball_pipe() { config.to_toml() } else { config.to_toml_with_words() };
+    say(text.trim_end())?;
     Ok(())
 }

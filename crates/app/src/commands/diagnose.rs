@@ -10,9 +10,10 @@ use crate::cli::DiagnoseArgs;
 use crate::report::diagnosis::logs::findings;
 use crate::report::diagnosis::page::{Report, page as html};
 use crate::report::diagnosis::plot;
-use crate::report::diagnosis::words::words;
+use crate::report::diagnosis::timeline::timeline;
+use crate::report::diagnosis::words::words_of;
 use crate::report::diagnosis::{closed_loop, missing_force, next};
-use crate::report::kit::page;
+use crate::report::kit::page::{self, made::Made};
 use crate::report::kit::patch::rounded;
 use ::diagnose::{Finding, Progress, ProgressStep, Series, Verdict};
 use anyhow::Result;
@@ -121,11 +122,11 @@ fn tell(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     if args.json {
         return say(asked.document(answer)?);
     }
-    let about = asked.about(answer);
+    let (about, rig) = (asked.about(answer), &asked.words);
     // Beside a mistake of units, signs or columns, other findings are its consequences.
     let is_said = |finding: &Finding| !answer.found.has_mistake() || finding.is_mistake();
     for (name, finding) in findings(&answer.found, &about).filter(|(_, finding)| is_said(finding)) {
-        note(format_args!("{name}: {finding}"));
+        note(format_args!("{name}: {}", rig.of(&finding.to_string())));
     }
     if let Some(line) = about.words() {
         say(line)?;
@@ -134,11 +135,12 @@ fn tell(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
         say(format_args!("{meaning}."))?;
     }
     for (name, stage) in about.upstream() {
-        note(format_args!("{name}: {}: {}", stage.name, stage.finding));
+        note(format_args!("{name}: {}: {}", stage.name, rig.of(&stage.finding)));
     }
     let desk = asked.desk();
-    say(words(&answer.found, desk.as_ref().map(Desk::compensation)))?;
-    closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice)).try_for_each(say)
+    say(rig.of(&words_of(&answer.found, desk.as_ref().map(Desk::compensation), rig)))?;
+    let more = closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice));
+    more.map(|line| rig.of(&line)).try_for_each(say)
 }
 
 /// A progress bar of the diagnosis' fits on standard error, if that is a terminal; it grows with every effect that is
@@ -161,10 +163,10 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     }
     if let Some(path) = &args.plot {
         let title = format!("{}: free runs, and the residual force", asked.names.join(", "));
-        plot::diagnosis(path, &title, &picture, &answer.found.regions())?;
+        plot::diagnosis(path, &title, &picture, &answer.found.regions(), &asked.words)?;
     }
     if let Some(path) = &args.html {
-        page::write(path, &with_report(asked, answer, &picture, html))?;
+        page::write(path, &with_report(asked, answer, &picture, &asked.made(), html))?;
     }
     Ok(())
 }
@@ -174,10 +176,21 @@ pub(super) fn with_report(
     asked: &Asked,
     answer: &Answer,
     picture: &Series,
+    made: &Made,
     make: impl Fn(&Report<'_>) -> String,
 ) -> String {
     let desk = asked.desk();
+    let logs: Vec<_> = asked
+        .logs
+        .iter()
+        .zip(&asked.names)
+        .map(|(log, name)| (name.as_str(), &log.recording, &log.events[..]))
+        .collect();
+    let timeline = timeline(&picture.recording, &logs);
     make(&Report {
+        timeline: &timeline,
+        made,
+        words: &asked.words,
         found: &answer.found,
         belief: &asked.belief,
         closed_loop: &answer.looped,

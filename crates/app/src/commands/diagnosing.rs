@@ -1,18 +1,21 @@
 //! From logs of one rig and a config to a diagnosis: what `diagnose` does with the named logs.
 
-use super::Usage;
+use super::{Usage, typed};
 use crate::analysis::closed_loop;
 use crate::analysis::loop_deviations::{Upstream, upstream};
 use crate::analysis::next_experiment::{Advice, advise};
 use crate::analysis::virtual_flight::Desk;
+use crate::config::words::Words;
 use crate::config::{Config, Tables};
 use crate::log::reader::{self, LoadedLog};
 use crate::report::diagnosis::logs::Logs;
 use crate::report::first_belief;
+use crate::report::kit::page::made::Made;
 use anyhow::{Result, bail};
 use control::compensation::Compensation;
-use diagnose::{ClosedLoop, Context, Diagnosis, MOST_ROWS, Options, Recording, Verdict};
+use diagnose::{ClosedLoop, Context, Diagnosis, Document, MOST_ROWS, Options, Recording, Verdict};
 use plant::Model;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// The steps of a diagnosis, in words.
@@ -27,6 +30,8 @@ pub(super) struct Asked {
     pub(super) config: PathBuf,
     /// Its tables.
     tables: Tables,
+    /// What the rig calls its position and its input.
+    pub(super) words: Words,
     /// Whether it was fitted to a record by `airball init`.
     is_fitted: bool,
     /// Each log, without the codes of a sensor that saw no target, of a very long one its middle; and its name.
@@ -91,7 +96,16 @@ impl Asked {
         }
         logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
         let is_fitted = config.begins_with(first_belief::HEAD);
-        Ok(Self { belief, config: path, tables: config.tables, is_fitted, logs, names, recordings })
+        Ok(Self {
+            belief,
+            config: path,
+            words: config.words,
+            tables: config.tables,
+            is_fitted,
+            logs,
+            names,
+            recordings,
+        })
     }
 
     /// The compensation of the config.
@@ -102,6 +116,20 @@ impl Asked {
     /// Their rows without the readings that show no position of a ball in the pipe, log by log.
     pub(super) fn seen(&self) -> impl Iterator<Item = Recording> {
         self.logs.iter().map(|log| log.recording.clone())
+    }
+
+    /// How a page of the logs is made: by the command as it was typed.
+    pub(super) fn made(&self) -> Made {
+        self.made_by(typed())
+    }
+
+    /// The same by another command.
+    pub(super) fn made_by(&self, command: Made) -> Made {
+        let several = self.names.len() > 1;
+        let logs = self.logs.iter().zip(&self.names);
+        logs.fold(command.in_words(&self.words).of_model(&self.belief), |made, (log, name)| {
+            made.with_log(several.then_some(name.as_str()), &log.about)
+        })
     }
 
     /// The statements about the logs themselves.
@@ -146,8 +174,20 @@ impl Asked {
             closed_loop: Some(*looped),
             next_experiment: advice.experiment.clone(),
         };
-        Ok(serde_json::to_string(&found.document(&self.belief, &context))?)
+        let document = found.document(&self.belief, &context);
+        if self.words.is_ball_pipe() {
+            return Ok(serde_json::to_string(&document)?);
+        }
+        Ok(serde_json::to_string(&InWords { document, rig: &self.words })?)
     }
+}
+
+/// A document of a rig with words of its own.
+#[derive(Serialize)]
+struct InWords<'a> {
+    #[serde(flatten)]
+    document: Document,
+    rig: &'a Words,
 }
 
 /// Why the setpoint is not known, and what to do.

@@ -15,7 +15,7 @@ use super::{Usage, note, say, write};
 use crate::cli::DiagnoseArgs;
 use crate::report::diagnosis::page::page as html;
 use crate::report::each::{Row, csv, page as summary};
-use crate::report::kit::page;
+use crate::report::kit::page::{self, made::Made};
 use ::diagnose::{Progress, Series};
 use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
@@ -153,8 +153,13 @@ fn reports(args: &DiagnoseArgs, config: Option<&Path>, log: &Named, out: &Path) 
     Ok(Reports {
         verdict: answer.found.verdict_in_words(),
         json: asked.document(&answer)?,
-        html: with_report(&asked, &answer, &picture, html),
+        html: with_report(&asked, &answer, &picture, &asked.made_by(made()), html),
     })
+}
+
+/// How the pages are made: by no more than this, since any shares and restarts make the same pages.
+fn made() -> Made {
+    Made::by(["diagnose", "--each"].map(String::from).into_iter())
 }
 
 /// Writes the table of all logs that have reports, whoever made them, and says where it is.
@@ -166,7 +171,7 @@ fn tell(logs: &[Named], out: &Path) -> Result<()> {
             break;
         }
         write("table", &out.join("summary.csv"), &csv(&rows)?)?;
-        page::write(&out.join("index.html"), &summary(&rows, logs.len()))?;
+        page::write(&out.join("index.html"), &summary(&rows, logs.len(), &made()))?;
         // Another process may have finished a log meanwhile, and have written its table before this one.
         before = Some(rows);
     }

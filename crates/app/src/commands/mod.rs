@@ -1,6 +1,7 @@
 //! One file per command: it reads flags and tables, calls the analysis or flight, and prints the result.
 
 mod about;
+pub mod compare;
 pub mod config;
 pub mod design;
 pub mod diagnose;
@@ -20,7 +21,6 @@ mod output;
 pub mod replay;
 pub mod run;
 pub mod simulate;
-mod wrapped;
 
 pub use output::{Usage, fail, reader_is_gone, with_causes};
-use output::{announce, may_write, note, say, warn, write};
+use output::{announce, may_write, note, say, typed, warn, write};

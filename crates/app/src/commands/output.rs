@@ -1,15 +1,16 @@
-//! Standard output and standard error, either of which may be closed at any time: `println!` would panic.
+//! Standard output, which may be closed at any time: `println!` would panic. Standard error is in `aside`.
 
-use super::wrapped::wrapped;
+pub use crate::aside::fail;
+pub(super) use crate::aside::{note, warn};
+
+use crate::aside::for_reader;
 use crate::files;
+use crate::report::kit::page::made::Made;
 use crate::report::kit::{page, plot};
 use anyhow::{Result, anyhow};
-use rows::printable;
 use std::fmt::Display;
-use std::io::{ErrorKind, Write, stderr, stdout};
-use std::os::fd::AsFd;
+use std::io::{ErrorKind, Write, stdout};
 use std::path::{Path, PathBuf};
-use terminal_size::{Width, terminal_size_of};
 
 /// A line of the result on standard output, control characters, which a log or an experiment may hold, escaped. On a
 /// terminal it is wrapped.
@@ -17,36 +18,6 @@ pub(super) fn say(line: impl Display) -> Result<()> {
     let to = stdout().lock();
     let text = for_reader(&to, &line.to_string());
     Ok(writeln!({ to }, "{text}")?)
-}
-
-/// Something to know, on standard error. A closed standard error is not a failure.
-pub(super) fn note(line: impl Display) {
-    aside("note", line);
-}
-
-/// Something to look at: the command goes on, and its result may not be what was asked for. On standard error.
-pub(super) fn warn(line: impl Display) {
-    aside("warning", line);
-}
-
-/// What went wrong, on standard error.
-pub fn fail(line: impl Display) {
-    aside("error", line);
-}
-
-fn aside(kind: &str, line: impl Display) {
-    let to = stderr().lock();
-    let text = for_reader(&to, &format!("{kind}: {line}"));
-    let _ = writeln!({ to }, "{text}");
-}
-
-/// Control characters escaped, and lines wrapped where the reader is a terminal.
-fn for_reader(to: impl AsFd, text: &str) -> String {
-    let text = printable(text);
-    match terminal_size_of(to) {
-        Some((Width(columns), _)) => wrapped(&text, columns.into()),
-        None => text,
-    }
 }
 
 /// Announces the files that were written, each with what it is. Where standard output holds a document, on standard
@@ -63,6 +34,11 @@ pub(super) fn announce(json: bool, files: &[(&str, Option<&Path>)]) -> Result<()
         }
     }
     Ok(())
+}
+
+/// How a page is made: by the command as it was typed.
+pub(super) fn typed() -> Made {
+    Made::by(std::env::args().skip(1))
 }
 
 /// An error, with those of its causes that its own text does not name.

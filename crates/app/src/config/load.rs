@@ -6,6 +6,7 @@
 use super::merge::put_over;
 use super::plain_words::plain_words;
 use super::tables::Tables;
+use super::words::{self, Words};
 use super::written;
 use plant::Unsound;
 use rows::shown;
@@ -19,6 +20,8 @@ use toml::de::{DeTable, DeValue};
 pub struct Config {
     /// Its tables.
     pub tables: Tables,
+    /// What the rig calls its position and its input.
+    pub words: Words,
     /// The file, for messages.
     path: PathBuf,
     /// It and its patches, for the places of keys.
@@ -125,6 +128,10 @@ impl Config {
             sources.push(read_source(patch, "--patch FILE")?);
         }
         let mut merged = merged(&sources)?;
+        let words = words::take(&mut merged).map_err(|(key, message)| {
+            let place = place(&sources, &key);
+            ConfigError::Key { place, key, message }
+        })?;
         let values = written::take(&mut merged);
         let mut tables: Tables = typed(merged, &sources)?;
         written::define(&mut tables, values).map_err(|(key, message)| {
@@ -144,7 +151,18 @@ impl Config {
             place: place(&sources, key),
             message: format!("{key}: {message}"),
         })?;
-        Ok(Self { tables, path: path.to_owned(), sources })
+        Ok(Self { tables, words, path: path.to_owned(), sources })
+    }
+
+    /// The config in force with the words of the rig, as TOML.
+    #[must_use]
+    pub fn to_toml_with_words(&self) -> String {
+        let mut table = toml::Table::try_from(&self.tables).unwrap_or_default();
+        if let (false, Ok(words)) = (self.words.is_ball_pipe(), toml::Table::try_from(&self.words)) {
+            let rig = table.entry("rig").or_insert_with(|| toml::Value::Table(toml::Table::new()));
+            rig.as_table_mut().into_iter().for_each(|rig| rig.extend(words.clone()));
+        }
+        toml::to_string(&table).unwrap_or_default()
     }
 
     /// The config in force, as TOML.

@@ -12,6 +12,7 @@ mod rig;
 mod signals;
 mod tables;
 pub mod topics;
+pub mod words;
 mod written;
 
 pub use load::{Config, ConfigError, parse_file, parse_text};

@@ -8,11 +8,12 @@ use super::files::Files;
 use super::recorder::{Inline, Sink};
 use super::rotation::Rotation;
 use super::writer::{LogSummary, LogWriter};
+use crate::aside::fail;
 use crate::flight::outside::Recorder;
 use crate::flight::vocabulary::{Cycle, Event};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::{
-    io::{self, Seek, Write},
+    io::{Seek, Write},
     path::Path,
     thread::{self, JoinHandle},
     time::Duration,
@@ -145,7 +146,7 @@ fn drain(mut from: Consumer<Entry>, mut to: impl Sink) -> Result<LogSummary, Log
         }
         if let Some(error) = to.failure().filter(|_| !said) {
             said = true;
-            let _ = writeln!(io::stderr(), "error: {error}; the flight goes on");
+            fail(format_args!("{error}; the flight goes on"));
         }
         if last {
             return to.finish();

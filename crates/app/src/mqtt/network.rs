@@ -10,6 +10,7 @@ use super::line::Line;
 use super::mailbox::Inbox;
 use super::outage::Outage;
 use super::parse::{Asked, ParseError, parse};
+use crate::aside::plain;
 use crate::config::mqtt::{Credentials, MqttConfig, MqttError};
 use crate::config::topics::Topics;
 use rumqttc::{
@@ -17,11 +18,10 @@ use rumqttc::{
     Transport,
 };
 use std::borrow::Cow;
-use std::io::Write;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
+use std::thread;
 use std::time::{Duration, Instant};
-use std::{io, thread};
 
 /// Requests that can wait for the connection: a few rounds of the publisher.
 const QUEUE: usize = 256;
@@ -215,6 +215,6 @@ pub(super) fn topic(message: &Publish) -> Cow<'_, str> {
 /// Writes a line to standard error, where there is one. A closed standard error must not stop MQTT.
 fn say(line: Option<String>) {
     if let Some(line) = line {
-        let _ = writeln!(io::stderr(), "{line}");
+        plain(line);
     }
 }

@@ -1,5 +1,6 @@
 //! The diagnoses of many logs as one table: CSV and page.
 
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{number, spoken, table};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
@@ -130,7 +131,7 @@ pub fn csv(rows: &[Row]) -> Result<String, csv::Error> {
 
 /// The table as a page; `all`: the number of logs.
 #[must_use]
-pub fn page(rows: &[Row], all: usize) -> String {
+pub fn page(rows: &[Row], all: usize, made: &Made) -> String {
     let bad = rows.iter().filter(|row| row.error.is_some()).count();
     let answer = format!("{} of {all} logs diagnosed, {bad} with an error", rows.len() - bad);
     let record = Record { diagrams: Vec::new() };
@@ -141,7 +142,7 @@ pub fn page(rows: &[Row], all: usize) -> String {
     if bad > 0 {
         sections.push(Section::across("errors", "Without a diagnosis", of_errors(rows)));
     }
-    Page { kind: "diagnoses", from, answer: &answer, first, sections, record: &record }.render()
+    Page { kind: "diagnoses", from, made, answer: &answer, first, sections, record: &record }.render()
 }
 
 fn of_logs(rows: &[Row]) -> Markup {
@@ -189,11 +190,12 @@ fn address(log: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Row, address, csv, page};
+    use crate::report::kit::page::made::Made;
 
     #[test]
     fn a_name_that_is_markup_or_a_scheme_stays_a_name() {
         let row = Row::of("javascript:<b>&.csv", r#"{"verdict":"no_gap"}"#);
-        let page = page(std::slice::from_ref(&row), 1);
+        let page = page(std::slice::from_ref(&row), 1, &Made::default());
         assert!(!page.contains("<b>") && page.contains("href=\"./javascript%3A%3Cb%3E%26.csv.html\""));
         assert_eq!(address("a/b c.mcap"), "./a/b%20c.mcap.html");
     }

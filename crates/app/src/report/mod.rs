@@ -1,5 +1,6 @@
 //! Output for people, by subject: words, documents, pictures and pages. Their common parts are in [`kit`].
 
+pub mod compare;
 pub mod design;
 pub mod diagnosis;
 pub mod each;

@@ -34,6 +34,20 @@ impl Law {
             plane: plant.plane,
         }
     }
+
+    /// From setpoint to control value, around `plant`.
+    #[must_use]
+    pub fn control(&self, plant: &Transfer) -> Transfer {
+        let numerator = self.setpoint.numerator.times(&plant.denominator);
+        Transfer { numerator, ..self.closed(plant) }
+    }
+
+    /// From a disturbance that adds to the control value to position, around `plant`.
+    #[must_use]
+    pub fn disturbed(&self, plant: &Transfer) -> Transfer {
+        let numerator = self.feedback.denominator.times(&plant.numerator);
+        Transfer { numerator, ..self.closed(plant) }
+    }
 }
 
 /// How much of the setpoint's changes a PID's parts see: its second degree of freedom.
@@ -166,6 +180,18 @@ mod tests {
         let law = GAINS.law(Plane::Sampled(t), Weights { setpoint: 0.6, derivative: 0.0 });
         let exact = 0.018 * (0.6 + t / (15.0 * (z - 1.0)));
         assert!(magnitude(law.setpoint.at(delta) - exact) < 1e-12);
+    }
+
+    #[test]
+    fn control_value_and_disturbance_close_the_loop_as_its_equations_do() {
+        let plant = crate::design::Linear::three_poles(827.2, 3.896, 3.896).continuous();
+        let law = GAINS.law(Plane::Continuous, Weights::MEASUREMENT);
+        let s = Complex::new(0.1, 1.7);
+        let (p, c) = (plant.at(s), law.feedback.at(s));
+        let control = law.setpoint.at(s) / (1.0 + c * p);
+        assert!(magnitude(law.control(&plant).at(s) - control) < 1e-9 * magnitude(control));
+        let moved = p / (1.0 + c * p);
+        assert!(magnitude(law.disturbed(&plant).at(s) - moved) < 1e-9 * magnitude(moved));
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! The answer: verdict, location of the gap, and data for the plots of a report.
 
+pub(crate) mod change;
 pub(crate) mod closed_loop;
 pub(crate) mod diagnosis;
 pub(crate) mod document;
+pub(crate) mod effect_curves;
 pub(crate) mod evidence;
 pub(crate) mod formula;
 pub(crate) mod formula_curves;

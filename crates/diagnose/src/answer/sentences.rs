@@ -5,6 +5,7 @@ use crate::answer::document::Interval;
 use crate::answer::ladder::Rest;
 use crate::answer::verdict::Verdict;
 use crate::residual::misfit::Misfit;
+use crate::residual::score_test::Omitted;
 use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::AIR_RATIO;
 use plant::{Effects, Stage};
@@ -14,7 +15,7 @@ const MOST_TERMS: usize = 3;
 /// Explanation of the letters in terms.
 const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
 /// A headline does not assert an effect that is less probable.
-const LIKELIER_THAN_NOT: f64 = 0.5;
+pub(crate) const LIKELIER_THAN_NOT: f64 = 0.5;
 
 impl Diagnosis {
     /// The verdict in one sentence, without a full stop.
@@ -72,6 +73,41 @@ impl Diagnosis {
         };
         Some(self.form_in_words().map_or_else(|| format!("what is left is {size}"), |form| format!("{form}; {size}")))
     }
+
+    /// What of the residual is reported: terms, then events, each the most significant first; none where the residual is
+    /// not significant.
+    #[must_use]
+    pub fn residual_terms(&self) -> Vec<&Omitted> {
+        let misfit = &self.misfit;
+        if self.verdict == Verdict::InsufficientData || !self.rest.is_significant {
+            return Vec::new();
+        }
+        let terms = misfit.omitted_terms.iter().filter(|_| misfit.omitted_is_reported()).take(MOST_TERMS);
+        terms.chain(misfit.event_terms.iter().filter(|_| misfit.events_are_reported()).take(MOST_TERMS)).collect()
+    }
+
+    /// What is left without its terms: how much, and whether it is noise of the air; `None` where it is not significant.
+    #[must_use]
+    pub fn residual_size_in_words(&self) -> Option<String> {
+        if self.verdict == Verdict::InsufficientData || !self.rest.is_significant {
+            return None;
+        }
+        let size = match self.rest {
+            Rest { matters: false, .. } => "something is left, too little to matter for a forecast of 1 s".to_owned(),
+            Rest { share: Some(share), .. } => format!("{:.0} % of what the refit leaves has no name", 100.0 * share),
+            Rest { share: None, .. } => "something is left".to_owned(),
+        };
+        let misfit = &self.misfit;
+        let without =
+            misfit.rejected_effect.map(|name| format!("{name} explains less than its terms, and is left out"));
+        let air = (misfit.air_ratio > AIR_RATIO)
+            .then(|| format!("the noise of the air is {:.1} times as strong as believed", misfit.air_ratio));
+        let acts = stage_in_words(misfit).map(|acts| acts.trim_start_matches("; ").to_owned());
+        Some([Some(size), acts, without, air].into_iter().flatten().collect::<Vec<_>>().join("; "))
+    }
+
+    /// The letters in the forms of [`Self::residual_terms`].
+    pub const RESIDUAL_LETTERS: &'static str = LETTERS;
 
     /// The form of the residual; `None` if it has no clear form.
     fn form_in_words(&self) -> Option<String> {

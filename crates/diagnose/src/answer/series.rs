@@ -3,6 +3,7 @@
 //! As in the errors of the report, the free runs of the mended model use the fit without the fold in which they start.
 
 use crate::answer::diagnosis::Diagnosis;
+use crate::answer::effect_curves::{EffectCurve, effect_curves};
 use crate::filter::missing_force::{MissingForce, missing_force};
 use crate::fit::estimate::Problem;
 use crate::fit::parameter::Prior;
@@ -28,6 +29,8 @@ pub struct Series {
     pub missing: Vec<MissingForce>,
     /// Residual plots of the refitted belief and of the mended model.
     pub left: [ResidualPlots; 2],
+    /// The found effects over the signals that they depend on.
+    pub effects: Vec<EffectCurve>,
 }
 
 impl Series {
@@ -53,7 +56,8 @@ impl Series {
         }
         let missing = missing_force(&lacking, &recording);
         let left = [&found.refitted, &found.mended].map(|fit| ResidualPlots::of(&fit.model, &recording, &folds));
-        Self { recording, nominal, mended, missing, left }
+        let effects = effect_curves(found, &problem);
+        Self { recording, nominal, mended, missing, left, effects }
     }
 }
 

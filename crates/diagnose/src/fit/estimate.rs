@@ -43,6 +43,8 @@ const SHORTEST: usize = 14;
 
 /// Most steps with the derivatives of an earlier point.
 const CHORDS: usize = 3;
+/// Step of the numerical derivative of a number of the model by a parameter, in the scale of the parameter.
+const SLIGHTLY: f64 = 1e-3;
 
 /// A model fitted to a recording.
 #[derive(Clone, Debug)]
@@ -86,6 +88,19 @@ impl Fit {
     pub fn deviations(&self) -> Vec<f64> {
         let deviation = |variance: &f64| if *variance > 0.0 { variance.sqrt() } else { f64::INFINITY };
         self.covariance().diagonal().iter().map(deviation).collect()
+    }
+
+    /// Standard deviation of a number of the model, from the covariance of the fitted parameters. What the record does not
+    /// determine is left out.
+    #[must_use]
+    pub fn deviation_of(&self, number: impl Fn(&Model) -> f64) -> f64 {
+        let covariance = self.covariance().map(|entry| if entry.is_finite() { entry } else { 0.0 });
+        let slope = self.parameters.iter().map(|parameter| {
+            let by = |step: f64| number(&parameter.stepped(&self.model, step));
+            (by(SLIGHTLY) - by(-SLIGHTLY)) / (2.0 * SLIGHTLY)
+        });
+        let slope = DVector::from_iterator(self.parameters.len(), slope);
+        slope.dot(&(&covariance * &slope)).max(0.0).sqrt()
     }
 
     /// Covariance of the fitted parameters in their own scale; a variance is infinite where the record does not

@@ -131,6 +131,28 @@ impl GreyBox {
     }
 }
 
+impl GreyBox {
+    /// The correlations of the estimates, each pair once, by their keys.
+    #[must_use]
+    pub fn correlations(&self) -> Vec<(&'static str, &'static str, f64)> {
+        let covariance = self.fit.covariance();
+        let keyed = self.fit.parameters.iter().enumerate().filter_map(|(at, one)| Some((at, key(*one)?)));
+        let keyed: Vec<(usize, &'static str)> = keyed.collect();
+        let pairs = keyed.iter().enumerate().flat_map(|(k, a)| keyed[k + 1..].iter().map(move |b| (a, b)));
+        let of = |((i, a), (j, b)): (&(usize, &'static str), &(usize, &'static str))| {
+            let value = covariance[(*i, *j)] / (covariance[(*i, *i)] * covariance[(*j, *j)]).sqrt();
+            value.is_finite().then_some((*a, *b, value))
+        };
+        pairs.filter_map(of).collect()
+    }
+
+    /// Half of the 90 % interval of a number of the plant.
+    #[must_use]
+    pub fn reach(&self, number: impl Fn(&Model) -> f64) -> f64 {
+        OF_90_PERCENT * self.fit.deviation_of(number)
+    }
+}
+
 /// The plant of fewer poles, unless another forecasts the held-out part significantly better. `None`: there is no
 /// plant.
 #[must_use]

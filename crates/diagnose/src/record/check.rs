@@ -12,15 +12,17 @@ use crate::thresholds::OTHER_RIG;
 use plant::Model;
 
 /// A time between rows that is this many times longer than usual is a gap.
-const GAP: f64 = 3.0;
+pub(super) const GAP: f64 = 3.0;
 /// A reading this many robust deviations away from its neighbours is an outlier: noise gives one in 10⁸.
 pub(crate) const OUTLIER: f64 = 6.0;
 /// More exact repeats in a row than this, of a position that otherwise moves, show a sensor that refreshes slowly.
 const REPEATS: usize = 3;
+/// Repeats are a finding from this share of all readings on, percent.
+pub(super) const REPEATED_PERCENT: f64 = 20.0;
 /// The codes by which a VL53L0X reports that it has no target.
 const NO_TARGET_MM: [f64; 2] = [8190.0, 8191.0];
 /// A duty whose range is smaller than this, percent, excites nothing: four steps of a 12-bit chip.
-const STILL_PERCENT: f64 = 0.1;
+pub(super) const STILL_PERCENT: f64 = 0.1;
 
 /// A hover duty above this, percent, is out of reach of duties that are recorded as fractions.
 const FRACTION_OF_HOVER: f64 = 2.0;
@@ -29,7 +31,7 @@ const ELSEWHERE: f64 = 0.1;
 /// Rows further apart than this, the longest forecast horizon, seconds, are too slow.
 pub(crate) const SLOWEST_S: f64 = 1.0;
 /// With more rows than this at the time of the row before, percent, speeds cannot be told from the record.
-const COARSE_CLOCK_PERCENT: f64 = 20.0;
+pub(super) const COARSE_CLOCK_PERCENT: f64 = 20.0;
 
 /// The findings about `recording`, which is one flight, to know before it is compared with `model`.
 #[must_use]
@@ -118,7 +120,7 @@ fn outliers(readings: &[f64], model: &Model) -> Option<Finding> {
 fn repeats(readings: &[f64]) -> Option<Finding> {
     let runs = || readings.chunk_by(|a, b| a == b).map(<[f64]>::len).filter(|run| *run > REPEATS);
     let percent = 100.0 * runs().sum::<usize>() as f64 / readings.len() as f64;
-    (percent > 20.0).then(|| Finding::Repeats { percent, longest: runs().max().unwrap_or_default() })
+    (percent > REPEATED_PERCENT).then(|| Finding::Repeats { percent, longest: runs().max().unwrap_or_default() })
 }
 
 /// Whether findings make a diagnosis impossible: nothing moves, or the record and the belief are not of one rig.

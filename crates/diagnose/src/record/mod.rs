@@ -2,6 +2,7 @@
 
 pub(crate) mod airborne;
 pub(crate) mod check;
+pub(crate) mod checks;
 pub(crate) mod commanded;
 pub(crate) mod decimate;
 mod error;

@@ -8,7 +8,7 @@
 use super::gains::above_zero;
 use super::{NAME, write};
 use crate::cli::CriticalGainArgs;
-use crate::commands::{announce, may_write, say};
+use crate::commands::{announce, may_write, say, typed};
 use crate::config::Config;
 use crate::report::design::critical_gain::{RIG, Row, Table};
 use crate::report::design::page::critical::{self, Report};
@@ -39,7 +39,7 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     if let Some(path) = &args.html {
         let config = args.config.display().to_string();
         let patch = patch.as_ref().map(|patch| (config.as_str(), patch.as_str()));
-        page::write(path, &critical::page(&Report { found: &table, gaps: &gaps, patch }))?;
+        page::write(path, &critical::page(&Report { made: &typed(), found: &table, gaps: &gaps, patch }))?;
     }
     if args.json {
         say(serde_json::to_string(&table)?)?;

@@ -6,7 +6,7 @@ mod observer;
 mod patch;
 
 use super::about::asked;
-use super::{announce, may_write, note, say, write};
+use super::{announce, may_write, note, say, typed, write};
 use crate::analysis::loop_margins::{Closing, Loop};
 use crate::cli::{AboutArgs, DesignArgs, DesignCommand};
 use crate::config::Config;
@@ -78,6 +78,27 @@ impl Ground {
         AtDuty::over(&self.model, height_mm, &duties)
     }
 
+    /// The loop of the config's own PID; `None`: it has none, or it is the designed one.
+    fn before(&self, designed: &Loop) -> Result<Option<Document>> {
+        let Some(pid) = self.config.tables.controller.as_ref().and_then(|table| table.pid.as_ref()) else {
+            return Ok(None);
+        };
+        let own = Loop { closing: Closing::Pid(pid.into(), pid.into()), ..*designed };
+        if own.closing == designed.closing {
+            return Ok(None);
+        }
+        Ok(Some(Document::of(&own, None, None, Vec::new())?))
+    }
+
+    /// The smaller distance of hover from the limits of the duty, percent; `None` behind a predistortion, whose control
+    /// value is no duty.
+    fn room(&self) -> Option<f64> {
+        let is_duty = self.config.tables.compensation.as_ref().is_none_or(|table| table.predistortion.is_none());
+        let safety = self.config.tables.safety.as_ref().filter(|_| is_duty)?;
+        let hover = self.model.hover_duty_percent;
+        Some((safety.duty_max_percent - hover).min(hover - safety.duty_min_percent))
+    }
+
     /// Assesses the controller, writes the requested files and prints the result.
     fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
         let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
@@ -91,8 +112,18 @@ impl Ground {
         }
         if let Some(path) = &args.html {
             let (config, not_linear) = (args.config.config.display().to_string(), self.model.not_linear());
-            let report =
-                Report { config: &config, document: &document, of: &of, patch: &patch()?, not_linear: &not_linear };
+            let before = self.before(&of)?;
+            let made = typed().of_model(&self.model);
+            let report = Report {
+                made: &made,
+                config: &config,
+                document: &document,
+                of: &of,
+                patch: &patch()?,
+                not_linear: &not_linear,
+                before: before.as_ref(),
+                room: self.room(),
+            };
             page::write(path, &html(&report)?)?;
         }
         if args.json {

@@ -2,7 +2,7 @@
 
 use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
-use crate::commands::{Usage, announce, may_write, say};
+use crate::commands::{Usage, announce, may_write, say, typed};
 use crate::config::Config;
 use crate::report::design::observer::Document;
 use crate::report::design::page::observer::{self, Report};
@@ -121,7 +121,9 @@ pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
     }
     if let Some(path) = &args.html {
         let config = args.config.config.display().to_string();
-        page::write(path, &observer::page(&Report { config: &config, document: &document, patch: &patch }))?;
+        let made = typed();
+        let report = Report { made: &made, config: &config, document: &document, patch: &patch };
+        page::write(path, &observer::page(&report))?;
     }
     if args.json {
         say(serde_json::to_string(&document)?)?

@@ -52,6 +52,7 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
         page::write(
             path,
             &html(&Report {
+                made: &asked.made(),
                 logs: &asked.names,
                 config: &config(&args.identify),
                 belief: &asked.belief,
@@ -70,7 +71,7 @@ pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
     }
     let lines =
         words::lines(used, &found, best).into_iter().chain(about.map(|about| format!("about     {}", about.words())));
-    let lines = lines.collect();
+    let lines = lines.map(|line| asked.words.of(&line)).collect();
     conclude(&args.identify, &Document::of(&found, best, args.open_loop, about), lines)
 }
 

@@ -3,6 +3,7 @@
 use super::{NAME, conclude, config, has_one_lag, may_write, write_patch};
 use crate::analysis::loop_margins::{Closing, Loop};
 use crate::cli::ThirdPoleArgs;
+use crate::commands::typed;
 use crate::config::Config;
 use crate::report::design::plot;
 use crate::report::identify::page::third_pole::{Report, page as html};
@@ -48,7 +49,8 @@ pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
     }
     if let Some(path) = &args.identify.html {
         let config = config(&args.identify);
-        let report = Report { config: &config, found: &document, half: &half, patch: &patch };
+        let made = typed().of_model(model);
+        let report = Report { made: &made, config: &config, found: &document, half: &half, patch: &patch };
         page::write(path, &html(&report)?)?;
     }
     conclude(&args.identify, &document, lines(&document))

@@ -29,6 +29,7 @@ pub(super) fn transient(args: &TransientArgs) -> Result<()> {
         page::write(
             path,
             &html(&Report {
+                made: &asked.made(),
                 logs: &asked.names,
                 config: &config(&args.identify),
                 belief: &asked.belief,

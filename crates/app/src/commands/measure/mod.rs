@@ -6,7 +6,7 @@ mod patch;
 use super::flying::{Own, Plan, plan};
 use super::run::in_real_time;
 use super::simulate::in_virtual_time;
-use super::{Usage, announce, fail, may_write, say, warn, write};
+use super::{Usage, announce, fail, may_write, say, typed, warn, write};
 use crate::analysis::measurement::Found;
 use crate::cli::{MeasureArgs, Measurement};
 use crate::config::Config;
@@ -104,6 +104,7 @@ fn page(
     };
     let what = args.what.to_possible_value();
     html(&Report {
+        made: &typed().with_log(None, &log.about),
         what: what.as_ref().map_or("", PossibleValue::get_name),
         log: &path.display().to_string(),
         config: &args.flight.config.config.display().to_string(),

@@ -44,6 +44,8 @@ pub struct Diagrams {
     pub step: Diagram,
     /// Magnitude and phase of the open loop, with rings at the margins.
     pub bode: [Diagram; 2],
+    /// Control value at a step of the setpoint of 1 mm, and position at a step of the disturbance of 1 unit of it.
+    pub effort: [Diagram; 2],
     /// Root loci: in s and, where the period is known, in z.
     pub loci: Vec<Diagram>,
 }
@@ -56,7 +58,7 @@ impl Diagrams {
     pub fn of(of: &Loop) -> Result<Self, PlotError> {
         let forms = forms(of).map_err(failed)?;
         let (step, bode) = (of_step(&forms), [of_bode(&forms, true), of_bode(&forms, false)]);
-        Ok(Self { step, bode, loci: forms.iter().map(locus).collect() })
+        Ok(Self { step, bode, effort: effort(&forms), loci: forms.iter().map(locus).collect() })
     }
 }
 
@@ -65,7 +67,7 @@ impl Diagrams {
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn draw(path: &Path, of: &Loop) -> Result<(), PlotError> {
-    let Diagrams { step, bode: [magnitude, phase], loci } = Diagrams::of(of)?;
+    let Diagrams { step, bode: [magnitude, phase], loci, .. } = Diagrams::of(of)?;
     let svg = drawn(SIZE, |area| {
         let (width, _) = area.dim_in_pixel();
         let (left, right) = area.split_horizontally(width / 2);
@@ -114,6 +116,32 @@ fn step_lines(forms: &[Form]) -> Vec<Line> {
     let mut lines: Vec<Line> = forms.iter().zip(&closed).map(|(form, closed)| form.line(points(closed))).collect();
     lines.push(Line { label: "setpoint", colour: SETPOINT, points: vec![(0.0, 1.0), (end_s, 1.0)] });
     lines
+}
+
+/// The control value that a step of the setpoint takes, and what a disturbance does to the position.
+fn effort(forms: &[Form]) -> [Diagram; 2] {
+    let over = |ordinate: &'static str, of: fn(&Form) -> Transfer| {
+        let settled_s = forms.iter().filter_map(|form| step::figures(&form.law.closed(&form.plant)));
+        let end_s = settled_s.map(|figures| 2.0 * figures.settling_s).fold(1.0, f64::max);
+        let points = |form: &Form| {
+            step::response(&of(form))
+                .map_or_else(Vec::new, |response| response.take_while(|(time_s, _)| *time_s < end_s).collect())
+        };
+        let lines = forms.iter().map(|form| form.line(points(form))).collect();
+        Diagram { abscissa: "time, s", ordinate, lines, base: Some(0.0), ..Diagram::default() }
+    };
+    [
+        over("control value per mm of the step", |form| form.law.control(&form.plant)),
+        over("mm per unit of the disturbance", |form| form.law.disturbed(&form.plant)),
+    ]
+}
+
+/// The largest control value that a step of the setpoint of 1 mm takes; `None`: the loop is not stable.
+#[must_use]
+pub fn largest_control_per_mm(of: &Loop) -> Option<f64> {
+    let forms = forms(of).ok()?;
+    let last = forms.last()?;
+    Some(step::response(&last.law.control(&last.plant))?.map(|(_, value)| value.abs()).fold(0.0, f64::max))
 }
 
 /// Magnitude or phase of the open loop, with rings at the margins.
@@ -177,7 +205,7 @@ fn degrees(form: &Form) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Loop, degrees, forms, interpolated, step_lines};
+    use super::{Loop, degrees, effort, forms, interpolated, largest_control_per_mm, step_lines};
     use crate::analysis::loop_margins::Closing;
     use control::design::Linear;
     use control::design::law::{Gains, Weights};
@@ -197,6 +225,20 @@ mod tests {
         for (time_s, value) in &ends {
             assert!(*time_s == ends[0].0 && (value - 1.0).abs() < 0.05, "{ends:?}");
         }
+    }
+
+    #[test]
+    fn the_first_control_value_of_a_step_is_the_proportional_part() {
+        let (of, kp) = (thesis(0.018), 0.018);
+        let [control, disturbed] = effort(&forms(&of).unwrap());
+        for line in &control.lines {
+            assert!((line.points[0].1 - kp).abs() < 0.05 * kp, "{:?}", line.points[0]);
+        }
+        assert!((largest_control_per_mm(&of).unwrap() - kp).abs() < 0.05 * kp);
+        // The integral takes a constant disturbance away.
+        let last = disturbed.lines[1].points.last().unwrap().1;
+        let most = disturbed.lines[1].points.iter().map(|point| point.1).fold(0.0, f64::max);
+        assert!(most > 0.0 && last < most, "{last} of {most}");
     }
 
     #[test]

@@ -8,9 +8,34 @@
 //! The duty of a log is the one that the fan received, compensation included: a dead zone found in it is the whole dead
 //! zone, not the rest that a correction left.
 
+use crate::config::words::Words;
 use control::compensation::{Compensation, DeadZoneCorrection};
 use plant::effects::DeadZone;
 use plant::{Effect, Entry, Model};
+
+/// Corrections on a rig that is no ball in a pipe, of the effects whose entry speaks of pipe, ball or fan.
+const ELSEWHERE: [(&str, &str); 11] = [
+    ("fan_lag", "a faster actuator or amplifier; more derivative action or less gain in the controller"),
+    (
+        "height_dependent_flow",
+        "find the spring, slope or cable that pulls to one position; an integral term in the controller",
+    ),
+    ("hysteresis", "remove the play between actuator and load; dither wider than the hysteresis"),
+    (
+        "quadratic_drag",
+        "none, it is the drag of the medium. Put it into the simulator, or limit the speed of the setpoint",
+    ),
+    (
+        "relative_airflow",
+        "none, it is physics. Put it into the simulator, or schedule the derivative gain over the input",
+    ),
+    ("sensor_delay", "read right after the measurement is ready; a predictor for the delay"),
+    ("sensor_lag", "less averaging in the sensor; a Kalman filter with the lag in its model"),
+    ("sensor_noise", "more averaging in the sensor, shielded cables; a slower filter in the controller"),
+    ("sensor_outliers", "shield sensor and cable; reject implausible readings (gate of the observer)"),
+    ("spin_asymmetry", "an amplifier that drives and brakes alike; a lower gain for one direction"),
+    ("wall_friction", "clean, align and lubricate guides and bearings; dither the input"),
+];
 
 /// An edge of the correction within this distance of the mended one is right, percent of duty: three steps of a 12-bit
 /// chip.
@@ -18,15 +43,45 @@ const RIGHT_PERCENT: f64 = 0.07;
 
 /// The correction of the effect of `entry`, which `mended` has. `compensation`: the one of the recorded flight.
 #[must_use]
-pub fn words(entry: &Entry, mended: &Model, compensation: Option<&Compensation>) -> String {
-    let zone = mended.effects.get::<DeadZone>().filter(|_| entry.name == DeadZone::ENTRY.name);
-    let Some((compensation, zone)) = compensation.zip(zone) else { return entry.mend.to_owned() };
+pub fn words(entry: &Entry, mended: &Model, compensation: Option<&Compensation>, rig: &Words) -> String {
+    let Some((compensation, should)) = needed(entry, mended, compensation) else {
+        let elsewhere = ELSEWHERE.iter().find(|(name, _)| *name == entry.name && !rig.is_ball_pipe());
+        return elsewhere.map_or(entry.mend, |(_, mend)| mend).to_owned();
+    };
+    compensation.dead_zone.map_or_else(|| first_correction(should), |is| correction(is, should))
+}
+
+/// The same as a config patch, where the rig's compensation is known and not right already.
+#[must_use]
+pub fn patch(entry: &Entry, mended: &Model, compensation: Option<&Compensation>) -> Option<String> {
+    let (compensation, should) = needed(entry, mended, compensation)?;
+    let DeadZoneCorrection { lower_percent, upper_percent } = should;
+    let is_needed = compensation.dead_zone.is_none_or(|is| is_off(is, should));
+    is_needed.then(|| {
+        format!("[compensation.dead_zone]\nlower_percent = {lower_percent:.2}\nupper_percent = {upper_percent:.2}\n")
+    })
+}
+
+/// The compensation in flight, and the correction of the dead zone that it should have.
+fn needed<'a>(
+    entry: &Entry,
+    mended: &Model,
+    compensation: Option<&'a Compensation>,
+) -> Option<(&'a Compensation, DeadZoneCorrection)> {
+    let zone = mended.effects.get::<DeadZone>().filter(|_| entry.name == DeadZone::ENTRY.name)?;
+    let compensation = compensation?;
     let shift = mended.hover_duty_percent - compensation.hover_duty_percent;
     let should = DeadZoneCorrection {
         lower_percent: (zone.lower_percent + shift).clamp(-20.0, 0.0),
         upper_percent: (zone.upper_percent + shift).clamp(0.0, 20.0),
     };
-    compensation.dead_zone.map_or_else(|| first_correction(should), |is| correction(is, should))
+    Some((compensation, should))
+}
+
+/// Whether an edge is not where it should be.
+fn is_off(is: DeadZoneCorrection, should: DeadZoneCorrection) -> bool {
+    let off = |is: f64, should: f64| (is - should).abs() > RIGHT_PERCENT;
+    off(is.lower_percent, should.lower_percent) || off(is.upper_percent, should.upper_percent)
 }
 
 fn first_correction(should: DeadZoneCorrection) -> String {
@@ -38,9 +93,8 @@ fn first_correction(should: DeadZoneCorrection) -> String {
 }
 
 fn correction(is: DeadZoneCorrection, should: DeadZoneCorrection) -> String {
-    let off = |is: f64, should: f64| (is - should).abs() > RIGHT_PERCENT;
     let (lower, upper) = (is.lower_percent, is.upper_percent);
-    if !off(lower, should.lower_percent) && !off(upper, should.upper_percent) {
+    if !is_off(is, should) {
         return format!(
             "[compensation.dead_zone] was on and corrects it already ({lower:.2} to {upper:.2} %): only the simulator lacks it"
         );
@@ -53,8 +107,9 @@ fn correction(is: DeadZoneCorrection, should: DeadZoneCorrection) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::words;
+    use super::{ELSEWHERE, patch, words};
     use crate::analysis::closed_loop::tests::project;
+    use crate::config::words::Words;
     use control::compensation::{Compensation, DeadZoneCorrection};
     use plant::Effects;
 
@@ -64,7 +119,7 @@ mod tests {
         mended.effects.set("dead_zone", &[-0.3, 0.3]);
         let zone = |(lower_percent, upper_percent)| DeadZoneCorrection { lower_percent, upper_percent };
         let compensation = Compensation { dead_zone: correction.map(zone), ..Compensation::bare(21.4) };
-        words(Effects::built_in("dead_zone").unwrap(), &mended, Some(&compensation))
+        words(Effects::built_in("dead_zone").unwrap(), &mended, Some(&compensation), &Words::default())
     }
 
     #[test]
@@ -77,9 +132,27 @@ mod tests {
     }
 
     #[test]
+    fn a_correction_can_be_copied_unless_it_is_right_already() {
+        let mut mended = project().plant.unwrap();
+        mended.hover_duty_percent = 21.5;
+        mended.effects.set("dead_zone", &[-0.3, 0.3]);
+        let zone = Effects::built_in("dead_zone").unwrap();
+        let bare = Compensation::bare(21.4);
+        let block = patch(zone, &mended, Some(&bare)).unwrap();
+        assert_eq!(block, "[compensation.dead_zone]\nlower_percent = -0.20\nupper_percent = 0.40\n");
+        let right = DeadZoneCorrection { lower_percent: -0.2, upper_percent: 0.4 };
+        assert_eq!(patch(zone, &mended, Some(&Compensation { dead_zone: Some(right), ..bare })), None);
+        assert_eq!(patch(Effects::built_in("fan_lag").unwrap(), &mended, Some(&Compensation::bare(21.4))), None);
+    }
+
+    #[test]
     fn other_effects_are_mended_as_the_catalogue_says() {
         let mended = project().plant.unwrap();
         let lag = Effects::built_in("fan_lag").unwrap();
-        assert_eq!(words(lag, &mended, project().compensation.as_ref()), lag.mend);
+        assert_eq!(words(lag, &mended, project().compensation.as_ref(), &Words::default()), lag.mend);
+        // A rig with words of its own has no fan.
+        let cart = Words { position: Some("angle".into()), ..Words::default() };
+        assert!(!words(lag, &mended, None, &cart).contains("fan"));
+        assert!(ELSEWHERE.iter().all(|(name, _)| Effects::built_in(name).is_some()));
     }
 }

@@ -2,6 +2,7 @@
 //! `diagnose`.
 
 pub mod closed_loop;
+pub mod effect_plot;
 mod ladder;
 pub mod logs;
 pub mod mend;
@@ -9,4 +10,5 @@ pub mod missing_force;
 pub mod next;
 pub mod page;
 pub mod plot;
+pub mod timeline;
 pub mod words;

@@ -5,6 +5,7 @@
 //! each. The places where the belief is significantly wrong are shaded; that significance comes from the innovations,
 //! never from this force.
 
+use crate::config::words::Words;
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, titled, write};
 use diagnose::{Diagnosis, FormulaCurve, MissingForce, Place, Series};
@@ -32,8 +33,8 @@ const MOST_POINTS: usize = 4000;
 ///
 /// # Errors
 /// [`PlotError`] names the file.
-pub fn diagnosis(path: &Path, title: &str, picture: &Series, places: &[Place]) -> Result<(), PlotError> {
-    WHOLE.draw(path, title, picture, places)
+pub fn diagnosis(path: &Path, title: &str, picture: &Series, places: &[Place], words: &Words) -> Result<(), PlotError> {
+    write(path, &words.of_markup(&WHOLE.drawn(title, picture, places)?))
 }
 
 /// The same in a small picture without a title.
@@ -41,12 +42,12 @@ pub fn diagnosis(path: &Path, title: &str, picture: &Series, places: &[Place]) -
 /// # Errors
 /// [`PlotError`] names the file.
 pub fn small_diagnosis(path: &Path, picture: &Series, places: &[Place]) -> Result<(), PlotError> {
-    SMALL.draw(path, "", picture, places)
+    write(path, &SMALL.drawn("", picture, places)?)
 }
 
 impl Sheet {
-    fn draw(&self, path: &Path, title: &str, picture: &Series, places: &[Place]) -> Result<(), PlotError> {
-        let svg = drawn(self.size, |area| {
+    fn drawn(&self, title: &str, picture: &Series, places: &[Place]) -> Result<String, PlotError> {
+        drawn(self.size, |area| {
             let rows = self.rows.map(|end| area.dim_in_pixel().1 * end / self.size.1);
             let (upper, rest) = area.split_vertically(rows[0]);
             titled(&upper, title, &runs(picture))?;
@@ -60,8 +61,7 @@ impl Sheet {
             let thirds = lower.split_evenly((1, 3));
             let mut over = thirds.iter().zip(over_signals(&picture.missing, places));
             over.try_for_each(|(third, diagram)| panel(third, &diagram))
-        })?;
-        write(path, &svg)
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! A diagnosis in words, for a terminal.
 
 use super::{ladder, mend};
+use crate::config::words::Words;
 use control::compensation::Compensation;
 use diagnose::{Change, Closed, Diagnosis, NamedEffect, Place, Verdict};
 use std::fmt::Write;
@@ -11,16 +12,23 @@ pub const FLY_ANOTHER: &str = "Fly at least 30 s in free flight with a moving se
 /// The same where units, signs or columns are wrong.
 const MEND_FIRST: &str = "Correct units, signs or columns as said above, and diagnose it again.";
 
-/// The result in a sentence, then a line for each finding. `compensation`: the one of the recorded flight.
+/// The same as [`words_of`] for a ball pipe.
 #[must_use]
 pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
+    words_of(found, compensation, &Words::default())
+}
+
+/// The result in a sentence, then a line for each finding. `compensation`: the one of the recorded flight; `rig`: its
+/// words, which decide how an effect is corrected.
+#[must_use]
+pub fn words_of(found: &Diagnosis, compensation: Option<&Compensation>, rig: &Words) -> String {
     let mut words = format!("{}.", found.verdict_in_words());
     if found.verdict == Verdict::InsufficientData {
         let advice = if found.has_mistake() { MEND_FIRST } else { FLY_ANOTHER };
         return format!("{words} {advice}");
     }
     for named in &found.effects {
-        let _ = write!(words, "\n{}", effect(named, found, compensation));
+        let _ = write!(words, "\n{}", effect(named, found, compensation, rig));
     }
     for place in found.regions().iter().take(3) {
         let _ = write!(words, "\nwrong {} (p = {:.3})", place_in_words(place), place.p_value);
@@ -43,12 +51,12 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
 }
 
 /// The line of an effect; below it its signature and its correction, unless it is absent.
-fn effect(named: &NamedEffect, found: &Diagnosis, compensation: Option<&Compensation>) -> String {
+fn effect(named: &NamedEffect, found: &Diagnosis, compensation: Option<&Compensation>, rig: &Words) -> String {
     let (entry, line) = (named.candidate.entry, found.effect_in_words(named));
     if named.change == Change::Removed {
         return line;
     }
-    let mend = mend::words(entry, &found.mended.model, compensation);
+    let mend = mend::words(entry, &found.mended.model, compensation, rig);
     format!("{line}\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "")
 }
 

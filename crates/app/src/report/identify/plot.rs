@@ -1,13 +1,14 @@
 //! The pictures of an identification: simulations beside the record, correlations of the residuals with their band,
 //! frequency responses of the plants; or the pulses of a sweep of gains.
 
-use crate::report::kit::palette::{MENDED, NOMINAL, RECORDED, SETPOINT};
+use crate::report::kit::palette::{FORCE, MENDED, NOMINAL, RECORDED, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, write};
 use control::design::Linear;
 use control::design::polynomial::magnitude;
 use diagnose::Recording;
 use diagnose::identify::Transient;
 use diagnose::identify::{GreyBox, OfGain, Poles, ResidualTests, Sweep};
+use plant::Model;
 use plotters::style::RGBColor;
 use std::path::Path;
 
@@ -17,6 +18,7 @@ const UPPER: u32 = 420;
 /// Frequencies, powers of ten of rad/s.
 const DECADES: (f64, f64) = (-1.0, 2.0);
 const POINTS: u32 = 300;
+const BAND_POINTS: u32 = 60;
 
 /// Name and colour of a plant with this number of poles.
 pub const fn look(poles: Poles) -> (&'static str, RGBColor) {
@@ -39,7 +41,8 @@ pub fn grey_box(
 ) -> Result<(), PlotError> {
     let title = format!("{title}: simulations of what was held out, 10 s each");
     let [whiteness, input] = correlations(&best.residuals);
-    picture(path, &Diagram { title, ..simulations(recording, found) }, &[whiteness, input, plants(found)])
+    let [magnitude, _] = plants(found, best, None);
+    picture(path, &Diagram { title, ..simulations(recording, found) }, &[whiteness, input, magnitude])
 }
 
 /// Draws a sweep: the mean pulse of the lowest, the middle and the highest gain beside the loop of second order that
@@ -98,25 +101,64 @@ pub fn correlations(residuals: &ResidualTests) -> [Diagram; 2] {
     ]
 }
 
-/// The frequency responses of the plants with each number of poles.
-pub fn plants(found: &[GreyBox]) -> Diagram {
-    frequencies(found.iter().map(|one| bode(look(one.poles), one.fit.model.linear())).collect())
+/// Magnitude and phase of the plants with each number of poles, from duty to position: that of `best` with its 90 %
+/// band, and that of the belief where there is one.
+pub fn plants(found: &[GreyBox], best: &GreyBox, belief: Option<&Model>) -> [Diagram; 2] {
+    [Part::Magnitude, Part::Phase].map(|part| {
+        let others = found.iter().filter(|one| one.poles != best.poles);
+        let of = |one: &GreyBox| bode(look(one.poles), one.fit.model.linear(), part);
+        let believed = belief.map(|belief| bode(("as believed", FORCE), belief.linear(), part));
+        let lines = std::iter::once(of(best)).chain(others.map(of)).chain(believed).collect();
+        Diagram { band: band(best, part), ..frequencies(part, lines) }
+    })
 }
 
 /// The frequency response of the plant of a sweep.
 pub fn plant(found: &Sweep) -> Diagram {
-    frequencies(vec![bode(look(Poles::Two), Linear::two_poles(found.gain.value, found.drag.value))])
+    let linear = Linear::two_poles(found.gain.value, found.drag.value);
+    frequencies(Part::Magnitude, vec![bode(look(Poles::Two), linear, Part::Magnitude)])
 }
 
-fn bode((label, colour): (&'static str, RGBColor), plant: Linear) -> Line {
-    let transfer = plant.continuous();
-    let at = |k: u32| DECADES.0 + (DECADES.1 - DECADES.0) * f64::from(k) / f64::from(POINTS);
-    let decibels = |k: u32| 20.0 * magnitude(transfer.response(10.0_f64.powf(at(k)))).log10();
-    Line { label, colour, points: (0..=POINTS).map(|k| (at(k), decibels(k))).collect() }
+/// A part of a frequency response.
+#[derive(Clone, Copy, PartialEq)]
+enum Part {
+    Magnitude,
+    Phase,
 }
 
-fn frequencies(lines: Vec<Line>) -> Diagram {
-    let (abscissa, ordinate) = ("frequency, rad/s", "mm per %, dB");
+impl Part {
+    /// At a frequency, rad/s: dB, or degrees from 0 to −360.
+    fn of(self, plant: &Linear, omega: f64) -> f64 {
+        let value = plant.continuous().response(omega);
+        match self {
+            Self::Magnitude => 20.0 * magnitude(value).log10(),
+            Self::Phase => -(-value.im.atan2(value.re).to_degrees()).rem_euclid(360.0),
+        }
+    }
+}
+
+fn exponents(points: u32) -> impl Iterator<Item = f64> + Clone {
+    (0..=points).map(move |k| DECADES.0 + (DECADES.1 - DECADES.0) * f64::from(k) / f64::from(points))
+}
+
+fn bode((label, colour): (&'static str, RGBColor), plant: Linear, part: Part) -> Line {
+    Line { label, colour, points: exponents(POINTS).map(|at| (at, part.of(&plant, 10.0_f64.powf(at)))).collect() }
+}
+
+/// The outline of the 90 % band.
+fn band(best: &GreyBox, part: Part) -> Vec<(f64, f64)> {
+    let ends = |at: f64| {
+        let of = |model: &Model| part.of(&model.linear(), 10.0_f64.powf(at));
+        let (value, reach) = (of(&best.fit.model), best.reach(of));
+        [(at, value - reach), (at, value + reach)]
+    };
+    let ends: Vec<_> = exponents(BAND_POINTS).map(ends).collect();
+    ends.iter().map(|end| end[1]).chain(ends.iter().rev().map(|end| end[0])).collect()
+}
+
+fn frequencies(part: Part, lines: Vec<Line>) -> Diagram {
+    let ordinate = if part == Part::Magnitude { "mm per %, dB" } else { "phase, degrees" };
+    let abscissa = "frequency, rad/s";
     Diagram { title: "plant".into(), abscissa, ordinate, lines, decades: true, ..Diagram::default() }
 }
 

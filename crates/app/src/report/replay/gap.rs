@@ -7,6 +7,9 @@ use serde::Serialize;
 /// A model whose error is below this multiple of the noise floor is as good as noise allows.
 pub const AS_GOOD_AS_NOISE: f64 = 1.1;
 
+/// Errors whose ratio is below this are alike.
+const ALIKE: f64 = 1.02;
+
 /// The document that `replay --json` writes.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReplayDocument<'a> {
@@ -15,13 +18,16 @@ pub struct ReplayDocument<'a> {
     /// The gap.
     #[serde(flatten)]
     pub gap: &'a Gap,
+    /// The gap of the second model, where one was named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<&'a Gap>,
 }
 
 impl<'a> ReplayDocument<'a> {
     /// The document of a gap.
     #[must_use]
-    pub const fn of(gap: &'a Gap) -> Self {
-        Self { schema: "airball.replay/1", gap }
+    pub const fn of(gap: &'a Gap, against: Option<&'a Gap>) -> Self {
+        Self { schema: "airball.replay/1", gap, against }
     }
 }
 
@@ -36,6 +42,22 @@ pub fn table(gap: &Gap) -> String {
     let (error, floor) = (gap.free_run_10s_mm, gap.floor_free_run_10s_mm);
     table.add_row(["free run, 10 s".into(), mm(error), String::new(), mm(floor), ratio(error, floor)]);
     table.to_string()
+}
+
+/// Which of two models is nearer to the record 1 s ahead, in a sentence.
+#[must_use]
+pub fn nearer(gap: &Gap, against: &Gap, patch: &str) -> String {
+    match (gap.error_mm[2], against.error_mm[2]) {
+        (Some(own), Some(other)) => format!(
+            "1 s ahead the error of the model is {own:.1} mm, and {other:.1} mm with {patch}: {}.",
+            match other / own {
+                ratio if ratio < ALIKE.recip() => "the patch forecasts this record better",
+                ratio if ratio > ALIKE => "the patch forecasts this record worse",
+                _ => "both forecast this record alike",
+            }
+        ),
+        _ => "The record is too short to compare the two models.".into(),
+    }
 }
 
 /// The meaning of the table, in a sentence that ends with the next step.

@@ -18,6 +18,7 @@
 //! Sources: Engle, "Wald, likelihood ratio, and Lagrange multiplier tests in econometrics", Handbook of Econometrics 2
 //! (1984); Wilson and Hilferty, "The distribution of chi-square", Proc. Natl. Acad. Sci. 17 (1931).
 
+mod binned;
 mod bursts;
 mod conditions;
 mod moments;
@@ -26,6 +27,7 @@ mod scores;
 mod sensitivities;
 mod terms;
 
+pub(crate) use binned::{BinnedForces, Pushes};
 pub(crate) use conditions::Before;
 pub(crate) use projection::{Joint, ProjectedInnovations};
 pub(crate) use sensitivities::FilterRun;
@@ -52,6 +54,18 @@ pub struct Omitted {
     /// The stage of the signal path where it would act, if it is known.
     #[serde(skip)]
     pub stage: Option<Stage>,
+}
+
+/// The words between the kind of a term and its form.
+const DEPENDS: [&str; 2] = [" that goes with ", " that changes with "];
+
+impl Omitted {
+    /// What it is, and the form of its dependence; that is empty for an event.
+    #[must_use]
+    pub fn kind_and_form(&self) -> (&str, &str) {
+        let parts = DEPENDS.iter().find_map(|words| self.words.split_once(words));
+        parts.unwrap_or((&self.words, ""))
+    }
 }
 
 /// The terms with the largest joint score, largest first.

@@ -71,6 +71,11 @@ impl FilterRun {
         Self { fit, steps: steps.collect(), own, forms }
     }
 
+    /// The row of each reading.
+    pub(crate) fn rows(&self) -> Vec<usize> {
+        self.steps.iter().map(|step| step.innovation.row).collect()
+    }
+
     /// Scores of forces and shifts, in this order, together with the columns of the fitted parameters.
     pub(super) fn motions(&self, forces: &[Term], shifts: &[Term]) -> Scores {
         let terms = forces.len() + shifts.len();

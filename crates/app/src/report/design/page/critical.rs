@@ -2,6 +2,7 @@
 //! it.
 
 use crate::report::design::critical_gain::{RIG, Row, Table};
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy, values};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
@@ -10,6 +11,8 @@ use maud::{Markup, html};
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
     /// The critical gains.
     pub found: &'a Table,
     /// The difference between each model and the rig, in words.
@@ -35,7 +38,7 @@ pub fn page(report: &Report<'_>) -> String {
     from.extend(report.patch.map(|(config, _)| format!("model: {config}")));
     let record = Record { diagrams: Vec::new() };
     let (answer, first) = (answer(found), first(found));
-    Page { kind: "design", from, answer: &answer, first, sections, record: &record }.render()
+    Page { kind: "design", from, made: report.made, answer: &answer, first, sections, record: &record }.render()
 }
 
 fn stable(found: &Table) -> usize {

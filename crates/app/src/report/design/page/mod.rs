@@ -6,10 +6,11 @@ pub mod observer;
 
 pub use first::step_first;
 
-use super::plot::Diagrams;
+use super::plot::{Diagrams, largest_control_per_mm};
 use super::words::{Document, law, rows};
-use crate::analysis::loop_margins::{Assessment, Loop};
+use crate::analysis::loop_margins::{Assessment, Loop, Pid};
 use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, PageError, Section};
@@ -27,6 +28,8 @@ const LITTLE_PHASE_DEG: f64 = 30.0;
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
     /// The name of the config that holds the model.
     pub config: &'a str,
     /// What was designed.
@@ -35,6 +38,10 @@ pub struct Report<'a> {
     pub of: &'a Loop,
     /// The design as a patch.
     pub patch: &'a str,
+    /// The loop of the config's own controller, where the design has another.
+    pub before: Option<&'a Document>,
+    /// The smaller distance of hover from the limits of the duty, control values; `None`: the config has no limits.
+    pub room: Option<f64>,
     /// Effects of the model that the design neglects.
     pub not_linear: &'a [&'a str],
 }
@@ -48,14 +55,18 @@ pub fn page(report: &Report<'_>) -> Result<String, PageError> {
     let drawn = Diagrams::of(report.of)?;
     let is_flown = decisive(document).stable;
     let record = Record { diagrams: if is_flown { vec![drawn.step.clone()] } else { vec![] } };
+    let effort = is_flown.then(|| Section::across("control", "Control value and disturbance", effort(report, &drawn)));
     let mut sections = vec![
-        Section::across("bears", "Stability margins", bears(document)),
+        Section::across("bears", "Stability margins", bears(report)),
         Section::across("frequency", "Frequency response of the open loop", frequency(&drawn)),
         Section::across("poles", "The poles", html! { (loci(&drawn)) (poles(document)) }),
         Section::words("warnings", "Warnings", warnings(report)),
         Section::words("law", "Controller", law_to_copy(report)),
         Section::words("next", "What to do next", next(decisive(document))),
     ];
+    if let Some(effort) = effort {
+        sections.insert(1, effort);
+    }
     if is_flown {
         let zoomed = html! { (how_to_zoom()) (record.still(&[STEP])) };
         sections.push(Section::across("record", "The step, to look into", zoomed));
@@ -64,12 +75,52 @@ pub fn page(report: &Report<'_>) -> Result<String, PageError> {
     let mut from = vec![format!("model: {}", report.config)];
     from.extend(document.period_s.map(|period_s| format!("sampled every {period_s} s")));
     let (answer, first) = (answer(decisive(document)), first(document, &drawn));
-    Ok(Page { kind: "design", from, answer: &answer, first, sections, record: &record }.render())
+    Ok(Page { kind: "design", from, made: report.made, answer: &answer, first, sections, record: &record }.render())
 }
 
 const STEP: &str = "Step of the setpoint: the position as a share of the step, in continuous time and sampled";
 
-fn bears(document: &Document) -> Markup {
+/// What a step of the setpoint asks of the fan, and what a disturbance does.
+fn effort(report: &Report<'_>, drawn: &Diagrams) -> Markup {
+    let [control, disturbed] = &drawn.effort;
+    let largest = report.room.zip(largest_control_per_mm(report.of)).map(|(room, per_mm)| room / per_mm);
+    html! {
+        @if let Some(mm) = largest {
+            p { (format!("A step of the setpoint above {mm:.0} mm takes the duty to its limit; the step response holds for \
+                 smaller ones.")) }
+        }
+        div.two {
+            (figure(control, Size::HALF, "Control value over time after a step of the setpoint of 1 mm",
+                &html! { "Control value after a step of the setpoint, per millimetre of the step." }))
+            (figure(disturbed, Size::HALF, "Position over time after a step of the disturbance",
+                &html! { "Position after a constant disturbance sets in, in units of the control value." }))
+        }
+    }
+}
+
+/// The gains and figures of the config's own controller beside those of the design.
+fn compared(before: &Document, after: &Document) -> Markup {
+    let form = |[continuous, sampled]: [String; 2]| if sampled.is_empty() { continuous } else { sampled };
+    let gain = |name: &'static str, of: fn(&Pid) -> f64| {
+        let cell = |document: &Document| document.pid.as_ref().map_or_else(|| "–".into(), |pid| digits(of(pid)));
+        (html! { (name) }, vec![html! { (cell(before)) }, html! { (cell(after)) }])
+    };
+    let mut table_rows = vec![
+        gain("K_p, per mm", |pid| pid.kp_per_mm),
+        gain("T_i, s", |pid| pid.ti_s),
+        gain("T_d, s", |pid| pid.td_s),
+        gain("N", |pid| pid.derivative_n),
+    ];
+    for (name, own) in rows(after) {
+        if let Some((_, config)) = rows(before).into_iter().find(|(other, _)| *other == name) {
+            table_rows.push((html! { (name) }, [config, own].map(|one| html! { (minus(&form(one))) }).into()));
+        }
+    }
+    table("Before and after", &["figure", "config", "design"], &table_rows)
+}
+
+fn bears(report: &Report<'_>) -> Markup {
+    let document = report.document;
     let row = |(name, [continuous, sampled]): (&'static str, [String; 2])| {
         let mut cells = vec![html! { (minus(&continuous)) }];
         cells.extend(document.period_s.map(|_| html! { (minus(&sampled)) }));
@@ -79,6 +130,7 @@ fn bears(document: &Document) -> Markup {
     let heads: Vec<&str> = ["figure", "continuous"].into_iter().chain(sampled.as_deref()).collect();
     let rows: Vec<_> = rows(document).into_iter().map(row).collect();
     html! {
+        @if let Some(before) = report.before { (compared(before, document)) }
         div.two {
             (table("Margins, critical gains and step", &heads, &rows))
             (table("The plant that was designed for", &["number", "value"], &plant(document)))

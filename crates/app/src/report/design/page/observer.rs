@@ -1,6 +1,7 @@
 //! The page of an observer: the gain of each of its states on the innovation.
 
 use crate::report::design::observer::Document;
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{command, glossary, number, table, three_digits, to_copy, values};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
@@ -9,6 +10,8 @@ use maud::{Markup, html};
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
     /// The name of the config that holds the model.
     pub config: &'a str,
     /// What was designed.
@@ -35,7 +38,8 @@ pub fn page(report: &Report<'_>) -> String {
     let record = Record { diagrams: Vec::new() };
     let share = document.flown.first().copied().unwrap_or_default();
     let answer = format!("The observer believes {:.0} % of what a reading says anew", 100.0 * share);
-    Page { kind: "design", from, answer: &answer, first: first(document), sections, record: &record }.render()
+    Page { kind: "design", from, made: report.made, answer: &answer, first: first(document), sections, record: &record }
+        .render()
 }
 
 fn first(document: &Document) -> Markup {

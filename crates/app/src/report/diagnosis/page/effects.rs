@@ -62,7 +62,7 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
             dl {
                 @if named.change != Change::Removed {
                     dt { "In a log" } dd { (entry.in_a_log) }
-                    dt { "Correct it on the rig" } dd { (mend::words(entry, &report.found.mended.model, report.compensation)) }
+                    dt { "Correct it on the rig" } dd { (mend::words(entry, &report.found.mended.model, report.compensation, report.words)) }
                 }
                 dt { "Indistinguishable from" }
                 dd {
@@ -109,14 +109,15 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
     let named = |name: &str| report.found.effects.iter().find(|named| named.candidate.entry.name == name);
     let like = |name: &str| report.found.effects.iter().find(|named| named.indistinguishable_from.contains(&name));
     let mut all: Vec<(&Scored, Option<f64>)> = round.iter().zip(report.found.chances(round)).collect();
-    all.sort_by(|a, b| b.0.in_full.cmp(&a.0.in_full).then(b.0.held_out_gain.total_cmp(&a.0.held_out_gain)));
+    all.sort_by(|a, b| b.0.held_out_gain.total_cmp(&a.0.held_out_gain));
+    let (all, rejected): (Vec<_>, Vec<_>) = all.into_iter().partition(|(one, _)| one.in_full);
+    let rejected: Vec<String> = rejected.iter().map(|(one, _)| spoken(one.name)).collect();
     let rows: Vec<(Markup, Vec<Markup>)> = all
         .into_iter()
         .map(|(one, likely)| {
             let said = match (named(one.name), like(one.name)) {
                 (Some(_), _) => html! { strong { "named" } },
                 (_, Some(best)) => html! { "indistinguishable from " (spoken(best.candidate.entry.name)) },
-                _ if !one.in_full => html! { "rejected by the screening" },
                 _ => html! { "explains less" },
             };
             let chance = likely.map_or_else(|| "–".into(), chance);
@@ -125,12 +126,15 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
                 vec![
                     html! { (stage(effects, one.name)) },
                     html! { (number(Some(one.held_out_gain), 1)) },
-                    html! { (number(one.in_full.then_some(one.penalised_gain), 1)) },
+                    html! { (number(Some(one.penalised_gain), 1)) },
                     html! { (chance) },
                     said,
                 ],
             )
         })
         .collect();
-    table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows)
+    html! {
+        (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows))
+        @if !rejected.is_empty() { p { "Rejected by the screening: " (rejected.join(", ")) "." } }
+    }
 }

@@ -7,6 +7,9 @@ use crate::report::kit::page::parts::{number, table, three_digits};
 use diagnose::{ClosedLoop, Compared, Diagnosis, ParameterEntry};
 use maud::{Markup, html};
 
+/// Settling times within this share of the recorded one are alike.
+const SETTLES_ALIKE: f64 = 0.1;
+
 pub(super) fn body(report: &Report<'_>) -> Markup {
     html! {
         (forecasts(report.found))
@@ -60,7 +63,7 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
     let mut rows = Vec::new();
     if found.steps > 0 {
         rows.extend([
-            row("overshoot, % of the step".into(), found.overshoot_percent, flew, 0, "–"),
+            row("overshoot with noise, % of the step".into(), found.overshoot_percent, flew, 0, "–"),
             row("first visible peak, s".into(), found.peak_time_s, flew, 2, "none"),
             row(format!("settled to ±{} %, s", found.settling_band_percent), found.settling_s, flew, 2, "none"),
         ]);
@@ -80,8 +83,20 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
                 "the setpoint by more than half of the settling band; the overshoot includes noise."
             }
             (table("The loop as recorded and as simulated", &["figure", "recorded", "as believed", "mended"], &rows))
+            @if let Some(words) = unexplained(found.settling_s) { p { (words) } }
         }
     }
+}
+
+/// Whether the mended model settles as the record does.
+fn unexplained(settling_s: Compared) -> Option<String> {
+    let (recorded, mended) = settling_s.recorded.zip(settling_s.mended)?;
+    ((mended - recorded).abs() > SETTLES_ALIKE * recorded).then(|| {
+        format!(
+            "The record settles in {recorded:.2} s and the mended model in {mended:.2} s: the correction does not \
+             explain this difference."
+        )
+    })
 }
 
 fn numbers(report: &Report<'_>) -> Markup {

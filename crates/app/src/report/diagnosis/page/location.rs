@@ -1,21 +1,26 @@
 //! Where simulator and rig differ: by place, by frequency, and by the time since the duty.
 
 use super::Report;
+use crate::report::diagnosis::effect_plot;
 use crate::report::diagnosis::plot::{formula, over_signals, over_time};
 use crate::report::kit::page::figure::{Size, figure};
-use crate::report::kit::page::parts::{capital, number, signal, three_digits};
+use crate::report::kit::page::parts::{capital, number, signal, table, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
 use diagnose::thresholds::SIGNIFICANT;
-use diagnose::{MissingForce, Place, ResidualPlots, Verdict};
+use diagnose::{Band, Diagnosis, EffectCurve, MissingForce, Omitted, Place, ResidualPlots, Verdict};
 use maud::{Markup, html};
+use plant::Stage;
 
+/// Largest number of places in words.
+const MOST_PLACES: usize = 4;
 /// A correlation with the duty is mentioned if it is this many times the bound that 19 of 20 lags of white noise keep.
 const STANDS_OUT: f64 = 1.8;
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
     let (picture, places) = (report.picture, report.found.regions());
     html! {
+        div.two { (named(&picture.effects)) div { (in_words(&places)) (nothing_by_time(report)) (residual(report.found)) } }
         @if !places.is_empty() {
             p {
                 "Residual force of the model with refitted parameters. Shaded: significant forecast errors (5 % over \
@@ -24,8 +29,6 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
                  is right."
             }
         }
-        (in_words(&places))
-        @if let Some(shape) = report.found.residual_in_words() { p { (shape) "." } }
         @if let Some(formula) = report.found.formula_in_words() { p { (capital(&formula)) "." } }
         @for (words, diagram) in formula(report.found, &picture.missing) {
             @let (name, _) = diagram.abscissa.split_once(", ").unwrap_or((diagram.abscissa, ""));
@@ -43,9 +46,76 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
                  deviation",
                 &html! { "Residual force over time." (flat(&picture.missing)) }))
         }
-        h3 { "By frequency, and by time after a change of the duty" }
-        div.two { (frequency(report)) (lag(&picture.left, &places)) }
+        (by_time(report, &places))
     }
+}
+
+/// What no effect explains: how much it is, and its terms.
+fn residual(found: &Diagnosis) -> Markup {
+    let terms = found.residual_terms();
+    let row = |term: &&Omitted| {
+        let (kind, form) = term.kind_and_form();
+        let form = if form.is_empty() { "–" } else { form };
+        let stage = term.stage.map_or("–", Stage::name);
+        let cells = vec![html! { (form) }, html! { (stage) }, html! { (number(Some(term.z), 1)) }];
+        (html! { (kind) }, cells)
+    };
+    let rows: Vec<_> = terms.iter().map(row).collect();
+    html! {
+        @if let Some(size) = found.residual_size_in_words() { p { (capital(&size)) "." } }
+        @if !rows.is_empty() {
+            (table("What is left has the form of", &["kind", "goes with", "stage", "z"], &rows))
+            p.legend { "z: standard deviations from nothing. " (Diagnosis::RESIDUAL_LETTERS) "." }
+        }
+    }
+}
+
+/// The effects that were found, each over the signal that it depends on.
+fn named(effects: &[EffectCurve]) -> Markup {
+    html! {
+        @for curve in effects {
+            @let words = effect_plot::words(curve);
+            (figure(&effect_plot::diagram(curve), Size::HALF, &words, &html! { (words) "." }))
+        }
+    }
+}
+
+/// Frequencies and delays, of those only what is significant.
+fn by_time(report: &Report<'_>, places: &[Place]) -> Markup {
+    let left = &report.picture.left;
+    let (by_frequency, by_lag) =
+        (significant_band(report).is_some(), left.iter().any(|left| outstanding(left).is_some()));
+    html! {
+        @if by_frequency || by_lag {
+            h3 { "By frequency, and by time after a change of the duty" }
+            div.two {
+                @if by_frequency { (frequency(report)) }
+                @if by_lag { (lag(left, places)) }
+            }
+        }
+    }
+}
+
+/// What of the misfit by frequency and by lag is not significant, and so has no chart.
+fn nothing_by_time(report: &Report<'_>) -> Markup {
+    html! {
+        @if significant_band(report).is_none() { p { "No frequency band has significantly more misfit than noise." } }
+        @if report.picture.left.iter().all(|left| outstanding(left).is_none()) {
+            p { "The misfit is not correlated with earlier duty at any lag." }
+        }
+    }
+}
+
+/// The band with most of the misfit, where that is more than chance.
+fn significant_band(report: &Report<'_>) -> Option<Band> {
+    let band = report.found.band.filter(|_| report.found.verdict != Verdict::NoGap);
+    band.filter(|band| band.p_value < SIGNIFICANT)
+}
+
+/// The lag with the largest correlation with the duty, seconds, where that stands out of chance.
+fn outstanding(left: &ResidualPlots) -> Option<(f64, f64)> {
+    let most = left.after_duty.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).copied();
+    most.filter(|(_, r)| r.abs() > STANDS_OUT * left.by_chance)
 }
 
 fn over(diagram: &Diagram, places: &[Place]) -> Markup {
@@ -78,13 +148,14 @@ fn in_words(places: &[Place]) -> Markup {
                  errors." }
         } @else {
             ul {
-                @for place in places {
+                @for place in places.iter().take(MOST_PLACES) {
                     @let (name, unit) = signal(place.signal);
                     li {
                         strong { (name) " " (span(place)) " " (unit) }
                         (format!(": p = {:.3}, {:.0} % of the misfit of all regions", place.p_value, 100.0 * place.share))
                     }
                 }
+                @if places.len() > MOST_PLACES { li { "and " (places.len() - MOST_PLACES) " more, shaded below" } }
             }
         }
     }
@@ -103,30 +174,25 @@ fn frequency(report: &Report<'_>) -> Markup {
     let percent = |left: &ResidualPlots| -> Vec<(f64, f64)> {
         left.spectrum.iter().map(|band| (band.0.log2(), 100.0 * excess(band) / all.max(1e-9))).collect()
     };
-    let band = report.found.band.filter(|_| report.found.verdict != Verdict::NoGap);
-    let by_more_than_chance = band.filter(|band| band.p_value < SIGNIFICANT);
+    let band = significant_band(report);
     let diagram = Diagram {
         abscissa: "frequency, Hz",
         ordinate: "misfit above noise, % in a third of an octave",
         lines: vec![line("numbers fitted", NOMINAL, &percent(before)), line("mended", MENDED, &percent(after))],
-        shaded: by_more_than_chance.iter().map(|band| (band.from.log2(), band.to.log2())).collect(),
+        shaded: band.iter().map(|band| (band.from.log2(), band.to.log2())).collect(),
         base: Some(0.0),
         octaves: true,
         ..Diagram::default()
     };
-    let words = band.map_or_else(
-        || "No frequency band is significant.".into(),
-        |band| {
-            let chance = if by_more_than_chance.is_some() { "" } else { ", not significant" };
-            format!(
-                "{:.0} % of the misfit above noise lies between {:.2} and {:.2} Hz (p = {:.3}){chance}.",
-                100.0 * band.share,
-                band.from,
-                band.to,
-                band.p_value
-            )
-        },
-    );
+    let words = band.map_or_else(String::new, |band| {
+        format!(
+            "{:.0} % of the misfit above noise lies between {:.2} and {:.2} Hz (p = {:.3}).",
+            100.0 * band.share,
+            band.from,
+            band.to,
+            band.p_value
+        )
+    });
     let alt = format!("Power of the misfit over frequency, with fitted numbers and mended. {words}");
     figure(&diagram, Size::HALF, &alt, &html! { (words) })
 }
@@ -149,12 +215,8 @@ fn lag([before, after]: &[ResidualPlots; 2], places: &[Place]) -> Markup {
         base: Some(0.0),
         ..Diagram::default()
     };
-    let most = |left: &ResidualPlots| {
-        let most = left.after_duty.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).copied();
-        most.filter(|(_, r)| r.abs() > STANDS_OUT * left.by_chance)
-    };
-    let words = match (most(before), most(after)) {
-        (None, None) => "The misfit is not correlated with earlier duty at any lag.".to_owned(),
+    let words = match (outstanding(before), outstanding(after)) {
+        (None, None) => String::new(),
         (Some((lag_s, r)), None) => format!(
             "With refitted parameters the misfit is correlated with the duty {lag_s:.2} s before (correlation {}); in \
              the mended model it is not.",

@@ -27,15 +27,22 @@ pub(super) fn rig(report: &Report<'_>) -> Markup {
     let mends: Vec<(String, String)> = there
         .map(|named| {
             let entry = named.candidate.entry;
-            (spoken(entry.name), mend::words(entry, &report.found.mended.model, report.compensation))
+            (spoken(entry.name), mend::words(entry, &report.found.mended.model, report.compensation, report.words))
         })
         .collect();
+    let entries = report.found.effects.iter().filter(|named| named.change != Change::Removed);
+    let model = &report.found.mended.model;
+    let blocks: Vec<String> =
+        entries.filter_map(|named| mend::patch(named.candidate.entry, model, report.compensation)).collect();
     html! {
         @if mends.is_empty() {
             p { "No effect was found that could be corrected on the rig." }
         } @else {
             p { "The patch above puts the effect into the simulator. To remove it from the rig instead:" }
             dl { @for (name, words) in mends { dt { (name) } dd { (words) } } }
+            @for (k, block) in blocks.iter().enumerate() {
+                (to_copy(&format!("rig-patch-{k}"), "compensation.toml", block))
+            }
         }
     }
 }

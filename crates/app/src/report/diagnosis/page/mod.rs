@@ -7,13 +7,15 @@ mod location;
 mod mending;
 mod summary;
 
-use super::logs::{Logs, sentences};
+use super::logs::{Logs, findings};
 use crate::analysis::next_experiment::Advice;
+use crate::config::words::Words;
 use crate::report::diagnosis::plot::{over_time, runs};
-use crate::report::kit::page::parts::findings;
-use crate::report::kit::page::record::Record;
+use crate::report::kit::page::made::Made;
+use crate::report::kit::page::parts::checks;
+use crate::report::kit::page::record::{Record, events};
 use crate::report::kit::page::{Page, Section};
-use crate::report::kit::plot::{commanded, duty};
+use crate::report::kit::plot::{Timeline, commanded, duty};
 use control::compensation::Compensation;
 use diagnose::ClosedLoop;
 use diagnose::{Diagnosis, Series, Verdict};
@@ -23,6 +25,10 @@ use plant::Model;
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
+    /// What the rig calls its position and its input.
+    pub words: &'a Words,
     /// The diagnosis.
     pub found: &'a Diagnosis,
     /// The belief.
@@ -37,6 +43,8 @@ pub struct Report<'a> {
     pub config: &'a str,
     /// The compensation that was on in flight, if it is known.
     pub compensation: Option<&'a Compensation>,
+    /// What happened during the flights.
+    pub timeline: &'a Timeline,
     /// The data of the picture.
     pub picture: &'a Series,
 }
@@ -54,12 +62,21 @@ pub fn page(report: &Report<'_>) -> String {
         Verdict::InsufficientData => vec![
             Section::words("next", "What to fly next", mending::next(report.advice)),
             Section::words("check", "What was checked", check(report)),
-            Section::across("record", "The whole record", whole(&record)),
+            Section::across("record", "The whole record", whole(report, &record)),
         ],
         _ => all_sections(report, &record),
     };
     let answer = report.found.verdict_in_words();
-    Page { kind: "diagnosis", from, answer: &answer, first: summary::body(report), sections, record: &record }.render()
+    Page {
+        kind: "diagnosis",
+        from,
+        made: report.made,
+        answer: &answer,
+        first: summary::body(report),
+        sections,
+        record: &record,
+    }
+    .render()
 }
 
 fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {
@@ -71,7 +88,7 @@ fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {
         Section::words("rig", "Correct the rig", mending::rig(report)),
         Section::words("next", "What to fly next", mending::next(report.advice)),
         Section::words("check", "What the record can answer", check(report)),
-        Section::across("record", "The whole record", whole(record)),
+        Section::across("record", "The whole record", whole(report, record)),
         Section::words("words", "Words on this page", words()),
     ]
 }
@@ -81,20 +98,20 @@ fn record(report: &Report<'_>) -> Record {
     let mut position = runs(picture);
     position.lines.insert(0, commanded(&picture.recording));
     let mut diagrams = vec![position, duty(&picture.recording)];
-    if !picture.missing.is_empty() {
+    // Without a significant place the curve of the force is that of chance.
+    if !picture.missing.is_empty() && !found.regions().is_empty() {
         let mut force = over_time(&picture.missing, &found.regions());
         force.lines.iter_mut().for_each(|line| line.label = "");
         diagrams.push(force);
     }
-    Record { diagrams }
+    Record { diagrams: diagrams.into_iter().map(|diagram| diagram.with_events(report.timeline)).collect() }
 }
 
-fn whole(record: &Record) -> Markup {
+fn whole(report: &Report<'_>, record: &Record) -> Markup {
     html! {
         p {
-            "Position, duty and residual force over the time of the record. Each model is simulated from the recorded \
-             duty and restarted at the "
-            "recorded position every 10 s."
+            "Position, duty and, where forecast errors are significant, residual force over the time of the record. Each \
+             model is simulated from the recorded duty and restarted at the recorded position every 10 s."
         }
         (crate::report::kit::page::record::how_to_zoom())
         (record.still(&[
@@ -102,19 +119,23 @@ fn whole(record: &Record) -> Markup {
             "Duty over time",
             "Residual force over time, with its standard deviation",
         ]))
+        (events(report.timeline))
     }
 }
 
 fn check(report: &Report<'_>) -> Markup {
     let Report { found, advice, logs, .. } = report;
-    let sentences = sentences(found, advice, logs);
+    let several = logs.names.len() > 1;
+    let found: Vec<_> = findings(found, logs).map(|(name, one)| (if several { name } else { "" }, one)).collect();
+    let others: Vec<String> = logs.findings_of_loop().chain(advice.findings.iter().cloned()).collect();
     html! {
         p {
             @if logs.names.len() == 1 { "One log of " } @else { (logs.names.len()) " logs, together " }
             (format!("{:.1} s", logs.duration_s)) ", "
             (report.picture.recording.samples().iter().filter(|row| row.position_mm.is_some()).count()) " readings used."
         }
-        (findings(&sentences))
+        (checks(&found))
+        @if !others.is_empty() { ul { @for other in &others { li { (other) "." } } } }
     }
 }
 

@@ -121,7 +121,7 @@ const CAPTION: &str = "Error of the position 1 s ahead, rms, held out, and the s
 /// A rung with the share of the gap that it closes.
 fn rung_in_words(rung: &Rung) -> String {
     let share = ladder::share(rung).map_or(String::new(), |share| format!(": {share}"));
-    ladder::name(rung) + &share
+    ladder::name(rung) + &parts::minus(&share)
 }
 
 fn gap(report: &Report<'_>) -> Markup {

@@ -7,6 +7,7 @@ use crate::report::identify::plot::{correlations, look, plants, simulations};
 use crate::report::identify::{digits, name, said};
 use crate::report::kit::about::About;
 use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{bars, capital, command, findings, glossary, minus, number, table, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::stretch::worst;
@@ -20,6 +21,8 @@ use plant::Model;
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
     /// The names of the logs.
     pub logs: &'a [String],
     /// The name of the initial config.
@@ -42,6 +45,9 @@ pub struct Report<'a> {
     pub about: Option<About>,
 }
 
+/// Estimates that are correlated more strongly than this are hardly known apart.
+const STRONG: f64 = 0.9;
+
 /// The page of an identification.
 #[must_use]
 pub fn page(report: &Report<'_>) -> String {
@@ -50,6 +56,7 @@ pub fn page(report: &Report<'_>) -> String {
     let sections = vec![
         Section::across("numbers", "Parameters", numbers(report)),
         Section::across("held-out", "Forecasts of held-out data", held_out(report)),
+        Section::across("frequency", "Frequency response of the plant", frequency(report)),
         Section::across("residuals", "Residuals", residuals(report)),
         Section::words("simulator", "Use the model", to_believe(report.patch)),
         Section::words("next", "What to do next", next(report)),
@@ -60,7 +67,7 @@ pub fn page(report: &Report<'_>) -> String {
     let mut from = report.logs.to_vec();
     from.extend([format!("{:.1} s", recording.duration_s()), format!("began with: {}", report.config)]);
     let (answer, first) = (answer(best), first(report));
-    Page { kind: "identification", from, answer: &answer, first, sections, record: &record }.render()
+    Page { kind: "identification", from, made: report.made, answer: &answer, first, sections, record: &record }.render()
 }
 
 /// Setpoint, record and simulations.
@@ -137,6 +144,7 @@ fn numbers(report: &Report<'_>) -> Markup {
         ["number", "as believed"].into_iter().chain(report.found.iter().map(|one| words::poles(one.poles))).collect();
     html! {
         (table("Numbers with 90 % intervals", &heads, &rows))
+        (together(report.best))
         @if let Some(about) = &report.about {
             p { (capital(&about.words())) "." }
         }
@@ -212,15 +220,37 @@ fn residuals(report: &Report<'_>) -> Markup {
             "parameters."
         }
         (tests(report.found))
-        div.three {
-            (figure(&whiteness, Size::SMALL, &format!("Autocorrelation of the residuals: {own}"),
+        div.two {
+            (figure(&whiteness, Size::HALF, &format!("Autocorrelation of the residuals: {own}"),
                 &html! { "Autocorrelation of the residuals: " (own) "." }))
-            (figure(&input, Size::SMALL, &format!("Correlation of the residuals with earlier duty: {of_duty}"),
+            (figure(&input, Size::HALF, &format!("Correlation of the residuals with earlier duty: {of_duty}"),
                 &html! { "Correlation of the residuals with earlier duty: " (of_duty) "." }))
-            (figure(&plants(report.found), Size::SMALL, "Magnitude of the plant over frequency, from duty to position",
-                &html! { "Frequency response of the plant, from duty to position." }))
         }
     }
+}
+
+/// Magnitude and phase from duty to position.
+fn frequency(report: &Report<'_>) -> Markup {
+    // The belief has the frequency response of its linear part, whatever the origin of the record.
+    let [magnitude, phase] = plants(report.found, report.best, Some(report.belief));
+    let kept = words::poles(report.best.poles);
+    html! {
+        p { "From duty to position. The band is the 90 % interval of the plant of " (kept) "." }
+        div.two {
+            (figure(&magnitude, Size::HALF, "Magnitude of the plant over frequency, with its 90 % band", &html! { "Magnitude." }))
+            (figure(&phase, Size::HALF, "Phase of the plant over frequency, with its 90 % band", &html! { "Phase." }))
+        }
+    }
+}
+
+/// Which estimates the record tells apart, and which only together.
+fn together(best: &GreyBox) -> Markup {
+    let row = |(a, b, value): &(&'static str, &'static str, f64)| -> Row {
+        let strong = if value.abs() > STRONG { "strong: known only together" } else { "" };
+        (html! { (name(a)) " and " (name(b)) }, vec![html! { (number(Some(*value), 2)) }, html! { (strong) }])
+    };
+    let rows: Vec<Row> = best.correlations().iter().map(row).collect();
+    html! { @if !rows.is_empty() { (table("Correlation of the estimates", &["parameters", "correlation", ""], &rows)) } }
 }
 
 fn tests(found: &[GreyBox]) -> Markup {

@@ -6,6 +6,7 @@ use crate::analysis::loop_margins::Loop;
 use crate::report::design::page::{frequency, loci, step_first};
 use crate::report::design::plot::Diagrams;
 use crate::report::identify::third_pole::{Document, lines};
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{capital, command, glossary, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, PageError, Section};
@@ -14,6 +15,8 @@ use maud::{Markup, html};
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
     /// The name of the config that holds the model.
     pub config: &'a str,
     /// What was found.
@@ -47,7 +50,8 @@ pub fn page(report: &Report<'_>) -> Result<String, PageError> {
     let from = vec![format!("model: {}", report.config)];
     let answer = format!("A fan's lag of {:.3} s gives the model the critical gain of the rig", found.fan_lag_s);
     let first = first(found, &drawn);
-    Ok(Page { kind: "identification", from, answer: &answer, first, sections, record: &record }.render())
+    Ok(Page { kind: "identification", from, made: report.made, answer: &answer, first, sections, record: &record }
+        .render())
 }
 
 fn first(found: &Document, drawn: &Diagrams) -> Markup {

@@ -5,6 +5,7 @@ use crate::report::identify::plot::{over_gains, plant, pulses};
 use crate::report::identify::transient::{HEADS, row};
 use crate::report::identify::{digits, name};
 use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{command, glossary, values, words};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, Section};
@@ -18,6 +19,8 @@ use plant::Model;
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
     /// The names of the logs.
     pub logs: &'a [String],
     /// The name of the initial config.
@@ -52,7 +55,16 @@ pub fn page(report: &Report<'_>) -> String {
         digits(found.gain.value),
         digits(found.drag.value)
     );
-    Page { kind: "identification", from, answer: &answer, first: first(report), sections, record: &record }.render()
+    Page {
+        kind: "identification",
+        from,
+        made: report.made,
+        answer: &answer,
+        first: first(report),
+        sections,
+        record: &record,
+    }
+    .render()
 }
 
 /// Number of gains with a visible overshoot.

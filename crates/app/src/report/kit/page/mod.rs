@@ -4,6 +4,7 @@
 //! hash. Names of files and configs from others therefore cannot act as markup or script.
 
 pub mod figure;
+pub mod made;
 pub mod parts;
 pub mod record;
 pub mod stretch;
@@ -11,6 +12,7 @@ pub mod stretch;
 use super::palette;
 use crate::files;
 use base64::prelude::{BASE64_STANDARD, Engine};
+use made::Made;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use record::Record;
 use sha2::{Digest, Sha256};
@@ -102,6 +104,8 @@ pub struct Page<'a> {
     pub kind: &'static str,
     /// Its sources: logs, config.
     pub from: Vec<String>,
+    /// How it was made.
+    pub made: &'a Made,
     /// The answer, in a sentence: the page's heading and title.
     pub answer: &'a str,
     /// The part below the answer.
@@ -132,18 +136,19 @@ impl Page<'_> {
                     main #main { (self.main()) }
                     footer { (footer()) }
                     // Inside a script only `<` can begin markup, which the record writes as an escape.
-                    script type="application/json" id="series" { (PreEscaped(self.record.json())) }
+                    script type="application/json" id="series" { (PreEscaped(self.record.json(&self.made.words))) }
                     script { (PreEscaped(script)) }
                 }
             }
         };
-        page.into_string()
+        self.made.words.of_markup(&page.into_string())
     }
 
     fn top(&self) -> Markup {
         html! {
             p.brand { strong { "airball" } " " (self.kind) }
-            p.from { @for from in &self.from { span { (from) } } }
+            p.from { @for from in self.from.iter().chain(self.made.sources()) { span { (from) } } }
+            (self.made.head())
         }
     }
 
@@ -167,26 +172,10 @@ impl Page<'_> {
 fn footer() -> Markup {
     html! {
         p {
-            "Made by airball " (env!("CARGO_PKG_VERSION")) " with " (parts::command(&command_line(without_shares(std::env::args().skip(1)))))
-            ". This page needs no network and contains all that it shows. Charts that zoom: uPlot, © Leon Sorokin, MIT \
+            "This page needs no network and contains all that it shows. Charts that zoom: uPlot, © Leon Sorokin, MIT \
              licence."
         }
     }
-}
-
-/// The arguments; of `--each` no more than that, since the same pages are made by any shares and restarts.
-fn without_shares(arguments: impl Iterator<Item = String>) -> impl Iterator<Item = String> {
-    let all: Vec<String> = arguments.collect();
-    let each = all.iter().any(|argument| argument == "--each");
-    let kept = if each { vec!["diagnose".to_owned(), "--each".to_owned()] } else { all };
-    kept.into_iter()
-}
-
-/// The command that makes the page again, as a shell reads it.
-fn command_line(arguments: impl Iterator<Item = String>) -> String {
-    let plain = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "._-/:=+,%@".contains(c));
-    let quoted = |word: String| if plain(&word) { word } else { format!("'{}'", word.replace('\'', "'\\''")) };
-    std::iter::once("airball".to_owned()).chain(arguments.map(quoted)).collect::<Vec<_>>().join(" ")
 }
 
 /// A policy that allows this script only, and no resource from elsewhere.

@@ -1,9 +1,12 @@
 //! The elements of pages: tables, bars, text to copy, numbers.
 
 use crate::report::kit::words::NAMES;
+use diagnose::{Check, Finding};
 use maud::{Markup, html};
 use plant::Effects;
 
+/// On a phone, each row of a table with more columns than this is a block of its own.
+const MANY: usize = 5;
 /// A table with more rows than this is collapsed.
 const LONG: usize = 16;
 
@@ -11,12 +14,15 @@ const LONG: usize = 16;
 pub fn table(caption: &str, heads: &[&str], rows: &[(Markup, Vec<Markup>)]) -> Markup {
     html! {
         section.scroll tabindex="0" aria-label=(caption) {
-            table {
+            table class=[(heads.len() > MANY).then_some("many")] {
                 caption { span { (caption) } }
                 thead { tr { @for head in heads { th scope="col" { (head) } } } }
                 tbody {
                     @for (head, cells) in rows {
-                        tr { th scope="row" { (head) } @for cell in cells { td { (cell) } } }
+                        tr {
+                            th scope="row" { (head) }
+                            @for (cell, name) in cells.iter().zip(heads.iter().skip(1)) { td data-head=(name) { (cell) } }
+                        }
                     }
                 }
             }
@@ -89,6 +95,29 @@ pub fn findings(all: &[String]) -> Markup {
             p { "Rate, gaps, repeats, outliers and excitation were checked and are sufficient." }
         } @else {
             ul { @for finding in all { li { (finding) } } }
+        }
+    }
+}
+
+/// The checks of a record, each with whether it passed, and what was found.
+pub fn checks(findings: &[(&str, &Finding)]) -> Markup {
+    html! {
+        ul.checks {
+            @for check in Check::ALL {
+                @let found: Vec<&(&str, &Finding)> = findings.iter().filter(|(_, one)| one.check() == check).collect();
+                @let (class, sign, said) = match (found.is_empty(), check) {
+                    (true, _) => ("passed", "✓", "passed: "),
+                    // Rows that are left out are no fault of the record.
+                    (false, Check::Rows) => ("noted", "•", "noted: "),
+                    (false, _) => ("failed", "✗", "not passed: "),
+                };
+                li class=(class) {
+                    span.sign aria-hidden="true" { (sign) } span.unseen { (said) } (check.words())
+                    @for (name, finding) in found {
+                        p { @if !name.is_empty() { (name) ": " } (finding) "." }
+                    }
+                }
+            }
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The whole record: as pictures without a script, and as data for the charts that zoom.
 
 use super::figure::{Size, picture};
-use crate::report::kit::plot::{Diagram, Line};
+use super::parts::words as words_table;
+use crate::config::words::Words;
+use crate::report::kit::plot::{Diagram, Line, Timeline};
 use maud::{Markup, html};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -24,20 +26,30 @@ pub fn how_to_zoom() -> Markup {
     }
 }
 
+/// The events of a record, numbered as they follow each other.
+pub fn events(timeline: &Timeline) -> Markup {
+    let rows: Vec<[String; 2]> =
+        timeline.events.iter().map(|(time_s, text)| [format!("{time_s:.2}"), text.clone()]).collect();
+    html! { @if !rows.is_empty() { (words_table("Events: the dashed lines in the charts", &["time, s", "event"], &rows)) } }
+}
+
 /// A chart as the script reads it: one column of times, and a column for each line.
 #[derive(Serialize)]
 struct Chart {
-    ordinate: &'static str,
+    ordinate: String,
     /// Decimal places of every value.
     places: usize,
     times: Vec<f64>,
     lines: Vec<Column>,
     shaded: Vec<(f64, f64)>,
+    /// Times at which a line is broken, and those of events.
+    breaks: Vec<f64>,
+    events: Vec<f64>,
 }
 
 #[derive(Serialize)]
 struct Column {
-    label: &'static str,
+    label: String,
     ink: String,
     /// Whether the line is continuous across missing values.
     whole: bool,
@@ -57,15 +69,15 @@ impl Record {
     }
 
     /// The numbers, safe inside a script.
-    pub fn json(&self) -> String {
-        let charts: Vec<Chart> = self.diagrams.iter().map(Chart::of).collect();
+    pub fn json(&self, words: &Words) -> String {
+        let charts: Vec<Chart> = self.diagrams.iter().map(|diagram| Chart::of(diagram, words)).collect();
         // A list of numbers and of words of this program always serialises.
         serde_json::to_string(&charts).unwrap_or_default().replace('<', "\\u003c")
     }
 }
 
 impl Chart {
-    fn of(diagram: &Diagram) -> Self {
+    fn of(diagram: &Diagram, words: &Words) -> Self {
         let places = places(diagram);
         #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a few places")]
         let unit = 10_f64.powi(places as i32);
@@ -82,17 +94,19 @@ impl Chart {
         let every = rows.len().div_ceil(MOST_ROWS).max(1);
         let kept = || rows.iter().step_by(every);
         let column = |(number, line): (usize, &&Line)| Column {
-            label: line.label,
+            label: words.of(line.label),
             ink: crate::report::kit::palette::name(line.colour).to_owned(),
             whole: line.points.iter().all(|point| is_there(&point)),
             values: kept().map(|(_, row)| row[number]).collect(),
         };
         Self {
-            ordinate: diagram.ordinate,
+            ordinate: words.of(diagram.ordinate),
             places,
             times: kept().map(|(ms, _)| *ms as f64 / 1e3).collect(),
             lines: lines.iter().enumerate().map(column).collect(),
             shaded: diagram.shaded.clone(),
+            breaks: diagram.timeline.breaks.clone(),
+            events: diagram.timeline.events.iter().map(|event| event.0).collect(),
         }
     }
 }
@@ -113,6 +127,7 @@ fn places(diagram: &Diagram) -> usize {
 #[cfg(test)]
 mod tests {
     use super::{Chart, Record};
+    use crate::config::words::Words;
     use crate::report::kit::palette::{MENDED, RECORDED};
     use crate::report::kit::plot::{Diagram, Line};
 
@@ -125,7 +140,7 @@ mod tests {
             line("never read", MENDED, &[(f64::NAN, f64::NAN)]),
         ];
         let record = Record { diagrams: vec![Diagram { ordinate: "</script>", lines, ..Diagram::default() }] };
-        let json = record.json();
+        let json = record.json(&Words::default());
         assert!(!json.contains('<'), "{json}");
         let charts: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert_eq!(charts[0]["times"], serde_json::json!([0.0, 0.02, 0.04]));
@@ -140,7 +155,7 @@ mod tests {
     #[test]
     fn a_share_of_a_step_keeps_the_digits_that_a_position_does_not_need() {
         let line = |points| Line { label: "recorded", colour: RECORDED, points };
-        let of = |points| Chart::of(&Diagram { lines: vec![line(points)], ..Diagram::default() });
+        let of = |points| Chart::of(&Diagram { lines: vec![line(points)], ..Diagram::default() }, &Words::default());
         assert_eq!(of(vec![(0.0, 0.0), (1.0, 1.042_31)]).lines[0].values[1], Some(1.0423));
         assert_eq!(of(vec![(0.0, 0.0), (1.0, 412.042_31)]).lines[0].values[1], Some(412.04));
     }
@@ -149,7 +164,7 @@ mod tests {
     fn a_long_record_is_thinned_to_what_a_page_bears() {
         let points = (0..100_000).map(|k| (0.01 * f64::from(k), f64::from(k % 500) / 7.0)).collect();
         let lines = vec![Line { label: "recorded", colour: RECORDED, points }];
-        let json = Record { diagrams: vec![Diagram { lines, ..Diagram::default() }] }.json();
+        let json = Record { diagrams: vec![Diagram { lines, ..Diagram::default() }] }.json(&Words::default());
         assert!(json.len() < 200_000, "{}", json.len());
     }
 }

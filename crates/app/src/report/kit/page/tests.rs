@@ -1,4 +1,5 @@
-use super::{Page, Record, Section, command_line, policy};
+use super::made::Made;
+use super::{Page, Record, Section, policy};
 use crate::report::kit::palette::RECORDED;
 use crate::report::kit::plot::{Diagram, Line};
 use maud::html;
@@ -10,7 +11,16 @@ fn page() -> String {
     let record = Record { diagrams: vec![Diagram { lines: vec![line], ..Diagram::default() }] };
     let sections = vec![Section::across("record", "The record", record.still(&[HOSTILE]))];
     let first = html! { (super::parts::to_copy("id", HOSTILE, HOSTILE)) };
-    Page { kind: "test", from: vec![HOSTILE.into()], answer: HOSTILE, first, sections, record: &record }.render()
+    Page {
+        kind: "test",
+        made: &Made::by(std::iter::once(HOSTILE.into())),
+        from: vec![HOSTILE.into()],
+        answer: HOSTILE,
+        first,
+        sections,
+        record: &record,
+    }
+    .render()
 }
 
 #[test]
@@ -56,5 +66,8 @@ fn a_command_is_broken_between_its_words_alone() {
 #[test]
 fn the_command_of_a_page_can_be_given_to_a_shell() {
     let words = ["diagnose", "my log.csv", "--patch", "it's.toml", "", "$(rm)"].map(String::from);
-    assert_eq!(command_line(words.into_iter()), "airball diagnose 'my log.csv' --patch 'it'\\''s.toml' '' '$(rm)'");
+    assert_eq!(
+        Made::by(words.into_iter()).command(),
+        "airball diagnose 'my log.csv' --patch 'it'\\''s.toml' '' '$(rm)'"
+    );
 }

@@ -4,7 +4,7 @@ mod legend;
 mod panel;
 mod thinned;
 
-pub use panel::{Diagram, Line, drawn, failed, panel, shapes, titled};
+pub use panel::{Diagram, Line, Timeline, drawn, failed, panel, shapes, titled};
 
 use super::palette::{DUTY, RECORDED, SETPOINT};
 use crate::files;

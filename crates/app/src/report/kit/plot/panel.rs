@@ -6,7 +6,7 @@
 use super::PlotError;
 use super::legend::{draw_key, key, name_ends, width};
 use super::thinned::thinned;
-use crate::report::kit::palette::{GRID, NOMINAL, SHADE, TEXT, themed};
+use crate::report::kit::palette::{GRID, NOMINAL, SETPOINT, SHADE, TEXT, themed};
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -46,6 +46,15 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
 }
 
+/// What happened at single times of a record.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Timeline {
+    /// Where a flight begins behind another one: lines are broken there.
+    pub breaks: Vec<f64>,
+    /// Events: time, and what happened.
+    pub events: Vec<(f64, String)>,
+}
+
 /// One of the diagrams of a picture.
 #[derive(Clone, Default)]
 pub struct Diagram {
@@ -57,10 +66,14 @@ pub struct Diagram {
     pub marks: Vec<(f64, f64)>,
     pub rings: Vec<(f64, f64)>,
     pub dots: Vec<(f64, f64)>,
+    /// Vertical bars: abscissa, and both ends.
+    pub intervals: Vec<(f64, f64, f64)>,
     /// Outline of a band about the first line.
     pub band: Vec<(f64, f64)>,
     /// Parts of the abscissa to be highlighted.
     pub shaded: Vec<(f64, f64)>,
+    /// Events, of a diagram over time.
+    pub timeline: Timeline,
     /// A value to compare the lines with.
     pub base: Option<f64>,
     /// The visible range of the plane; `None`: all data.
@@ -74,12 +87,18 @@ pub struct Diagram {
 }
 
 impl Diagram {
+    /// The same with events.
+    pub fn with_events(self, timeline: &Timeline) -> Self {
+        Self { timeline: timeline.clone(), ..self }
+    }
+
     /// The part of the diagram within a range of the abscissa.
     pub fn within(mut self, (from, to): (f64, f64)) -> Self {
         for line in &mut self.lines {
             // NaN, which breaks a line, is kept.
             line.points.retain(|(t, _)| !(*t < from || *t > to));
         }
+        self.timeline.events.retain(|(t, _)| (from..=to).contains(t));
         self
     }
 }
@@ -158,6 +177,17 @@ fn grounds(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
         Rectangle::new(corners, SHADE.mix(0.28).filled())
     };
     chart.draw_series(of.shaded.iter().map(shade)).map_err(failed)?;
+    let (times, values) = (chart.x_range(), chart.y_range());
+    let within = of.timeline.events.iter().filter(|(t, _)| times.contains(t));
+    let event = |(t, _): &(f64, String)| {
+        plotters::element::DashedPathElement::new(
+            [(*t, values.start), (*t, values.end)],
+            3 * FINE,
+            3 * FINE,
+            SETPOINT.stroke_width(FINE),
+        )
+    };
+    chart.draw_series(within.map(event)).map_err(failed)?;
     if let Some(line) = of.lines.first().filter(|_| !of.band.is_empty()) {
         let band = of.band.iter().copied().filter(|(t, y)| is_there(*t, *y)).collect::<Vec<_>>();
         let outline = Polygon::new(band, line.colour.mix(0.22).filled());
@@ -206,13 +236,20 @@ fn lines(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
     chart.draw_series(drawn(&of.marks).iter().map(cross)).map_err(failed)?;
     for line in &of.lines {
         let all = line.points.len();
-        for piece in line.points.split(|(t, y)| !is_there(*t, *y)) {
+        let breaks = &of.timeline.breaks;
+        let pieces = line.points.split(|(t, y)| !is_there(*t, *y));
+        let flight = |point: &(f64, f64)| breaks.partition_point(|end| *end <= point.0);
+        for piece in pieces.flat_map(|piece| piece.chunk_by(|a, b| flight(a) == flight(b))) {
             // The limit of points for a piece is in proportion to its share of the points.
             let most = MOST_POINTS_A_PIXEL * pixels as usize * piece.len() / all.max(1);
             let style = line.colour.stroke_width(FINE * 7 / 4);
             chart.draw_series(LineSeries::new(thinned(piece, most), style)).map_err(failed)?;
         }
     }
+    let bar = |(at, low, high): &(f64, f64, f64)| {
+        PathElement::new([(*at, *low), (*at, *high)], TEXT.stroke_width(FINE * 3 / 2))
+    };
+    chart.draw_series(of.intervals.iter().map(bar)).map_err(failed)?;
     let outline = NOMINAL.stroke_width(2 * FINE);
     chart.draw_series(drawn(&of.rings).iter().map(|at| Circle::new(*at, fine(5), outline))).map_err(failed)?;
     chart.draw_series(drawn(&of.dots).iter().map(|at| Circle::new(*at, fine(4), TEXT.filled()))).map_err(failed)?;
@@ -252,14 +289,11 @@ fn ranges(of: &Diagram) -> Result<(Range<f64>, Range<f64>), PlotError> {
         return Ok((times.0..times.1, values.0..values.1));
     }
     let of_lines = of.lines.iter().flat_map(|line| &line.points);
+    let ends = of.intervals.iter().flat_map(|(at, low, high)| [(*at, *low), (*at, *high)]);
     let points = || {
-        of_lines
-            .clone()
-            .chain(&of.band)
-            .chain(&of.marks)
-            .chain(&of.rings)
-            .chain(&of.dots)
-            .filter(|(t, y)| is_there(*t, *y))
+        let marks = of.marks.iter().chain(&of.rings).chain(&of.dots);
+        let all = of_lines.clone().chain(&of.band).chain(marks).copied().chain(ends.clone());
+        all.filter(|(t, y)| is_there(*t, *y))
     };
     let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1).chain(of.base))?);
     let pad = 0.05 * (values.end - values.start).max(1e-6);

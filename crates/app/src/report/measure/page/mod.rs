@@ -8,6 +8,7 @@ use super::words::{Row, rows, said as in_words};
 use crate::analysis::measurement::Found;
 use crate::config::Tables;
 use crate::report::kit::page::figure::{Size, figure};
+use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{glossary, minus, number, table, to_copy, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, Section};
@@ -18,6 +19,8 @@ use maud::{Markup, html};
 /// The content of the page.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
+    /// How the page is made.
+    pub made: &'a Made,
     /// The measurement, by the command's name of it.
     pub what: &'a str,
     /// The name of the log.
@@ -70,7 +73,7 @@ pub fn page(report: &Report<'_>) -> String {
         format!("config: {}", report.config),
     ];
     let (answer, first) = (said::answer(report.found), first(report));
-    Page { kind: "measurement", from, answer: &answer, first, sections, record: &record }.render()
+    Page { kind: "measurement", from, made: report.made, answer: &answer, first, sections, record: &record }.render()
 }
 
 fn first(report: &Report<'_>) -> Markup {

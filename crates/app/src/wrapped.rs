@@ -11,7 +11,7 @@ const GAPS_OF_A_ROW: usize = 3;
 
 /// The text with its long lines of prose wrapped, the continuations indented below the text of the line. Rows of tables
 /// stay whole.
-pub(super) fn wrapped(text: &str, width: usize) -> String {
+pub fn wrapped(text: &str, width: usize) -> String {
     let lines = text.split('\n').map(|line| {
         if is_row(line) {
             return line.to_owned();

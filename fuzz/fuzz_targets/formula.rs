@@ -4,7 +4,7 @@
 
 use formula::Formula;
 use libfuzzer_sys::fuzz_target;
-use plant::{Definition, DefinitionTable, Effects, Friction, Input, Model, Motion, Noise, Simulator};
+use plant::{Definition, DefinitionTable, Effects, Input, Model, Motion, Noise, Simulator};
 
 const NAMES: [&str; 5] = ["x", "v", "u", "k", "start"];
 
@@ -71,7 +71,8 @@ fn effect(table: &DefinitionTable, numbers: &[f64]) {
     let number = |k: usize| numbers.get(k).copied().unwrap_or_default();
     let input = Input { commanded_mm_per_s2: number(0), time_s: number(1), setpoint_mm: numbers.get(2).copied() };
     let motion = Motion { velocity_mm_per_s: number(3), ..model.at_rest_under(number(4), input) };
-    let along = motion.slide_along(&model, input, Friction::default(), 0.02, &motion);
+    let (_, derivatives) = motion.step_with_derivatives(&model, input, 0.02);
+    let along = derivatives.by_velocity;
     let _ = (model.seen_along(&along, input, &motion), model.slopes_at(number(5), number(6)), definition.physics());
     fly(model, numbers);
 }

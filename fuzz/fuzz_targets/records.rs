@@ -7,6 +7,7 @@ use airball::fuzzing::{Tables, parse_text};
 use clap::Parser;
 use libfuzzer_sys::fuzz_target;
 use plant::Simulator;
+use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -36,7 +37,6 @@ static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
     let folder = std::env::temp_dir().join(format!("airball-fuzz-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("a folder");
     fs::write(folder.join("config.toml"), include_str!("../../config.toml")).expect("a config");
-    std::env::set_current_dir(&folder).expect("the folder is there");
     folder
 });
 
@@ -94,8 +94,12 @@ fuzz_target!(|bytes: &[u8]| {
         text += &format!("{time:e},{setpoint:e},{control:e},{duty:e},{position:e}\n");
     }
     fs::write(folder.join("f.csv"), text).expect("a record is written");
-    let words = COMMANDS[usize::from(*which) % COMMANDS.len()].split(' ');
-    let cli = Cli::try_parse_from(std::iter::once("airball").chain(words)).expect("a command line");
+    let command = COMMANDS[usize::from(*which) % COMMANDS.len()];
+    let config = if command.starts_with("init") { "" } else { " --config config.toml" };
+    // libFuzzer needs the working directory as it is.
+    let place = |word: &str| if word.contains('.') { folder.join(word).into() } else { OsString::from(word) };
+    let words = format!("airball {command}{config}");
+    let cli = Cli::try_parse_from(words.split(' ').map(place)).expect("a command line");
     let refused = match cli.command {
         Command::Replay(args) => replay::replay(&args).err(),
         Command::Init(args) => init::init(&args).err(),

@@ -122,7 +122,7 @@ fn both(report: &Report<'_>) -> Markup {
     let floor = |side: &Side, at: usize| [cell(side.gaps[at].floor_mm[2]), cell(side.gaps[at].floor_free_run_10s_mm)];
     let noise = (html! { "noise alone" }, floor(before, 0).into_iter().chain(floor(after, 1)).collect());
     let rows: Vec<(Markup, Vec<Markup>)> = vec![row(0), row(1), noise];
-    let heads = ["", "before, 1 s", "before, free run", "after, 1 s", "after, free run"];
+    let heads = ["model", "before, 1 s", "before, free run", "after, 1 s", "after, free run"];
     html! {
         (stretch(after, "after", Size::WIDE))
         (table("Errors of the position, rms, mm", &heads, &rows))
@@ -149,7 +149,7 @@ fn sides(found: &Comparison) -> Markup {
         };
         rows.push((html! { (name) }, both.into()));
     }
-    table("Each record by itself", &["", "before", "after"], &rows)
+    table("Each record by itself", &["figure", "before", "after"], &rows)
 }
 
 fn whole(record: &Record) -> Markup {

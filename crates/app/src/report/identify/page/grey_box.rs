@@ -246,11 +246,11 @@ fn frequency(report: &Report<'_>) -> Markup {
 /// Which estimates the record tells apart, and which only together.
 fn together(best: &GreyBox) -> Markup {
     let row = |(a, b, value): &(&'static str, &'static str, f64)| -> Row {
-        let strong = if value.abs() > STRONG { "strong: known only together" } else { "" };
+        let strong = if value.abs() > STRONG { "strong: known only together" } else { "known apart" };
         (html! { (name(a)) " and " (name(b)) }, vec![html! { (number(Some(*value), 2)) }, html! { (strong) }])
     };
     let rows: Vec<Row> = best.correlations().iter().map(row).collect();
-    html! { @if !rows.is_empty() { (table("Correlation of the estimates", &["parameters", "correlation", ""], &rows)) } }
+    html! { @if !rows.is_empty() { (table("Correlation of the estimates", &["parameters", "correlation", "judgement"], &rows)) } }
 }
 
 fn tests(found: &[GreyBox]) -> Markup {

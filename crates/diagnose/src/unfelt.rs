@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A fan that gets one wild duty for one row pushes the ball for seconds. Where it did not, some effect that takes most
-//! of a large duty away would be named from this row alone. Only the largest spike of a log is asked about.
+//! of a large duty away would be named from this row alone. Only the largest spike of a log is asked about, and none that
+//! a controller makes: at a step of the setpoint, or one from which the duty does not return at once.
 
 use crate::fit::log_likelihood::log_likelihood;
 use crate::record::check::Finding;
@@ -21,6 +22,8 @@ use std::borrow::Cow;
 /// may take a part of each.
 const NEXT: f64 = 2.0;
 const STANDS_OUT: f64 = 0.25;
+/// The duties before and after a mistake of the recorder differ by less than this share of the spike.
+const RETURNS: f64 = 0.1;
 /// Nats by which the record must be likelier without it: odds of 3000 to 1.
 const UNFELT: f64 = 8.0;
 
@@ -58,7 +61,10 @@ fn spike(samples: &[Sample]) -> Option<usize> {
     }
     let others = samples.iter().enumerate().filter(|(row, _)| *row != at).map(|(_, sample)| sample.duty_percent);
     let (low, high) = others.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(u), high.max(u)));
-    (largest > NEXT * next && largest >= STANDS_OUT * (high - low)).then_some(at)
+    let stands_out = largest > NEXT * next && largest >= STANDS_OUT * (high - low);
+    let around = samples.get(at.checked_sub(1)?..at + 2).filter(|_| stands_out)?;
+    let returns = (around[2].duty_percent - around[0].duty_percent).abs() < RETURNS * largest;
+    (returns && around[0].setpoint_mm == around[1].setpoint_mm).then_some(at)
 }
 
 #[cfg(test)]
@@ -86,6 +92,20 @@ mod tests {
         assert_eq!((found.verdict, found.effects.len()), (Verdict::InsufficientData, 0));
         let said = found.findings.iter().map(|noted| noted.finding.to_string()).collect::<String>();
         assert!(said.contains("row 501"), "{said}");
+    }
+
+    #[test]
+    fn a_duty_that_a_controller_gives_at_a_step_is_no_mistake() {
+        let mut rows = spoilt(500, 0.0).samples().to_vec();
+        assert_eq!(spike(&rows), Some(500));
+        // The duty returns over several rows.
+        rows[501].duty_percent = 16.0;
+        assert_eq!(spike(&rows), None);
+        // The setpoint changes.
+        let mut rows = spoilt(500, 0.0).samples().to_vec();
+        let setpoint_mm = |row: usize| Some(if row < 500 { 380.0 } else { 235.0 });
+        rows.iter_mut().enumerate().for_each(|(row, sample)| sample.setpoint_mm = setpoint_mm(row));
+        assert_eq!(spike(&rows), None);
     }
 
     #[test]

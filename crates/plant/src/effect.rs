@@ -175,6 +175,8 @@ pub struct Entry {
     pub in_a_log: &'static str,
     /// How to correct it on a rig.
     pub mend: &'static str,
+    /// The same on a rig that is no ball in a pipe; empty where `mend` fits any rig.
+    pub mend_elsewhere: &'static str,
     /// Similar effects, the most similar first.
     pub similar: &'static [Similar],
     /// What it does to the signal path; the catalogue fills it in from [`Effect::ACTS`].
@@ -198,6 +200,7 @@ impl Entry {
         shown_at: None,
         in_a_log: "",
         mend: "",
+        mend_elsewhere: "",
         similar: &[],
         acts: Summary::NONE,
     };

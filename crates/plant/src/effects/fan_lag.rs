@@ -39,6 +39,7 @@ impl Effect for FanLag {
         twins: &["sensor_lag"],
         in_a_log: "the ball responds late to every change of duty, and oscillates at gains at which the simulator is \
              stable",
+        mend_elsewhere: "a faster actuator or amplifier; more derivative action or less gain in the controller",
         mend: "a lighter rotor or a fan with active braking; more derivative action or less gain in the controller",
         similar: &[
             Similar {

@@ -37,6 +37,7 @@ impl Effect for Hysteresis {
         form: Form::Approximate,
         in_a_log: "the same duty holds or lifts the ball, depending on whether it was reached from below or above; \
              small reversals of duty have no effect",
+        mend_elsewhere: "remove the play between actuator and load; dither wider than the hysteresis",
         mend: "a fan driver that controls the speed by the tachometer; dither wider than the hysteresis",
         similar: &[
             Similar {

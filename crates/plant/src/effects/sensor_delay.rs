@@ -29,6 +29,7 @@ impl Effect for SensorDelay {
         twins: &["transport_delay"],
         in_a_log: "the reading follows the duty late by a fixed time, and the loop oscillates at gains at which the \
              simulator is stable",
+        mend_elsewhere: "read right after the measurement is ready; a predictor for the delay",
         mend: "a shorter timing budget; read right after the measurement is ready; a predictor for the delay",
         similar: &[
             Similar {

@@ -39,6 +39,7 @@ impl Effect for SensorLag {
         form: Form::Approximate,
         twins: &["fan_lag"],
         in_a_log: "the reading reverses later than the ball, without more noise",
+        mend_elsewhere: "less averaging in the sensor; a Kalman filter with the lag in its model",
         mend: "a shorter timing budget, less averaging in the sensor; a Kalman filter with the lag in its model",
         similar: &[
             Similar {

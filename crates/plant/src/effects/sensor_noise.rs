@@ -28,6 +28,7 @@ impl Effect for SensorNoise {
         params: &[Param { name: "sigma_mm", min: 0.0, max: 100.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[1.5], &[4.0]],
         in_a_log: "readings of a ball at rest scatter more than configured, from one reading to the next",
+        mend_elsewhere: "more averaging in the sensor, shielded cables; a slower filter in the controller",
         mend: "a longer timing budget, a white ball, less ambient light; a slower filter in the controller",
         similar: &[
             Similar {

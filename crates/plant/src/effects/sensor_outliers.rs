@@ -34,6 +34,7 @@ impl Effect for SensorOutliers {
         start: Start::Values(&[&[0.015, 20.0], &[0.015, 40.0], &[0.015, 80.0], &[0.015, 160.0]]),
         shown_at: Some(&[0.02, 60.0]),
         in_a_log: "single readings jump away and back faster than a ball can move, and the duty has spikes",
+        mend_elsewhere: "shield sensor and cable; reject implausible readings (gate of the observer)",
         mend: "narrow the field of view of the sensor, darken the pipe; reject implausible readings (gate of the \
              observer)",
         similar: &[

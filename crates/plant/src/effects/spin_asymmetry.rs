@@ -37,6 +37,7 @@ impl Effect for SpinAsymmetry {
         shown_at: Some(&[0.15, 0.40]),
         in_a_log: "the ball responds to a rise of duty sooner than to a fall, and floats higher while the duty \
              oscillates fast about hover",
+        mend_elsewhere: "an amplifier that drives and brakes alike; a lower gain for one direction",
         mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); a lower gain for \
              downward moves",
         similar: &[

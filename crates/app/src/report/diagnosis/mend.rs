@@ -13,30 +13,6 @@ use control::compensation::{Compensation, DeadZoneCorrection};
 use plant::effects::DeadZone;
 use plant::{Effect, Entry, Model};
 
-/// Corrections on a rig that is no ball in a pipe, of the effects whose entry speaks of pipe, ball or fan.
-const ELSEWHERE: [(&str, &str); 11] = [
-    ("fan_lag", "a faster actuator or amplifier; more derivative action or less gain in the controller"),
-    (
-        "height_dependent_flow",
-        "find the spring, slope or cable that pulls to one position; an integral term in the controller",
-    ),
-    ("hysteresis", "remove the play between actuator and load; dither wider than the hysteresis"),
-    (
-        "quadratic_drag",
-        "none, it is the drag of the medium. Put it into the simulator, or limit the speed of the setpoint",
-    ),
-    (
-        "relative_airflow",
-        "none, it is physics. Put it into the simulator, or schedule the derivative gain over the input",
-    ),
-    ("sensor_delay", "read right after the measurement is ready; a predictor for the delay"),
-    ("sensor_lag", "less averaging in the sensor; a Kalman filter with the lag in its model"),
-    ("sensor_noise", "more averaging in the sensor, shielded cables; a slower filter in the controller"),
-    ("sensor_outliers", "shield sensor and cable; reject implausible readings (gate of the observer)"),
-    ("spin_asymmetry", "an amplifier that drives and brakes alike; a lower gain for one direction"),
-    ("wall_friction", "clean, align and lubricate guides and bearings; dither the input"),
-];
-
 /// An edge of the correction within this distance of the mended one is right, percent of duty: three steps of a 12-bit
 /// chip.
 const RIGHT_PERCENT: f64 = 0.07;
@@ -45,8 +21,8 @@ const RIGHT_PERCENT: f64 = 0.07;
 #[must_use]
 pub fn words(entry: &Entry, mended: &Model, compensation: Option<&Compensation>, rig: &Words) -> String {
     let Some((compensation, should)) = needed(entry, mended, compensation) else {
-        let elsewhere = ELSEWHERE.iter().find(|(name, _)| *name == entry.name && !rig.is_ball_pipe());
-        return elsewhere.map_or(entry.mend, |(_, mend)| mend).to_owned();
+        let elsewhere = Some(entry.mend_elsewhere).filter(|mend| !mend.is_empty() && !rig.is_ball_pipe());
+        return elsewhere.unwrap_or(entry.mend).to_owned();
     };
     compensation.dead_zone.map_or_else(|| first_correction(should), |is| correction(is, should))
 }
@@ -107,7 +83,7 @@ fn correction(is: DeadZoneCorrection, should: DeadZoneCorrection) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{ELSEWHERE, patch, words};
+    use super::{patch, words};
     use crate::analysis::closed_loop::tests::project;
     use crate::config::words::Words;
     use control::compensation::{Compensation, DeadZoneCorrection};
@@ -153,6 +129,5 @@ mod tests {
         // A rig with words of its own has no fan.
         let cart = Words { position: Some("angle".into()), ..Words::default() };
         assert!(!words(lag, &mended, None, &cart).contains("fan"));
-        assert!(ELSEWHERE.iter().all(|(name, _)| Effects::built_in(name).is_some()));
     }
 }

@@ -45,9 +45,9 @@ mod record;
 mod residual;
 pub mod scoring;
 mod select;
+mod spurious_duty;
 mod stats;
 pub mod thresholds;
-mod unfelt;
 
 // The flights for tests name this crate as the tests of `score` do, which share them.
 #[cfg(test)]

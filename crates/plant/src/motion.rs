@@ -192,7 +192,8 @@ impl Motion {
         (!is_held).then(|| net.signum())
     }
 
-    /// The motion under a constant friction until friction stops the ball, or for all of `dt_s`; and how long that took.
+    /// The motion under a constant friction until friction stops the ball, or for all of `dt_s`; and how long that
+    /// took.
     pub(crate) fn until_stop(&self, flow: &Flow<'_>, direction: f64, friction: f64, dt_s: f64) -> (Self, f64) {
         let slide = |t: f64| flow.free(self, friction, t);
         let last = slide(dt_s);

@@ -6,8 +6,8 @@
 //!
 //! A ball that is held keeps its position: its rates, and those of its derivatives, are 0.
 //!
-//! These are the derivatives of the RK4 step itself, to rounding, and not those of the exact motion. Written formulas are
-//! differentiated automatically; at a kink, as of `max`, theirs is the derivative of one side (see
+//! These are the derivatives of the RK4 step itself, to rounding, and not those of the exact motion. Written formulas
+//! are differentiated automatically; at a kink, as of `max`, theirs is the derivative of one side (see
 //! [`formula::Formula::dual`]). The effects of the catalogue have no derivatives in closed form: those of their forces
 //! and of the fan's lag are differences, exact where they are linear.
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, section I.14.
@@ -100,20 +100,17 @@ impl Flow<'_> {
             own: [p, q],
         };
         let unit = Unit::ALL;
-        let slopes = Derivatives {
+        // A ball that is held has no velocity.
+        let velocity = if phase == Phase::Held { &unit.still } else { &unit.velocity };
+        let derivatives = Derivatives {
             by_position: after(&unit.position, all[1 + POSITION], 0.0, 0.0),
-            by_velocity: after(
-                if phase == Phase::Held { &unit.still } else { &unit.velocity },
-                all[1 + VELOCITY],
-                0.0,
-                0.0,
-            ),
+            by_velocity: after(velocity, all[1 + VELOCITY], 0.0, 0.0),
             by_fan: after(&unit.still, all[1 + FAN], by_fan[2], 0.0),
             by_turbulence: after(&unit.still, all[1 + TURBULENCE], 0.0, by_turbulence[2]),
             by_sensed: after(&unit.sensed, [0.0; 2 + OWN_STATES], 0.0, 0.0),
             by_own: std::array::from_fn(|state| after(&unit.still, all[1 + OWN + state], 0.0, 0.0)),
         };
-        (after(motion, all[0], fan[2], turbulence[2]), slopes)
+        (after(motion, all[0], fan[2], turbulence[2]), derivatives)
     }
 
     /// y, v and the own states after the step, then the columns of D: `ROWS` rows of them where there are own states.

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The same parameters are fitted on both sides, because numbers of models with different effects cannot be compared: a
-//! dead zone that one model lacks moves its gain. An effect that one side does not have is near its neutral value there.
-//! The belief decides where a record knows two numbers only together, such as gain and lag of a slow loop. It is the same
-//! on both sides, so that it makes no change. What single numbers do not show, they may show together:
+//! dead zone that one model lacks moves its gain. An effect that one side does not have is near its neutral value
+//! there. The belief decides where a record knows two numbers only together, such as gain and lag of a slow loop. It is
+//! the same on both sides, so that it makes no change. What single numbers do not show, they may show together:
 //!
 //! ```text
 //! χ² = dᵀ·(C_a + C_b)⁻¹·d       d: differences of the base parameters and noises, in their own scales

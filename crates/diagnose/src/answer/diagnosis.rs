@@ -28,8 +28,8 @@ use crate::select::posterior::Scored;
 use crate::select::refit;
 use crate::select::search::Search;
 use crate::select::stepwise::{NamedEffect, Selection, select_effects};
+use crate::spurious_duty::spurious_duties;
 use crate::thresholds::ENOUGH_READINGS;
-use crate::unfelt::unfelt_duties;
 use plant::{Definition, Model};
 
 /// The result of a diagnosis.
@@ -163,8 +163,8 @@ fn has_finite_errors(belief: &Model, recording: &Recording) -> bool {
 /// The findings that leave logs without a verdict before any search: a wild duty; mistakes of units, signs and columns;
 /// else what all rows together, `recording`, are insufficient for.
 fn obstacles(belief: &Model, logs: &[Recording], recording: &Recording, folds: &Folds) -> Vec<FlightFinding> {
-    let unfelt = unfelt_duties(belief, logs);
-    let mistakes = if unfelt.is_empty() { mistakes(belief, logs) } else { unfelt };
+    let spurious = spurious_duties(belief, logs);
+    let mistakes = if spurious.is_empty() { mistakes(belief, logs) } else { spurious };
     if !mistakes.is_empty() {
         return mistakes;
     }

@@ -6,7 +6,6 @@
 
 use crate::answer::diagnosis::Diagnosis;
 use crate::fit::profile::OF_90_PERCENT;
-use nalgebra::DVector;
 use plant::{Conditions, Definition, Model, Stage};
 
 /// A signal that a term may be drawn over.
@@ -35,8 +34,6 @@ pub struct FormulaCurve {
 
 /// Points of a curve.
 const POINTS: u32 = 120;
-/// Step of the numerical derivative of a term, in the scale of a parameter.
-const SLIGHTLY: f64 = 1e-3;
 
 impl Over {
     /// The signals, in the order of the ranges of [`Diagnosis::formula_curves`].
@@ -69,22 +66,13 @@ impl Diagnosis {
     /// A term over a signal; `None` if it does not depend on it.
     fn curve(&self, shape: &'static Definition, over: Over, (from, to): (f64, f64)) -> Option<FormulaCurve> {
         let model = &self.mended.model;
-        let added = |model: &Model, at: f64| {
-            let values = model.effects.values(shape.entry().name).unwrap_or_default();
+        let added = |by: &Model, at: f64| {
+            let values = by.effects.values(shape.entry().name).unwrap_or_default();
             shape.adds_with(&values, &over.at(model, at))
-        };
-        let covariance = self.mended.covariance().map(|entry| if entry.is_finite() { entry } else { 0.0 });
-        let sigma = |at: f64| {
-            let moved = self.mended.parameters.iter().map(|one| {
-                let by = |step: f64| added(&one.stepped(model, step), at);
-                if one.is_of(shape.entry().name) { (by(SLIGHTLY) - by(-SLIGHTLY)) / (2.0 * SLIGHTLY) } else { 0.0 }
-            });
-            let slope = DVector::from_iterator(self.mended.parameters.len(), moved);
-            slope.dot(&(&covariance * &slope)).max(0.0).sqrt()
         };
         let points = (0..=POINTS).map(|k| {
             let at = from + (to - from) * f64::from(k) / f64::from(POINTS);
-            let (value, reach) = (added(model, at), OF_90_PERCENT * sigma(at));
+            let (value, reach) = (added(model, at), OF_90_PERCENT * self.mended.deviation_of(|by| added(by, at)));
             [at, value, value - reach, value + reach]
         });
         let points: Vec<[f64; 4]> = points.collect();

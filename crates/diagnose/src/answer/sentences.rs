@@ -74,8 +74,8 @@ impl Diagnosis {
         Some(self.form_in_words().map_or_else(|| format!("what is left is {size}"), |form| format!("{form}; {size}")))
     }
 
-    /// What of the residual is reported: terms, then events, each the most significant first; none where the residual is
-    /// not significant.
+    /// What of the residual is reported: terms, then events, each the most significant first; none where the residual
+    /// is not significant.
     #[must_use]
     pub fn residual_terms(&self) -> Vec<&Omitted> {
         let misfit = &self.misfit;
@@ -86,7 +86,8 @@ impl Diagnosis {
         terms.chain(misfit.event_terms.iter().filter(|_| misfit.events_are_reported()).take(MOST_TERMS)).collect()
     }
 
-    /// What is left without its terms: how much, and whether it is noise of the air; `None` where it is not significant.
+    /// What is left without its terms: how much, and whether it is noise of the air; `None` where it is not
+    /// significant.
     #[must_use]
     pub fn residual_size_in_words(&self) -> Option<String> {
         if self.verdict == Verdict::InsufficientData || !self.rest.is_significant {

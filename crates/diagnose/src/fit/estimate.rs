@@ -7,22 +7,22 @@
 //! ```
 //!
 //! Parameters of p itself, such as the share of outliers, add their scores: g = Σ ∂ln p, H = Σ ∂ln p·∂ln pᵀ.
-//! Derivatives are differences of whole filter runs, in the scales of [`Parameter`], so that one λ suits all. After each
-//! step further ones are tried with the same derivatives, which take a single run each (the chord method). Gradient and
-//! information are kept by fold, so that a fit without a fold takes one step. The covariance of θ is H⁻¹ when the
-//! model is right.
+//! Derivatives are differences of whole filter runs, in the scales of [`Parameter`], so that one λ suits all. After
+//! each step further ones are tried with the same derivatives, which take a single run each (the chord method).
+//! Gradient and information are kept by fold, so that a fit without a fold takes one step. The covariance of θ is H⁻¹
+//! when the model is right.
 //! Source: Gupta and Mehra, "Computational aspects of maximum likelihood estimation", IEEE TAC 19 (1974).
 
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
 use crate::fit::bounds::Bounds;
+use crate::fit::derivatives::{Derivatives, Sensitivities};
 use crate::fit::parameter::{Parameter, Prior, prior};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
 use crate::thresholds::LONG;
 use nalgebra::{DMatrix, DVector};
 use plant::Model;
-use rayon::prelude::*;
 
 /// Most scoring steps; a fit that needs more moves along a ridge of the likelihood that the record does not determine.
 const STEPS: usize = 15;
@@ -34,14 +34,12 @@ pub(crate) const GAIN_ENOUGH: f64 = 0.05;
 const STEEP: f64 = 20.0;
 /// Information below which the record does not determine a parameter.
 const NOTHING_TOLD: f64 = 1e-6;
-/// Length of the finite differences, in scaled parameters.
-const DIFFERENCE: f64 = 0.01;
 /// A step is shortened this many times, and further while it is predicted to gain this many nats.
 pub(crate) const SHORTER: usize = 6;
 const PROMISING: f64 = 1.0;
 const SHORTEST: usize = 14;
 
-/// Most steps with the derivatives of an earlier point.
+/// Most steps with the derivatives of an earlier point, each of which must gain. No other number was tried.
 const CHORDS: usize = 3;
 /// Step of the numerical derivative of a number of the model by a parameter, in the scale of the parameter.
 const SLIGHTLY: f64 = 1e-3;
@@ -60,21 +58,6 @@ pub struct Fit {
     pub(crate) slope: Derivatives,
 }
 
-/// Gradient and information of the likelihood fold by fold, and of the prior.
-#[derive(Clone, Debug)]
-pub(crate) struct Derivatives {
-    folds: Vec<(DVector<f64>, DMatrix<f64>)>,
-    prior: (DVector<f64>, DMatrix<f64>),
-}
-
-impl Derivatives {
-    /// Sums over all folds but `left_out`.
-    pub(crate) fn total(&self, left_out: Option<usize>) -> (DVector<f64>, DMatrix<f64>) {
-        let kept = self.folds.iter().enumerate().filter(|(fold, _)| Some(*fold) != left_out);
-        kept.fold(self.prior.clone(), |(g, h), (_, (gradient, information))| (g + gradient, h + information))
-    }
-}
-
 impl Fit {
     /// Σ ln p(ν) over the readings for which `counts` holds, nats.
     #[must_use]
@@ -90,8 +73,8 @@ impl Fit {
         self.covariance().diagonal().iter().map(deviation).collect()
     }
 
-    /// Standard deviation of a number of the model, from the covariance of the fitted parameters. What the record does not
-    /// determine is left out.
+    /// Standard deviation of a number of the model, from the covariance of the fitted parameters. What the record does
+    /// not determine is left out.
     #[must_use]
     pub fn deviation_of(&self, number: impl Fn(&Model) -> f64) -> f64 {
         let covariance = self.covariance().map(|entry| if entry.is_finite() { entry } else { 0.0 });
@@ -146,9 +129,9 @@ struct StepLimits {
 }
 
 /// A model during a fit, with its innovations and its log-posterior.
-struct Point {
-    model: Model,
-    innovations: Vec<Innovation>,
+pub(super) struct Point {
+    pub(super) model: Model,
+    pub(super) innovations: Vec<Innovation>,
     total: f64,
 }
 
@@ -284,78 +267,6 @@ impl Problem<'_> {
         let there = self.point(self.moved(&best.model, parameters, &direction), parameters);
         (there.total > best.total + GAIN_ENOUGH).then_some(there)
     }
-
-    /// Gradient and information of log-likelihood and log-prior at `point`.
-    fn slope(&self, point: &Point, parameters: &[Parameter]) -> Derivatives {
-        self.derivatives(point, parameters, &self.sensitivities(point, parameters))
-    }
-
-    /// The derivatives of the innovations at `point`.
-    fn sensitivities(&self, point: &Point, parameters: &[Parameter]) -> Sensitivities {
-        let of_one = |parameter: &Parameter| -> Vec<[f64; 2]> {
-            let nudged = innovations(&parameter.stepped(&point.model, DIFFERENCE), self.recording);
-            let of_density = parameter.is_of_the_density();
-            let both = point.innovations.iter().zip(&nudged);
-            both.map(|(here, there)| derivative(here, there, of_density)).collect()
-        };
-        Sensitivities { by_parameter: parameters.par_iter().map(of_one).collect() }
-    }
-
-    /// Gradient and information at `point` from the derivatives of the innovations.
-    fn derivatives(&self, point: &Point, parameters: &[Parameter], known: &Sensitivities) -> Derivatives {
-        let n = parameters.len();
-        let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
-        let mut folds = vec![zero.clone(); Folds::COUNT];
-        let of_density: Vec<bool> = parameters.iter().map(|parameter| parameter.is_of_the_density()).collect();
-        let (mut shift, mut spread, mut density) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for (k, s) in point.innovations.iter().enumerate() {
-            let Some(fold) = self.folds.of(s.row).filter(|_| !s.repeat) else { continue };
-            let deviation = s.variance_mm2.sqrt();
-            for i in 0..n {
-                let [first, second] = known.by_parameter[i][k];
-                (shift[i], spread[i], density[i]) =
-                    if of_density[i] { (0.0, 0.0, first) } else { (first / deviation, second, 0.0) };
-            }
-            let (gradient, information) = &mut folds[fold];
-            for i in 0..n {
-                gradient[i] += s.standardised * shift[i] + 0.5 * s.variance_score * spread[i] + density[i];
-                for j in 0..=i {
-                    let normal = s.weight * (shift[i] * shift[j] + 0.5 * spread[i] * spread[j]);
-                    information[(i, j)] += normal + density[i] * density[j];
-                }
-            }
-        }
-        for (_, information) in &mut folds {
-            information.fill_upper_triangle_with_lower_triangle();
-        }
-        let mut prior = zero;
-        for (i, parameter) in parameters.iter().enumerate().filter(|_| self.prior == Prior::Belief) {
-            let (_, slope, curvature) = parameter.prior(&point.model, self.belief);
-            prior.0[i] = slope;
-            prior.1[(i, i)] = curvature;
-        }
-        Derivatives { folds, prior }
-    }
-}
-
-/// The derivatives of the innovations by each parameter: of the expectation, mm, and of the logarithm of the variance;
-/// or of ln p alone.
-struct Sensitivities {
-    by_parameter: Vec<Vec<[f64; 2]>>,
-}
-
-/// The derivatives of an innovation by a parameter from a run with this parameter moved.
-fn derivative(here: &Innovation, there: &Innovation, of_density: bool) -> [f64; 2] {
-    // A reading that changes between new and repeated has no derivative.
-    if here.repeat || there.repeat {
-        return [0.0; 2];
-    }
-    let derivatives = if of_density {
-        [there.log_density - here.log_density, 0.0]
-    } else {
-        [there.expected_mm - here.expected_mm, (there.variance_mm2 / here.variance_mm2).ln()]
-    };
-    derivatives.map(|change| change / DIFFERENCE)
 }
 
 /// Information with a share of its diagonal added.

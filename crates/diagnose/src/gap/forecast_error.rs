@@ -167,17 +167,16 @@ pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize
     all
 }
 
-/// The readings from which forecasts start, decimated where all would take too many steps.
+/// The readings from which forecasts start: apart from each other, and further where these would take too many steps.
 fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item = usize> + 'a {
     let rows_per_s = recording.samples().len() as f64 / recording.duration_s().max(1e-9);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
-    let steps = (track.readings() as f64 * rows_per_s) as usize;
+    let [steps, apart] = [track.readings() as f64 * rows_per_s, APART_S * rows_per_s].map(|count| count as usize);
+    let apart = apart.max(1);
     let samples = recording.samples();
     let begins_s = |row: usize| samples[recording.flight_of(row).start].time_s + WARM_UP_S;
     let is_warm = move |k: &usize| track.reading(*k).is_some_and(|(row, time_s, _)| time_s >= begins_s(row));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
-    let apart = (APART_S * rows_per_s) as usize;
-    (0..track.readings()).filter(is_warm).step_by((steps / apart.max(1)).div_ceil(ENOUGH_STEPS).max(1) * apart.max(1))
+    (0..track.readings()).filter(is_warm).step_by((steps / apart).div_ceil(ENOUGH_STEPS).max(1) * apart)
 }
 
 fn horizons(

@@ -9,7 +9,7 @@
 //! shows nothing without it: dry friction looks a little like one.
 
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
-use crate::identify::lone_input::lone_input;
+use crate::identify::input_outlier::input_outlier;
 use crate::linear::{LinearFit, Order, beginning, linear_fit};
 use crate::record::prepare::prepared;
 use crate::record::recording::{Recording, Sample};
@@ -64,7 +64,7 @@ pub enum NoPlant {
         "the input of row {row} is {times:.3e} times as far from all others as these are from each other: remove this \
          row, or mend the recorder"
     )]
-    LoneInput {
+    InputOutlier {
         /// The row, counted from 1.
         row: usize,
         /// Its distance from the others, in their range.
@@ -163,8 +163,8 @@ impl Forms {
 /// [`NoPlant`]: the record is of no plant of ours, or too short.
 pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial, NoPlant> {
     let flight = recordings.iter().max_by_key(|one| one.readings()).ok_or(NoPlant::Still)?;
-    if let Some((row, times)) = recordings.iter().find_map(lone_input) {
-        return Err(NoPlant::LoneInput { row, times });
+    if let Some((row, times)) = recordings.iter().find_map(input_outlier) {
+        return Err(NoPlant::InputOutlier { row, times });
     }
     let forms = Forms::of(&beginning(flight)).ok_or(NoPlant::Still)?;
     if let Some(time_constant_s) = forms.first_order_s() {

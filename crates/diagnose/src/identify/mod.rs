@@ -3,7 +3,7 @@
 
 pub(crate) mod grey_box;
 mod initial;
-mod lone_input;
+mod input_outlier;
 pub(crate) mod open_loop;
 mod relay;
 pub(crate) mod residual_tests;

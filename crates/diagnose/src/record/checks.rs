@@ -1,4 +1,4 @@
-//! What is checked of every record, with its limit: the list that a report ticks.
+//! What is checked of every record, with its limit: the list that a report ticks. And what a finding stops.
 
 use crate::record::check::{COARSE_CLOCK_PERCENT, GAP, OUTLIER, REPEATED_PERCENT, SLOWEST_S, STILL_PERCENT};
 use crate::record::finding::Finding;
@@ -53,7 +53,8 @@ impl Check {
             Self::Excitation => format!("the duty moves by more than {STILL_PERCENT} %, and the position moves"),
             Self::Readings => {
                 format!(
-                    "readings lie in the pipe, but for {OUTLIER} standard deviations of noise; no codes for \"no target\""
+                    "readings lie in the pipe, but for {OUTLIER} standard deviations of noise; no codes for \"no \
+                        target\""
                 )
             }
             Self::Outliers => format!("no reading is {OUTLIER} robust standard deviations off its neighbours"),
@@ -73,7 +74,7 @@ impl Finding {
     pub const fn check(&self) -> Check {
         match self {
             Self::FractionalDuty
-            | Self::UnfeltDuty { .. }
+            | Self::SpuriousDuty { .. }
             | Self::TimeUnit { .. }
             | Self::DutyBeyondPercent { .. }
             | Self::DutyFarBelowHover { .. }
@@ -97,6 +98,31 @@ impl Finding {
             | Self::Decimated { .. }
             | Self::Averaged { .. }
             | Self::AtEnd { .. } => Check::Rows,
+        }
+    }
+
+    /// Whether no plant can be identified from such a record, whatever is believed.
+    #[must_use]
+    pub const fn stops_identification(&self) -> bool {
+        matches!(
+            self,
+            Self::DutyBeyondPercent { .. }
+                | Self::SlowRows { .. }
+                | Self::RepeatedTimes { .. }
+                | Self::StillDuty { .. }
+                | Self::StillPosition { .. }
+        )
+    }
+
+    /// Whether it is a mistake of units, signs or columns, which no other flight mends.
+    #[must_use]
+    pub const fn is_mistake(&self) -> bool {
+        match self {
+            // Rows so far apart have another unit of time.
+            Self::SlowRows { .. } => true,
+            // It may be another rig's.
+            Self::DutyFarBelowHover { .. } => false,
+            _ => matches!(self.check(), Check::Units),
         }
     }
 }

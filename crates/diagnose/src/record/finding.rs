@@ -4,8 +4,8 @@ use crate::record::check::OUTLIER;
 use crate::record::implausible::DutyScale;
 use crate::record::units::{digits, length, nearest_scale, short};
 
-/// A scale by hover is that of a usual unit within this factor; by the gain, of which an effect takes a part, within the
-/// other.
+/// A scale by hover is that of a usual unit within this factor; by the gain, of which an effect takes a part, within
+/// the other.
 const NEAR_BY_HOVER: f64 = 1.15;
 const NEAR_BY_GAIN: f64 = 2.0;
 
@@ -43,10 +43,10 @@ pub enum Finding {
     },
     /// A duty in a single row that did not move the ball.
     #[error(
-        "the duty of row {row} is {duty_percent:.4}, far from the rows before and after it, and the ball did not feel it: \
-         remove this row, or mend the recorder"
+        "the duty of row {row} is {duty_percent:.4}, far from the rows before and after it, and the ball did not \
+         respond to it: remove this row, or mend the recorder"
     )]
-    UnfeltDuty {
+    SpuriousDuty {
         /// The row, counted from 1.
         row: usize,
         /// Its duty, percent.
@@ -270,7 +270,8 @@ pub enum Finding {
     #[error(
         "the record fits a gain that is {ratio:.3e} times the believed one, and its hover fits: the position is in \
          another unit{}; write [import] position_mm = {{ column = \"position_mm\", scale = {} }} with the column's own \
-         name, times the scale that is there; or, if the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}", length(*ratio).0, digits(length(*ratio).1)
+         name, times the scale that is there; or, if the belief is wrong, plant.gain_mm_per_s2_per_percent = \
+         {gain:.4}", length(*ratio).0, digits(length(*ratio).1)
     )]
     PositionUnit {
         /// Gain of the record over that of the belief.
@@ -345,40 +346,4 @@ pub enum Finding {
         /// The longest run, rows.
         longest: usize,
     },
-}
-
-impl Finding {
-    /// Whether no plant can be identified from such a record, whatever is believed.
-    #[must_use]
-    pub const fn stops_identification(&self) -> bool {
-        matches!(
-            self,
-            Self::DutyBeyondPercent { .. }
-                | Self::SlowRows { .. }
-                | Self::RepeatedTimes { .. }
-                | Self::StillDuty { .. }
-                | Self::StillPosition { .. }
-        )
-    }
-
-    /// Whether it is a mistake of units, signs or columns, which no other flight mends.
-    #[must_use]
-    pub const fn is_mistake(&self) -> bool {
-        matches!(
-            self,
-            Self::PositionReversed { .. }
-                | Self::InputReversed { .. }
-                | Self::SignReversed { .. }
-                | Self::DutyUnit { .. }
-                | Self::PositionUnit { .. }
-                | Self::GainUnit { .. }
-                | Self::Exchanged
-                | Self::TimeUnit { .. }
-                | Self::SeveralRigs { .. }
-                | Self::FractionalDuty
-                | Self::DutyBeyondPercent { .. }
-                | Self::UnfeltDuty { .. }
-                | Self::SlowRows { .. }
-        )
-    }
 }

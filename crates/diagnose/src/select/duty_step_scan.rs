@@ -12,7 +12,7 @@
 use crate::fit::estimate::{Fit, Problem};
 use crate::record::commanded::commanded;
 use crate::record::implausible::NO_PERCENT;
-use crate::residual::score_test::{FilterRun, ProjectedInnovations};
+use crate::residual::score_test::{FilterRun, ProjectedInnovations, share_after};
 use plant::{Entry, Model};
 use rayon::prelude::*;
 
@@ -41,7 +41,7 @@ pub(crate) fn steps(problem: &Problem<'_>, fit: &Fit, effect: &Entry) -> (Vec<f6
         let mut late = 0.0;
         projected.score(|at, dt| {
             let added = rows[at].clone().map(|row| coarse[row] - fine[row]).sum::<f64>() / rows[at].len().max(1) as f64;
-            late += (added - late) * if lag_s > 0.0 { -(-dt / lag_s).exp_m1() } else { 1.0 };
+            late += (added - late) * share_after(dt, lag_s);
             late
         })
     };

@@ -11,7 +11,7 @@
 //! returned: places beside them lead to the same fit, and are no choice of their own.
 
 use crate::fit::estimate::{Fit, Problem};
-use crate::residual::score_test::{Before, FilterRun, Joint, ProjectedInnovations};
+use crate::residual::score_test::{Before, FilterRun, Joint, ProjectedInnovations, share_after};
 use plant::{Conditions, Definition, OWN_STATES, ParameterTable, Stage};
 use rayon::prelude::*;
 
@@ -200,8 +200,8 @@ impl Small<'_> {
                 Stage::Sensor => (0.0, added),
                 Stage::Air | Stage::Ball => (added, 0.0),
                 Stage::Actuator => {
-                    let share = if self.linear.lag_s > 0.0 { -(-dt_s / self.linear.lag_s).exp_m1() } else { 1.0 };
-                    late += (conditions.gain_mm_per_s2_per_percent * added - late) * share;
+                    let change = conditions.gain_mm_per_s2_per_percent * added - late;
+                    late += change * share_after(*dt_s, self.linear.lag_s);
                     (late, 0.0)
                 }
             }

@@ -15,7 +15,7 @@ use crate::answer::diagnosis::Diagnosis;
 use crate::answer::sentences::LIKELIER_THAN_NOT;
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::profile::OF_90_PERCENT;
-use crate::residual::score_test::{BinnedForces, FilterRun};
+use crate::residual::score_test::{BinnedForces, FilterRun, share_after};
 use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::WIDER;
 use plant::{Entry, Late, Model, Settled, Stage};
@@ -183,7 +183,7 @@ impl Drawn {
 /// The share of a change of the duty that has come after so many seconds through an effect that is late by `late_s`.
 fn arrived(effect: &Entry, late_s: f64, after_s: f64) -> f64 {
     match effect.acts.late {
-        Some(Late::Lag) if late_s > 0.0 => -(-after_s / late_s).exp_m1(),
+        Some(Late::Lag) if late_s > 0.0 => share_after(after_s, late_s),
         _ => f64::from(u8::from(after_s >= late_s)),
     }
 }

@@ -6,10 +6,9 @@
 //! reading = y, or s behind a sensor's lag           see `measurement` where written effects act in the sensor
 //! ```
 //!
-//! It is exact for linear models, where central differences are accurate to rounding, and for effects that act on the
-//! duty alone. Formulas that a user wrote are differentiated automatically. A delayed reading belongs to an earlier
-//! time, and the filter uses it there. Each integration step has the real time between its ends and ends where the
-//! command jumps.
+//! It is exact for linear models, and for effects that act on the duty alone. A step with dry friction is one linear
+//! map until the ball stops. A delayed reading belongs to an earlier time, and the filter uses it there. Each
+//! integration step has the real time between its ends and ends where the command jumps.
 //! Source: Gelb, *Applied Optimal Estimation*, chapter 6.
 
 mod active;

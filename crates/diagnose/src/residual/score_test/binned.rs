@@ -7,6 +7,7 @@
 //!
 //! The parameters of the model are fixed, so that the bins alone take what is left.
 
+use super::conditions::share_after;
 use super::sensitivities::{FilterRun, Step};
 use crate::filter::ekf::Sensitivity;
 use nalgebra::{DMatrix, DVector};
@@ -36,7 +37,7 @@ impl BinnedForces {
                 late.fill(0.0);
                 continue;
             };
-            let share = if lag_s > 0.0 { -(-dt_s / lag_s).exp_m1() } else { 1.0 };
+            let share = share_after(dt_s, lag_s);
             let mut now = vec![0.0; bins];
             pushes.iter().for_each(|(bin, push)| now[*bin] += push);
             let row = DVector::from_fn(bins, |bin, _| {

@@ -5,6 +5,11 @@ use crate::fit::estimate::Problem;
 use crate::record::commanded::commanded;
 use plant::{Conditions, Input, Model};
 
+/// The share of a change that has come after `dt_s` through a first-order lag of `lag_s`; all of it without a lag.
+pub(crate) fn share_after(dt_s: f64, lag_s: f64) -> f64 {
+    if lag_s > 0.0 { -(-dt_s / lag_s).exp_m1() } else { 1.0 }
+}
+
 /// The conditions between the previous reading and a reading.
 pub(crate) struct Before {
     /// Seconds since the previous reading.

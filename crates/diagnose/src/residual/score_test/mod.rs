@@ -28,7 +28,7 @@ mod sensitivities;
 mod terms;
 
 pub(crate) use binned::{BinnedForces, Pushes};
-pub(crate) use conditions::Before;
+pub(crate) use conditions::{Before, share_after};
 pub(crate) use projection::{Joint, ProjectedInnovations};
 pub(crate) use sensitivities::FilterRun;
 

@@ -7,7 +7,6 @@
 #![allow(unreachable_pub, rustdoc::private_intra_doc_links)]
 
 mod analysis;
-mod aside;
 pub mod cli;
 pub mod commands;
 mod config;
@@ -18,6 +17,7 @@ mod log;
 mod mqtt;
 mod report;
 mod rig;
+mod standard_error;
 mod wrapped;
 
 pub use config::ConfigError;

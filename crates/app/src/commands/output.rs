@@ -1,12 +1,12 @@
-//! Standard output, which may be closed at any time: `println!` would panic. Standard error is in `aside`.
+//! Standard output, which may be closed at any time: `println!` would panic. Standard error is in `standard_error`.
 
-pub use crate::aside::fail;
-pub(super) use crate::aside::{note, warn};
+pub use crate::standard_error::fail;
+pub(super) use crate::standard_error::{note, warn};
 
-use crate::aside::for_reader;
 use crate::files;
 use crate::report::kit::page::made::Made;
 use crate::report::kit::{page, plot};
+use crate::standard_error::for_reader;
 use anyhow::{Result, anyhow};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stdout};

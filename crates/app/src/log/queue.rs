@@ -8,9 +8,9 @@ use super::files::Files;
 use super::recorder::{Inline, Sink};
 use super::rotation::Rotation;
 use super::writer::{LogSummary, LogWriter};
-use crate::aside::fail;
 use crate::flight::outside::Recorder;
 use crate::flight::vocabulary::{Cycle, Event};
+use crate::standard_error::fail;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::{
     io::{Seek, Write},

@@ -10,9 +10,9 @@ use super::line::Line;
 use super::mailbox::Inbox;
 use super::outage::Outage;
 use super::parse::{Asked, ParseError, parse};
-use crate::aside::plain;
 use crate::config::mqtt::{Credentials, MqttConfig, MqttError};
 use crate::config::topics::Topics;
+use crate::standard_error::plain;
 use rumqttc::{
     Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, PublishOptions, QoS, TlsConfiguration,
     Transport,

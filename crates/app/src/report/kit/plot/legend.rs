@@ -1,7 +1,8 @@
 //! The names of lines: at their ends, or in a key above the diagram.
 
 use super::PlotError;
-use super::panel::{Area, Chart, FINE, LETTERS, Line, ROW, failed, fine, is_there, letters, steps};
+use super::diagram::Line;
+use super::panel::{Area, Chart, FINE, LETTERS, ROW, failed, fine, is_there, letters, steps};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 

@@ -1,10 +1,12 @@
 //! Pictures as SVG: diagrams, and the lines of a record that many of them show.
 
+mod diagram;
 mod legend;
 mod panel;
 mod thinned;
 
-pub use panel::{Diagram, Line, Timeline, drawn, failed, panel, shapes, titled};
+pub use diagram::{Diagram, Line, Timeline};
+pub use panel::{drawn, failed, panel, shapes, titled};
 
 use super::palette::{DUTY, RECORDED, SETPOINT};
 use crate::files;

@@ -9,20 +9,20 @@ use terminal_size::{Width, terminal_size_of};
 
 /// Something to know. A closed standard error is not a failure.
 pub fn note(line: impl Display) {
-    aside("note", line);
+    line_of("note", line);
 }
 
 /// Something to look at: the command goes on, and its result may not be what was asked for.
 pub fn warn(line: impl Display) {
-    aside("warning", line);
+    line_of("warning", line);
 }
 
 /// What went wrong.
 pub fn fail(line: impl Display) {
-    aside("error", line);
+    line_of("error", line);
 }
 
-fn aside(kind: &str, line: impl Display) {
+fn line_of(kind: &str, line: impl Display) {
     plain(format_args!("{kind}: {line}"));
 }
 

@@ -1,5 +1,5 @@
-//! Whole commands on records with numbers that are finite and absurd: each has an answer or a refusal in words, within a
-//! minute and a gigabyte for 10,000 rows, and names no effect with confidence that only what was spoilt has made.
+//! Whole commands on records with numbers that are finite and absurd: each has an answer or a refusal in words, within
+//! a minute and a gigabyte for 10,000 rows, and names no effect with confidence that only what was spoilt has made.
 
 use serde_json::Value;
 use std::path::Path;
@@ -68,7 +68,8 @@ fn survives(bench: &Bench, spoilt: &Spoilt) {
         assert!(errors.lines().all(|line| line.len() < 2_000), "{what}: {errors}");
         if code == Some(0) && arguments.contains(&"--json") {
             let document: Value = serde_json::from_str(&output).unwrap_or_else(|error| panic!("{what}: {error}"));
-            // Without a belief there is no clock and no unit that could be wrong: the record is then that of another rig.
+            // Without a belief there is no clock and no unit that could be wrong: the record is then that of another
+            // rig.
             if arguments.contains(&"p.toml") {
                 assert_eq!(sure(&document), [""; 0], "{what}");
             }

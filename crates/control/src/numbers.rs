@@ -5,8 +5,9 @@
 //! values(t) = from + λ·(to − from)        λ = t/T, 0 to 1: the control value does not jump, whatever changes
 //! ```
 //!
-//! What a config does not have cannot be changed: a table that is absent is off. Words and switches stay as they are, and
-//! so do the points of a predistortion and the number of rows of a schedule. Bounds are those of the checks of the tables, found by asking them.
+//! What a config does not have cannot be changed: a table that is absent is off. Words and switches stay as they are,
+//! and so do the points of a predistortion and the number of rows of a schedule. Bounds are those of the checks of the
+//! tables, found by asking them.
 
 use crate::check::OutOfRange;
 use crate::compensation::Compensation;

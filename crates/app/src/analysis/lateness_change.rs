@@ -13,8 +13,8 @@ use serde::Serialize;
 const BLOCKS: usize = 10;
 /// The quantile of a block.
 const SHARE: f64 = 0.95;
-/// Standard deviations of a difference that chance does not make: 3.5 of Student's t with some ten degrees of freedom is
-/// 1 in 200.
+/// Standard deviations of a difference that chance does not make: 3.5 of Student's t with some ten degrees of freedom
+/// is 1 in 200.
 const BEYOND: f64 = 3.5;
 
 /// The lateness of the cycles of two flights.

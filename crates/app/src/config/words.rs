@@ -8,9 +8,9 @@
 //! input_unit = "V"
 //! ```
 //!
-//! The program's sentences are about a ball, its height in mm, and a duty in percent. Keys of configs, columns and names
-//! of files keep theirs: only whole words are replaced, and none beside an underscore, a dot or a slash. No number is
-//! converted: the unit is that of the position as `[import]` scales it.
+//! The program's sentences are about a ball, its height in mm, and a duty in percent. Keys of configs, columns and
+//! names of files keep theirs: only whole words are replaced, and none beside an underscore, a dot or a slash. No
+//! number is converted: the unit is that of the position as `[import]` scales it.
 
 use serde::Serialize;
 use toml::{Table, Value};

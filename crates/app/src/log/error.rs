@@ -15,13 +15,15 @@ pub enum LogError {
         source: io::Error,
     },
     /// A folder.
-    #[error("{} is a folder, and no log; name the log in it (of a ROS 2 bag, its topic exported as CSV)", path.display())]
+    #[error("{} is a folder, and no log; name the log in it (of a ROS 2 bag, its topic exported as \
+        CSV)", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
     },
     /// The file cannot be unpacked.
-    #[error("cannot unpack {} ({program}): {cause}; copy the file again, or pack it again with `{program}`", path.display())]
+    #[error("cannot unpack {} ({program}): {cause}; copy the file again, or pack it again with \
+        `{program}`", path.display())]
     Packed {
         /// The file.
         path: PathBuf,

@@ -40,7 +40,8 @@ impl Effect for HeightDependentFlow {
         start: Start::DutyOverHeight,
         represents_its_stage: Some(3),
         in_a_log: "the duty that holds the ball depends on the height, and a released ball drifts back to one height",
-        mend_elsewhere: "find the spring, slope or cable that pulls to one position; an integral term in the controller",
+        mend_elsewhere: "find the spring, slope or cable that pulls to one position; an integral term in the \
+            controller",
         mend: "seal the pipe and its joints; identify hover at the height of the flight; an integral term in the controller",
         similar: &[
             Similar {

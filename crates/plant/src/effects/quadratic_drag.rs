@@ -33,7 +33,8 @@ impl Effect for QuadraticDrag {
         }],
         sizes: &[&[0.002], &[0.006]],
         in_a_log: "slow motion fits the model; fast motion has more drag than in the simulator",
-        mend_elsewhere: "none, it is the drag of the medium. Put it into the simulator, or limit the speed of the setpoint",
+        mend_elsewhere: "none, it is the drag of the medium. Put it into the simulator, or limit the speed of the \
+            setpoint",
         mend: "none, it is the physics of a sphere. Put it into the simulator, or limit the speed of the setpoint",
         similar: &[
             Similar {

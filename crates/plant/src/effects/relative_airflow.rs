@@ -42,7 +42,8 @@ impl Effect for RelativeAirflow {
         }],
         sizes: &[&[5e-4], &[2e-3]],
         in_a_log: "the drag is larger than in the simulator at large duties, and smaller at small ones",
-        mend_elsewhere: "none, it is physics. Put it into the simulator, or schedule the derivative gain over the input",
+        mend_elsewhere: "none, it is physics. Put it into the simulator, or schedule the derivative gain over the \
+            input",
         mend: "none, it is the physics of the pipe. Put it into the simulator, or schedule the derivative gain over \
              the duty",
         similar: &[

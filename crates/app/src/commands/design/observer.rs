@@ -67,7 +67,8 @@ impl Noise {
         let noise = Self { w: args.w.clone(), v };
         if !noise.can_fly() && (args.patch_out.is_some() || args.html.is_some()) {
             bail!(
-                "an observer in flight has process noise on the velocity alone, so no patch and no page can hold this W; \
+                "an observer in flight has process noise on the velocity alone, so no patch and no page can hold this \
+                    W; \
                  leave --patch-out and --html out, or give --w 0,W2"
             );
         }

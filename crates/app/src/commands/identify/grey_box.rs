@@ -82,7 +82,8 @@ fn usable(args: &GreyBoxArgs, asked: &mut Asked) -> Result<(Vec<FlightFinding>, 
     }
     if args.open_loop && asked.belief.linear().gradient_per_s2 != 0.0 {
         bail!(
-            "a line cannot be taken from a ball whose lift changes with height, as the effects of [plant] say; identify \
+            "a line cannot be taken from a ball whose lift changes with height, as the effects of [plant] say; \
+                identify \
              without --open-loop, which needs no line"
         );
     }

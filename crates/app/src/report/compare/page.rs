@@ -105,7 +105,8 @@ fn stretch(side: &Side, name: &str, size: Size) -> Markup {
     let alt =
         format!("Position from {:.0} to {:.0} s of the record {name}, and free runs of both models", part.0, part.1);
     let caption = html! {
-        "The record " (name) ", and both models simulated from its duty, restarted at the recorded position every 10 s. \
+        "The record " (name) ", and both models simulated from its duty, restarted at the recorded position every 10 \
+            s. \
          Shown is where the model of the other side errs most."
     };
     figure(&Diagram { direct: true, ..runs(side).within(part) }, size, &alt, &caption)

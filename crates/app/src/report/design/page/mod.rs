@@ -86,7 +86,8 @@ fn effort(report: &Report<'_>, drawn: &Diagrams) -> Markup {
     let largest = report.room.zip(largest_control_per_mm(report.of)).map(|(room, per_mm)| room / per_mm);
     html! {
         @if let Some(mm) = largest {
-            p { (format!("A step of the setpoint above {mm:.0} mm takes the duty to its limit; the step response holds for \
+            p { (format!("A step of the setpoint above {mm:.0} mm takes the duty to its limit; the step response \
+                holds for \
                  smaller ones.")) }
         }
         div.two {
@@ -228,7 +229,8 @@ fn warnings(report: &Report<'_>) -> Markup {
             }
             @for name in report.not_linear {
                 li { strong { (name.replace('_', " ")) } " is in the model and not linear: the design uses "
-                    @if report.document.about.is_some() { "at most the slope of its force at the operating point" } @else { "nothing \
+                    @if report.document.about.is_some() { "at most the slope of its force at the operating \
+                        point" } @else { "nothing \
                          of it" }
                     "; check it with "
                     (command("airball simulate")) "." }

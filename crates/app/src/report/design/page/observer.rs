@@ -84,7 +84,8 @@ fn noise(document: &Document) -> Markup {
     html! {
         ul {
             li { "Noise of a reading: " (three_digits(observer.sensor_mm)) " mm (1σ)." }
-            li { "Power spectral density of the random acceleration: " (three_digits(observer.acceleration_psd_mm2_per_s3)) " \
+            li { "Power spectral density of the random acceleration: \
+                " (three_digits(observer.acceleration_psd_mm2_per_s3)) " \
                  mm²/s³." }
             li { "Readings with an innovation beyond " (three_digits(observer.gate_sigma)) "σ are outliers." }
             @match observer.disturbance_psd_per_s {

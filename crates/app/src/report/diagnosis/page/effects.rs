@@ -20,7 +20,8 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
                  stretches; those that the "
                 "screening rejected were not fitted in full. Evidence is the held-out gain, at most the gain in sample \
                  less one nat per parameter. An effect is named if its evidence "
-                "is at least " (FIRST_EFFECT) " nats; a second one needs " (SECOND_EFFECT) " nats and " (format!("{:.0} \
+                "is at least " (FIRST_EFFECT) " nats; a second one needs " (SECOND_EFFECT) " nats and \
+                    " (format!("{:.0} \
                      %", 100.0 * SHARE_OF_OMITTED)) " \
                      of the remaining misfit."
             }

@@ -110,7 +110,8 @@ fn record(report: &Report<'_>) -> Record {
 fn whole(report: &Report<'_>, record: &Record) -> Markup {
     html! {
         p {
-            "Position, duty and, where forecast errors are significant, residual force over the time of the record. Each \
+            "Position, duty and, where forecast errors are significant, residual force over the time of the record. \
+                Each \
              model is simulated from the recorded duty and restarted at the recorded position every 10 s."
         }
         (crate::report::kit::page::record::how_to_zoom())

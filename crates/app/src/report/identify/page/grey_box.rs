@@ -237,7 +237,8 @@ fn frequency(report: &Report<'_>) -> Markup {
     html! {
         p { "From duty to position. The band is the 90 % interval of the plant of " (kept) "." }
         div.two {
-            (figure(&magnitude, Size::HALF, "Magnitude of the plant over frequency, with its 90 % band", &html! { "Magnitude." }))
+            (figure(&magnitude, Size::HALF, "Magnitude of the plant over frequency, with its 90 % band", &html! {
+            "Magnitude." }))
             (figure(&phase, Size::HALF, "Phase of the plant over frequency, with its 90 % band", &html! { "Phase." }))
         }
     }
@@ -250,7 +251,8 @@ fn together(best: &GreyBox) -> Markup {
         (html! { (name(a)) " and " (name(b)) }, vec![html! { (number(Some(*value), 2)) }, html! { (strong) }])
     };
     let rows: Vec<Row> = best.correlations().iter().map(row).collect();
-    html! { @if !rows.is_empty() { (table("Correlation of the estimates", &["parameters", "correlation", "judgement"], &rows)) } }
+    html! { @if !rows.is_empty() { (table("Correlation of the estimates", &["parameters", "correlation",
+    "judgement"], &rows)) } }
 }
 
 fn tests(found: &[GreyBox]) -> Markup {
@@ -293,7 +295,8 @@ fn next(report: &Report<'_>) -> Markup {
                      --html report.html"))) "." }
             }
             @if report.best.poles == Poles::Two {
-                li { "A fan lag that this flight does not show may still limit the gain. Measure it: " (command("airball \
+                li { "A fan lag that this flight does not show may still limit the gain. Measure it: "
+                (command("airball \
                      measure critical-gain")) "." }
             }
         }

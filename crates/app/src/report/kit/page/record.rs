@@ -30,7 +30,8 @@ pub fn how_to_zoom() -> Markup {
 pub fn events(timeline: &Timeline) -> Markup {
     let rows: Vec<[String; 2]> =
         timeline.events.iter().map(|(time_s, text)| [format!("{time_s:.2}"), text.clone()]).collect();
-    html! { @if !rows.is_empty() { (words_table("Events: the dashed lines in the charts", &["time, s", "event"], &rows)) } }
+    html! { @if !rows.is_empty() { (words_table("Events: the dashed lines in the charts", &["time, \
+    s", "event"], &rows)) } }
 }
 
 /// A chart as the script reads it: one column of times, and a column for each line.

@@ -26,7 +26,8 @@ fn of_jumps(jumps: &Jumps) -> Markup {
         p {
             (format!("The fan held a constant duty, {} times, and the ball moved from rest. Distance and time give the \
                  force, for a ball with the config's drag of {} 1/s; the fan lag is fitted to all jumps together. The \
-                 last column ignores the lag, as the classical formula does: short jumps then look weak.", jumps.jumps.len(), jumps.drag_per_s))
+                 last column ignores the lag, as the classical formula does: short jumps then look \
+                 weak.", jumps.jumps.len(), jumps.drag_per_s))
         }
         p {
             "The edges are where straight lines through the forces below and above hover cross zero. Each side is \
@@ -75,7 +76,8 @@ fn of_floor(floor: &NoiseFloor) -> Markup {
     html! {
         p {
             (format!("The ball lay at {:.1} mm. The noise is the scatter of the readings about a straight line over \
-                 time, without the part of rounding. Correlated readings count for less in the interval.", floor.position_mm))
+                 time, without the part of rounding. Correlated readings count for less in the \
+                 interval.", floor.position_mm))
         }
     }
 }

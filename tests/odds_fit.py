@@ -14,7 +14,17 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-FEATURES = ["intercept", "ln(gain / rest)", "dropped share", "dropped deviations", "rest share", "effects", "scatter", "change"]
+FEATURES = [
+    "intercept",
+    "ln(gain / rest)",
+    "dropped share",
+    "dropped deviations",
+    "rest share",
+    "effects",
+    "scatter",
+    "change",
+    "matched",
+]
 
 
 def features(evidence):
@@ -27,6 +37,7 @@ def features(evidence):
         evidence["effects"],
         float(evidence["is_scatter"]),
         float(evidence["is_change"]),
+        float(evidence["is_matched"]),
     ]
 
 

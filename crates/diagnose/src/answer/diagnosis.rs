@@ -102,7 +102,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
     let ladder = &mending.ladder;
-    add_odds(&mut found, ladder);
+    add_odds(&mut found, ladder, &mending.matched);
     let verdict = if answers { verdict(&found, ladder, &mending.gaps) } else { Verdict::InsufficientData };
     let rest = Rest {
         share: ladder.named_share.map(|share| 1.0 - share),

@@ -5,10 +5,11 @@ use crate::answer::ladder::Ladder;
 use crate::select::odds::Evidence;
 use crate::select::posterior::{Scored, chances};
 use crate::select::stepwise::{Change, Selection, is_random_force};
-use plant::Changes;
+use plant::{Changes, Entry};
 
-/// Adds the evidence for each named effect, and the probability that follows from it.
-pub(super) fn add_odds(found: &mut Selection, ladder: &Ladder) {
+/// Adds the evidence for each named effect, and the probability that follows from it. `matched`: those that a shape of
+/// a formula could stand for.
+pub(super) fn add_odds(found: &mut Selection, ladder: &Ladder, matched: &[&Entry]) {
     let rest_nats = found.misfit.joint_nats();
     for (k, named) in found.effects.iter_mut().enumerate() {
         let entry = named.candidate.entry;
@@ -22,6 +23,7 @@ pub(super) fn add_odds(found: &mut Selection, ladder: &Ladder) {
             effects: ladder.dropped.len(),
             is_scatter: entry.acts.changes != Changes::Path && !is_random_force(entry),
             is_change: named.change != Change::Added,
+            is_matched: matched.iter().any(|matched| matched.name == entry.name),
         };
         named.probability = named.evidence.probability();
     }

@@ -9,12 +9,14 @@ use crate::select::forecast::{best_forecast, forecasts_better};
 use crate::select::formula::{Formula, formula};
 use crate::select::search::Search;
 use crate::select::stepwise::Selection;
-use plant::Definition;
+use plant::{Definition, Entry};
 
 /// The mended model, and how it was reached.
 pub(super) struct Mending {
     /// The ladder of the named effects.
     pub(super) ladder: Ladder,
+    /// The named effects that a shape of a formula could stand for.
+    pub(super) matched: Vec<&'static Entry>,
     /// The shapes of the formula; empty if there is none.
     pub(super) formula: Vec<&'static Definition>,
     /// The rung of the formula.
@@ -32,7 +34,9 @@ impl Mending {
     /// residual gets one if it matters and has one, and the effects that it makes redundant are removed from `found`.
     pub(super) fn of(search: &Search<'_>, refitted: &Fit, found: &mut Selection, incomplete: bool) -> Self {
         let mut ladder = Ladder::of(search, refitted, found);
-        let formula = if incomplete && search.formula { accepted(search, &ladder, found) } else { None };
+        let tried = if incomplete && search.formula { beyond(search, &ladder, found) } else { None };
+        let matched = tried.as_ref().map(|tried| tried.matched.clone()).unwrap_or_default();
+        let formula = tried.filter(|tried| is_better(search, &ladder, tried));
         if let Some(Formula { redundant, .. }) = formula.as_ref().filter(|formula| !formula.redundant.is_empty()) {
             found.remove(search, redundant);
             ladder = Ladder::of(search, refitted, found);
@@ -47,7 +51,8 @@ impl Mending {
         let closed = floor.and_then(|floor| Closed::of(belief, [belief, &mended.errors], floor));
         let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
         let fit = mended.fit.clone();
-        Self { ladder, formula: formula.map(|formula| formula.shapes).unwrap_or_default(), rung, fit, gaps, closed }
+        let formula = formula.map(|formula| formula.shapes).unwrap_or_default();
+        Self { ladder, matched, formula, rung, fit, gaps, closed }
     }
 
     /// All rungs, the lowest first.
@@ -61,13 +66,16 @@ fn best(search: &Search<'_>, ladder: &Ladder, incomplete: bool) -> usize {
     if incomplete { best_forecast(search, &ladder.models) } else { ladder.models.len() - 1 }
 }
 
-/// The formula for a residual that matters, if it forecasts better than every rung of the ladder.
-fn accepted(search: &Search<'_>, ladder: &Ladder, found: &Selection) -> Option<Formula> {
+/// What shapes explain of a residual that matters.
+fn beyond(search: &Search<'_>, ladder: &Ladder, found: &Selection) -> Option<Formula> {
     if !rest_matters(&ladder.end) {
         return None;
     }
-    let highest = &ladder.models[ladder.models.len() - 1];
-    let formula = formula(search, &ladder.models[1], highest, &found.added())?;
+    formula(search, &ladder.models[1], &ladder.models[ladder.models.len() - 1], &found.added())
+}
+
+/// Whether the formula has shapes, and forecasts better than every rung of the ladder.
+fn is_better(search: &Search<'_>, ladder: &Ladder, formula: &Formula) -> bool {
     let best = &ladder.models[best(search, ladder, true)];
-    forecasts_better(search, &formula.evaluated, best).then_some(formula)
+    !formula.shapes.is_empty() && forecasts_better(search, &formula.evaluated, best)
 }

@@ -7,10 +7,11 @@
 
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
-use crate::fit::estimate::{Point, Problem};
+use crate::fit::estimate::{Fit, Point, Problem};
 use crate::fit::parameter::{Parameter, Prior};
 use crate::record::folds::Folds;
 use nalgebra::{DMatrix, DVector};
+use plant::Model;
 use rayon::prelude::*;
 
 /// Length of the finite differences, in scaled parameters.
@@ -37,6 +38,19 @@ pub(super) struct Sensitivities {
     by_parameter: Vec<Vec<[f64; 2]>>,
 }
 
+/// The derivatives of the innovations by some parameters at a fit, which stand for those nearby in a brief fit.
+pub(crate) struct Known {
+    parameters: Vec<Parameter>,
+    sensitivities: Sensitivities,
+}
+
+impl Known {
+    fn by(&self, parameter: &Parameter) -> Option<&Vec<[f64; 2]>> {
+        let at = self.parameters.iter().position(|known| known == parameter)?;
+        self.sensitivities.by_parameter.get(at)
+    }
+}
+
 /// The derivatives of an innovation by a parameter from a run with this parameter moved.
 fn derivative(here: &Innovation, there: &Innovation, of_density: bool) -> [f64; 2] {
     // A reading that changes between new and repeated has no derivative.
@@ -54,15 +68,39 @@ fn derivative(here: &Innovation, there: &Innovation, of_density: bool) -> [f64; 
 impl Problem<'_> {
     /// Gradient and information of log-likelihood and log-prior at `point`.
     pub(super) fn slope(&self, point: &Point, parameters: &[Parameter]) -> Derivatives {
-        self.derivatives(point, parameters, &self.sensitivities(point, parameters))
+        self.derivatives(point, parameters, &self.sensitivities(point, parameters, None))
     }
 
-    /// The derivatives of the innovations at `point`.
-    pub(super) fn sensitivities(&self, point: &Point, parameters: &[Parameter]) -> Sensitivities {
+    /// The derivatives of the innovations by `parameters` at a fit.
+    pub(crate) fn known_at(&self, fit: &Fit, parameters: &[Parameter]) -> Known {
+        let sensitivities = self.sensitivities_at(&fit.model, &fit.innovations, parameters, None);
+        Known { parameters: parameters.to_vec(), sensitivities }
+    }
+
+    /// The derivatives of the innovations at `point`, except those that are known.
+    pub(super) fn sensitivities(
+        &self,
+        point: &Point,
+        parameters: &[Parameter],
+        known: Option<&Known>,
+    ) -> Sensitivities {
+        self.sensitivities_at(&point.model, &point.innovations, parameters, known)
+    }
+
+    fn sensitivities_at(
+        &self,
+        model: &Model,
+        here: &[Innovation],
+        parameters: &[Parameter],
+        known: Option<&Known>,
+    ) -> Sensitivities {
         let of_one = |parameter: &Parameter| -> Vec<[f64; 2]> {
-            let nudged = innovations(&parameter.stepped(&point.model, DIFFERENCE), self.recording);
+            if let Some(known) = known.and_then(|known| known.by(parameter)) {
+                return known.clone();
+            }
+            let nudged = innovations(&parameter.stepped(model, DIFFERENCE), self.recording);
             let of_density = parameter.is_of_the_density();
-            let both = point.innovations.iter().zip(&nudged);
+            let both = here.iter().zip(&nudged);
             both.map(|(here, there)| derivative(here, there, of_density)).collect()
         };
         Sensitivities { by_parameter: parameters.par_iter().map(of_one).collect() }

@@ -12,7 +12,6 @@ use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
 use crate::fit::profile::{OF_90_PERCENT, interval};
 use crate::record::read_off::read_off;
-use crate::record::recording::Recording;
 use crate::thresholds::{WIDER, WIDER_APPROXIMATE, WIDER_IMPACTS};
 use plant::{Entry, Form, Model, Start};
 use rayon::prelude::*;
@@ -34,16 +33,16 @@ pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
         _ => Some((*parameter, [OF_90_PERCENT * WIDER * deviations[at]; 2])),
     };
     let moved: Vec<Option<Reach>> = fit.parameters.par_iter().enumerate().map(reach).collect();
-    let read_off = read_off_parameters(&fit.model, problem.recording).into_iter();
+    let read_off = read_off_parameters(&fit.model, problem).into_iter();
     let read_off = read_off.map(|(parameter, deviation)| (parameter, [OF_90_PERCENT * deviation; 2]));
     let all = moved.into_iter().flatten().chain(read_off);
     all.filter(|(_, reach)| reach.iter().all(|by| by.is_finite())).collect()
 }
 
 /// The parameters of the model that were read off the readings, and their standard deviations in their own scale.
-fn read_off_parameters(model: &Model, recording: &Recording) -> Vec<(Parameter, f64)> {
+fn read_off_parameters(model: &Model, problem: &Problem<'_>) -> Vec<(Parameter, f64)> {
     let read = |entry: &'static Entry| {
-        let read = read_off(entry, recording, model)?;
+        let read = read_off(entry, problem.recording, problem.belief)?;
         Some((Parameter::Effect { entry, index: 0, size: read.value }, read.sigma / read.value))
     };
     model.effects.present().into_iter().filter_map(read).collect()

@@ -1,7 +1,7 @@
 //! Maximum a posteriori estimates of parameters from innovations, and their intervals.
 
 pub(crate) mod bounds;
-mod derivatives;
+pub(crate) mod derivatives;
 pub(crate) mod estimate;
 pub(crate) mod held_out;
 pub(crate) mod intervals;

@@ -16,10 +16,11 @@ use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
-use crate::select::screening::{Screened, screen};
+use crate::select::screening::{FIRST, Screened, screen};
 use crate::select::search::Search;
 use crate::thresholds::{
-    BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, UNMOVED,
+    BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, SECOND_EFFECT,
+    SHARE_OF_EXPLAINED, UNMOVED,
 };
 use plant::Entry;
 use rayon::prelude::*;
@@ -41,9 +42,10 @@ pub struct Candidate {
 /// Tests every effect that `so_far` lacks: the candidates, the best first, and the scores of all effects.
 pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, Vec<Scored>) {
     let before = search.problem.held_out(so_far);
+    let known = search.problem.known_at(so_far, &FIRST);
     let entries = search.entries();
     search.plan(entries.len());
-    let screened = entries.par_iter().filter_map(|entry| search.planned(|| screen(search, so_far, entry)));
+    let screened = entries.par_iter().filter_map(|entry| search.planned(|| screen(search, so_far, &known, entry)));
     let mut screened: Vec<Screened> = screened.collect();
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = screened.first().map_or(0.0, |best| best.gain);
@@ -65,6 +67,18 @@ fn prefer_the_simple(all: &mut [Candidate]) {
     let Some(best) = all.first().map(|best| best.held_out_gain) else { return };
     let alike = all.partition_point(|candidate| candidate.held_out_gain > (best - EQUIVALENT).max(FIRST_EFFECT));
     all[..alike].sort_by_key(|candidate| candidate.entry.params.len());
+    prefer_the_contained(all);
+}
+
+/// Puts the effect that the first one contains before it, unless the first gains as much more as a second effect must.
+fn prefer_the_contained(all: &mut [Candidate]) {
+    let Some(first) = all.first() else { return };
+    let needed = SECOND_EFFECT.max(SHARE_OF_EXPLAINED * first.held_out_gain);
+    let is_enough = |candidate: &Candidate| candidate.held_out_gain > (first.held_out_gain - needed).max(FIRST_EFFECT);
+    let contained = all.iter().position(|other| first.entry.contains == Some(other.entry.name) && is_enough(other));
+    if let Some(at) = contained {
+        all[..=at].rotate_right(1);
+    }
 }
 
 /// The scores of all effects: the candidates in their order, then those that were only screened.

@@ -58,7 +58,7 @@ pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
         let values: Vec<_> = steps.into_iter().map(|step| vec![step]).collect();
         return Starts { usual: values.len(), scanned: 0, values, among, are_tops: true };
     }
-    let mut values = by_rule(entry, &fit.model, problem.recording);
+    let mut values = by_rule(entry, &fit.model, problem);
     let usual = values.len();
     let written = problem.belief.effects.written.definition(entry.name);
     let found = written.and_then(|written| scan(problem, fit, written)).unwrap_or_default();
@@ -72,13 +72,15 @@ pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
     Starts { usual, scanned, among, are_tops: false, values }
 }
 
-fn by_rule(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
+fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
+    let recording = problem.recording;
     let listed = |all: &[&[f64]]| all.iter().map(|values| values.to_vec()).collect();
     match entry.start {
         Start::CommandedRange => limits(model, recording),
         Start::HeightsSeen => stops(model, recording),
         Start::ReadingStep | Start::ReadingHold => {
-            read_off(entry, recording, model).map(|read| vec![read.value]).into_iter().collect()
+            // A fitted noise may be far from that of the sensor while the repeats of a slow one are not explained.
+            read_off(entry, recording, problem.belief).map(|read| vec![read.value]).into_iter().collect()
         }
         Start::OverRecord(shares) => shares.iter().map(|share| vec![share / recording.duration_s().max(1.0)]).collect(),
         Start::Values(values) => listed(values),

@@ -1,6 +1,7 @@
 //! Screening of an effect: its initial values are rated as they are, then a few scoring steps are made from the best
 //! ones. More steps follow while the gradient is steep.
 
+use crate::fit::derivatives::Known;
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
@@ -20,7 +21,7 @@ const COST_OF_A_NUMBER: f64 = 1.5;
 const STUCK: f64 = 10.0;
 const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
 /// Parameters that the screening fits besides those of the effect.
-const FIRST: [Parameter; 4] = [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::AirNoise];
+pub(crate) const FIRST: [Parameter; 4] = [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::AirNoise];
 
 /// Initial values of the fit of an effect, and their log-likelihood by fold.
 struct InitialPoint {
@@ -74,19 +75,24 @@ pub(crate) fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<
 
 /// Screens an effect. With little noise, initial values far above the true ones lie thousands of nats below a gain of
 /// 0, and no step leads to the maximum. Then smaller initial values are tried.
-pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, entry: &'static Entry) -> Option<Screened> {
+pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, known: &Known, entry: &'static Entry) -> Option<Screened> {
     let usual = starts(entry, so_far, search);
-    let look = screen_from(search, so_far, entry, &usual)?;
+    let look = screen_from(search, (so_far, known), entry, &usual)?;
     if look.gain >= -STUCK {
         return Some(look);
     }
     let Some(nearer) = usual.nearer(entry, &so_far.model, &NEARER) else { return Some(look) };
-    let small = screen_from(search, so_far, entry, &nearer);
+    let small = screen_from(search, (so_far, known), entry, &nearer);
     small.filter(|small| small.gain > look.gain).or(Some(look))
 }
 
 /// A few scoring steps of the most important parameters from the best of these initial values; the best result.
-fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts) -> Option<Screened> {
+fn screen_from(
+    search: &Search<'_>,
+    (so_far, known): (&Fit, &Known),
+    entry: &'static Entry,
+    all: &Starts,
+) -> Option<Screened> {
     let rated = rated(search, so_far, entry, all);
     let worth = |start: &InitialPoint| start.by_fold.iter().sum::<f64>();
     // A recorded fan speed determines the timing sharply: the maxima are narrow, and the rating cannot tell which is
@@ -111,7 +117,7 @@ fn screen_from(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &S
     let screened = from.into_iter().map(|InitialPoint { place, model: start, parameters, .. }| {
         let own = parameters.iter().filter(|parameter| !so_far.parameters.contains(parameter));
         let few: Vec<Parameter> = FIRST.into_iter().chain(own.copied()).collect();
-        let (model, total) = search.problem.fit_briefly(start, &few, STEPS);
+        let (model, total) = search.problem.fit_briefly_with(known, start, &few, STEPS);
         let of = |parameters: &[Parameter]| prior(parameters, &model, search.problem.belief);
         let gain = total - of(&few) + of(parameters);
         (place, Screened { entry, model, parameters: parameters.clone(), gain, cost: 0.0, rivals: Vec::new() })

@@ -83,14 +83,17 @@ impl Selection {
 }
 
 /// Adds effects until none explains more. If a random force was found that is not plausible, the search is repeated
-/// without it: it followed something else that is missing, which is better left unexplained.
+/// without it from where it was added: it followed something else that is missing, which is better left unexplained.
 pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
-    let mut found = stepwise_search(search, refitted);
+    let start = SoFar { fit: refitted.clone(), effects: Vec::new(), rounds: Vec::new(), on_the_way: Vec::new() };
+    let (mut found, before_random_force) = stepwise_search(search, start);
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
     let after = added.skip_while(|named| !is_random_force(named.candidate.entry)).count();
     // No effect may follow a random force, which would have followed that effect as well.
-    if after > 1 || (after == 1 && !found.misfit.allows_random_force()) {
-        found = stepwise_search(&search.without(is_random_force), refitted);
+    if let Some(before) = before_random_force
+        && (after > 1 || (after == 1 && !found.misfit.allows_random_force()))
+    {
+        found = stepwise_search(&search.without(is_random_force), before).0;
     }
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
     found
@@ -101,37 +104,51 @@ pub(crate) fn is_random_force(entry: &Entry) -> bool {
     entry.acts.follows_any_force()
 }
 
-fn stepwise_search(search: &Search<'_>, refitted: &Fit) -> Selection {
-    let mut fit = refitted.clone();
-    let (mut effects, mut rounds, mut on_the_way): (Vec<NamedEffect>, _, _) = (Vec::new(), Vec::new(), Vec::new());
+/// A stepwise search between two rounds.
+#[derive(Clone)]
+struct SoFar {
+    fit: Fit,
+    effects: Vec<NamedEffect>,
+    rounds: Vec<Vec<Scored>>,
+    on_the_way: Vec<Fit>,
+}
+
+/// The effects found from `start` on, and where the last random force was added.
+fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFar>) {
+    let (mut so_far, mut before_random_force) = (start, None);
     let (mut misfit, mut beaten) = (None, None);
     // On a long record even a small misfit gains more than chance does, because no model is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
-    while effects.len() < MOST_EFFECTS && rounds.len() < MOST_SEARCHES {
-        let (named, scored) = best_addition(search, &fit, long * threshold_beside(&effects));
+    while so_far.effects.len() < MOST_EFFECTS && so_far.rounds.len() < MOST_SEARCHES {
+        let (named, scored) = best_addition(search, &so_far.fit, long * threshold_beside(&so_far.effects));
+        if named.as_ref().is_some_and(|named| is_random_force(named.candidate.entry)) {
+            before_random_force = Some(so_far.clone());
+        }
+        let SoFar { fit, effects, rounds, on_the_way } = &mut so_far;
         rounds.push(scored);
         let Some(named) = named else { break };
-        let left = Misfit::of(&search.problem, &fit, explained(&effects));
+        let left = Misfit::of(&search.problem, fit, explained(effects));
         if !effects.is_empty() && named.candidate.held_out_gain < SHARE_OF_OMITTED * left.omitted_in_full() {
             misfit = Some(left);
             break;
         }
         beaten = left.beaten_by_omitted(named.candidate.entry.name, named.candidate.held_out_gain);
-        on_the_way.push(std::mem::replace(&mut fit, named.candidate.fit.clone()));
+        on_the_way.push(std::mem::replace(fit, named.candidate.fit.clone()));
         if named.candidate.entry.acts.changes != Changes::Path {
-            fit = with_other_sizes(search, fit);
+            *fit = with_other_sizes(search, fit.clone());
         }
         effects.push(named);
         if effects.len() == 2 {
-            refit_first(search, &mut effects, &mut fit);
+            refit_first(search, effects, fit, rounds);
         }
-        backward_eliminate(search, &mut effects, &mut fit);
+        backward_eliminate(search, effects, fit);
     }
+    let SoFar { mut fit, mut effects, rounds, on_the_way } = so_far;
     let last = effects.last().map(|named| named.candidate.entry.name);
     let beaten = beaten.filter(|left| last == left.rejected_effect);
     let misfit = misfit.or(beaten).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));
     add_changes(search, &mut effects, &mut fit);
-    Selection { effects, rounds, fit, misfit, on_the_way }
+    (Selection { effects, rounds, fit, misfit, on_the_way }, before_random_force)
 }
 
 /// Adds the changes of the believed effects.
@@ -185,11 +202,18 @@ fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: 
     }
 }
 
-/// Searches for the first effect again with the second one known: the first may have stood for both.
-fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit) {
+/// Searches for the first effect again with the second one known: the first may have stood for both. Only effects that
+/// were fitted in full beside the first one, in its round, can take its place.
+fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit, rounds: &[Vec<Scored>]) {
     let [first, _] = effects else { return };
+    let is_own = |round: &&Vec<Scored>| round.first().is_some_and(|best| best.name == first.candidate.entry.name);
+    let own = rounds.iter().find(is_own).map(Vec::as_slice).unwrap_or_default();
+    let was_fitted = |entry: &Entry| own.iter().any(|scored| scored.in_full && scored.name == entry.name);
+    if own.iter().filter(|scored| scored.in_full).count() < 2 {
+        return;
+    }
     let without_first = search.removed(fit, first.candidate.entry);
-    let (again, _) = best_addition(search, &without_first, SECOND_EFFECT);
+    let (again, _) = best_addition(&search.without(|entry| !was_fitted(entry)), &without_first, SECOND_EFFECT);
     if let Some(again) = again.filter(|again| search.held_out_total(&again.candidate.fit) > search.held_out_total(fit))
     {
         *fit = again.candidate.fit.clone();

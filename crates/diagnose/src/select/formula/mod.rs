@@ -20,7 +20,7 @@ use crate::select::screening::added;
 use crate::select::search::Search;
 use crate::select::written_scan::{Linearised, Maximum};
 use crate::thresholds::{
-    BETTER_FORECAST, COST_OF_A_PARAMETER, FIRST_EFFECT, FORMULA_FORECAST, MOST_SHAPES, SECOND_EFFECT,
+    BETTER_FORECAST, COST_OF_A_PARAMETER, ENOUGH_CLOSED, FIRST_EFFECT, FORMULA_FORECAST, MOST_SHAPES, SECOND_EFFECT,
 };
 use plant::{Definition, Entry, Model};
 use rayon::prelude::*;
@@ -37,14 +37,17 @@ const STEPS: usize = 2;
 pub(crate) struct Formula {
     pub(crate) shapes: Vec<&'static Definition>,
     pub(crate) evaluated: Evaluated,
-    /// The named effects that the shapes make redundant.
+    /// The named effects that the shapes make redundant, and that close less than half of what is closed.
     pub(crate) redundant: Vec<&'static Entry>,
+    /// The named effects that a shape could stand for, and that are kept: they close at least half.
+    pub(crate) matched: Vec<&'static Entry>,
 }
 
 /// The formula beyond `with_names`, which has the effects `named` on the refitted belief. A shape that alone is as
-/// likely as all of these, and forecasts better, takes their place. Shapes are added while the forecasts get better by
-/// more than chance; then the effects that are redundant beside them are removed. `None` if no shape makes the
-/// forecasts better.
+/// likely as all of these, and forecasts better, takes their place, unless they close at least half of what it closes: a
+/// flexible shape follows any effect of its variables, and small unmodelled pieces beside it. Shapes are added while the
+/// forecasts get better by more than chance; then the effects that are redundant beside them are removed, by the same
+/// rule. Without shapes: no shape makes the forecasts better. `None`: the record is too short for any.
 pub(crate) fn formula(
     search: &Search<'_>,
     refitted: &Evaluated,
@@ -65,16 +68,39 @@ pub(crate) fn formula(
         alone.log_likelihood > with_names.log_likelihood
             && deviations_at_all_horizons(&with_names.errors, &alone.errors) > BETTER_FORECAST
     };
-    let mut found = match instead.filter(|(_, alone)| beats_names(alone)) {
-        Some((shape, alone)) => Formula { shapes: vec![shape], evaluated: alone, redundant: named.to_vec() },
-        None => Formula { shapes: Vec::new(), evaluated: known(with_names), redundant: Vec::new() },
+    let names = Names { refitted, with_names, named };
+    let instead = instead.filter(|(_, alone)| beats_names(alone));
+    let matched = if instead.is_some() { named.to_vec() } else { Vec::new() };
+    let mut found = match instead.filter(|(_, alone)| !names.close_half_of(alone)) {
+        Some((shape, alone)) => {
+            Formula { shapes: vec![shape], evaluated: alone, redundant: matched, matched: Vec::new() }
+        }
+        None => Formula { shapes: Vec::new(), evaluated: known(with_names), redundant: Vec::new(), matched },
     };
     found.extend(search, &all);
-    if found.shapes.is_empty() {
-        return None;
-    }
-    found.remove_redundant(search, named);
+    found.remove_redundant(search, &names);
     Some(found)
+}
+
+/// The named effects, and the models without and with them.
+struct Names<'a> {
+    refitted: &'a Evaluated,
+    with_names: &'a Evaluated,
+    named: &'a [&'static Entry],
+}
+
+impl Names<'_> {
+    /// Whether the named effects close at least half of what `model` closes of the mean square at 1 s.
+    fn close_half_of(&self, model: &Evaluated) -> bool {
+        let closed = |model: &Evaluated| self.refitted.square() - model.square();
+        closed(self.with_names) >= ENOUGH_CLOSED * closed(model)
+    }
+
+    /// Whether one of them closes at least half of what `model` closes.
+    fn closes_half_of(&self, search: &Search<'_>, entry: &Entry, model: &Evaluated) -> bool {
+        let without = Evaluated::of(search, search.removed(&self.with_names.fit, entry));
+        without.square() - self.with_names.square() >= ENOUGH_CLOSED * (self.refitted.square() - model.square())
+    }
 }
 
 impl Formula {
@@ -87,14 +113,21 @@ impl Formula {
         }
     }
 
-    /// Removes the named effects without which the shapes explain as much.
-    fn remove_redundant(&mut self, search: &Search<'_>, named: &[&'static Entry]) {
-        for entry in named {
+    /// Removes the named effects without which the shapes explain as much, but keeps those that close half.
+    fn remove_redundant(&mut self, search: &Search<'_>, names: &Names<'_>) {
+        for entry in names.named.iter().filter(|_| !self.shapes.is_empty()) {
             if self.evaluated.fit.model.effects.values(entry.name).is_none() {
                 continue;
             }
             let without = Evaluated::of(search, search.removed(&self.evaluated.fit, entry));
-            if self.evaluated.log_likelihood - without.log_likelihood < SECOND_EFFECT {
+            if self.evaluated.log_likelihood - without.log_likelihood >= SECOND_EFFECT {
+                continue;
+            }
+            if names.closes_half_of(search, entry, &self.evaluated) {
+                if !self.matched.iter().any(|matched| matched.name == entry.name) {
+                    self.matched.push(entry);
+                }
+            } else {
                 self.redundant.push(entry);
                 self.evaluated = without;
             }

@@ -1,15 +1,15 @@
 use super::shapes::shapes;
 use super::signals::Signals;
-use super::{Formula, formula};
+use super::{Formula, Names, formula};
 use crate::fit::estimate::Problem;
-use crate::fit::parameter::Prior;
+use crate::fit::parameter::{BASE, Prior};
 use crate::record::folds::Folds;
 use crate::select::forecast::Evaluated;
 use crate::select::refit::refitted;
 use crate::select::search::Search;
 use crate::tests_support::{model, record};
 use crate::{Diagnosis, Options, Over, Recording, Step, Verdict, diagnose};
-use plant::{Definition, DefinitionTable, ParameterTable, Stage};
+use plant::{Definition, DefinitionTable, Effects, Model, ParameterTable, Stage};
 use std::sync::LazyLock;
 
 /// The formula beyond the refitted belief.
@@ -65,10 +65,27 @@ fn a_formula_has_its_rung_its_sentence_and_its_place_in_the_patch() {
 }
 
 #[test]
+fn names_that_close_half_of_the_gap_are_kept_beside_a_shape_that_follows_them_and_names_that_close_none_are_not() {
+    let mut rig = model();
+    rig.effects.set("force_asymmetry", &[0.6]);
+    let recording = record(&rig, 1, 60);
+    let (belief, folds) = (model(), Folds::new(&model(), &recording));
+    let search = Search::of(Problem { recording: &recording, belief: &belief, folds: &folds, prior: Prior::Belief });
+    let of = |model: &Model| Evaluated::of(&search, search.problem.fit(model, &BASE));
+    let (refitted, right) = (of(&belief), of(&rig));
+    let [asymmetry, hover] = ["force_asymmetry", "hover_drift"].map(|name| Effects::built_in(name).unwrap());
+    let right_name = Names { refitted: &refitted, with_names: &right, named: &[asymmetry] };
+    assert!(right_name.close_half_of(&right) && right_name.closes_half_of(&search, asymmetry, &right));
+    assert!(!right_name.closes_half_of(&search, hover, &right));
+    let no_name = Names { refitted: &refitted, with_names: &refitted, named: &[] };
+    assert!(!no_name.close_half_of(&right));
+}
+
+#[test]
 fn a_rig_as_believed_has_no_formula() {
     for seed in 0..6 {
-        let found = of(&record(&model(), seed, 60));
-        assert!(found.is_none(), "seed {seed}: {:?}", found.unwrap().shapes.first().map(|shape| shape.entry().name));
+        let found = of(&record(&model(), seed, 60)).unwrap();
+        assert!(found.shapes.is_empty(), "seed {seed}: {}", found.shapes[0].entry().name);
     }
 }
 

@@ -118,6 +118,7 @@ fn holds(bench: &Bench, key: &str) -> Holds {
         "a number" => Holds::Number,
         "a whole number of 0 or more" => Holds::Whole,
         "a text in quotes" => Holds::Words("text"),
+        "a text of 1 to 24 letters, in quotes" => Holds::Words("text of 1 to 24 letters"),
         "a path in quotes" => Holds::Words("a path"),
         "a list" if answer(bench, format!("{key} = [\"{NOBODY}\"]\n")).contains("expected a number") => Holds::Numbers,
         "a list" => Holds::Other("a list"),

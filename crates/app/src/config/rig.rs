@@ -29,6 +29,18 @@ pub struct Rig {
     /// `[rig.output_enable]`
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_enable: Option<OutputEnable>,
+    /// Words of another rig, [`super::words::Words`]: taken out before this table is read, and here as keys that it knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<String>,
+    /// As `position`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position_unit: Option<String>,
+    /// As `position`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input: Option<String>,
+    /// As `position`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_unit: Option<String>,
 }
 
 fn of_a_pi() -> String {

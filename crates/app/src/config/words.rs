@@ -46,7 +46,7 @@ pub(super) fn take(merged: &mut Table) -> Result<Words, (String, String)> {
     let mut word = |key: &str| match rig.remove(key) {
         None => Ok(None),
         Some(Value::String(word)) if is_word(&word) => Ok(Some(word)),
-        Some(_) => Err((format!("rig.{key}"), format!("must be a text of 1 to {LONGEST} letters"))),
+        Some(_) => Err((format!("rig.{key}"), format!("expected a text of 1 to {LONGEST} letters, in quotes"))),
     };
     let words = Words {
         position: word("position")?,

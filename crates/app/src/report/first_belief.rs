@@ -40,8 +40,28 @@ pub fn config(belief: &FirstBelief, logs: &[String]) -> String {
     }
     column("duty_percent", &import.duty_percent, &input(belief));
     column("position_mm", &import.position_mm, &position(belief));
+    rig(&mut text, belief);
     plant(&mut text, belief);
     text
+}
+
+/// The words of the rig, where its columns say them.
+fn rig(text: &mut String, belief: &FirstBelief) {
+    let words = &belief.words;
+    if words.is_ball_pipe() {
+        return;
+    }
+    text.push_str("\n[rig]\n");
+    let (input, position) = (&belief.roles.input.column, &belief.roles.position.column);
+    let mut word = |key: &str, word: &Option<String>, column: &str| {
+        let Some(word) = word else { return };
+        let why = format!("by column `{}`; what reports call it", shown(column));
+        line(text, key, &toml::Value::String(word.clone()).to_string(), &why);
+    };
+    word("position", &words.position, position);
+    word("position_unit", &words.position_unit, position);
+    word("input", &words.input, input);
+    word("input_unit", &words.input_unit, input);
 }
 
 fn plant(text: &mut String, belief: &FirstBelief) {

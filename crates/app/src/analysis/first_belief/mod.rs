@@ -7,6 +7,7 @@
 //! What a user says comes before what is guessed, and every guess says what it rests on.
 
 mod names;
+mod rig_words;
 mod roles;
 mod scales;
 mod words;
@@ -14,6 +15,7 @@ mod words;
 pub use roles::{Asked, Named, Role, Roles, roles};
 pub use scales::{Scaled, Scales, scales};
 
+use crate::config::words::Words;
 use crate::log::LogError;
 use crate::log::reader::{self, LoadedLog};
 use diagnose::Recording;
@@ -30,6 +32,8 @@ pub struct FirstBelief {
     pub scales: Scales,
     /// The table `[import]`.
     pub import: Import,
+    /// The words of the rig, where its columns say them.
+    pub words: Words,
     /// The plant.
     pub plant: Initial,
     /// Length of all logs, seconds, and their readings.
@@ -74,6 +78,7 @@ pub fn first_belief(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Aske
     }
     Ok(FirstBelief {
         roles: roles.clone(),
+        words: rig_words::rig_words(sheet, roles, &scales),
         scales,
         import,
         plant,

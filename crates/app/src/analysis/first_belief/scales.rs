@@ -3,7 +3,8 @@
 //! ```text
 //! time       by its unit, or by the usual step: 1 to 1000 is milliseconds, more is microseconds or nanoseconds
 //! input      by a power of ten to within ±100 %; 0 to 255 is a PWM of 8 bits
-//! position   a length by its unit; anything else by a power of ten to a range of 100 to 1000 mm
+//! position   a length by its unit; what has another unit in that unit, or in thousandths or millionths of it, to a range
+//!            of 10 to 100,000; anything else by a power of ten to a range of 100 to 1000 mm
 //! ```
 
 use super::names::Name;
@@ -60,7 +61,10 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
         let by_unit = (!roles.is_speed).then(|| Name::of(y).unit.and_then(|unit| length_mm(&unit))).flatten();
         let own = (y.name == "position_mm").then_some(1.0);
         let range = of(&values, "");
-        let scale = asked.position_scale.or(own).or(by_unit.filter(|scale| is_usual(scale * span(range.range))));
+        let in_units = || [1.0, 1e3, 1e6].into_iter().find(|scale| is_usual(scale * span(range.range)));
+        let has_unit = !roles.is_speed && by_unit.is_none() && Name::of(y).unit.is_some();
+        let by_unit = by_unit.filter(|scale| is_usual(scale * span(range.range)));
+        let scale = asked.position_scale.or(own).or(by_unit).or_else(|| in_units().filter(|_| has_unit));
         Scaled { scale: scale.unwrap_or_else(|| to_hundreds(span(range.range))), ..of(&values, &unit(y)) }
     });
     let (length_mm, offset) = match asked.length_mm {

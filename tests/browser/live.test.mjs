@@ -228,6 +228,45 @@ test("live: a fault that lasts and the last one of earlier flights are shown, an
   await until(page, "no fault", async () => (await text(page, "fault")) === "");
 });
 
+test("live: a page of a rig that is not there leads to those that are", async () => {
+  const { page } = await open({ url: `${SERVED}?rig=nobody` });
+  await connect(page);
+  await page.locator("#others").getByRole("link", { name: "rig1" }).click();
+  await login(page);
+  assert.equal(new URL(page.url()).searchParams.get("rig"), "rig1");
+});
+
+test("live: the wall shows every rig with its state, and leads to its page", async () => {
+  const { page: speaker } = await flying();
+  const say = (name, payload) => speaker.evaluate(async ([name, payload, username, password]) => {
+    const client = mqtt.connect(airball.broker(), { username, password, protocolVersion: 4, timerVariant: "native" });
+    await client.publishAsync(`airball/${name}`, payload, { qos: 1, retain: true });
+    client.end();
+  }, [name, payload, RIG_NAME, PASSWORD]);
+  await say("rig10/status", "offline");
+  await say("rig2/status", "online");
+  await say("rig2/state", JSON.stringify({ mode: "stopped", stopped_by: "the <b>ball</b> has not moved", fault: null, position_mm: 20, setpoint_mm: 300, duty_percent: 0 }));
+  const { page, wrong } = await open({ url: `${SERVED}wall.html`, bypassCSP: true });
+  await connect(page);
+  const tile = (name) => page.getByRole("listitem").filter({ has: page.getByRole("link", { name, exact: true }) });
+  await tile("rig1").getByText("flying").waitFor();
+  assert.match(await tile("rig1").innerText(), /\d+ of \d+ mm, duty \d+\.\d %/);
+  await tile("rig2").getByText("the <b>ball</b> has not moved").waitFor();
+  await tile("rig10").getByText("offline").waitFor();
+  assert.equal(await tile("rig10").getAttribute("data-stale"), "true");
+  const names = await page.getByRole("listitem").getByRole("link").allInnerTexts();
+  assert.ok(names.indexOf("rig2") < names.indexOf("rig10"), names.join());
+  assert.match(await text(page, "count"), /^\d+ rigs, \d+ online, 1 with a fault$/);
+  assert.deepEqual(await complaints(page), []);
+  await page.setViewportSize(PHONE);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), PHONE.width);
+  await shoot(page, "live-wall");
+  wrong.length = 0;
+  await tile("rig1").getByRole("link").click();
+  await login(page);
+  assert.match(await text(page, "rig-state"), /online/);
+});
+
 test("live: opened as a file it finds the broker that it is told, once the reader agrees", async () => {
   const { page } = await open({ url: `${pathToFileURL(FILE).href}?broker=${BROKER}` });
   await page.getByRole("button", { name: "Use this broker" }).click();

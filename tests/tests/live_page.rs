@@ -4,6 +4,7 @@
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use system_tests::{Bench, Broker, Ran, collect, eventually, password_file, root};
 
@@ -59,8 +60,8 @@ fn shipped(bench: &Bench) -> (Broker, u16) {
 fn the_live_page_flies_the_rig_and_stops_it_whatever_else_fails() {
     let bench = Bench::default();
     std::fs::create_dir(bench.path("live")).unwrap();
-    let said = bench.output(&["live", "--out", "live/index.html"]);
-    assert!(said.contains("live/index.html") && said.contains("rig1"), "{said}");
+    let said = bench.output(&["live", "--out", "live/index.html", "--wall", "live/wall.html"]);
+    assert!(said.contains("live/index.html") && said.contains("rig1") && said.contains("live/wall.html"), "{said}");
     let (broker, sockets) = shipped(&bench);
     let _flight = Flight::start(&bench, &broker);
 
@@ -72,6 +73,32 @@ fn the_live_page_flies_the_rig_and_stops_it_whatever_else_fails() {
         .env("USER_NAME", LOGIN.0)
         .env("PASSWORD", LOGIN.1)
         .env("RIG_NAME", RIG);
+    let ran = Ran::from(browser.output().unwrap_or_else(|error| panic!("node: {error}; run scripts/test")));
+    assert_eq!(ran.code, Some(0), "{}\n{}", ran.output, ran.errors);
+}
+
+/// A flight of the simulated rig that serves the page itself, and where.
+fn served(bench: &Bench) -> (Flight, String) {
+    let mut run = bench.airball(&["run", "--sim", "--live", "--live-port", "0", "--log", "f.mcap"]);
+    let mut child = run.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let url = said.find_map(|line| line.strip_prefix("note: live page ").map(str::to_owned)).expect("no page");
+    // Read on, so that the flight is not stopped by a full pipe.
+    std::thread::spawn(move || said.for_each(drop));
+    (Flight(child), url)
+}
+
+#[test]
+fn a_flight_serves_its_page_without_a_broker_and_stops_whatever_else_fails() {
+    let (bench, stuck) = (Bench::default(), Bench::default());
+    // A ball that no force of the fan moves.
+    let friction = "\n[plant.effects.wall_friction]\nacceleration_mm_per_s2 = 10000.0\n";
+    stuck.write("config.toml", format!("{}{friction}", stuck.read("config.toml")));
+    let (flight, url) = served(&bench);
+    let (_stuck_flight, stuck_url) = served(&stuck);
+    let mut browser = Command::new("node");
+    browser.arg("--test").arg(root().join("tests/browser/served.test.mjs"));
+    browser.env("URL", url).env("STUCK_URL", stuck_url).env("PID", flight.0.id().to_string());
     let ran = Ran::from(browser.output().unwrap_or_else(|error| panic!("node: {error}; run scripts/test")));
     assert_eq!(ran.code, Some(0), "{}\n{}", ran.output, ran.errors);
 }

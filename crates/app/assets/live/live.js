@@ -20,7 +20,8 @@
       met = true;
       at("connection").open = false;
       link("connected");
-      client.subscribe(["about", "numbers", "status", "fault", "state", "reply", "cycles"].map((name) => airball.root + name));
+      const own = ["about", "numbers", "critical_kp_per_mm", "status", "fault", "state", "reply", "cycles"].map((name) => airball.root + name);
+      client.subscribe([...own, "airball/+/status"]);
       if (at("full").checked) stream();
     });
     // A broker may refuse a login by closing without a word.
@@ -29,7 +30,10 @@
       link(met ? `connection lost to ${airball.broker()}, trying again` : `no answer from ${airball.broker()}: no broker is there, or it refuses this user; trying again`);
     });
     client.on("error", () => {});
-    client.on("message", (topic, payload) => heard[topic.slice(airball.root.length)]?.(decode(payload)));
+    client.on("message", (topic, payload) => {
+      if (topic.startsWith(airball.root)) heard[topic.slice(airball.root.length)]?.(decode(payload));
+      else if (topic.endsWith("/status")) other(topic.split("/")[1], decode(payload) === "online");
+    });
   };
   const send = (name, payload) => client.publish(`${airball.root}set/${name}`, String(payload), { qos: 1 });
   const link = (text) => {
@@ -51,14 +55,30 @@
   // A rig that is online and says nothing for two seconds is worth a word of its own.
   const rig = () => {
     const silent = performance.now() > spoke + 2000;
+    const fresh = Boolean(client?.connected) && online && !silent;
     show("rig-state", online ? (silent ? "rig silent" : "rig online") : "rig offline");
     at("rig-state").dataset.good = online && !silent;
+    // What is shown is of some time ago: it must not look like now.
+    document.body.dataset.stale = !fresh;
+    if (latest) show("mode", `${fresh ? "" : "was "}${latest.mode.replace("_", " ")}`);
+    if (!online) show("fault", "");
+    at("others").hidden = online || others.size === 0;
   };
   setInterval(rig, 500);
+
+  // Other rigs of the broker, for who is at one that is offline.
+  const others = new Set();
+  const other = (name, there) => {
+    others[there ? "add" : "delete"](name);
+    const link = (name) => Object.assign(document.createElement("a"), { href: airball.pageOf(location.pathname, name), textContent: name });
+    at("others").replaceChildren("Online: ", ...[...others].sort().flatMap((name, k) => [k ? ", " : "", link(name)]));
+    rig();
+  };
   const heard = {
     status: (text) => {
       online = text === "online";
       usable();
+      rig();
     },
     about: (text) => {
       about = JSON.parse(text);
@@ -67,10 +87,13 @@
       usable();
     },
     state: (text) => {
+      const before = latest?.mode;
       latest = JSON.parse(text);
       spoke = performance.now();
-      rig();
       tell(latest);
+      rig();
+      // A stop that was obeyed and is over is said no longer.
+      if (before === "stopped" && latest.mode !== "stopped") show("stop-said", "");
       if (performance.now() > batches + 500) charts.add([latest]);
     },
     cycles: (text) => {
@@ -82,6 +105,10 @@
     numbers: (text) => {
       inForce = JSON.parse(text);
       fill();
+    },
+    critical_kp_per_mm: (text) => {
+      critical = JSON.parse(text);
+      judge();
     },
     fault: (text) => {
       const { at: when, fault } = JSON.parse(text);
@@ -95,13 +122,14 @@
   };
 
   const tell = (state) => {
-    show("mode", state.mode.replace("_", " "));
     show("position", number(state.position_mm, 0));
     show("setpoint", number(state.setpoint_mm, 0));
     show("duty", number(state.duty_percent, 2));
     show("flying-controller", state.controller.replaceAll("_", " "));
     show("experiment", state.experiment ?? "none");
-    show("fault", state.fault ?? "");
+    show("fault", state.stopped_by ? `${state.stopped_by}. The fan is off. Then press "Fly again".` : (state.fault ?? ""));
+    // While it stops the rig, it is above.
+    at("last-fault").hidden = Boolean(state.stopped_by);
     const { p50_us, p99_us, p99_9_us, max_us } = state.lateness;
     show("lateness", `half within ${number(p50_us, 0)} µs, 99 % within ${number(p99_us, 0)} µs, 99.9 % within ${number(p99_9_us, 0)} µs, all within ${number(max_us, 0)} µs`);
     show("late", `${state.late_cycles} late cycles; lost: ${state.dropped_log_messages} log messages, ${state.dropped_mqtt_messages} MQTT messages`);
@@ -118,6 +146,17 @@
     for (const input of at("gains").querySelectorAll("input:not([data-edited])")) {
       if (document.activeElement !== input) input.value = state[input.name] ?? "";
     }
+    judge();
+  };
+
+  // The gain that is typed, or in force, beside the one at which the model's loop loses stability.
+  let critical = null;
+  const judge = () => {
+    const input = at("gains").querySelector('[name="kp_per_mm"]');
+    const said = critical === null ? "" : critical.toPrecision(3);
+    show("critical", critical === null ? "" : `By the model, the ball oscillates from K_p = ${said} on.`);
+    const high = critical !== null && input && Number(input.value) > critical / 2;
+    show("gain-warning", high ? `K_p is above half of the critical ${said}: the ball will swing.` : "");
   };
   // Infinity has no number in JSON: it is shown as an empty field.
   const fill = () => {
@@ -140,6 +179,7 @@
     at("experiments").replaceChildren(...experiments.map(({ name, title, duration_s }) => option(name, `${name}: ${title}, ${Math.round(duration_s)} s`)));
     at("gains").replaceChildren(...gains.map(gain));
     at("gain-set").hidden = gains.length === 0;
+    judge();
     at("numbers").replaceChildren(...numbers.map((number) => gain({ ...number, symbol: number.name })));
     at("number-set").hidden = numbers.length === 0;
     fill();
@@ -151,7 +191,10 @@
     if (max !== null) input.max = max;
     label.append(Object.assign(document.createElement("span"), { textContent: unit ? `${symbol}, ${unit}` : symbol }), input);
     label.append(Object.assign(document.createElement("small"), { textContent: max === null ? `at least ${min}` : `${min} to ${max}` }));
-    input.addEventListener("input", () => (input.dataset.edited = ""));
+    input.addEventListener("input", () => {
+      input.dataset.edited = "";
+      judge();
+    });
     return label;
   };
 
@@ -196,6 +239,9 @@
     connect();
   });
   document.addEventListener("broker", () => connect());
+  document.addEventListener("stop-sent", () => {
+    if (!online) show("stop-said", "Stop sent, but the rig is offline and has not heard it. If its fan turns, switch off the fan's supply.");
+  });
 
   // Every cycle, for as long as the box is ticked and the page is looked at: the rig forgets the asking after five seconds.
   const stream = () => client.connected && send("stream", at("full").checked ? "full" : "off");

@@ -1,6 +1,7 @@
 //! Analyses of a recorded flight besides its diagnosis, and virtual flights of a model.
 
 pub mod closed_loop;
+pub mod critical_kp;
 pub mod first_belief;
 pub mod lateness_change;
 pub mod loop_deviations;

@@ -160,6 +160,7 @@ impl Desk {
             experiment: experiment.clone(),
             reading_period_s: self.reading_period_s(),
             signals: self.rig.as_ref().map(Signals::from).unwrap_or_default(),
+            top_mm: self.rig.as_ref().map_or(model.pipe_length_mm, |rig| rig.sensor_to_bottom_mm),
         });
         let stop = AtomicBool::new(false);
         let outcome = match &self.rig {

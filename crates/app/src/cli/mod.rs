@@ -181,6 +181,9 @@ pub struct LiveArgs {
     /// of the config's broker]
     #[arg(long, value_name = "URL")]
     pub broker: Option<String>,
+    /// Write a page with a tile for each rig of the broker here (HTML), in the folder of --out
+    #[arg(long, value_name = "FILE")]
+    pub wall: Option<PathBuf>,
 }
 
 /// `airball fan-off`

@@ -35,6 +35,8 @@ pub(super) struct Plan {
     pub(super) table: Loop,
     pub(super) pilot: Pilot,
     pub(super) experiment: Experiment,
+    /// Whether it is the config's programme and no experiment.
+    pub(super) is_programme: bool,
 }
 
 /// Reads the tables that every flight needs.
@@ -45,6 +47,7 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
     let config = Config::read(&args.config.config, &args.config.over())?;
     let table = *config.need(command, "loop", |tables| tables.r#loop.as_ref())?;
     let safety = *config.need(command, "safety", |tables| tables.safety.as_ref())?;
+    let is_programme = args.experiment.is_none() && own.is_none();
     let experiment = match (&args.experiment, own) {
         (Some(path), _) => Experiment::read(path, &safety)?,
         (None, Some(own)) => Experiment::own(own.name, own.text, &safety)?,
@@ -59,7 +62,7 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
     may_change_gains(&experiment, &orders)?;
     let files = config.tables.mqtt.as_ref().map_or(&[][..], |mqtt| &mqtt.experiments);
     let pilot = Pilot::new(orders).offering(offers(files, &safety)?);
-    Ok(Plan { table, pilot, experiment, config })
+    Ok(Plan { table, pilot, experiment, config, is_programme })
 }
 
 /// Refuses an experiment that changes gains where they are not those of the PID, or of another unit.

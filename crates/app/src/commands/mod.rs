@@ -18,6 +18,7 @@ pub mod log;
 pub mod measure;
 pub mod monitor;
 mod output;
+mod owner;
 pub mod replay;
 pub mod run;
 pub mod simulate;

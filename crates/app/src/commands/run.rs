@@ -1,6 +1,8 @@
 //! `airball run`: the rig, or the simulated rig, in real time.
 
+use super::live;
 use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on};
+use super::owner::{Ours, keep};
 use super::{note, say, warn};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
@@ -14,6 +16,8 @@ use crate::log::header::Header;
 use crate::log::queue::Queue;
 use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
+use crate::mqtt::link::Way;
+use crate::mqtt::local::{LocalError, LocalServer};
 use crate::mqtt::{About, Counts, Link};
 use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
 use anyhow::{Result, bail};
@@ -34,7 +38,8 @@ const PWM_OFF: f64 = 0.02;
 /// fault ended.
 pub fn run(args: &RunArgs) -> Result<()> {
     let plan = plan("run", &args.flight, None)?;
-    let (flown, watched) = in_real_time("run", &plan, &args.flight, args.sim, args.duration)?;
+    let port = args.live.then_some(args.live_port);
+    let (flown, watched) = in_real_time("run", &plan, &args.flight, args.sim, (args.duration, port))?;
     let counts = flown.counts;
     report(&args.flight, &plan.experiment.title, flown)?;
     watched?;
@@ -47,19 +52,22 @@ struct Order<'a> {
     args: &'a FlightArgs,
     sim: bool,
     duration_s: f64,
+    /// Port of the live page; `None`: it is not served.
+    live_port: Option<u16>,
 }
 
-/// Flies a plan in real time: the rig, or the simulated one. Returns the result of the watch too.
+/// Flies a plan in real time: the rig, or the simulated one, for so long and with the live page on that port. Returns the
+/// result of the watch too.
 pub(super) fn in_real_time(
     command: &'static str,
     plan: &Plan,
     args: &FlightArgs,
     sim: bool,
-    duration_s: Option<f64>,
+    (duration_s, live_port): (Option<f64>, Option<u16>),
 ) -> Result<(Flown, Result<()>)> {
     let table = plan.config.need(command, "rig", |tables| tables.rig.as_ref())?;
     let stop = landing_signal()?;
-    let order = Order { plan, args, sim, duration_s: duration_s.unwrap_or(f64::INFINITY) };
+    let order = Order { plan, args, sim, duration_s: duration_s.unwrap_or(f64::INFINITY), live_port };
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref());
     if sim {
         let model = plan.config.need(command, "plant", |tables| tables.plant.as_ref())?;
@@ -83,7 +91,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     guard: Option<Guard>,
     stop: &Arc<AtomicBool>,
 ) -> Result<(Flown, Result<()>)> {
-    let Order { plan, args, sim, duration_s } = *order;
+    let Order { plan, args, sim, duration_s, live_port } = *order;
     say_pwm(table.fan_pwm_hz, rig.fan_pwm_hz());
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref()).filter(|_| !sim);
     let last = kept.and_then(LastFault::read);
@@ -92,15 +100,19 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     }
     let seed = sim.then_some(args.seed);
     let (path, header) = log_of(plan, args, seed, SystemTime::now());
+    let page = live_port.map(|port| served(&table.name, port)).transpose()?;
     let mqtt = plan.config.tables.mqtt.as_ref();
+    let way = page.as_ref().map(Way::Page).or(mqtt.map(Way::Broker));
     let about = About::of(&plan.config.tables, plan.pilot.offers(), sim);
-    let start = |(mqtt, about)| Link::start(mqtt, &about, last.as_ref(), stop);
-    let mut link = mqtt.zip(about).map(start).transpose()?;
+    let ours = Ours::new(&plan.config.tables, &plan.pilot, kept);
+    let start = |(way, about)| Link::start(&way, &about, last.as_ref(), stop, Box::new(ours.clone()));
+    let mut link = way.zip(about).map(start).transpose()?;
     if let Some((link, _)) = &link {
         link.wait_for_others();
         alone(link, &table.name)?;
     }
     let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
+    ours.logs_to(queue.files());
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
     real_time::of_the_loop().into_iter().for_each(warn);
@@ -108,13 +120,14 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
 
     let commander = link.as_mut().map(|(_, mailbox)| mailbox as &mut dyn Commander);
     let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut queue, commander).with_pulse(&pulse);
+    let flight = if plan.is_programme { flight.waiting_after_faults() } else { flight };
     let outcome = flight.fly(duration_s, stop);
     let watched = watch.finish(outcome.fan_still_on.is_none());
     let files = queue.files();
     let flown = outcome.punctuality.cycles > 0;
     let fault = match worst(&outcome, &watched) {
         Some(why) => Some(LastFault::now(why, Some(&files.current()))),
-        None => kept.filter(|_| flown).and_then(|path| acknowledged(path, last.as_ref())),
+        None => kept.filter(|_| flown).and_then(|path| acknowledged(path, ours.waited_after().or(last).as_ref())),
     };
     if let Some(fault) = &fault {
         keep(kept, fault);
@@ -124,6 +137,13 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let log = queue.finish();
     let watched = watched.map_err(Into::into).and(other);
     Ok((Flown { outcome, log, files: files.all(), counts }, watched))
+}
+
+/// The live page of a rig, without a broker.
+fn served(rig: &str, port: u16) -> Result<LocalServer, LocalError> {
+    let server = LocalServer::start(rig, port, |address| live::local(rig, address))?;
+    note(format_args!("live page {}", server.url()));
+    Ok(server)
 }
 
 /// Refuses to fly beside another program that flies a rig of this name on the same broker: each would obey the other's
@@ -177,15 +197,6 @@ fn bytes(megabytes: f64) -> u64 {
 fn say_pwm(asked_hz: f64, given_hz: f64) {
     if (given_hz / asked_hz - 1.0).abs() > PWM_OFF {
         warn(format_args!("[rig] fan_pwm_hz asks for {asked_hz} Hz; the fan driver can give {given_hz:.0} Hz"));
-    }
-}
-
-/// Keeps a fault over a restart. A disk that cannot be written is reported and causes no further fault.
-fn keep(kept: Option<&Path>, fault: &LastFault) {
-    if let Some(path) = kept
-        && let Err(error) = fault.keep(path)
-    {
-        warn(format_args!("the fault cannot be kept in {}: {error}; check [log] last_fault", path.display()));
     }
 }
 

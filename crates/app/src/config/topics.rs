@@ -69,6 +69,8 @@ pub struct Topics {
     pub about: String,
     /// All numbers that can be changed, as they are, retained.
     pub numbers: String,
+    /// The K_p at which the loop of the model loses stability, retained.
+    pub critical_kp_per_mm: String,
     /// `online` or `offline`, retained.
     pub status: String,
     /// The last fault, retained.
@@ -99,6 +101,7 @@ impl Topics {
             cycles: below("cycles"),
             about: below("about"),
             numbers: below("numbers"),
+            critical_kp_per_mm: below("critical_kp_per_mm"),
             status: below("status"),
             fault: below("fault"),
             claim: below("claim"),

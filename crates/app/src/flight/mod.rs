@@ -58,6 +58,10 @@ pub struct Flight<'a, R: Rig> {
     /// The last recorded fault, so that a lasting one is recorded once.
     noted: Option<Fault>,
     pulse: Option<&'a AtomicU32>,
+    /// Whether a fault may wait for `fly`.
+    may_wait: bool,
+    /// Whether one does.
+    waits: bool,
 }
 
 /// The result of a flight besides its log.
@@ -95,7 +99,17 @@ impl<'a, R: Rig> Flight<'a, R> {
             fan_failures: 0,
             noted: None,
             pulse: None,
+            may_wait: false,
+            waits: false,
         }
+    }
+
+    /// A fault that can be flown from does not end this flight if somebody can send `fly`: with the fan off it waits for
+    /// that.
+    #[must_use]
+    pub const fn waiting_after_faults(mut self) -> Self {
+        self.may_wait = true;
+        self
     }
 
     /// Counts the cycles in `pulse`, for a thread that watches the loop.
@@ -105,22 +119,24 @@ impl<'a, R: Rig> Flight<'a, R> {
         self
     }
 
-    /// Flies until the programme is over, `duration_s` has passed, `stop` is set or a fault ends it.
+    /// Flies until the programme is over, `duration_s` has passed, `stop` is set or a fault ends it. A fault that still
+    /// waits then has ended it too.
     pub fn fly(mut self, duration_s: f64, stop: &AtomicBool) -> Outcome {
         self.start();
         let (end, fault) = loop {
             self.rig.sleep_until_s(self.deadlines.next_s());
             if stop.load(Ordering::Relaxed) {
-                break (End::Signal, None);
+                break (End::Signal, self.pilot.fault());
             }
             let now_s = self.rig.now_s() - self.start_s;
             if now_s >= duration_s || self.pilot.is_over(now_s) {
-                break (End::Finished, None);
+                break (End::Finished, self.pilot.fault());
             }
             if let Some(fault) = self.cycle() {
                 break (End::Fault, Some(fault));
             }
         };
+        let end = if fault.is_some() { End::Fault } else { end };
         let fan_still_on = self.land();
         let punctuality = self.deadlines.punctuality();
         if punctuality.lateness.says_something() {
@@ -184,7 +200,17 @@ impl<'a, R: Rig> Flight<'a, R> {
         };
         self.last_cycle_s = woke_s;
         self.record(&cycle, before, senses.ball);
-        fan_fault.or(self.pilot.fault())
+        fan_fault.or_else(|| self.ending_fault())
+    }
+
+    /// The fault of the pilot that ends the flight. It waits instead where the fan is known to be off and somebody could
+    /// send `fly`, also if the connection is lost later.
+    fn ending_fault(&mut self) -> Option<Fault> {
+        let fault = self.pilot.fault();
+        let heard = || self.commander.as_ref().is_some_and(|commander| commander.is_heard());
+        let begins = || self.may_wait && self.held == Duty::OFF && heard();
+        self.waits = fault.is_some_and(|fault| fault.can_be_flown_from() && (self.waits || begins()));
+        fault.filter(|_| !self.waits)
     }
 
     /// A loop that cannot keep up no longer controls the ball. `running_s` is how long the cycle has run: after a delay
@@ -258,6 +284,7 @@ impl<'a, R: Rig> Flight<'a, R> {
             lateness: punctuality.lateness,
             dropped_log_messages: self.recorder.dropped(),
             fault: self.noted,
+            stopped_by: self.pilot.fault(),
         };
         if let Some(commander) = self.commander.as_mut() {
             commander.publish_state(state);

@@ -24,4 +24,8 @@ pub trait Commander {
     fn answer(&mut self, answer: Answer);
     /// Takes the present state.
     fn publish_state(&mut self, state: State);
+    /// Whether somebody can send commands now.
+    fn is_heard(&self) -> bool {
+        false
+    }
 }

@@ -77,6 +77,9 @@ pub struct State {
     /// The present fault, in words; null where there is none.
     #[serde(serialize_with = "in_words")]
     pub fault: Option<Fault>,
+    /// The fault after which the fan is off until `fly`, in words; null where there is none.
+    #[serde(serialize_with = "in_words")]
+    pub stopped_by: Option<Fault>,
 }
 
 fn in_words<S: Serializer>(fault: &Option<Fault>, to: S) -> Result<S::Ok, S::Error> {

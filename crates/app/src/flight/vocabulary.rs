@@ -223,6 +223,27 @@ pub enum Fault {
     },
 }
 
+impl Fault {
+    /// Whether a flight can go on after it once its cause is removed. A sensor that fell silent must be started anew, and
+    /// the loop does not trust a fan that it cannot write.
+    #[must_use]
+    pub const fn can_be_flown_from(&self) -> bool {
+        match self {
+            Self::NoBall { .. }
+            | Self::DoubtfulRange { .. }
+            | Self::BallStuck { .. }
+            | Self::FanStalled { .. }
+            | Self::SensorsDisagree { .. }
+            | Self::OutsideBand { .. } => true,
+            Self::SensorSilent { .. }
+            | Self::SensorBus { .. }
+            | Self::FanBus { .. }
+            | Self::OneSensorSilent { .. }
+            | Self::Late { .. } => false,
+        }
+    }
+}
+
 /// One of two range sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {

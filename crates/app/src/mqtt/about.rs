@@ -3,7 +3,7 @@
 use crate::config::{Safety, Tables};
 use crate::flight::experiment::offers::Offer;
 use control::controller::Kind;
-use control::numbers::{Numbers, Parameter};
+use control::numbers::{Numbers, Parameter, Values};
 use control::pid::Pid;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -123,6 +123,14 @@ impl About {
                 tables.safety?,
             ),
             experiments: offers.iter().map(Offered::from).collect(),
+        })
+    }
+
+    /// The values of its numbers.
+    pub(super) fn values(&self) -> Values {
+        Parameter::ALL.map(|parameter| {
+            let number = self.numbers.iter().find(|number| number.name == parameter.name)?;
+            Some(number.value.unwrap_or(f64::INFINITY))
         })
     }
 

@@ -1,7 +1,7 @@
 //! Counts of messages on the link, and of lost ones.
 
 use serde::Serialize;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 /// Counts since the start of the link. Part of the message on `state`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -23,6 +23,8 @@ pub(super) struct Counters {
     pub(super) refused: AtomicU32,
     pub(super) busy: AtomicU32,
     pub(super) dropped: AtomicU32,
+    /// Whether a broker is connected and told of us.
+    pub(super) connected: AtomicBool,
 }
 
 /// Adds one.

@@ -24,6 +24,8 @@ pub(super) struct Line {
     about: String,
     /// All numbers, as published.
     numbers: Mutex<String>,
+    /// The critical K_p, as published.
+    critical: Mutex<String>,
     /// Our claim of the rig's name.
     pub(super) claim: Claim,
     /// The client of a session that has claimed the name and said nothing else yet.
@@ -34,13 +36,13 @@ pub(super) struct Line {
 
 impl Line {
     pub(super) fn new(about: &About, claim: Claim) -> Self {
-        let numbers = in_force(about.numbers.iter().map(|number| (number.name.clone(), number.value)));
         Self {
             client: Mutex::default(),
             stopping: AtomicBool::default(),
             fault: Mutex::default(),
             about: about.json(),
-            numbers: Mutex::new(numbers),
+            numbers: Mutex::default(),
+            critical: Mutex::default(),
             claim,
             claiming: Mutex::default(),
             owed: Mutex::default(),
@@ -101,18 +103,20 @@ impl Line {
         }
     }
 
-    /// Sets all numbers.
-    pub(super) fn know_numbers(&self, values: &Values) {
+    /// Sets all numbers, and the critical K_p of the loop with them.
+    pub(super) fn know_numbers(&self, values: &Values, critical_kp_per_mm: Option<f64>) {
+        *locked(&self.critical) = json(critical_kp_per_mm);
         let there = Parameter::ALL.iter().zip(values).filter_map(|(parameter, value)| Some((parameter, (*value)?)));
         let message =
             in_force(there.map(|(parameter, value)| (parameter.name.into(), value.is_finite().then_some(value))));
         *locked(&self.numbers) = message;
     }
 
-    /// Publishes all numbers.
+    /// Publishes all numbers, and the critical K_p.
     pub(super) fn publish_numbers(&self, client: &Client, topics: &Topics) -> bool {
-        let numbers = locked(&self.numbers).clone();
+        let (numbers, critical) = (locked(&self.numbers).clone(), locked(&self.critical).clone());
         client.try_publish(&topics.numbers, numbers, RETAINED).is_ok()
+            && client.try_publish(&topics.critical_kp_per_mm, critical, RETAINED).is_ok()
     }
 
     pub(super) fn stop(&self) {
@@ -122,4 +126,9 @@ impl Line {
     pub(super) fn stopping(&self) -> bool {
         self.stopping.load(SeqCst)
     }
+}
+
+/// A number as JSON.
+fn json(number: Option<f64>) -> String {
+    number.map_or_else(|| "null".to_owned(), |number| number.to_string())
 }

@@ -5,9 +5,11 @@ use super::claim::Claim;
 use super::count::{Counters, Counts};
 use super::hearing::Hearing;
 use super::line::Line;
+use super::local::LocalServer;
 use super::mailbox::{Mailbox, ROOM};
 use super::network::{self, Network};
 use super::outage::Outage;
+use super::owner::Owner;
 use super::publisher::Publisher;
 use super::stream::Stream;
 use crate::config::mqtt::{MqttConfig, MqttError};
@@ -22,6 +24,24 @@ use std::time::{Duration, Instant};
 const LONGEST_GOODBYE: Duration = Duration::from_secs(1);
 /// Longest wait for others of our name.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
+
+/// Whom a link speaks to.
+pub enum Way<'a> {
+    /// A broker, and through it anybody.
+    Broker(&'a MqttConfig),
+    /// The program's own server, and through it browsers of this computer.
+    Page(&'a LocalServer),
+}
+
+impl Way<'_> {
+    /// The broker's host and port.
+    fn broker(&self) -> Option<String> {
+        match self {
+            Self::Broker(config) => Some(format!("{}:{}", config.host, config.port())),
+            Self::Page(_) => None,
+        }
+    }
+}
 
 /// Two threads between the loop and the broker. Dropping it sends `offline` and disconnects, as [`Link::stop`] does.
 pub struct Link {
@@ -40,16 +60,19 @@ impl Link {
     /// [`MqttError`]: a rig's name that is not allowed in topics, a password or certificate that cannot be read, no
     /// thread. A missing broker is not an error.
     pub fn start(
-        config: &MqttConfig,
+        way: &Way<'_>,
         about: &About,
         last_fault: Option<&LastFault>,
         lands: &Arc<AtomicBool>,
+        owner: Box<dyn Owner>,
     ) -> Result<(Self, Mailbox), MqttError> {
         let topics = Arc::new(Topics::new(&about.rig)?);
         let claim = Claim::new(Arc::clone(lands));
-        let options = network::options(config, &about.rig, claim.id(), &topics)?;
+        let options = network::options(way, &about.rig, claim.id(), &topics)?;
         let (counters, line) = (Arc::<Counters>::default(), Arc::new(Line::new(about, claim)));
         line.know(last_fault);
+        let numbers = about.values();
+        line.know_numbers(&numbers, owner.critical_kp_per_mm(&numbers));
         let (mailbox, far) = Mailbox::new(Arc::clone(&counters));
         let (aside, asides) = mpsc::sync_channel(ROOM);
         let network = Network {
@@ -59,7 +82,7 @@ impl Link {
             asides: aside,
             line: Arc::clone(&line),
             counters: Arc::clone(&counters),
-            outage: Outage::new(format!("{}:{}", config.host, config.port())),
+            outage: Outage::new(way.broker()),
             hearing: Hearing::new(),
         };
         let publisher = Publisher {
@@ -72,6 +95,8 @@ impl Link {
             in_force: None,
             due: Instant::now(),
             stream: Stream::default(),
+            owner,
+            waits_after: None,
         };
         let mut link = Self { line, counters, threads: Vec::new() };
         link.spawn("mqtt-publisher", move || publisher.run())?;

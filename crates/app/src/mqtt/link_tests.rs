@@ -1,8 +1,9 @@
 //! Tests of the link with a real broker, through a second client.
 
 use super::about::About;
-use super::link::Link;
+use super::link::{Link, Way};
 use super::mailbox::{Mailbox, ROOM};
+use super::owner::Nobody;
 use super::test_broker::{Broker, Cable, Outside, PATIENCE, config, until};
 use crate::config::mqtt::MqttConfig;
 use crate::config::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
@@ -10,8 +11,9 @@ use crate::flight::command::{Command, Refusal};
 use crate::flight::lateness::Histogram;
 use crate::flight::outside::Commander;
 use crate::flight::state::{Answer, Gains, InForce, State};
-use crate::flight::vocabulary::{Cycle, Mode};
+use crate::flight::vocabulary::{Cycle, Fault, Mode};
 use control::controller::Kind;
+use control::numbers::COUNT;
 use serde_json::json;
 use std::net::TcpListener;
 use std::sync::atomic::Ordering::Relaxed;
@@ -26,7 +28,7 @@ pub(super) const STATE: &str = "airball/rig1/state";
 pub(super) const STATUS: &str = "airball/rig1/status";
 
 pub(super) fn start(config: &MqttConfig) -> (Link, Mailbox) {
-    Link::start(config, &about(), None, &Arc::default()).unwrap()
+    Link::start(&Way::Broker(config), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap()
 }
 
 /// A broker, a second client, and a connected link.
@@ -85,6 +87,7 @@ pub(super) fn state(time_s: f64) -> State {
         lateness: Histogram::default(),
         dropped_log_messages: 0,
         fault: None,
+        stopped_by: None,
     }
 }
 
@@ -200,7 +203,7 @@ fn a_cut_connection_leaves_offline_by_last_will_where_online_was_retained() {
 fn of_two_that_fly_one_name_the_later_gives_way_and_leaves_no_trace_on_the_broker() {
     let (broker, outside, first, mut mailbox) = connected();
     let lands = Arc::default();
-    let (second, _mailbox) = Link::start(&broker.config(), &about(), None, &lands).unwrap();
+    let (second, _mailbox) = Link::start(&Way::Broker(&broker.config()), &about(), None, &lands, Box::new(Nobody)).unwrap();
     second.wait_for_others();
     assert!(second.other().is_some() && lands.load(Relaxed));
     second.stop(None);
@@ -320,4 +323,39 @@ fn a_broker_that_asks_for_a_user_gets_the_password_from_its_file() {
     let login = MqttConfig { user: Some("rig".into()), password_file: Some(file.path().into()), ..broker.config() };
     let _link = start(&login);
     assert_eq!(outside.hear(STATUS), "online");
+}
+
+#[test]
+fn a_fault_that_a_flight_waits_after_is_published_once_and_the_next_one_again() {
+    let (_broker, outside, _link, mut mailbox) = connected();
+    let stopped = |mm| {
+        let fault = Fault::NoBall { reported_mm: mm };
+        State { fault: Some(fault), stopped_by: Some(fault), ..state(1.0) }
+    };
+    let told = || outside.json("airball/rig1/fault")["fault"].as_str().unwrap().to_owned();
+    (0..3).for_each(|_| mailbox.publish_state(stopped(8190)));
+    assert!(told().contains("8190"));
+    mailbox.publish_state(state(2.0));
+    outside.hear(STATE);
+    thread::sleep(Duration::from_millis(60));
+    mailbox.publish_state(stopped(8191));
+    assert!(told().contains("8191"));
+}
+
+#[test]
+fn the_critical_gain_is_told_and_told_again_where_numbers_change() {
+    let (_broker, outside, _link, mut mailbox) = connected();
+    assert_eq!(outside.hear("airball/rig1/critical_kp_per_mm"), "null");
+    let mut numbers = [None; COUNT];
+    numbers[0] = Some(0.02);
+    mailbox.answer(Answer { command: Command::Undo, refused: None, in_force: in_force(300.0), numbers: Some(numbers) });
+    assert_eq!(outside.hear("airball/rig1/critical_kp_per_mm"), "0.12");
+}
+
+#[test]
+fn somebody_can_send_commands_while_a_broker_is_there() {
+    let (mut broker, _outside, _link, mailbox) = connected();
+    until("it is heard", || mailbox.is_heard().then_some(()));
+    broker.kill();
+    until("it is not", || (!mailbox.is_heard()).then_some(()));
 }

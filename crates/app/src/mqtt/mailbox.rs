@@ -103,6 +103,10 @@ impl Commander for Mailbox {
             count(&self.counters.dropped);
         }
     }
+
+    fn is_heard(&self) -> bool {
+        self.counters.connected.load(Relaxed)
+    }
 }
 
 #[cfg(test)]

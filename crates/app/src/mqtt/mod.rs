@@ -14,6 +14,7 @@
 //! | `airball/<rig>/cycles` | out, 10 Hz, when asked | JSON: `cycles` since the last message, `dropped`: lost ones |
 //! | `airball/<rig>/about` | out, retained | JSON (`airball.about/1`): limits, units, controllers, gains, experiments |
 //! | `airball/<rig>/numbers` | out, retained | JSON: all numbers that `set/numbers` can change, as they are |
+//! | `airball/<rig>/critical_kp_per_mm` | out, retained | the K_p at which the model's PID loop loses stability, or `null` |
 //! | `airball/<rig>/claim` | both | JSON: who flies this name, to others who would |
 //! | `airball/<rig>/status` | out, retained | `online`, or `offline` by last will |
 //! | `airball/<rig>/fault` | out, retained | JSON: the last fault that ended a flight, `at`, `fault`, `log`, `acknowledged` |
@@ -46,11 +47,13 @@ mod count;
 mod hearing;
 mod line;
 pub mod link;
+pub mod local;
 mod mailbox;
 pub mod message;
 pub mod monitor;
 mod network;
 mod outage;
+pub mod owner;
 pub mod parse;
 mod publisher;
 pub mod remote;

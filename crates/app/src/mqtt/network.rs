@@ -7,6 +7,8 @@
 use super::count::{Counters, count};
 use super::hearing::{Hearing, too_large};
 use super::line::Line;
+use super::link::Way;
+use super::local::LocalServer;
 use super::mailbox::Inbox;
 use super::outage::Outage;
 use super::parse::{Asked, ParseError, parse};
@@ -64,10 +66,26 @@ pub(super) struct Network {
 }
 
 /// The client's identity and last will.
-pub(super) fn options(config: &MqttConfig, rig: &str, id: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
-    let mut options = to_broker(config, format!("airball-{rig}-{id}"))?;
+pub(super) fn options(way: &Way<'_>, rig: &str, id: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
+    let id = format!("airball-{rig}-{id}");
+    let mut options = match way {
+        Way::Broker(config) => to_broker(config, id)?,
+        Way::Page(server) => to_page(server, id),
+    };
     options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
     Ok(options)
+}
+
+/// To the program's own server, by memory; the address is only a name.
+fn to_page(server: &LocalServer, id: String) -> MqttOptions {
+    let mut options = MqttOptions::new(id, ("localhost", 0));
+    options.set_keep_alive(KEEP_ALIVE_S).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
+    let dial = server.dialler();
+    options.set_socket_connector(move |_, _| {
+        let pipe = dial();
+        async move { pipe }
+    });
+    options
 }
 
 /// The broker's address, and the client's identity.

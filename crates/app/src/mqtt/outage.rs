@@ -8,21 +8,22 @@ use rumqttc::{ConnectReturnCode, ConnectionError};
 /// The last message.
 #[derive(Debug)]
 pub(super) struct Outage {
-    /// `host:port`.
-    broker: String,
+    /// `host:port`; `None`: the program's own server, of which nothing need be said.
+    broker: Option<String>,
     /// `None` before the first message.
     connected: Option<bool>,
 }
 
 impl Outage {
-    pub(super) const fn new(broker: String) -> Self {
+    pub(super) const fn new(broker: Option<String>) -> Self {
         Self { broker, connected: None }
     }
 
     /// The line for a connection, unless already written.
     pub(super) fn over(&mut self) -> Option<String> {
         let new = self.connected.replace(true) != Some(true);
-        new.then(|| format!("note: mqtt: connected to the broker at {}", self.broker))
+        let broker = self.broker.as_ref().filter(|_| new)?;
+        Some(format!("note: mqtt: connected to the broker at {broker}"))
     }
 
     /// The line for a refused or lost connection, unless already written.
@@ -32,7 +33,7 @@ impl Outage {
             Some(true) => "lost the broker",
             None => "no broker",
         };
-        let (broker, hint) = (&self.broker, hint(cause));
+        let (broker, hint) = (self.broker.as_ref()?, hint(cause));
         Some(format!("warning: mqtt: {what} at {broker}: {cause}; the flight goes on without commands. {hint}"))
     }
 }
@@ -59,7 +60,7 @@ mod tests {
 
     #[test]
     fn an_outage_and_its_end_are_said_once_each() {
-        let mut outage = Outage::new("localhost:1883".into());
+        let mut outage = Outage::new(Some("localhost:1883".into()));
         let line = outage.began(&ConnectionError::NetworkTimeout).unwrap();
         assert!(
             line.contains("no broker at localhost:1883: Network timeout") && line.contains("`mosquitto`"),
@@ -74,6 +75,6 @@ mod tests {
     #[test]
     fn a_refused_user_is_told_which_keys_to_check() {
         let cause = ConnectionError::ConnectionRefused(ConnectReturnCode::NotAuthorized);
-        assert!(Outage::new(String::new()).began(&cause).unwrap().contains("`password_file`"));
+        assert!(Outage::new(Some(String::new())).began(&cause).unwrap().contains("`password_file`"));
     }
 }

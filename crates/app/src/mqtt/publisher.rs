@@ -9,13 +9,16 @@ use super::line::{Line, RETAINED};
 use super::mailbox::ROOM;
 use super::message::{CyclesMessage, Reply, StateMessage};
 use super::network::{Aside, What};
+use super::owner::Owner;
 use super::stream::Stream;
 use crate::config::topics::{ORIGINAL_POSITION, Topics};
 use crate::flight::state::{Answer, InForce, State};
+use crate::flight::vocabulary::Fault;
 use rtrb::Consumer;
 use rumqttc::PublishOptions;
 use serde::Serialize;
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::Receiver;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -39,6 +42,10 @@ pub(super) struct Publisher {
     pub(super) due: Instant,
     /// The stream of every cycle.
     pub(super) stream: Stream,
+    /// The program.
+    pub(super) owner: Box<dyn Owner>,
+    /// The fault that the flight waits after, as told.
+    pub(super) waits_after: Option<Fault>,
 }
 
 impl Publisher {
@@ -56,6 +63,7 @@ impl Publisher {
     fn turn(&mut self) {
         let now = Instant::now();
         let owed = self.line.introduce(&self.topics);
+        self.counters.connected.store(self.line.client().is_some(), Relaxed);
         if self.line.is_claiming() {
             return;
         }
@@ -63,6 +71,7 @@ impl Publisher {
         let newest = said.inspect(|state| self.stream.take(state.cycle, now)).last();
         if let Some(state) = newest {
             self.in_force = Some(state.in_force());
+            self.tell_fault(state.stopped_by);
         }
         let in_force = self.in_force;
         let owed = owed.map(|Aside { topic, what }| match what {
@@ -77,6 +86,18 @@ impl Publisher {
         }
     }
 
+    /// Publishes the fault that a flight waits after, once.
+    fn tell_fault(&mut self, stopped_by: Option<Fault>) {
+        if let (Some(fault), None) = (stopped_by, self.waits_after) {
+            self.line.know(Some(&self.owner.waits_after(fault)));
+            let sent = self.line.client().as_ref().is_none_or(|client| self.line.publish_fault(client, &self.topics));
+            if !sent {
+                count(&self.counters.dropped);
+            }
+        }
+        self.waits_after = stopped_by;
+    }
+
     /// The pending replies; refusals are counted, and requests for the stream are executed. A message that never
     /// reached the loop must be answered before a later command that the loop executed. Its refusal was queued before
     /// that command's answer, so that refusals are read after the answers and sent before them. In the opposite case
@@ -87,7 +108,7 @@ impl Publisher {
             self.in_force = Some(newest.in_force);
         }
         if let Some(numbers) = answers.iter().rev().find_map(|answer| answer.numbers) {
-            self.line.know_numbers(&numbers);
+            self.line.know_numbers(&numbers, self.owner.critical_kp_per_mm(&numbers));
             let sent = self.line.client().as_ref().is_none_or(|client| self.line.publish_numbers(client, &self.topics));
             if !sent {
                 count(&self.counters.dropped);
@@ -177,6 +198,7 @@ mod tests {
     use crate::mqtt::claim::Claim;
     use crate::mqtt::link_tests::{about, in_force};
     use crate::mqtt::mailbox::Mailbox;
+    use crate::mqtt::owner::Nobody;
     use std::sync::mpsc::sync_channel;
 
     #[test]
@@ -200,6 +222,8 @@ mod tests {
             in_force: None,
             due: Instant::now(),
             stream: Stream::default(),
+            owner: Box::new(Nobody),
+            waits_after: None,
         };
         aside.send(Aside { topic: "set/#".into(), what: What::Refused("too large".into()) }).unwrap();
         mailbox.answer(Answer { command: Command::Stop, refused: None, in_force: in_force(1.0), numbers: None });

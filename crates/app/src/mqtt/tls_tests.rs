@@ -1,9 +1,10 @@
 //! Tests of TLS with a real broker and an authority made for the test.
 
-use super::link::Link;
+use super::link::{Link, Way};
 use super::link_tests::{about, start};
 use super::network;
 use super::outage::Outage;
+use super::owner::Nobody;
 use super::test_broker::{Broker, config};
 use crate::config::mqtt::TlsConfig;
 use crate::config::mqtt::{MqttConfig, MqttError};
@@ -68,8 +69,8 @@ fn over_tls(broker: &Broker, tls: TlsConfig) -> MqttConfig {
 /// Connects once: the broker's acknowledgement, or the line for standard error.
 fn connect(config: &MqttConfig) -> Result<(), String> {
     let topics = Topics::new("rig1").unwrap();
-    let (_client, mut connection) = Client::builder(network::options(config, "rig1", "1", &topics).unwrap()).build();
-    let said = |cause: &ConnectionError| Outage::new("broker".into()).began(cause).unwrap();
+    let (_client, mut connection) = Client::builder(network::options(&Way::Broker(config), "rig1", "1", &topics).unwrap()).build();
+    let said = |cause: &ConnectionError| Outage::new(Some("broker".into())).began(cause).unwrap();
     match connection.recv().unwrap() {
         Ok(Event::Incoming(Packet::ConnAck(_))) => Ok(()),
         Ok(other) => panic!("{other:?}"),
@@ -125,7 +126,7 @@ fn tls_to_a_port_without_it_is_told_which_port_to_try() {
 /// The error of a link with these files.
 fn why(tls: TlsConfig) -> String {
     let config = MqttConfig { tls: Some(tls), ..config(1) };
-    Link::start(&config, &about(), None, &Arc::default()).err().unwrap().to_string()
+    Link::start(&Way::Broker(&config), &about(), None, &Arc::default(), Box::new(Nobody)).err().unwrap().to_string()
 }
 
 #[test]

@@ -3,11 +3,14 @@
 //! It has no limit, unit or name of its own; those come from the rig's `about`. The stop button's script comes first
 //! and does not depend on the others, so that it works if they fail.
 
+pub mod wall;
+
 use super::kit::page::{CHART_SCRIPT, CHART_STYLE, STYLE, hash_of};
 use super::kit::palette;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const MQTT_SCRIPT: &str = include_str!("../../assets/mqtt/mqtt.min.js");
+const PLACE_SCRIPT: &str = include_str!("../../assets/live/place.js");
 const STOP_SCRIPT: &str = include_str!("../../assets/live/stop.js");
 const LIVE_STYLE: &str = include_str!("../../assets/live/live.css");
 const CHARTS: &str = include_str!("../../assets/live/charts.js");
@@ -22,38 +25,26 @@ pub struct Place<'a> {
     pub broker: Option<&'a str>,
     /// The same where `broker` is not given and the page is opened as a file; a page from a server uses its own host.
     pub fallback: &'a str,
+    /// Whether a broker may ask for a login.
+    pub login: bool,
 }
 
 /// The page's HTML.
 #[must_use]
 pub fn page(place: &Place<'_>) -> String {
+    let first = [PLACE_SCRIPT, STOP_SCRIPT].join("\n");
     let script = [MQTT_SCRIPT, CHART_SCRIPT, CHARTS, LIVE_SCRIPT].join("\n");
     let style = format!("{}{CHART_STYLE}\n{STYLE}\n{LIVE_STYLE}", palette::stylesheet());
-    let hosts = place.broker.and_then(hosts_of).unwrap_or_else(|| "ws: wss:".to_owned());
-    let policy = format!(
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{}' 'sha256-{}'; connect-src {}; img-src data:; base-uri 'none'; form-action 'none'",
-        hash_of(STOP_SCRIPT),
-        hash_of(&script),
-        hosts
-    );
     let page = html! {
         (DOCTYPE)
         html lang="en" data-rig=(place.rig) data-broker=[place.broker] data-fallback=(place.fallback) {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy" content=(policy);
-                meta name="generator" content=(concat!("airball ", env!("CARGO_PKG_VERSION")));
-                // A browser requests an icon where none is named.
-                link rel="icon" href="data:,";
-                title { (place.rig) " – airball live" }
-                style { (PreEscaped(style)) }
-            }
-            body {
+            head { (head(&format!("{} – airball live", place.rig), &style, &policy(place, &[&first, &script]))) }
+            body data-stale="true" {
                 header.bar { (bar(place.rig)) }
                 main {
                     (foreign())
-                    (connection())
+                    (connection(place.login))
+                    p #others hidden {}
                     div.live {
                         div { (now()) (pictures()) (timing()) }
                         div { (setpoint()) (modes()) (controller()) (gains()) (numbers()) (experiment()) p #reply role="status" {} }
@@ -63,12 +54,36 @@ pub fn page(place: &Place<'_>) -> String {
                     p #about {}
                     p { "Charts: uPlot, © Leon Sorokin, MIT licence. MQTT: MQTT.js, © its contributors, MIT licence." }
                 }
-                script { (PreEscaped(STOP_SCRIPT)) }
+                script { (PreEscaped(first)) }
                 script { (PreEscaped(script)) }
             }
         }
     };
     page.into_string()
+}
+
+/// The head of a page of one file.
+fn head(title: &str, style: &str, policy: &str) -> Markup {
+    html! {
+        meta charset="utf-8";
+        meta name="viewport" content="width=device-width, initial-scale=1";
+        meta http-equiv="Content-Security-Policy" content=(policy);
+        meta name="generator" content=(concat!("airball ", env!("CARGO_PKG_VERSION")));
+        // A browser requests an icon where none is named.
+        link rel="icon" href="data:,";
+        title { (title) }
+        style { (PreEscaped(style)) }
+    }
+}
+
+/// What the page may do: run these scripts, and connect to its broker.
+fn policy(place: &Place<'_>, scripts: &[&str]) -> String {
+    let hashes: Vec<_> = scripts.iter().map(|script| format!("'sha256-{}'", hash_of(script))).collect();
+    let hosts = place.broker.and_then(hosts_of).unwrap_or_else(|| "ws: wss:".to_owned());
+    format!(
+        "default-src 'none'; style-src 'unsafe-inline'; script-src {}; connect-src {hosts}; img-src data:; base-uri 'none'; form-action 'none'",
+        hashes.join(" ")
+    )
 }
 
 /// The sources of a policy that allow every port of a broker's host and no other host. `None`: a policy cannot name it.
@@ -86,6 +101,7 @@ fn bar(rig: &str) -> Markup {
         p role="status" { span.word #link data-good="false" { "no connection yet" } " " span.word #rig-state data-good="false" { "rig unknown" } }
         p #stop-said role="alert" {}
         p #fault role="alert" {}
+        p #last-fault {}
     }
 }
 
@@ -117,7 +133,6 @@ fn timing() -> Markup {
         h2 { "Lateness of the cycles" }
         p.small #lateness { "–" }
         p.small #late {}
-        p.small #last-fault {}
     }
 }
 
@@ -164,6 +179,8 @@ fn gains() -> Markup {
             legend { "Gains of the PID" }
             form #gain-form {
                 div #gains {}
+                p #critical {}
+                p #gain-warning role="status" {}
                 button type="submit" { "Change together" }
             }
         }
@@ -210,9 +227,9 @@ fn foreign() -> Markup {
     }
 }
 
-fn connection() -> Markup {
+fn connection(login: bool) -> Markup {
     html! {
-        details #connection {
+        details #connection hidden[!login] {
             summary { "Connection" }
             form.row #connection-form {
                 label { "User" input #user type="text" autocomplete="username"; }
@@ -225,13 +242,13 @@ fn connection() -> Markup {
 
 #[cfg(test)]
 mod tests {
-    use super::{LIVE_SCRIPT, MQTT_SCRIPT, Place, STOP_SCRIPT, page};
+    use super::{LIVE_SCRIPT, MQTT_SCRIPT, PLACE_SCRIPT, Place, STOP_SCRIPT, page};
 
-    const PLACE: Place<'_> = Place { rig: "rig1", broker: None, fallback: "ws://localhost:9001" };
+    const PLACE: Place<'_> = Place { rig: "rig1", broker: None, fallback: "ws://localhost:9001", login: true };
 
     #[test]
     fn no_script_ends_early_or_loads_another() {
-        for script in [STOP_SCRIPT, LIVE_SCRIPT, MQTT_SCRIPT] {
+        for script in [PLACE_SCRIPT, STOP_SCRIPT, LIVE_SCRIPT, MQTT_SCRIPT] {
             assert!(!script.to_lowercase().contains("</script"));
         }
         let page = page(&PLACE);

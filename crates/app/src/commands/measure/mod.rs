@@ -125,7 +125,7 @@ fn fly(args: &MeasureArgs) -> Result<(Config, PathBuf)> {
     let (flown, watched) = if args.in_virtual_time {
         (in_virtual_time(NAME, &plan, &args.flight, None)?, Ok(()))
     } else {
-        in_real_time(NAME, &plan, &args.flight, args.sim, None)?
+        in_real_time(NAME, &plan, &args.flight, args.sim, (None, None))?
     };
     let path = flown.files.first().cloned().unwrap_or_default();
     if let Err(error) = flown.landed() {

@@ -54,6 +54,7 @@ fn pilot(tables: &Tables) -> Pilot {
         experiment: Experiment { title: "campaign".into(), limits, segments: vec![segment].into() },
         reading_period_s: 0.02,
         signals: tables.rig.as_ref().map(Signals::from).unwrap_or_default(),
+        top_mm: tables.rig.as_ref().unwrap().sensor_to_bottom_mm,
     })
 }
 

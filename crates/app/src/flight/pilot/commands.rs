@@ -42,6 +42,8 @@ impl Pilot {
             }
             Command::Fly => {
                 if self.mode == Mode::Stopped {
+                    // A fault may have stopped it in the middle of an experiment.
+                    self.end_experiment();
                     self.mode = Mode::Waiting;
                     self.fault = None;
                     self.last = None;

@@ -24,6 +24,8 @@ pub struct Orders {
     pub reading_period_s: f64,
     /// The optional signals of the rig.
     pub signals: Signals,
+    /// The upper end of the ball's way, mm. Infinite where it is not known.
+    pub top_mm: f64,
 }
 
 /// Why a config cannot be flown.
@@ -50,7 +52,8 @@ impl Orders {
         let regulator = Regulator::new(controllers, tables.observer.as_ref(), reading_period_s)?;
         let compensation = tables.compensation.clone().ok_or_else(missing("compensation"))?;
         let signals = tables.rig.as_ref().map(Signals::from).unwrap_or_default();
-        Ok(Self { regulator, compensation, safety, experiment, reading_period_s, signals })
+        let top_mm = tables.rig.as_ref().map_or(f64::INFINITY, |rig| rig.sensor_to_bottom_mm);
+        Ok(Self { regulator, compensation, safety, experiment, reading_period_s, signals, top_mm })
     }
 }
 

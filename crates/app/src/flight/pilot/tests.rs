@@ -39,6 +39,7 @@ fn pilot(segments: Vec<Segment>) -> Pilot {
         experiment: Experiment { title: "t".into(), limits, segments: segments.into() },
         reading_period_s: T,
         signals: Signals::default(),
+        top_mm: 583.0,
     })
 }
 
@@ -223,6 +224,22 @@ fn a_ball_that_is_pushed_and_does_not_move_turns_the_fan_off_within_the_time_sta
     rising.orders.safety.stuck = stuck;
     let seen: Vec<Seen> = (0..100).map(|k| Seen::Ball(60.0 + 0.6 * f64::from(k))).collect();
     assert_eq!(fly(&mut rising, 0.0, &seen).0, Mode::Flying);
+}
+
+#[test]
+fn a_ball_that_lies_at_the_end_towards_which_it_is_pushed_is_not_stuck_and_one_that_is_pushed_away_from_it_is() {
+    let lies = |at_mm: f64, wanted_mm: f64| {
+        let setpoint = Some(Waveform::Constant { value: wanted_mm });
+        let mut pilot = pilot(vec![Segment { setpoint_mm: setpoint, ..segment(60.0) }]);
+        pilot.orders.safety.stuck = Some(Stuck { control_percent: 0.2, after_s: 1.0 });
+        pilot.orders.experiment.limits = Limits::default();
+        fly(&mut pilot, 0.0, &[Seen::Ball(at_mm); 100]).0
+    };
+    assert_eq!(lies(2.0, -60.0), Mode::Flying);
+    assert_eq!(lies(2.0, 60.0), Mode::Stopped);
+    assert_eq!(lies(580.0, 640.0), Mode::Flying);
+    assert_eq!(lies(580.0, 520.0), Mode::Stopped);
+    assert_eq!(lies(100.0, 40.0), Mode::Stopped);
 }
 
 #[test]

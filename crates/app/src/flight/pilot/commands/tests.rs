@@ -24,6 +24,7 @@ fn pilot(tables: &Tables) -> Pilot {
         experiment: Experiment { title: "t".into(), limits, segments },
         reading_period_s: T,
         signals: Signals::default(),
+        top_mm: 583.0,
     })
 }
 

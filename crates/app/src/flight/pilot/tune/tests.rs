@@ -31,6 +31,7 @@ impl Flown {
             experiment: Experiment { title: "t".into(), limits: Limits::default(), segments },
             reading_period_s: T,
             signals: Signals::default(),
+            top_mm: 583.0,
         });
         Self { pilot, cycles: 0 }
     }

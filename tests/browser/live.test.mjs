@@ -149,6 +149,14 @@ test("live: gains, controller and experiment are changed, and a refusal is said 
   await page.getByText("numbers: in force").waitFor();
   await page.getByRole("button", { name: "Undo the last change" }).click();
   await until(page, "the number is back", async () => (await fan.inputValue()) === "0.6968");
+  // A switch, with the number that it needs, as one change.
+  const dither = page.locator('select[name="compensation.dither"]');
+  await dither.selectOption("on");
+  await page.getByLabel("compensation.dither.step_percent").fill("0.2");
+  await page.getByRole("button", { name: "Change numbers together" }).click();
+  await until(page, "the number is in force", async () => (await page.getByLabel("compensation.dither.step_percent").inputValue()) === "0.2");
+  await page.getByRole("button", { name: "Undo the last change" }).click();
+  await until(page, "the switch is back", async () => (await dither.inputValue()) === "off");
   await page.getByRole("combobox", { name: "Flies, from now on" }).selectOption("lqg");
   await until(page, "lqg flies", async () => (await text(page, "flying-controller")) === "lqg");
   await page.getByRole("combobox", { name: "Flies, from now on" }).selectOption("pid");
@@ -226,6 +234,20 @@ test("live: a fault that lasts and the last one of earlier flights are shown, an
   await until(page, "the last fault", async () => (await text(page, "last-fault")) === "Last fault, 2026-01-01T12:00:00Z: the ball does not move");
   await says(null);
   await until(page, "no fault", async () => (await text(page, "fault")) === "");
+});
+
+test("live: a stop that the broker took for a rig that is offline is not said to be obeyed", async () => {
+  const { page: speaker } = await flying();
+  await speaker.evaluate(async ([username, password]) => {
+    const client = mqtt.connect(airball.broker(), { username, password, protocolVersion: 4, timerVariant: "native" });
+    await client.publishAsync("airball/gone/status", "offline", { qos: 1, retain: true });
+    client.end();
+  }, [RIG_NAME, PASSWORD]);
+  const { page } = await open({ url: `${SERVED}?rig=gone` });
+  await connect(page);
+  await until(page, "the others", async () => (await text(page, "others")).includes("rig1"));
+  await page.getByRole("button", { name: "STOP", exact: true }).click();
+  await page.getByText("is offline and has not heard it").waitFor();
 });
 
 test("live: a page of a rig that is not there leads to those that are", async () => {

@@ -187,7 +187,17 @@ fn several_logs_are_used_together_and_each_is_spoken_of_by_name() {
     assert_eq!(found["gap"]["closed_loop"]["steps"], 10, "{found}");
     let turned = diagnose(&bench, &["still.csv", "b.csv", "a.mcap"]);
     assert_eq!((&turned["effects"], &turned["parameters"]), (&found["effects"], &found["parameters"]));
-    assert!(bench.output(&["diagnose", "a.mcap", "b.csv"]).starts_with("2 logs together, 80.0 s\n"));
+    let said = bench.output(&["diagnose", "a.mcap", "b.csv", "--html", "page.html"]);
+    assert!(said.starts_with("2 logs together, 80.0 s\n"), "{said}");
+    let page = bench.read("page.html");
+    let (_, table) = page.split_once("Forecast error of each log").expect("a table of the logs");
+    let (table, _) = table.split_once("</table>").unwrap();
+    for log in ["a.mcap", "b.csv"] {
+        let row = table.split("<tr").find(|row| row.contains(log)).unwrap_or_else(|| panic!("no {log} in {table}"));
+        // Of either log the dead zone takes most of the error away.
+        let cells: Vec<f64> = row.split(['<', '>']).filter_map(|cell| cell.trim().parse().ok()).collect();
+        assert!(matches!(cells[..], [before, after, _] if after < 0.8 * before), "{row}");
+    }
 
     let twice = bench.airball(&["diagnose", "b.mcap", "a.mcap", "b.mcap"]).output().unwrap();
     let said = String::from_utf8(twice.stderr).unwrap();

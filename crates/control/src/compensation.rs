@@ -27,6 +27,11 @@ pub struct DeadZoneCorrection {
     pub upper_percent: f64,
 }
 
+impl DeadZoneCorrection {
+    /// Of a fan without a dead zone.
+    pub const NONE: Self = Self { lower_percent: 0.0, upper_percent: 0.0 };
+}
+
 /// The stage between controller and fan. Absent corrections are off.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -105,16 +110,26 @@ impl Compensator {
         Duty::clamped(self.dither.as_mut().map_or(percent, |(dither, state)| dither.round(state, percent)))
     }
 
-    /// Continues with other numbers. Returns by how much larger a control value is that gives the same duty.
-    pub fn adopt(&mut self, numbers: &Compensation) -> f64 {
+    /// Continues with other numbers, where `control` is the control value. Returns by how much larger the one is that
+    /// gives the same duty.
+    pub fn adopt(&mut self, numbers: &Compensation, control: f64) -> f64 {
         let lower = self.hover_percent - numbers.hover_duty_percent;
-        (self.lower_percent, self.upper_percent) =
-            numbers.dead_zone.map_or((0.0, 0.0), |zone| (zone.lower_percent, zone.upper_percent));
+        let DeadZoneCorrection { lower_percent, upper_percent } = numbers.dead_zone.unwrap_or(DeadZoneCorrection::NONE);
+        (self.lower_percent, self.upper_percent) = (lower_percent, upper_percent);
         self.hover_percent = numbers.hover_duty_percent;
-        if let (Some((dither, _)), Some(numbers)) = (&mut self.dither, numbers.dither) {
-            *dither = numbers;
+        let state = self.dither.take().map(|(_, state)| state);
+        self.dither = numbers.dither.map(|dither| (dither, state.unwrap_or_else(|| dither.start())));
+        let (Some(old), Some(law)) = (&self.curve, &numbers.predistortion) else { return lower };
+        let curve = law.curve();
+        if lower == 0.0 && curve == *old {
+            return 0.0;
         }
-        self.curve.as_ref().map_or(lower, |curve| curve.mm_per_s2(lower) - curve.mm_per_s2(0.0))
+        // Beyond its reach a curve gives its end.
+        let (weakest, strongest) = old.reach();
+        let control = control.clamp(weakest, strongest);
+        let by = curve.mm_per_s2(old.duty_about_hover(control) + lower) - control;
+        self.curve = Some(curve);
+        by
     }
 
     /// The duty at which the ball is believed to hover.

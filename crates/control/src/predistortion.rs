@@ -82,6 +82,11 @@ impl Predistortion {
         Curve::through(self.points())
     }
 
+    /// The same to be changed; the original rig's are copied first.
+    pub(crate) fn points_mut(&mut self) -> &mut [[f64; 2]] {
+        self.points.get_or_insert_with(|| ORIGINAL.into_iter().collect())
+    }
+
     /// The measured points, duty and acceleration.
     #[must_use]
     pub fn points(&self) -> &[[f64; 2]] {

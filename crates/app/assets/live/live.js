@@ -9,6 +9,7 @@
   // The connection.
   let client;
   let online = false;
+  let saidOffline = false;
   const connect = () => {
     client?.end(true);
     let met = false;
@@ -77,6 +78,7 @@
   const heard = {
     status: (text) => {
       online = text === "online";
+      saidOffline = text === "offline";
       usable();
       rig();
     },
@@ -160,7 +162,7 @@
   };
   // Infinity has no number in JSON: it is shown as an empty field.
   const fill = () => {
-    for (const input of at("numbers").querySelectorAll("input:not([data-edited])")) {
+    for (const input of at("numbers").querySelectorAll(":is(input, select):not([data-edited])")) {
       if (document.activeElement !== input) input.value = inForce[input.name] ?? "";
     }
   };
@@ -185,12 +187,18 @@
     fill();
     if (latest) follow(latest);
   };
-  const gain = ({ name, symbol, unit, min, max }) => {
+  const gain = ({ name, symbol, unit, min, max, words = [], absent = false }) => {
     const label = document.createElement("label");
-    const input = Object.assign(document.createElement("input"), { type: "number", name, min, step: "any", inputMode: "decimal" });
-    if (max !== null) input.max = max;
+    const choice = () => {
+      const select = Object.assign(document.createElement("select"), { name });
+      select.append(...words.map((word) => option(word, word.replaceAll("_", " "))));
+      return select;
+    };
+    const input = words.length > 0 ? choice() : Object.assign(document.createElement("input"), { type: "number", name, min, step: "any", inputMode: "decimal" });
+    if (words.length === 0 && max !== null) input.max = max;
     label.append(Object.assign(document.createElement("span"), { textContent: unit ? `${symbol}, ${unit}` : symbol }), input);
-    label.append(Object.assign(document.createElement("small"), { textContent: max === null ? `at least ${min}` : `${min} to ${max}` }));
+    const range = max === null ? `at least ${min}` : `${min} to ${max}`;
+    if (words.length === 0) label.append(Object.assign(document.createElement("small"), { textContent: absent ? `${range}; off as the flight began` : range }));
     input.addEventListener("input", () => {
       input.dataset.edited = "";
       judge();
@@ -223,8 +231,9 @@
   for (const [form, fields] of [["gain-form", "gains"], ["number-form", "numbers"]]) {
     at(form).addEventListener("submit", (event) => {
       event.preventDefault();
-      const edited = [...at(fields).querySelectorAll("input[data-edited]")].filter((input) => input.value !== "");
-      if (edited.length > 0) send(fields, JSON.stringify(Object.fromEntries(edited.map((input) => [input.name, Number(input.value)]))));
+      const edited = [...at(fields).querySelectorAll("[data-edited]")].filter((input) => input.value !== "");
+      const value = (input) => (input.localName === "select" ? input.value : Number(input.value));
+      if (edited.length > 0) send(fields, JSON.stringify(Object.fromEntries(edited.map((input) => [input.name, value(input)]))));
       edited.forEach((input) => delete input.dataset.edited);
       touch();
     });
@@ -240,7 +249,8 @@
   });
   document.addEventListener("broker", () => connect());
   document.addEventListener("stop-sent", () => {
-    if (!online) show("stop-said", "Stop sent, but the rig is offline and has not heard it. If its fan turns, switch off the fan's supply.");
+    // A page that has not heard of the rig knows nothing better than the broker's word.
+    if (client?.connected && saidOffline) show("stop-said", "Stop sent, but the rig is offline and has not heard it. If its fan turns, switch off the fan's supply.");
   });
 
   // Every cycle, for as long as the box is ticked and the page is looked at: the rig forgets the asking after five seconds.

@@ -52,11 +52,8 @@ mod tests {
         };
         let mut values = numbers.values();
         let critical = CriticalKp::new(&model, 0.02, numbers);
-        let of = Loop {
-            plant: model.linear(),
-            closing: Closing::Pid((&pid).into(), (&pid).into()),
-            period_s: Some(0.02),
-        };
+        let of =
+            Loop { plant: model.linear(), closing: Closing::Pid((&pid).into(), (&pid).into()), period_s: Some(0.02) };
         let own = critical.with(&values);
         assert_eq!(own, of.sampled().unwrap().unwrap().critical_kp_per_mm);
         assert!(own > Some(2.0 * pid.kp_per_mm), "{own:?}");

@@ -4,6 +4,7 @@ pub mod closed_loop;
 pub mod critical_kp;
 pub mod first_belief;
 pub mod lateness_change;
+pub mod log_errors;
 pub mod loop_deviations;
 pub mod loop_margins;
 pub mod measurement;

@@ -2,6 +2,7 @@
 
 use super::{Usage, typed};
 use crate::analysis::closed_loop;
+use crate::analysis::log_errors::{LogErrors, log_errors};
 use crate::analysis::loop_deviations::{Upstream, upstream};
 use crate::analysis::next_experiment::{Advice, advise};
 use crate::analysis::virtual_flight::Desk;
@@ -51,6 +52,8 @@ pub(super) struct Answer {
     pub(super) advice: Advice,
     /// Deviations of the loop from its config, before the duty reaches the fan, and the number of the log.
     pub(super) upstream: Vec<(usize, Upstream)>,
+    /// The forecast errors of each of several logs.
+    pub(super) errors: Vec<LogErrors>,
 }
 
 /// Checks that the effects which are left out exist: a name that is misspelt leaves out nothing.
@@ -136,7 +139,7 @@ impl Asked {
     pub(super) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
         let duration_s = self.recordings.iter().map(Recording::duration_s).sum();
         let belief = self.is_fitted.then_some(first_belief::MEANING);
-        Logs { names: &self.names, duration_s, upstream: &answer.upstream, belief }
+        Logs { names: &self.names, duration_s, upstream: &answer.upstream, belief, errors: &answer.errors }
     }
 
     /// Diagnoses the logs, and reports to `progress` which of its [`STEPS`] begins.
@@ -154,7 +157,9 @@ impl Asked {
         let advice = if mistaken { Advice::default() } else { advise(&found, &together, self.desk(), &self.belief) };
         let of_log = |(number, log)| upstream(log, &found.mended.model).into_iter().map(move |stage| (number, stage));
         let upstream = self.logs.iter().enumerate().flat_map(of_log).collect();
-        Answer { found, looped, advice, upstream }
+        let seen: Vec<Recording> = self.seen().collect();
+        let errors = mended.map_or_else(Vec::new, |mended| log_errors(&self.belief, mended, &seen));
+        Answer { found, looped, advice, upstream, errors }
     }
 
     /// The controller that flew the last log, as far as it is known.

@@ -1,7 +1,7 @@
 //! `airball run`: the rig, or the simulated rig, in real time.
 
-use super::live;
 use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on};
+use super::live;
 use super::owner::{Ours, keep};
 use super::{note, say, warn};
 use crate::cli::{FlightArgs, RunArgs};

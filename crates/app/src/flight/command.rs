@@ -166,10 +166,14 @@ impl fmt::Display for Command {
             Self::Gains(change) => write!(f, "gains {}", serde_json::to_string(change).unwrap_or_default()),
             Self::Numbers(values) => {
                 f.write_str("numbers")?;
-                let given = Parameter::ALL.iter().zip(values).filter_map(|(one, value)| Some((one.name, (*value)?)));
-                given
-                    .enumerate()
-                    .try_for_each(|(k, (name, value))| write!(f, "{} {name} {value}", if k == 0 { "" } else { "," }))
+                let given = Parameter::ALL.iter().zip(values).filter_map(|(one, value)| Some((one, (*value)?)));
+                given.enumerate().try_for_each(|(k, (one, value))| {
+                    write!(f, "{} {} ", if k == 0 { "" } else { "," }, one.name)?;
+                    match one.word(value) {
+                        Some(word) => f.write_str(word),
+                        None => write!(f, "{value}"),
+                    }
+                })
             }
             Self::Undo => f.write_str("numbers undo"),
             Self::Controller(kind) => write!(f, "controller {}", kind.name()),

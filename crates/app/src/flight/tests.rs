@@ -206,7 +206,14 @@ fn allocations(duration_s: f64) -> u64 {
     let tables = super::rich();
     let mqtt = crate::config::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
     let about = crate::mqtt::About { rig: "rig1".into(), ..Default::default() };
-    let (_link, mut mailbox) = crate::mqtt::Link::start(&crate::mqtt::link::Way::Broker(&mqtt), &about, None, &std::sync::Arc::default(), Box::new(crate::mqtt::owner::Nobody)).unwrap();
+    let (_link, mut mailbox) = crate::mqtt::Link::start(
+        &crate::mqtt::link::Way::Broker(&mqtt),
+        &about,
+        None,
+        &std::sync::Arc::default(),
+        Box::new(crate::mqtt::owner::Nobody),
+    )
+    .unwrap();
     let folder = tempfile::tempdir().unwrap();
     let writer = LogWriter::create(&folder.path().join("f.mcap"), &crate::log::tests::header()).unwrap();
     let mut queue = crate::log::queue::Queue::start(writer).unwrap();

@@ -15,8 +15,7 @@ pub enum LogError {
         source: io::Error,
     },
     /// A folder.
-    #[error("{} is a folder, and no log; name the log in it (of a ROS 2 bag, its topic exported as \
-        CSV)", path.display())]
+    #[error("{} is a folder, and no log; name the log in it (of a ROS 2 bag, its .mcap)", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
@@ -80,6 +79,16 @@ pub enum LogError {
         cause: String,
         /// What to do.
         advice: &'static str,
+    },
+    /// An MCAP file of another program, of which no channel can be read.
+    #[error("{} is an MCAP file of another program, and none of its channels can be read: {channels}; read are JSON, and ROS 2 \
+        messages in CDR of the standard types of numbers (std_msgs, geometry_msgs, JointState, Range, Temperature): \
+        record such a topic, or export the topic as CSV", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// The channels, with how they are written.
+        channels: String,
     },
     /// The rows do not make a recording.
     #[error("{}: {source}", path.display())]

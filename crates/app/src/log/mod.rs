@@ -10,6 +10,7 @@ pub mod event;
 pub mod export;
 pub mod files;
 pub mod flight;
+mod foreign;
 pub mod header;
 mod packed;
 pub mod queue;

@@ -1,10 +1,11 @@
-//! From any log to a recording: our own MCAP, or any CSV, packed with zstd or gzip or not.
+//! From any log to a recording: our own MCAP, that of another program, or any CSV, packed with zstd or gzip or not.
 //!
 //! A cycle becomes a row, with a position only if it was measured in that cycle; a repeated one is no reading.
 
 use super::LogError;
 use super::event::EventMessage;
 use super::flight::{self, Flight};
+use super::foreign;
 use super::header::About;
 use super::packed::unpacked;
 use crate::flight::vocabulary::Cycle;
@@ -87,10 +88,14 @@ pub enum Undescribed {
 /// As [`read`].
 pub fn undescribed(path: &Path) -> Result<Undescribed, LogError> {
     let bytes = bytes(path)?;
-    if flight::is_mcap(&bytes) {
-        return Ok(Undescribed::Flight(flight::parse(path, &bytes)?.config_toml));
+    let name = path.display().to_string();
+    if !flight::is_mcap(&bytes) {
+        return Ok(Undescribed::Table(rows::sheet(&name, &bytes)?));
     }
-    Ok(Undescribed::Table(rows::sheet(&path.display().to_string(), &bytes)?))
+    match foreign::table(path, &bytes, None) {
+        Some(table) => Ok(Undescribed::Table(rows::sheet(&name, &table?)?)),
+        None => Ok(Undescribed::Flight(flight::parse(path, &bytes)?.config_toml)),
+    }
 }
 
 /// Reads the bytes of a log that is not packed; `path` is only its name in messages.
@@ -98,13 +103,19 @@ pub fn undescribed(path: &Path) -> Result<Undescribed, LogError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<LoadedLog, LogError> {
-    if flight::is_mcap(bytes) {
-        return from_flight(path, flight::parse(path, bytes)?);
+    let import = import.cloned().unwrap_or_default();
+    if !flight::is_mcap(bytes) {
+        return from_table(path, bytes, &import);
     }
-    let default = Import::default();
-    let name = path.display().to_string();
+    match foreign::table(path, bytes, Some(&import)) {
+        Some(table) => from_table(path, &table?, &import),
+        None => from_flight(path, flight::parse(path, bytes)?),
+    }
+}
+
+fn from_table(path: &Path, bytes: &[u8], import: &Import) -> Result<LoadedLog, LogError> {
     Ok(LoadedLog {
-        recording: rows::recording(&name, bytes, import.unwrap_or(&default))?,
+        recording: rows::recording(&path.display().to_string(), bytes, import)?,
         about: About::default(),
         config_toml: None,
         cycles: Vec::new(),

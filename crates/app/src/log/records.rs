@@ -40,7 +40,7 @@ pub(super) struct Damage {
     pub(super) of_messages: bool,
 }
 
-/// Passes every channel, message and metadata record to `each`, in the order of the file, and returns the unreadable
+/// Passes every schema, channel, message and metadata record to `each`, in the order of the file, and returns the unreadable
 /// parts.
 ///
 /// After an unreadable record it continues at the next complete chunk: a damaged length must not affect more than its
@@ -128,7 +128,7 @@ fn frame(bytes: &[u8]) -> Option<(u8, &[u8], bool)> {
 
 /// Parses only the records of a log: the parser of attachments does not check their lengths.
 fn hand_over(opcode: u8, body: &[u8], each: &mut dyn FnMut(Record<'_>)) -> McapResult<()> {
-    if matches!(opcode, op::CHANNEL | op::MESSAGE | op::METADATA) {
+    if matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA) {
         each(parse_record(opcode, body)?);
     }
     Ok(())

@@ -78,8 +78,39 @@ pub struct Number {
     pub min: f64,
     /// The largest; null: no limit.
     pub max: Option<f64>,
+    /// What it may say, where it is no number.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub words: Vec<String>,
     /// As the flight began; null: infinite.
-    pub value: Option<f64>,
+    pub value: Held,
+    /// Whether it is there only once a switch has added its table.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub absent: bool,
+}
+
+/// A value as JSON has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Held {
+    /// A number; null: infinite.
+    Number(Option<f64>),
+    /// A word.
+    Word(String),
+}
+
+impl Held {
+    /// The value of a parameter.
+    pub(super) fn of(parameter: &Parameter, value: f64) -> Self {
+        match parameter.word(value) {
+            Some(word) => Self::Word(word.to_owned()),
+            None => Self::Number(value.is_finite().then_some(value)),
+        }
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
+const fn is_false(flag: &bool) -> bool {
+    !*flag
 }
 
 /// An experiment that can be started.
@@ -129,8 +160,11 @@ impl About {
     /// The values of its numbers.
     pub(super) fn values(&self) -> Values {
         Parameter::ALL.map(|parameter| {
-            let number = self.numbers.iter().find(|number| number.name == parameter.name)?;
-            Some(number.value.unwrap_or(f64::INFINITY))
+            let number = self.numbers.iter().find(|number| number.name == parameter.name && !number.absent)?;
+            match &number.value {
+                Held::Number(value) => Some(value.unwrap_or(f64::INFINITY)),
+                Held::Word(word) => parameter.value_of(word),
+            }
         })
     }
 
@@ -156,11 +190,14 @@ fn gains(predistorted: bool) -> Vec<Gain> {
     Pid::BOUNDS.into_iter().zip(words).map(gain).collect()
 }
 
-/// All numbers that are there, with unit and bounds.
+/// All numbers that are there or that a switch can add, with unit and bounds, and all words.
 fn numbers(there: &Numbers, safety: Safety) -> Vec<Number> {
     let control = if there.compensation.predistortion.is_some() { "mm/s²" } else { "%" };
     let number = |(parameter, value): (&Parameter, Option<f64>)| {
-        let (value, (min, max)) = (value?, parameter.bounds(there)?);
+        let (min, max) = match value {
+            Some(_) => parameter.bounds(there)?,
+            None => parameter.bounds_if_added(there).filter(|_| parameter.words.is_empty())?,
+        };
         // Hover is safe within the duties of a flight.
         let of_hover = parameter.name == "compensation.hover_duty_percent";
         let (min, max) = if of_hover { (safety.duty_min_percent, safety.duty_max_percent) } else { (min, max) };
@@ -169,15 +206,18 @@ fn numbers(there: &Numbers, safety: Safety) -> Vec<Number> {
             unit: parameter.unit.replace('u', control),
             min,
             max: max.is_finite().then_some(max),
-            value: value.is_finite().then_some(value),
+            words: parameter.words.iter().map(|word| (*word).to_owned()).collect(),
+            value: value.map_or(Held::Number(None), |value| Held::of(parameter, value)),
+            absent: value.is_none(),
         })
     };
     Parameter::ALL.iter().zip(there.values()).filter_map(number).collect()
 }
 
 /// The message on `numbers`: each by its name.
-pub(super) fn in_force(values: impl Iterator<Item = (String, Option<f64>)>) -> String {
-    serde_json::to_string(&values.collect::<BTreeMap<_, _>>()).unwrap_or_default()
+pub(super) fn in_force(values: &Values) -> String {
+    let there = Parameter::ALL.iter().zip(values).filter_map(|(one, value)| Some((one.name, Held::of(one, (*value)?))));
+    serde_json::to_string(&there.collect::<BTreeMap<_, _>>()).unwrap_or_default()
 }
 
 impl From<&Offer> for Offered {

@@ -6,7 +6,7 @@ use super::network::Aside;
 use crate::config::topics::Topics;
 use crate::flight::last_fault::LastFault;
 use crate::locked::locked;
-use control::numbers::{Parameter, Values};
+use control::numbers::Values;
 use rumqttc::{Client, PublishOptions};
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::sync::{Mutex, MutexGuard};
@@ -106,10 +106,7 @@ impl Line {
     /// Sets all numbers, and the critical K_p of the loop with them.
     pub(super) fn know_numbers(&self, values: &Values, critical_kp_per_mm: Option<f64>) {
         *locked(&self.critical) = json(critical_kp_per_mm);
-        let there = Parameter::ALL.iter().zip(values).filter_map(|(parameter, value)| Some((parameter, (*value)?)));
-        let message =
-            in_force(there.map(|(parameter, value)| (parameter.name.into(), value.is_finite().then_some(value))));
-        *locked(&self.numbers) = message;
+        *locked(&self.numbers) = in_force(values);
     }
 
     /// Publishes all numbers, and the critical K_p.

@@ -203,7 +203,8 @@ fn a_cut_connection_leaves_offline_by_last_will_where_online_was_retained() {
 fn of_two_that_fly_one_name_the_later_gives_way_and_leaves_no_trace_on_the_broker() {
     let (broker, outside, first, mut mailbox) = connected();
     let lands = Arc::default();
-    let (second, _mailbox) = Link::start(&Way::Broker(&broker.config()), &about(), None, &lands, Box::new(Nobody)).unwrap();
+    let (second, _mailbox) =
+        Link::start(&Way::Broker(&broker.config()), &about(), None, &lands, Box::new(Nobody)).unwrap();
     second.wait_for_others();
     assert!(second.other().is_some() && lands.load(Relaxed));
     second.stop(None);

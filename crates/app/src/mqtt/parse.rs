@@ -11,8 +11,8 @@ use control::numbers::{COUNT, Parameter, Values};
 
 /// Longest payload that is parsed, bytes. The longest useful one, three gains, has about 80.
 const LONGEST_PAYLOAD: usize = 256;
-/// The same of numbers: all of them by their names have about 1500.
-const LONGEST_NUMBERS: usize = 4096;
+/// The same of numbers: all of them by their names have about 2,000, and the points of a predistortion 14,000.
+const LONGEST_NUMBERS: usize = 24 * 1024;
 /// Largest number of characters of a payload or topic in a reason.
 const LONGEST_QUOTE: usize = 40;
 /// Largest number of characters of a JSON error in a reason.
@@ -186,10 +186,20 @@ fn numbers(text: &str) -> Result<Values, String> {
     let mut values = [None; COUNT];
     for (name, value) in &given {
         let place = Parameter::named(name).ok_or_else(|| format!("there is no number {}", quoted(name)))?;
-        let value = if value == "inf" { Some(f64::INFINITY) } else { value.as_f64() };
-        values[place] = Some(value.ok_or_else(|| format!("{name} is given no number"))?);
+        values[place] = Some(value_of(&Parameter::ALL[place], value)?);
     }
     if given.is_empty() { Err("no number is given".to_owned()) } else { Ok(values) }
+}
+
+/// The number or the word that a parameter is given.
+fn value_of(parameter: &Parameter, given: &serde_json::Value) -> Result<f64, String> {
+    let name = parameter.name;
+    if parameter.words.is_empty() {
+        let value = if given == "inf" { Some(f64::INFINITY) } else { given.as_f64() };
+        return value.ok_or_else(|| format!("{name} is given no number"));
+    }
+    let said = given.as_str().and_then(|word| parameter.value_of(word));
+    said.ok_or_else(|| format!("{name} is one of \"{}\"", parameter.words.join("\", \"")))
 }
 
 fn unknown(topics: &Topics, topic: &str) -> ParseError {

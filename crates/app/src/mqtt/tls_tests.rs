@@ -69,7 +69,8 @@ fn over_tls(broker: &Broker, tls: TlsConfig) -> MqttConfig {
 /// Connects once: the broker's acknowledgement, or the line for standard error.
 fn connect(config: &MqttConfig) -> Result<(), String> {
     let topics = Topics::new("rig1").unwrap();
-    let (_client, mut connection) = Client::builder(network::options(&Way::Broker(config), "rig1", "1", &topics).unwrap()).build();
+    let (_client, mut connection) =
+        Client::builder(network::options(&Way::Broker(config), "rig1", "1", &topics).unwrap()).build();
     let said = |cause: &ConnectionError| Outage::new(Some("broker".into())).began(cause).unwrap();
     match connection.recv().unwrap() {
         Ok(Event::Incoming(Packet::ConnAck(_))) => Ok(()),

@@ -18,7 +18,7 @@ use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
 use crate::rig::{PlantWorld, WorldClock, start, with_signals};
 use control::controller::Kind;
-use control::numbers::COUNT;
+use control::numbers::{COUNT, Parameter};
 use hal::emulator::EmulatedBus;
 use hal::stop_fan;
 use rand_core::{Rng, SeedableRng};
@@ -63,7 +63,11 @@ impl Anybody {
                 let mut values = [None; COUNT];
                 let at = self.random.next_u32() as usize % COUNT;
                 let factor = 10.0_f64.powf(2.0 * self.share() - 1.0);
-                values[at] = Some(self.numbers[at].unwrap_or(1.0) * factor);
+                let words = Parameter::ALL[at].words.len();
+                values[at] = Some(match words {
+                    0 => self.numbers[at].unwrap_or(1.0) * factor,
+                    _ => f64::from(self.random.next_u32() % words as u32),
+                });
                 Command::Numbers(values)
             }
             6 => Command::Undo,

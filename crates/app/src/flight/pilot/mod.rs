@@ -323,8 +323,9 @@ impl Pilot {
     fn stop_if_stuck(&mut self, time_s: f64, decision: &mut Decision) {
         let (Some(limits), Some(position_mm)) = (&self.orders.safety.stuck, decision.position_mm) else { return };
         let control_percent = decision.control_percent.unwrap_or(0.0);
-        let Some(still_s) = self.still.pushed(time_s, position_mm, control_percent, limits, self.orders.top_mm)
-        else { return };
+        let Some(still_s) = self.still.pushed(time_s, position_mm, control_percent, limits, self.orders.top_mm) else {
+            return;
+        };
         self.mode = self.stop(Fault::BallStuck { position_mm, control_percent, still_s });
         decision.mode = self.mode;
         decision.duty = Duty::OFF;

@@ -16,7 +16,7 @@ pub(super) struct Tuning {
     /// As commanded last.
     wanted: Numbers,
     /// Where the numbers come from, and how long they have moved, while they do.
-    on_the_way: Option<(Values, f64)>,
+    on_the_way: Option<(Numbers, f64)>,
     /// What was wanted before, the oldest first.
     before: Vec<Numbers>,
 }
@@ -86,7 +86,7 @@ impl Pilot {
         if let Some(observer) = &wanted.observer {
             regulator.observe_with(observer).map_err(Refusal::Unready)?;
         }
-        self.tuning.on_the_way = Some((self.tuning.now().values(), 0.0));
+        self.tuning.on_the_way = Some((self.tuning.now(), 0.0));
         let old = std::mem::replace(&mut self.tuning.wanted, wanted);
         if keep {
             if self.tuning.before.len() == KEPT {
@@ -108,7 +108,7 @@ impl Pilot {
         if self.programme.sets_gains() {
             now.controllers.pid = self.orders.regulator.controllers().pid;
         }
-        let by = self.compensator.adopt(&now.compensation);
+        let by = self.compensator.adopt(&now.compensation, self.control);
         self.control += by;
         self.acting += by;
         self.orders.regulator.rebase(by);

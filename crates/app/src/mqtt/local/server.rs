@@ -183,7 +183,9 @@ async fn attend_page(mut socket: WebSocket, (mut session, mut messages): (Sessio
             },
         };
         let Ok(answer) = answer else { return };
-        if !answer.is_empty() && !matches!(timeout(SEND_PATIENCE, socket.send(Message::Binary(answer))).await, Ok(Ok(()))) {
+        if !answer.is_empty()
+            && !matches!(timeout(SEND_PATIENCE, socket.send(Message::Binary(answer))).await, Ok(Ok(())))
+        {
             return;
         }
     }

@@ -8,8 +8,8 @@ use super::exchange::{Exchange, LARGEST};
 use bytes::{Bytes, BytesMut};
 use rumqttc::mqttbytes::{Error, valid_filter, valid_topic};
 use rumqttc::{
-    ConnAck, Connect, ConnectReturnCode, LastWill, Packet, PubAck, Publish, QoS, SubAck, Subscribe, SubscribeReasonCode,
-    UnsubAck,
+    ConnAck, Connect, ConnectReturnCode, LastWill, Packet, PubAck, Publish, QoS, SubAck, Subscribe,
+    SubscribeReasonCode, UnsubAck,
 };
 use std::sync::Arc;
 use std::time::Duration;

@@ -81,8 +81,7 @@ fn topic(packet: &Packet) -> Option<String> {
 
 fn flying() -> (LocalServer, Link, Mailbox, Visitor) {
     let server = LocalServer::start("rig1", 0, |address| format!("the page of {address}")).unwrap();
-    let (link, mailbox) =
-        Link::start(&Way::Page(&server), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap();
+    let (link, mailbox) = Link::start(&Way::Page(&server), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap();
     let mut visitor = Visitor::page(&server.exchange);
     until("the rig is there", || visitor.subscribe("airball/rig1/#").contains(&STATUS.to_owned()).then_some(()));
     (server, link, mailbox, visitor)

@@ -156,3 +156,17 @@ proptest! {
         prop_assert_eq!(read(SETPOINT, mm.to_string()), Ok(Command::Setpoint(mm)));
     }
 }
+
+#[test]
+fn words_are_given_as_texts_and_another_one_is_refused_with_those_that_there_are() {
+    let Ok(Command::Numbers(values)) = read(NUMBERS, r#"{"pid.derivative_on":"error","compensation.dead_zone":"on"}"#)
+    else {
+        panic!("no numbers");
+    };
+    let value = |name: &str| values[Parameter::named(name).unwrap()];
+    assert_eq!((value("pid.derivative_on"), value("compensation.dead_zone")), (Some(1.0), Some(1.0)));
+    for wrong in [r#""position""#, "1", "true", "null"] {
+        let reason = reason(NUMBERS, format!(r#"{{"pid.derivative_on":{wrong}}}"#));
+        assert!(reason.contains(r#"pid.derivative_on is one of "measurement", "error""#), "{reason}");
+    }
+}

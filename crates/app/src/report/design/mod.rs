@@ -4,4 +4,5 @@ pub mod critical_gain;
 pub mod observer;
 pub mod page;
 pub mod plot;
+pub mod pole_map;
 pub mod words;

@@ -1,5 +1,6 @@
 //! Statements about the logs of a diagnosis: their number, their length, and what each cannot answer.
 
+use crate::analysis::log_errors::LogErrors;
 use crate::analysis::loop_deviations::Upstream;
 use crate::analysis::next_experiment::Advice;
 use diagnose::{Diagnosis, Finding};
@@ -13,6 +14,8 @@ pub struct Logs<'a> {
     pub duration_s: f64,
     /// Deviations of the loop from its config, with the number of the log.
     pub upstream: &'a [(usize, Upstream)],
+    /// The forecast errors of each, where there are several.
+    pub errors: &'a [LogErrors],
     /// What the belief is, where nobody wrote it.
     pub belief: Option<&'static str>,
 }

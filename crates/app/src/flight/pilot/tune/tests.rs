@@ -5,7 +5,9 @@ use crate::flight::command::{Command, GainChange, Refusal};
 use crate::flight::experiment::{Experiment, Limits, Segment};
 use crate::flight::pilot::{Orders, Pilot, Seen, Signals};
 use control::controller::Kind;
-use control::numbers::{COUNT, Parameter, Values};
+use control::inputs::Source;
+use control::numbers::{COUNT, Numbers, Parameter, Values};
+use control::predistortion::Predistortion;
 use control::regulator::Regulator;
 use control::schedule::Schedule;
 use control::waveform::Waveform;
@@ -66,7 +68,7 @@ fn largest_step(duties: &[f64]) -> f64 {
 fn no_number_of_any_controller_makes_the_duty_jump() {
     for kind in Kind::ALL.into_iter().filter(|kind| *kind != Kind::OpenLoop) {
         for (parameter, value) in Parameter::ALL.iter().zip(Flown::with(|_| ()).pilot.numbers().values()) {
-            let Some(value) = value.filter(|value| *value != 0.0) else { continue };
+            let Some(value) = value.filter(|value| *value != 0.0 && parameter.words.is_empty()) else { continue };
             let changed = if parameter.name == "observer.gate_sigma" { 6.0 } else { value * 0.9 };
             let mut flown = Flown::with(|tables| tables.controller.as_mut().unwrap().active = Some(kind));
             // 20 mm below the setpoint, at rest.
@@ -152,4 +154,101 @@ fn rows_of_the_gain_schedule_change_without_a_bump_and_stay_in_order() {
     assert_eq!((in_force.factor[0], in_force.height_mm[1]), (1.5, 420.0));
     assert!(matches!(flown.send(&[("gain_schedule.height_mm.1", 500.0)]), Err(Refusal::Number { .. })));
     assert!(matches!(flown.send(&[("gain_schedule.factor.3", 1.0)]), Err(Refusal::Absent(_))));
+}
+
+/// The project's rig with the original curve of the fan, and gains for it.
+fn predistorted() -> Flown {
+    Flown::with(|tables| {
+        let compensation = tables.compensation.as_mut().unwrap();
+        compensation.predistortion = Some(Predistortion { points: None });
+        let pid = tables.controller.as_mut().unwrap().pid.as_mut().unwrap();
+        (pid.kp_per_mm, pid.ti_s) = (10.0, 15.0);
+    })
+}
+
+#[test]
+fn points_of_a_predistortion_move_without_a_bump_and_back() {
+    let mut flown = predistorted();
+    let before = flown.pilot.numbers().clone();
+    // 10 mm below the setpoint, at rest: the control value is not 0.
+    flown.fly(300, |_| 290.0);
+    let usual = largest_step(&flown.fly(50, |_| 290.0));
+    let points = before.compensation.predistortion.as_ref().unwrap().points();
+    let forces: Vec<(String, f64)> = (1..)
+        .zip(points)
+        .map(|(k, [_, force])| (k, 1.2 * force))
+        .map(|(k, force)| (format!("compensation.predistortion.points.{k}.mm_per_s2"), force))
+        .collect();
+    let given: Vec<(&str, f64)> = forces.iter().map(|(name, force)| (name.as_str(), *force)).collect();
+    flown.send(&given).unwrap();
+    let step = largest_step(&flown.fly(50, |_| 290.0));
+    assert!(step < usual + 0.1, "{step} beside {usual}");
+    let now = flown.pilot.numbers().compensation.predistortion.clone().unwrap();
+    assert_eq!(now.points()[0][1], 1.2 * points[0][1]);
+    flown.pilot.command(Command::Undo).unwrap();
+    let step = largest_step(&flown.fly(50, |_| 290.0));
+    assert!(step < usual + 0.1, "{step} beside {usual} on the way back");
+    let curve = |numbers: &Numbers| numbers.compensation.predistortion.as_ref().unwrap().curve();
+    assert_eq!(curve(flown.pilot.numbers()), curve(&before));
+}
+
+#[test]
+fn a_point_that_makes_no_curve_is_refused_with_its_bounds_and_a_curve_is_not_switched() {
+    let mut flown = predistorted();
+    flown.fly(50, |_| 300.0);
+    let refused = flown.send(&[("compensation.predistortion.points.2.duty_percent", 17.0)]).unwrap_err().to_string();
+    assert!(refused.contains("duty, rising") && refused.contains("17.6"), "{refused}");
+    let mut plain = Flown::with(|_| ());
+    let name = "compensation.predistortion.points.1.mm_per_s2";
+    assert!(matches!(plain.send(&[(name, -800.0)]), Err(Refusal::Absent(_))));
+}
+
+#[test]
+fn no_word_makes_the_duty_jump_and_undo_says_the_old_one() {
+    for kind in Kind::ALL.into_iter().filter(|kind| *kind != Kind::OpenLoop) {
+        for parameter in Parameter::ALL.iter().filter(|parameter| !parameter.words.is_empty()) {
+            let at = Parameter::named(parameter.name).unwrap();
+            for word in parameter.words {
+                let mut flown = Flown::with(|tables| tables.controller.as_mut().unwrap().active = Some(kind));
+                let Some(old) = flown.pilot.numbers().values()[at] else { continue };
+                flown.fly(300, |_| 280.0);
+                let usual = largest_step(&flown.fly(50, |_| 280.0));
+                let own = match parameter.name {
+                    "pid.anti_windup" => "pid.anti_windup.back_calculation.tracking_s",
+                    "state_feedback.integral" => "state_feedback.integral.ti_s",
+                    "feed_forward" => "feed_forward.time_constant_s",
+                    "compensation.dead_zone" => "compensation.dead_zone.upper_percent",
+                    // Dither steps by its very nature.
+                    "compensation.dither" => continue,
+                    _ => "pid.derivative_n",
+                };
+                let said = (parameter.name, parameter.value_of(word).unwrap());
+                let is_off = matches!(*word, "off" | "none" | "clamping");
+                let sent: Result<(), Refusal> =
+                    if is_off { flown.send(&[said]) } else { flown.send(&[said, (own, 2.0)]) };
+                sent.unwrap_or_else(|refused| panic!("{} {word}: {refused}", parameter.name));
+                assert_eq!(flown.pilot.numbers().values()[at], Some(said.1));
+                let step = largest_step(&flown.fly(60, |_| 280.0));
+                assert!(step < usual + 0.2, "{} {word} at {}: {step} beside {usual}", parameter.name, kind.name());
+                flown.pilot.command(Command::Undo).unwrap();
+                let step = largest_step(&flown.fly(60, |_| 280.0));
+                assert!(step < usual + 0.2, "{} back from {word}: {step} beside {usual}", parameter.name);
+                assert_eq!(flown.pilot.numbers().values()[at], Some(old));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_word_that_needs_the_observer_is_refused_without_one_by_its_name() {
+    let mut flown = Flown::with(|tables| {
+        tables.observer = None;
+        let controllers = tables.controller.as_mut().unwrap();
+        (controllers.lqg, controllers.mpc, controllers.feed_forward) = (None, None, None);
+        controllers.cascade.as_mut().unwrap().velocity = Source::Filter;
+        controllers.state_feedback.as_mut().unwrap().velocity = Source::Filter;
+    });
+    flown.fly(50, |_| 300.0);
+    let refused = flown.send(&[("cascade.velocity", 1.0)]).unwrap_err().to_string();
+    assert!(refused.contains("cascade.velocity") && refused.contains("observer"), "{refused}");
 }

@@ -3,21 +3,24 @@
 pub mod critical;
 mod first;
 pub mod observer;
+mod poles;
 
 pub use first::step_first;
+pub use poles::loci;
 
 use super::plot::{Diagrams, largest_control_per_mm};
 use super::words::{Document, law, rows};
 use crate::analysis::loop_margins::{Assessment, Loop, Pid};
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::made::Made;
-use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy};
+use crate::report::kit::page::parts::{capital, command, glossary, minus, table, to_copy};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, PageError, Section};
 use crate::report::kit::plot::Diagram;
 use crate::report::kit::words::digits;
 use first::{answer, decisive, delay_s, first, least_phase, less_gain, more_gain, spoken};
 use maud::{Markup, html};
+use poles::{poles, root_locus};
 
 /// A delay margin of fewer periods than this causes a warning: one late cycle uses up a period.
 const FEW_PERIODS: f64 = 2.0;
@@ -59,7 +62,7 @@ pub fn page(report: &Report<'_>) -> Result<String, PageError> {
     let mut sections = vec![
         Section::across("bears", "Stability margins", bears(report)),
         Section::across("frequency", "Frequency response of the open loop", frequency(&drawn)),
-        Section::across("poles", "The poles", html! { (loci(&drawn)) (poles(document)) }),
+        Section::across("poles", "The poles", poles(document, report.before, &drawn)),
         Section::words("warnings", "Warnings", warnings(report)),
         Section::words("law", "Controller", law_to_copy(report)),
         Section::words("next", "What to do next", next(decisive(document))),
@@ -162,44 +165,6 @@ pub fn frequency(drawn: &Diagrams) -> Markup {
     let [magnitude, phase] = &drawn.bode;
     html! {
         div.two { (one(magnitude, "Magnitude")) (one(phase, "Phase")) }
-    }
-}
-
-/// The root loci, side by side.
-pub fn loci(drawn: &Diagrams) -> Markup {
-    html! {
-        p {
-            "Where the poles of the closed loop go as its gain goes from a hundredth to a hundred times what it is. In s a pole to the left of "
-            "the line dies away; in z one inside the circle does."
-        }
-        div.two {
-            @for locus in &drawn.loci { (root_locus(locus)) }
-        }
-    }
-}
-
-/// One root locus.
-fn root_locus(locus: &Diagram) -> Markup {
-    figure(locus, Size::PLANE, &locus.title, &html! { (capital(&locus.title)) "." })
-}
-
-fn poles(document: &Document) -> Markup {
-    let of = |of: &Assessment, form: &'static str, places: usize| {
-        let row = |pole: &[f64; 2]| {
-            (
-                html! { (form) },
-                vec![html! { (number(Some(pole[0]), places)) }, html! { (number(Some(pole[1]), places)) }],
-            )
-        };
-        of.poles.iter().map(row).collect::<Vec<_>>()
-    };
-    let mut rows = of(&document.continuous, "s, 1/s", 3);
-    rows.extend(document.sampled.iter().flat_map(|sampled| of(sampled, "z", 5)));
-    html! {
-        details {
-            summary { "The poles of the closed loop in numbers" }
-            (table("Poles of the closed loop", &["plane", "real part", "imaginary part"], &rows))
-        }
     }
 }
 

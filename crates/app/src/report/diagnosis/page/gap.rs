@@ -2,6 +2,7 @@
 
 use super::Report;
 use super::effects::ends;
+use crate::analysis::log_errors::LogErrors;
 use crate::report::diagnosis::ladder;
 use crate::report::kit::page::parts::{number, table, three_digits};
 use diagnose::{ClosedLoop, Compared, Diagnosis, ParameterEntry};
@@ -13,6 +14,7 @@ const SETTLES_ALIKE: f64 = 0.1;
 pub(super) fn body(report: &Report<'_>) -> Markup {
     html! {
         (forecasts(report.found))
+        @if !report.logs.errors.is_empty() { (each_log(report)) }
         h3 { "The closed loop" }
         (closed_loop(report.closed_loop))
         h3 { "The parameters of the model" }
@@ -45,6 +47,21 @@ fn forecasts(found: &Diagnosis) -> Markup {
         "Forecast error of the position, rms over held-out stretches, mm, and the share of the gap that each step \
          closes",
         &heads,
+        &rows,
+    )
+}
+
+/// The errors of each log.
+fn each_log(report: &Report<'_>) -> Markup {
+    let cell = |mm: Option<f64>| html! { (number(mm, 2)) };
+    let row = |(name, errors): (&String, &LogErrors)| -> Row {
+        let LogErrors { believed_mm, mended_mm, floor_mm } = errors;
+        (html! { (name) }, [believed_mm, mended_mm, floor_mm].map(|mm| cell(*mm)).to_vec())
+    };
+    let rows: Vec<Row> = report.logs.names.iter().zip(report.logs.errors).map(row).collect();
+    table(
+        "Forecast error of each log 1 s ahead, rms over the whole log, mm",
+        &["log", "as believed", "mended", "noise alone"],
         &rows,
     )
 }

@@ -45,11 +45,11 @@
     for (const { tile, parts, online, spoke, state, last, top } of rigs.values()) {
       const silent = performance.now() > spoke + SILENT_MS;
       const fresh = connected && online && !silent;
-      const fault = fresh ? (state.stopped_by ?? state.fault) : undefined;
+      const fault = online && connected ? (state?.stopped_by ?? state?.fault) : undefined;
       faults += Number(Boolean(fault));
       tile.dataset.stale = !fresh;
       tile.dataset.fault = Boolean(fault);
-      show(parts.word, online ? (silent ? "silent" : state.mode.replace("_", " ")) : "offline");
+      show(parts.word, online ? (silent || !state ? "silent" : state.mode.replace("_", " ")) : "offline");
       parts.word.dataset.good = fresh && !fault;
       show(parts.values, state ? `${number(state.position_mm, 0)} of ${number(state.setpoint_mm, 0)} mm, duty ${number(state.duty_percent, 1)} %` : "");
       parts.height.style.bottom = `${Math.max(0, Math.min(100, (100 * (state?.position_mm ?? 0)) / (top ?? 600)))}%`;

@@ -163,6 +163,7 @@ mod tests {
             &topics.cycles,
             &topics.about,
             &topics.numbers,
+            &topics.critical_kp_per_mm,
             &topics.status,
             &topics.fault,
             &topics.claim,

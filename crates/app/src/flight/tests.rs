@@ -190,7 +190,7 @@ fn the_pulse_counts_the_cycles() {
 fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
     let mut rig = Script { now_s: Cell::new(5.0), position: HERE, drive: WORKS, duty: Duty::OFF };
     let (mut memory, table) = (Memory::default(), Loop { period_s: 0.02, late_after_s: 0.002 });
-    let mut mailbox = crate::mqtt::Mailbox::holding([Command::Setpoint(250.0); 60]);
+    let mut mailbox = crate::mqtt::Mailbox::holding(std::iter::repeat_n(Command::Setpoint(250.0), 60));
     let flight = Flight::new(&mut rig, pilot_holding(300.0, 60.0), &table, &mut memory, Some(&mut mailbox));
     // Ten cycles and half a period, so that rounding does not matter.
     let outcome = flight.fly(0.19, &AtomicBool::new(false));

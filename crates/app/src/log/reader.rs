@@ -92,9 +92,9 @@ pub fn undescribed(path: &Path) -> Result<Undescribed, LogError> {
     if !flight::is_mcap(&bytes) {
         return Ok(Undescribed::Table(rows::sheet(&name, &bytes)?));
     }
-    match foreign::table(path, &bytes, None) {
-        Some(table) => Ok(Undescribed::Table(rows::sheet(&name, &table?)?)),
-        None => Ok(Undescribed::Flight(flight::parse(path, &bytes)?.config_toml)),
+    match flight_or_table(path, &bytes, None)? {
+        FlightOrTable::Flight(flight) => Ok(Undescribed::Flight(flight.config_toml)),
+        FlightOrTable::Table(table) => Ok(Undescribed::Table(rows::sheet(&name, &table)?)),
     }
 }
 
@@ -107,9 +107,28 @@ pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<Loade
     if !flight::is_mcap(bytes) {
         return from_table(path, bytes, &import);
     }
-    match foreign::table(path, bytes, Some(&import)) {
-        Some(table) => from_table(path, &table?, &import),
-        None => from_flight(path, flight::parse(path, bytes)?),
+    match flight_or_table(path, bytes, Some(&import))? {
+        FlightOrTable::Flight(flight) => from_flight(path, *flight),
+        FlightOrTable::Table(table) => from_table(path, &table, &import),
+    }
+}
+
+/// What an MCAP file holds.
+enum FlightOrTable {
+    /// A flight of airball.
+    Flight(Box<Flight>),
+    /// The messages of another program, as CSV.
+    Table(Vec<u8>),
+}
+
+fn flight_or_table(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<FlightOrTable, LogError> {
+    match flight::parse(path, bytes) {
+        Ok(flight) => Ok(FlightOrTable::Flight(Box::new(flight))),
+        Err(none @ LogError::NoCycles { .. }) => match foreign::table(path, bytes, import) {
+            Some(table) => table.map(FlightOrTable::Table),
+            None => Err(none),
+        },
+        Err(error) => Err(error),
     }
 }
 

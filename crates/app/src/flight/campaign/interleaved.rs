@@ -66,7 +66,7 @@ impl Anybody {
                 let words = Parameter::ALL[at].words.len();
                 values[at] = Some(match words {
                     0 => self.numbers[at].unwrap_or(1.0) * factor,
-                    _ => f64::from(self.random.next_u32() % words as u32),
+                    _ => f64::from(self.random.next_u32() % u32::try_from(words).unwrap_or(u32::MAX)),
                 });
                 Command::Numbers(values)
             }

@@ -31,15 +31,18 @@ fn file(channels: &[Channel<'_>]) -> Vec<u8> {
     bytes.into_inner()
 }
 
+/// What appends itself to a body.
+type Part<'a> = &'a dyn Fn(&mut Vec<u8>);
+
 /// Little-endian CDR: each part aligned to its size behind the head.
-fn cdr(parts: &[&dyn Fn(&mut Vec<u8>)]) -> Vec<u8> {
+fn cdr(parts: &[Part<'_>]) -> Vec<u8> {
     let mut body = Vec::new();
     parts.iter().for_each(|part| part(&mut body));
     [&[0, 1, 0, 0][..], &body].concat()
 }
 
 fn aligned(body: &mut Vec<u8>, bytes: &[u8]) {
-    while body.len() % bytes.len() != 0 {
+    while !body.len().is_multiple_of(bytes.len()) {
         body.push(0);
     }
     body.extend_from_slice(bytes);
@@ -51,7 +54,7 @@ fn word(value: u32) -> impl Fn(&mut Vec<u8>) {
 
 fn text(value: &'static str) -> impl Fn(&mut Vec<u8>) {
     move |body| {
-        aligned(body, &(value.len() as u32 + 1).to_le_bytes());
+        aligned(body, &(u32::try_from(value.len()).unwrap() + 1).to_le_bytes());
         body.extend_from_slice(value.as_bytes());
         body.push(0);
     }
@@ -59,7 +62,7 @@ fn text(value: &'static str) -> impl Fn(&mut Vec<u8>) {
 
 fn doubles(values: &'static [f64]) -> impl Fn(&mut Vec<u8>) {
     move |body| {
-        aligned(body, &(values.len() as u32).to_le_bytes());
+        aligned(body, &u32::try_from(values.len()).unwrap().to_le_bytes());
         values.iter().for_each(|value| aligned(body, &value.to_le_bytes()));
     }
 }

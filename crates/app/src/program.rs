@@ -2,8 +2,8 @@
 
 use crate::cli::{Cli, Command, ConfigCommand, LogCommand};
 use crate::commands::{
-    Usage, compare, config, design, diagnose, emulate, export, fail, fan_off, guard, identify, init, live, log, measure,
-    monitor, reader_is_gone, replay, run, simulate, with_causes,
+    Usage, compare, config, design, diagnose, emulate, export, fail, fan_off, guard, identify, init, live, log,
+    measure, monitor, reader_is_gone, replay, run, simulate, with_causes,
 };
 use crate::config::ConfigError;
 use anyhow::Result;

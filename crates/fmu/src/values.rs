@@ -12,7 +12,14 @@ unsafe fn references<'a>(references: *const Reference, count: usize) -> &'a [Ref
 }
 
 /// Gets values, each by `of`.
-unsafe fn get<T>(c: Component, which: *const Reference, count: usize, to: *mut T, kind: Kind, of: fn(f64) -> T) -> Status {
+unsafe fn get<T>(
+    c: Component,
+    which: *const Reference,
+    count: usize,
+    to: *mut T,
+    kind: Kind,
+    of: fn(f64) -> T,
+) -> Status {
     // SAFETY: the caller promises room for so many values.
     let (which, to) = unsafe {
         if to.is_null() {
@@ -79,7 +86,12 @@ unsafe extern "C" fn fmi2SetInteger(c: Component, which: *const Reference, count
 }
 
 #[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SetBoolean(c: Component, which: *const Reference, count: usize, from: *const Boolean) -> Status {
+unsafe extern "C" fn fmi2SetBoolean(
+    c: Component,
+    which: *const Reference,
+    count: usize,
+    from: *const Boolean,
+) -> Status {
     // SAFETY: as the caller promises.
     unsafe { set(c, which, count, from, Kind::Boolean, |value| f64::from(u8::from(value != 0))) }
 }

@@ -44,14 +44,8 @@ impl Belief {
     fn linear(&self) -> Option<([f64; 6], Vec<&'static str>)> {
         let model = self.0.model()?;
         let plant = model.linear();
-        let numbers = [
-            plant.gain,
-            plant.drag_per_s,
-            plant.gradient_per_s2,
-            plant.fan_lag_s,
-            plant.sensor_lag_s,
-            plant.delay_s,
-        ];
+        let numbers =
+            [plant.gain, plant.drag_per_s, plant.gradient_per_s2, plant.fan_lag_s, plant.sensor_lag_s, plant.delay_s];
         Some((numbers, model.not_linear()))
     }
 

@@ -27,7 +27,7 @@ def logs(rig, tmp_path_factory):
     (folder / "monday").mkdir()
     for number in range(6):
         effects = {"transport_delay": 0.08} if number % 2 else {}
-        flight = ab.simulate(rig.with_effects(**effects), seed=number + 1, duration=20.0)
+        flight = ab.simulate(rig.with_effects(**effects), seed=number + 1, duration=12.0)
         flight.save(folder / ("monday" if number < 2 else ".") / f"{number}.mcap")
     (folder / "poison.csv").write_text("time_s,duty_percent\n0,\x00\n")
     return folder
@@ -60,8 +60,8 @@ def test_workers_write_what_one_machine_writes_and_do_nothing_twice(logs, alone,
         frame = made.to_frame()
         assert list(frame["log"]) == sorted(frame["log"]) and frame["error"].notna().sum() == 1
         # Only the log without a diagnosis is tried again, and one that is gone.
-        (tmp_path / "3.json").unlink()
-        before = {name: (tmp_path / name).stat().st_mtime_ns for name in alone if name.endswith(".json") and name != "3.json"}
+        (tmp_path / "3.mcap.json").unlink()
+        before = {name: (tmp_path / name).stat().st_mtime_ns for name in alone if name.endswith(".json") and name != "3.mcap.json"}
         fleet.diagnose(logs, model=model, out=tmp_path, client=client, **FLAGS)
         assert files(tmp_path) == alone
         assert before == {name: (tmp_path / name).stat().st_mtime_ns for name in before}

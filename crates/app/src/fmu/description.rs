@@ -21,11 +21,8 @@ pub(super) const IDENTIFIER: &str = "airball";
 /// text, its identifier included.
 pub(super) fn description(variables: &[Variable], name: &str, period_s: f64, resources: &str) -> String {
     let body = body(variables, period_s);
-    let digest: String = Sha256::digest([body.as_str(), resources].concat())
-        .iter()
-        .take(16)
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let digest: String =
+        Sha256::digest([body.as_str(), resources].concat()).iter().take(16).map(|byte| format!("{byte:02x}")).collect();
     let version = env!("CARGO_PKG_VERSION");
     format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -48,9 +45,8 @@ fn body(variables: &[Variable], period_s: f64) -> String {
     }
     text.push_str("  </ModelVariables>\n  <ModelStructure>\n    <Outputs>\n");
     let outputs = variables.iter().enumerate().filter(|(_, variable)| variable.role == Role::Output);
-    let unknowns: String = outputs
-        .map(|(at, _)| format!("      <Unknown index=\"{}\" dependencies=\"\"/>\n", at + 1))
-        .collect();
+    let unknowns: String =
+        outputs.map(|(at, _)| format!("      <Unknown index=\"{}\" dependencies=\"\"/>\n", at + 1)).collect();
     let _ = write!(text, "{unknowns}    </Outputs>\n    <InitialUnknowns>\n{unknowns}    </InitialUnknowns>\n");
     text.push_str("  </ModelStructure>\n");
     text

@@ -82,7 +82,8 @@ fn what_cannot_be_set_or_flown_is_refused_with_its_name() {
     let (_folder, mut instance) = instance();
     let gain = 100;
     assert!(instance.step(0.02).unwrap_err().to_string().contains("the initialization has not ended"));
-    let refused = |instance: &mut Instance, reference, kind, value| instance.set(reference, kind, value).unwrap_err().to_string();
+    let refused =
+        |instance: &mut Instance, reference, kind, value| instance.set(reference, kind, value).unwrap_err().to_string();
     assert_eq!(refused(&mut instance, POSITION, Kind::Real, 1.0), "position_mm cannot be set as it is an output");
     assert_eq!(refused(&mut instance, DUTY, Kind::Real, f64::NAN), "duty_percent is NaN, not a finite number");
     assert_eq!(refused(&mut instance, 5555, Kind::Real, 1.0), "there is no real variable with the reference 5555");

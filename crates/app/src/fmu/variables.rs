@@ -93,8 +93,14 @@ fn fixed(model: &Model) -> Vec<Variable> {
         ("seed", SEED, Integer, Parameter, None, "Seed of the noise", 1.0),
         ("noise", NOISE, Boolean, Parameter, None, "Whether the noise of [plant.noise] is on", 1.0),
     ];
-    let made = rows.map(|(name, reference, kind, role, unit, description, start)| {
-        Variable { name: name.into(), reference, kind, role, unit, description: description.into(), start }
+    let made = rows.map(|(name, reference, kind, role, unit, description, start)| Variable {
+        name: name.into(),
+        reference,
+        kind,
+        role,
+        unit,
+        description: description.into(),
+        start,
     });
     made.into()
 }

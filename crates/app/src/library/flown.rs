@@ -3,13 +3,13 @@
 use super::{Belief, Log};
 use crate::commands::flying::{header, plan_of};
 use crate::commands::simulate;
+use crate::files;
 use crate::flight::experiment::Experiment;
+use crate::flight::vocabulary::Cycle;
 use crate::log::header::SIMULATED_START;
 use crate::log::reader;
 use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
-use crate::files;
-use crate::flight::vocabulary::Cycle;
 use anyhow::{Result, anyhow};
 use std::io::Cursor;
 use std::path::Path;
@@ -76,7 +76,8 @@ impl Flown {
         if path.exists() {
             return Err(anyhow!("{name} exists and is kept; give the log another name"));
         }
-        files::write(path, &self.bytes).map_err(|error| anyhow!("cannot write the log {name}: {error}; check the folder"))
+        files::write(path, &self.bytes)
+            .map_err(|error| anyhow!("cannot write the log {name}: {error}; check the folder"))
     }
 
     /// A column of the cycles by its name in the log; not a number where a cycle lacks it.

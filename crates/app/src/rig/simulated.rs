@@ -2,10 +2,10 @@
 
 use super::chips::{Chips, Wiring};
 use super::clock::{Monotonic, WorldClock};
+use super::direct::motion_at;
 use super::error::StartError;
 use super::lines::Lines;
 use super::pulses::Pulses;
-use super::direct::motion_at;
 use super::shared_setpoint::SharedSetpoint;
 use crate::config;
 use embedded_hal::i2c::ErrorKind;

@@ -84,7 +84,7 @@ pub struct State {
 pub struct Instance {
     config: Config,
     model: Model,
-    variables: BTreeMap<u32, Variable>,
+    pub(super) variables: BTreeMap<u32, Variable>,
     state: State,
     rig: Option<Stepped>,
 }

@@ -76,11 +76,14 @@ pub(super) fn variables(model: &Model) -> Vec<Variable> {
     all
 }
 
+/// Name, reference, type, purpose, unit, description and start of a variable.
+type Row = (&'static str, u32, Kind, Role, Option<&'static str>, &'static str, f64);
+
 fn fixed(model: &Model) -> Vec<Variable> {
     use Kind::{Boolean, Integer, Real};
     use Role::{Input, Output, Parameter};
     let middle = model.pipe_length_mm / 2.0;
-    let rows: [(&str, u32, Kind, Role, Option<&'static str>, &str, f64); 11] = [
+    let rows: [Row; 11] = [
         ("duty_percent", DUTY, Real, Input, Some("%"), "Duty of the fan during the next step", 0.0),
         ("setpoint_mm", SETPOINT, Real, Input, Some("mm"), "Setpoint, for effects that depend on it", middle),
         ("position_mm", POSITION, Real, Output, Some("mm"), "Reading of the sensor; the last one without a new", 0.0),

@@ -93,8 +93,11 @@ impl Flown {
     }
 }
 
+/// A quantity of a cycle.
+type Quantity = fn(&Cycle) -> Option<f64>;
+
 /// The quantities of a cycle that are numbers, by their names in the log.
-const COLUMNS: [(&str, fn(&Cycle) -> Option<f64>); 16] = [
+const COLUMNS: [(&str, Quantity); 16] = [
     ("time_s", |cycle| Some(cycle.time_s)),
     ("period_s", |cycle| Some(cycle.period_s)),
     ("setpoint_mm", |cycle| cycle.setpoint_mm),

@@ -37,7 +37,7 @@ pub struct Seen {
 /// A rig with chips, and the bus that they are on; or one without.
 enum Kind {
     Chips(Box<SimulatedRig<WorldClock<PlantWorld>>>, EmulatedBus<PlantWorld>),
-    Direct(Direct),
+    Direct(Box<Direct>),
 }
 
 /// A simulated rig in virtual time, between two steps.
@@ -63,7 +63,7 @@ impl Stepped {
                 let (chips, bus) = with_world_in_virtual_time(model, table, seed)?;
                 Kind::Chips(Box::new(chips), bus)
             }
-            None => Kind::Direct(Direct::new(model, seed)),
+            None => Kind::Direct(Box::new(Direct::new(model, seed))),
         };
         let mut stepped = Self { kind, start_s: 0.0, seen: Seen::default() };
         // A silent sensor is seen in the readings, as in a flight.
@@ -113,7 +113,7 @@ impl Stepped {
     fn rig(&mut self) -> &mut dyn Rig {
         match &mut self.kind {
             Kind::Chips(chips, _) => chips.as_mut(),
-            Kind::Direct(direct) => direct,
+            Kind::Direct(direct) => direct.as_mut(),
         }
     }
 }

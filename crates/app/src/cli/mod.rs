@@ -3,6 +3,7 @@
 mod compare;
 mod design;
 mod each;
+mod export;
 mod flight;
 mod identify;
 mod init;
@@ -14,6 +15,7 @@ pub use design::{
     RelayRule,
 };
 pub use each::{EachArgs, Shard};
+pub use export::{ExportCommand, FmuArgs};
 pub use flight::{FlightArgs, ReplayArgs, RunArgs, SimulateArgs};
 pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPoleArgs, TransientArgs};
 pub use init::{ColumnArgs, InitArgs};
@@ -62,6 +64,9 @@ pub enum Command {
     /// Identify a model of the plant from logs
     #[command(subcommand)]
     Identify(IdentifyCommand),
+    /// Export the simulated rig for other tools
+    #[command(subcommand)]
+    Export(ExportCommand),
     /// Watch and control a rig from a terminal, through its MQTT broker
     Monitor(MonitorArgs),
     /// Write a web page that flies a rig: live charts, setpoint, gains, experiments, stop

@@ -19,7 +19,6 @@ use ::diagnose::{Finding, Progress, ProgressStep, Series, Verdict};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Duration;
 
 /// The config of a folder, and the one that is proposed where there is none.
@@ -37,11 +36,11 @@ const NO_ANSWER: u8 = 3;
 /// # Errors
 /// A config that is not sound, a log that cannot be read, a patch or an experiment, a table or a picture that cannot be
 /// written.
-pub fn diagnose(args: &DiagnoseArgs) -> Result<ExitCode> {
+pub fn diagnose(args: &DiagnoseArgs) -> Result<u8> {
     if args.each.each {
         let named = &args.config.config;
         each::each(args, (!is_missing(named)).then_some(named.as_path()))?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(0);
     }
     let tables = [
         ("patch", args.patch_out.as_ref()),
@@ -78,7 +77,7 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<ExitCode> {
     ];
     announce(args.json, &files)?;
     let answers = answer.found.verdict != Verdict::InsufficientData;
-    Ok(if answers { ExitCode::SUCCESS } else { ExitCode::from(NO_ANSWER) })
+    Ok(if answers { 0 } else { NO_ANSWER })
 }
 
 /// Writes the requested files. Returns the one of the next experiment, if one is needed.
@@ -172,7 +171,7 @@ fn draw(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
 }
 
 /// The diagnosis as `make` makes a page of it.
-pub(super) fn with_report(
+pub(crate) fn with_report(
     asked: &Asked,
     answer: &Answer,
     picture: &Series,

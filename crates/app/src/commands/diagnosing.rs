@@ -20,40 +20,40 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// The steps of a diagnosis, in words.
-pub(super) const STEPS: [&str; 3] =
+pub(crate) const STEPS: [&str; 3] =
     ["searching for what is missing", "flying the loop again", "choosing the next experiment"];
 
 /// Logs and the belief about the rig that wrote them.
-pub(super) struct Asked {
+pub(crate) struct Asked {
     /// The belief.
-    pub(super) belief: Model,
+    pub(crate) belief: Model,
     /// The file of the config that it is part of.
-    pub(super) config: PathBuf,
+    pub(crate) config: PathBuf,
     /// Its tables.
     tables: Tables,
     /// What the rig calls its position and its input.
-    pub(super) words: Words,
+    pub(crate) words: Words,
     /// Whether it was fitted to a record by `airball init`.
     is_fitted: bool,
     /// Each log, without the codes of a sensor that saw no target, of a very long one its middle; and its name.
-    pub(super) logs: Vec<LoadedLog>,
-    pub(super) names: Vec<String>,
+    pub(crate) logs: Vec<LoadedLog>,
+    pub(crate) names: Vec<String>,
     /// Their rows as they were read, log by log.
-    pub(super) recordings: Vec<Recording>,
+    pub(crate) recordings: Vec<Recording>,
 }
 
 /// The diagnosis, its meaning for the loop, and the next flight.
-pub(super) struct Answer {
+pub(crate) struct Answer {
     /// The diagnosis.
-    pub(super) found: Diagnosis,
+    pub(crate) found: Diagnosis,
     /// The closed loop before and after.
-    pub(super) looped: ClosedLoop,
+    pub(crate) looped: ClosedLoop,
     /// The next flight.
-    pub(super) advice: Advice,
+    pub(crate) advice: Advice,
     /// Deviations of the loop from its config, before the duty reaches the fan, and the number of the log.
-    pub(super) upstream: Vec<(usize, Upstream)>,
+    pub(crate) upstream: Vec<(usize, Upstream)>,
     /// The forecast errors of each of several logs.
-    pub(super) errors: Vec<LogErrors>,
+    pub(crate) errors: Vec<LogErrors>,
 }
 
 /// Checks that the effects which are left out exist: a name that is misspelt leaves out nothing.
@@ -72,20 +72,34 @@ impl Asked {
     ///
     /// # Errors
     /// A config that is not sound, an effect that it does not know, a log that cannot be read, a flight that is named twice, logs of different rigs.
-    pub(super) fn read(
+    pub(crate) fn read(
         command: &'static str,
         paths: &[PathBuf],
         config: &Path,
         patches: &[PathBuf],
         without: &[String],
     ) -> Result<Self> {
-        let path = config.to_owned();
         let config = Config::read(config, patches)?;
+        let names = paths.iter().map(|path| path.display().to_string()).collect();
+        let import = config.tables.import.clone();
+        let read = || paths.iter().map(|path| Ok(reader::read(path, import.as_ref())?)).collect();
+        Self::of(command, config, names, read, without)
+    }
+
+    /// The same of logs that `read` gives, once the config is known to be sound for them.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn of(
+        command: &'static str,
+        config: Config,
+        names: Vec<String>,
+        read: impl FnOnce() -> Result<Vec<LoadedLog>>,
+        without: &[String],
+    ) -> Result<Self> {
         let belief = config.need(command, "plant", |tables| tables.plant.as_ref())?.clone();
         check_names(without, &belief)?;
-        let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
-        let read = |path: &PathBuf| reader::read(path, config.tables.import.as_ref());
-        let mut logs = paths.iter().map(read).collect::<Result<Vec<LoadedLog>, _>>()?;
+        let mut logs = read()?;
         check_one_rig(&names, &logs)?;
         for (_, name) in logs.iter().zip(&names).filter(|(log, _)| !log.recording.has_setpoint()) {
             config.refuse_setpoint(&no_setpoint(name), |effect| !without.iter().any(|left_out| left_out == effect))?;
@@ -101,7 +115,7 @@ impl Asked {
         let is_fitted = config.begins_with(first_belief::HEAD);
         Ok(Self {
             belief,
-            config: path,
+            config: config.path().to_owned(),
             words: config.words,
             tables: config.tables,
             is_fitted,
@@ -112,22 +126,22 @@ impl Asked {
     }
 
     /// The compensation of the config.
-    pub(super) const fn compensation(&self) -> Option<&Compensation> {
+    pub(crate) const fn compensation(&self) -> Option<&Compensation> {
         self.tables.compensation.as_ref()
     }
 
     /// Their rows without the readings that show no position of a ball in the pipe, log by log.
-    pub(super) fn seen(&self) -> impl Iterator<Item = Recording> {
+    pub(crate) fn seen(&self) -> impl Iterator<Item = Recording> {
         self.logs.iter().map(|log| log.recording.clone())
     }
 
     /// How a page of the logs is made: by the command as it was typed.
-    pub(super) fn made(&self) -> Made {
+    pub(crate) fn made(&self) -> Made {
         self.made_by(typed())
     }
 
     /// The same by another command.
-    pub(super) fn made_by(&self, command: Made) -> Made {
+    pub(crate) fn made_by(&self, command: Made) -> Made {
         let several = self.names.len() > 1;
         let logs = self.logs.iter().zip(&self.names);
         logs.fold(command.in_words(&self.words).of_model(&self.belief), |made, (log, name)| {
@@ -136,14 +150,14 @@ impl Asked {
     }
 
     /// The statements about the logs themselves.
-    pub(super) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
+    pub(crate) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
         let duration_s = self.recordings.iter().map(Recording::duration_s).sum();
         let belief = self.is_fitted.then_some(first_belief::MEANING);
         Logs { names: &self.names, duration_s, upstream: &answer.upstream, belief, errors: &answer.errors }
     }
 
     /// Diagnoses the logs, and reports to `progress` which of its [`STEPS`] begins.
-    pub(super) fn diagnose(&self, options: &Options, progress: &dyn Fn(&'static str)) -> Answer {
+    pub(crate) fn diagnose(&self, options: &Options, progress: &dyn Fn(&'static str)) -> Answer {
         let [search, fly, choose] = STEPS;
         progress(search);
         let found = diagnose::diagnose(&self.belief, &self.recordings, options);
@@ -163,12 +177,12 @@ impl Asked {
     }
 
     /// The controller that flew the last log, as far as it is known.
-    pub(super) fn desk(&self) -> Option<Desk> {
+    pub(crate) fn desk(&self) -> Option<Desk> {
         self.logs.last().and_then(|log| Desk::that_flew(log, &self.tables))
     }
 
     /// The document that `diagnose --json` writes.
-    pub(super) fn document(&self, answer: &Answer) -> Result<String> {
+    pub(crate) fn document(&self, answer: &Answer) -> Result<String> {
         let Answer { found, looped, advice, .. } = answer;
         let about = self.about(answer);
         let context = Context {
@@ -196,7 +210,7 @@ struct InWords<'a> {
 }
 
 /// Why the setpoint is not known, and what to do.
-pub(super) fn no_setpoint(log: &str) -> String {
+pub(crate) fn no_setpoint(log: &str) -> String {
     format!("{log} has none; name its column in [import], or leave the effect out")
 }
 

@@ -29,9 +29,9 @@ const LOGS: [&str; 7] = [".mcap", ".csv", ".csv.gz", ".csv.zst", ".tsv", ".txt",
 
 /// A log, and its name in the reports.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Named {
-    name: String,
-    path: PathBuf,
+pub(crate) struct Named {
+    pub(crate) name: String,
+    pub(crate) path: PathBuf,
 }
 
 impl Named {
@@ -66,7 +66,7 @@ pub(super) fn each(args: &DiagnoseArgs, config: Option<&Path>) -> Result<()> {
 }
 
 /// The logs that are named or lie in a named folder, by name.
-fn logs(named: &[PathBuf]) -> Result<Vec<Named>> {
+pub(crate) fn logs(named: &[PathBuf]) -> Result<Vec<Named>> {
     let mut logs = Vec::new();
     for path in named {
         if path.is_dir() {
@@ -162,8 +162,8 @@ fn made() -> Made {
     Made::by(["diagnose", "--each"].map(String::from).into_iter())
 }
 
-/// Writes the table of all logs that have reports, whoever made them, and says where it is.
-fn tell(logs: &[Named], out: &Path) -> Result<()> {
+/// Writes the table of all logs that have reports, whoever made them. Returns its rows.
+pub(crate) fn tables(logs: &[Named], out: &Path) -> Result<Vec<Row>> {
     let mut before = None;
     loop {
         let rows: Vec<Row> = logs.iter().filter_map(|log| row(log, out)).collect();
@@ -175,7 +175,12 @@ fn tell(logs: &[Named], out: &Path) -> Result<()> {
         // Another process may have finished a log meanwhile, and have written its table before this one.
         before = Some(rows);
     }
-    let rows = before.unwrap_or_default();
+    Ok(before.unwrap_or_default())
+}
+
+/// Writes the table and says where it is.
+fn tell(logs: &[Named], out: &Path) -> Result<()> {
+    let rows = tables(logs, out)?;
     let bad = rows.iter().filter(|row| row.error.is_some()).count();
     let count = rows.len() - bad;
     say(format!("{count} of {} logs are diagnosed, {bad} cannot be read or diagnosed", logs.len()))?;

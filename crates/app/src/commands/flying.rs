@@ -2,7 +2,7 @@
 
 use super::{fail, note, say, with_causes};
 use crate::cli::FlightArgs;
-use crate::config::{Config, Loop};
+use crate::config::{Config, ConfigError, Loop, Safety};
 use crate::flight::Outcome;
 use crate::flight::experiment::Experiment;
 use crate::flight::experiment::offers::offers;
@@ -16,6 +16,7 @@ use crate::mqtt::Counts;
 use crate::report::flight::plot::flight as draw;
 use crate::report::flight::summary::Summary;
 use crate::report::kit::plot;
+use crate::started;
 use anyhow::{Result, anyhow, bail};
 use control::controller::Kind;
 use serde::Serialize;
@@ -30,7 +31,7 @@ use std::time::SystemTime;
 const RETOLD: usize = 180_000;
 
 /// A flight as its flags and config define it.
-pub(super) struct Plan {
+pub(crate) struct Plan {
     pub(super) config: Config,
     pub(super) table: Loop,
     pub(super) pilot: Pilot,
@@ -45,15 +46,26 @@ pub(super) fn plan(command: &'static str, args: &FlightArgs, own: Option<Own>) -
         plot::may_write(picture)?;
     }
     let config = Config::read(&args.config.config, &args.config.over())?;
+    plan_of(command, config, |safety| match (&args.experiment, own) {
+        (Some(path), _) => Experiment::read(path, safety).map(Some),
+        (None, Some(own)) => Experiment::own(own.name, own.text, safety).map(Some),
+        (None, None) => Ok(None),
+    })
+}
+
+/// The same of a config that is read, and of an experiment; without one, of the config's reference.
+pub(crate) fn plan_of(
+    command: &'static str,
+    config: Config,
+    experiment: impl FnOnce(&Safety) -> Result<Option<Experiment>, ConfigError>,
+) -> Result<Plan> {
     let table = *config.need(command, "loop", |tables| tables.r#loop.as_ref())?;
     let safety = *config.need(command, "safety", |tables| tables.safety.as_ref())?;
-    let is_programme = args.experiment.is_none() && own.is_none();
-    let experiment = match (&args.experiment, own) {
-        (Some(path), _) => Experiment::read(path, &safety)?,
-        (None, Some(own)) => Experiment::own(own.name, own.text, &safety)?,
-        (None, None) => {
-            Experiment::of_reference(config.need(command, "reference", |tables| tables.reference.as_ref())?)
-        }
+    let experiment = experiment(&safety)?;
+    let is_programme = experiment.is_none();
+    let experiment = match experiment {
+        Some(experiment) => experiment,
+        None => Experiment::of_reference(config.need(command, "reference", |tables| tables.reference.as_ref())?),
     };
     let orders = Orders::of(&config.tables, experiment.clone()).map_err(|error| match error {
         NoOrders::Missing(table) => anyhow::Error::from(config.missing(command, table)),
@@ -135,14 +147,18 @@ pub(super) fn log_of(plan: &Plan, args: &FlightArgs, seed: Option<u64>, started:
         let name = rfc3339(SystemTime::now()).replace(':', "-");
         PathBuf::from(directory).join(format!("{name}.mcap"))
     };
-    let header = Header {
+    (args.log.clone().unwrap_or_else(named), header(plan, seed, started))
+}
+
+/// The log's header.
+pub(crate) fn header(plan: &Plan, seed: Option<u64>, started: SystemTime) -> Header {
+    Header {
         version: env!("CARGO_PKG_VERSION").into(),
-        command: std::env::args().collect::<Vec<_>>().join(" "),
+        command: started::words().join(" "),
         seed,
         started,
         config_toml: plan.config.to_toml(),
-    };
-    (args.log.clone().unwrap_or_else(named), header)
+    }
 }
 
 /// A flag that SIGINT, SIGTERM, SIGHUP (a lost terminal) and SIGQUIT set, so that the flight lands.

@@ -26,18 +26,18 @@ pub fn init(args: &InitArgs) -> Result<()> {
 }
 
 /// A config that was proposed and written.
-pub(super) struct Proposed {
+pub(crate) struct Proposed {
     /// What was found.
-    pub(super) lines: Vec<String>,
+    pub(crate) lines: Vec<String>,
     /// What to look at before it is believed.
-    pub(super) warnings: Vec<String>,
+    pub(crate) warnings: Vec<String>,
 }
 
 /// Proposes a config for logs of one rig, and writes it to `out`.
 ///
 /// # Errors
 /// As [`init`].
-pub(super) fn propose(
+pub(crate) fn propose(
     logs: &[PathBuf],
     out: &Path,
     replaces: bool,

@@ -5,7 +5,6 @@ use crate::log::{export, flight, recover as mended};
 use crate::report::flight::summary::Summary;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Exit status of a recovery that lost something.
 const LOSSY: u8 = 3;
@@ -48,16 +47,16 @@ pub fn export(path: &Path) -> Result<()> {
 ///
 /// # Errors
 /// A log of which nothing can be read, or a new one that cannot be written.
-pub fn recover(path: &Path, out: Option<&Path>) -> Result<ExitCode> {
+pub fn recover(path: &Path, out: Option<&Path>) -> Result<u8> {
     let flight = flight::read(path)?;
     let out = out.map_or_else(|| path.with_extension("recovered.mcap"), PathBuf::from);
     let written = mended::write(&flight, &out)?;
     say(format_args!("{}: {} cycles, {} events", out.display(), written.cycles, written.events))?;
     if flight.complete {
         say("all of the flight is in it")?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(0);
     }
     let lost = flight.truncated.unwrap_or_else(|| "the log does not say how the flight ended".into());
     warn(format_args!("some of the flight is lost: {lost}"));
-    Ok(ExitCode::from(LOSSY))
+    Ok(LOSSY)
 }

@@ -7,6 +7,7 @@ use crate::files;
 use crate::report::kit::page::made::Made;
 use crate::report::kit::{page, plot};
 use crate::standard_error::for_reader;
+use crate::started;
 use anyhow::{Result, anyhow};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write, stdout};
@@ -38,7 +39,7 @@ pub(super) fn announce(json: bool, files: &[(&str, Option<&Path>)]) -> Result<()
 
 /// How a page is made: by the command as it was typed.
 pub(super) fn typed() -> Made {
-    Made::by(std::env::args().skip(1))
+    Made::by(started::words().into_iter().skip(1))
 }
 
 /// An error, with those of its causes that its own text does not name.

@@ -2,12 +2,16 @@
 
 use super::flying::{Flown, Plan, landing_signal, log_of, plan, report};
 use crate::cli::{FlightArgs, SimulateArgs};
-use crate::flight::Flight;
+use crate::config::Rig;
+use crate::flight::outside::Recorder;
+use crate::flight::{Flight, Outcome};
 use crate::log::header::SIMULATED_START;
 use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
 use crate::rig::simulated_in_virtual_time;
 use anyhow::Result;
+use plant::Model;
+use std::sync::atomic::AtomicBool;
 
 /// How long a simulated flight without an end lasts, seconds.
 const DEFAULT_DURATION_S: f64 = 60.0;
@@ -29,15 +33,33 @@ pub(super) fn in_virtual_time(
     args: &FlightArgs,
     duration_s: Option<f64>,
 ) -> Result<Flown> {
-    let model = plan.config.need(command, "plant", |tables| tables.plant.as_ref())?;
-    let table = plan.config.need(command, "rig", |tables| tables.rig.as_ref())?;
+    needed(command, plan)?;
     let (path, header) = log_of(plan, args, Some(args.seed), SIMULATED_START);
     let mut recorder = Inline::new(LogWriter::create(&path, &header)?);
-    let mut rig = simulated_in_virtual_time(model, table, args.seed)?;
+    let outcome = fly(command, plan, args.seed, duration_s, &mut recorder, &*landing_signal()?)?;
+    Ok(Flown { outcome, log: recorder.finish(), files: vec![path], counts: None })
+}
+
+/// The tables that a simulated flight needs.
+fn needed<'a>(command: &'static str, plan: &'a Plan) -> Result<(&'a Model, &'a Rig)> {
+    let model = plan.config.need(command, "plant", |tables| tables.plant.as_ref())?;
+    let table = plan.config.need(command, "rig", |tables| tables.rig.as_ref())?;
+    Ok((model, table))
+}
+
+/// Flies a plan in virtual time into a recorder, until it is over or `stop` is set.
+pub(crate) fn fly(
+    command: &'static str,
+    plan: &Plan,
+    seed: u64,
+    duration_s: Option<f64>,
+    recorder: &mut dyn Recorder,
+    stop: &AtomicBool,
+) -> Result<Outcome> {
+    let (model, table) = needed(command, plan)?;
+    let mut rig = simulated_in_virtual_time(model, table, seed)?;
     let endless = plan.experiment.duration_s().is_infinite();
     let duration_s = duration_s.unwrap_or(if endless { DEFAULT_DURATION_S } else { f64::INFINITY });
-    let stop = landing_signal()?;
-    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, &mut recorder, None);
-    let outcome = flight.fly(duration_s, &stop);
-    Ok(Flown { outcome, log: recorder.finish(), files: vec![path], counts: None })
+    let flight = Flight::new(&mut rig, plan.pilot.clone(), &plan.table, recorder, None);
+    Ok(flight.fly(duration_s, stop))
 }

@@ -127,6 +127,33 @@ impl Config {
         for patch in patches {
             sources.push(read_source(patch, "--patch FILE")?);
         }
+        Self::of(sources)
+    }
+
+    /// The same of texts: a config and its patches, each with the name that stands for its file.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names file, line and key.
+    pub fn of_texts(texts: impl IntoIterator<Item = (String, String)>) -> Result<Self, ConfigError> {
+        Self::of(texts.into_iter().map(|(name, text)| Source { path: name.into(), text }).collect())
+    }
+
+    /// Names and texts of the config and its patches.
+    pub fn texts(&self) -> impl Iterator<Item = (String, String)> {
+        self.sources.iter().map(|source| (source.path.display().to_string(), source.text.clone()))
+    }
+
+    /// This config with one more patch over it.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names file, line and key; `name` stands for the patch.
+    pub fn patched(&self, name: &str, text: &str) -> Result<Self, ConfigError> {
+        let patch = Source { path: name.into(), text: text.into() };
+        Self::of(self.sources.iter().cloned().chain([patch]).collect())
+    }
+
+    fn of(sources: Vec<Source>) -> Result<Self, ConfigError> {
+        let path = sources.first().map(|source| source.path.clone()).unwrap_or_default();
         let mut merged = merged(&sources)?;
         let words = words::take(&mut merged).map_err(|(key, message)| {
             let place = place(&sources, &key);
@@ -151,7 +178,7 @@ impl Config {
             place: place(&sources, key),
             message: format!("{key}: {message}"),
         })?;
-        Ok(Self { tables, words, path: path.to_owned(), sources })
+        Ok(Self { tables, words, path, sources })
     }
 
     /// The config in force with the words of the rig, as TOML.
@@ -170,6 +197,12 @@ impl Config {
     pub fn to_toml(&self) -> String {
         // Every table serialises: its keys are strings and its values numbers, strings and tables.
         toml::to_string(&self.tables).unwrap_or_default()
+    }
+
+    /// The file, as messages name it.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Whether the file, and not one of its patches, begins with this.

@@ -5,7 +5,7 @@
 use super::{Rig, Sighting};
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
-use plant::{Model, Simulator};
+use plant::{Model, Motion, Simulator};
 use std::cell::Cell;
 
 /// The plant, read and driven without a bus.
@@ -21,6 +21,21 @@ impl Direct {
     pub fn new(model: &Model, seed: u64) -> Self {
         Self { simulator: Simulator::new(model.clone(), seed), now_s: Cell::new(0.0), setpoint_mm: None }
     }
+}
+
+impl Direct {
+    /// The true motion of the ball now.
+    pub(super) fn motion_now(&self) -> Motion {
+        motion_at(&self.simulator, self.now_s.get())
+    }
+}
+
+/// The motion at a time that may be ahead of a simulator, which does not fly on: where it stops would change how it
+/// cuts time into steps.
+pub(super) fn motion_at(simulator: &Simulator, time_s: f64) -> Motion {
+    let mut ahead = simulator.clone();
+    ahead.advance_to(time_s);
+    ahead.motion()
 }
 
 impl Rig for Direct {

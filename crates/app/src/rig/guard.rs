@@ -10,6 +10,7 @@
 
 use super::enable_line::EnableLine;
 use crate::config;
+use crate::started;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, OwnedFd};
@@ -65,7 +66,8 @@ impl Guard {
         let (mut line, far) = UnixStream::pair()?;
         // The running file itself, even if another version has been installed over it.
         let mut command = Command::new("/proc/self/exe");
-        command.arg0("airball").args(["guard", "--device", &bus.device, "--stall", &stall_s.to_string()]);
+        let (name, before) = started::again();
+        command.arg0(name).args(before).args(["guard", "--device", &bus.device, "--stall", &stall_s.to_string()]);
         if let Some(enable) = enable {
             command.args(["--output-enable", &enable.to_string()]);
         }

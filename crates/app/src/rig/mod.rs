@@ -29,6 +29,7 @@ mod shared_setpoint;
 mod simulated;
 mod socket;
 mod socket_lines;
+mod stepped;
 #[cfg(test)]
 mod tests;
 mod wire;
@@ -47,6 +48,7 @@ pub use simulated::{PlantWorld, emulated_bus, simulated_in_real_time, simulated_
 pub(crate) use simulated::{start, with_signals};
 pub use socket::serve;
 pub use socket_lines::Served;
+pub use stepped::{Seen, Stepped};
 
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;

@@ -2,6 +2,7 @@
 
 use super::chips::{Chips, Wiring};
 use super::clock::{Monotonic, WorldClock};
+use super::direct::motion_at;
 use super::error::StartError;
 use super::lines::Lines;
 use super::pulses::Pulses;
@@ -10,7 +11,7 @@ use crate::config;
 use embedded_hal::i2c::ErrorKind;
 use hal::Clock;
 use hal::emulator::{EmulatedBus, EmulatedI2c, World};
-use plant::{Model, Normal, Simulator};
+use plant::{Model, Motion, Normal, Simulator};
 
 /// Stream number of the second sensor's noise; the simulator's are below.
 const SECOND_STREAM: u64 = 4;
@@ -95,6 +96,12 @@ impl PlantWorld {
         world(model, rig, seed, Time::Virtual(0.0))
     }
 
+    /// The true motion of the ball now.
+    #[must_use]
+    pub fn motion_now(&self) -> Motion {
+        motion_at(&self.simulator, self.now_s())
+    }
+
     /// The duty that the fan gets, percent.
     #[must_use]
     pub const fn fan_percent(&self) -> f64 {
@@ -119,7 +126,7 @@ pub fn simulated_in_real_time(
 ) -> Result<SimulatedRig<Monotonic>, SimulatedStartError> {
     let clock = Monotonic::start();
     let world = world(model, rig, seed, Time::Real(clock));
-    start_in(world, |_| clock, rig)
+    start_in(world, |_| clock, rig).map(|(rig, _)| rig)
 }
 
 /// The bus of a simulated rig in real time, for other drivers of its chips.
@@ -158,8 +165,19 @@ pub fn simulated_in_virtual_time(
     rig: &config::Rig,
     seed: u64,
 ) -> Result<SimulatedRig<WorldClock<PlantWorld>>, SimulatedStartError> {
-    let world = PlantWorld::in_virtual_time(model, rig, seed);
-    start_in(world, |bus| WorldClock(bus.clone()), rig)
+    with_world_in_virtual_time(model, rig, seed).map(|(rig, _)| rig)
+}
+
+/// The same, and a handle of its bus.
+///
+/// # Errors
+/// As [`Chips::start`].
+pub(super) fn with_world_in_virtual_time(
+    model: &Model,
+    rig: &config::Rig,
+    seed: u64,
+) -> Result<(SimulatedRig<WorldClock<PlantWorld>>, EmulatedBus<PlantWorld>), SimulatedStartError> {
+    start_in(PlantWorld::in_virtual_time(model, rig, seed), |bus| WorldClock(bus.clone()), rig)
 }
 
 /// Starts the chips of `[rig]` in a world, by a clock that may be that of their bus.
@@ -167,10 +185,10 @@ fn start_in<C: Clock + Clone>(
     world: PlantWorld,
     clock: impl FnOnce(&EmulatedBus<PlantWorld>) -> C,
     rig: &config::Rig,
-) -> Result<SimulatedRig<C>, SimulatedStartError> {
+) -> Result<(SimulatedRig<C>, EmulatedBus<PlantWorld>), SimulatedStartError> {
     let setpoint = world.setpoint.clone();
     let bus = with_signals(EmulatedBus::new(world), rig);
-    Ok(start(&bus, clock(&bus), rig)?.with_setpoint(setpoint))
+    Ok((start(&bus, clock(&bus), rig)?.with_setpoint(setpoint), bus))
 }
 
 fn world(model: &Model, rig: &config::Rig, seed: u64, time: Time) -> PlantWorld {

@@ -2,7 +2,7 @@
 
 use super::{Ground, NAME};
 use crate::analysis::loop_margins::Closing;
-use crate::cli::{DesignArgs, LqrArgs, PidArgs, PolesArgs, RelayArgs, RelayRule};
+use crate::cli::{LqrArgs, PidArgs, PolesArgs, RelayArgs, RelayRule};
 use crate::commands::note;
 use crate::log::reader;
 use crate::report::design::words::Feedback;
@@ -21,14 +21,15 @@ use diagnose::identify::{Oscillation, oscillation};
 use nalgebra::{RowSVector, SMatrix, SVector};
 use std::path::Path;
 
-pub(super) fn of_config(args: &DesignArgs) -> Result<()> {
-    let ground = Ground::read(args)?;
+/// The controller of a design, and the feedback that it was made of.
+pub(super) type Gained = (Closing, Option<Feedback>);
+
+pub(super) fn of_config(ground: &Ground) -> Result<Gained> {
     let pid = ground.config.need(NAME, "controller.pid", |tables| tables.controller.as_ref()?.pid.as_ref())?;
-    ground.conclude(args, Closing::Pid(pid.into(), pid.into()), None)
+    Ok((Closing::Pid(pid.into(), pid.into()), None))
 }
 
-pub(super) fn pid(args: &PidArgs) -> Result<()> {
-    let ground = Ground::read(&args.design)?;
+pub(super) fn pid(ground: &Ground, args: &PidArgs) -> Result<Gained> {
     let wanted = Wanted {
         damping: above_zero("--damping", args.damping)?,
         omega: above_zero("--omega", args.omega)?,
@@ -40,11 +41,10 @@ pub(super) fn pid(args: &PidArgs) -> Result<()> {
         bail!("--setpoint-weight {setpoint}: give 0 to 1");
     }
     let weights = Weights { setpoint, ..Weights::MEASUREMENT };
-    ground.conclude(&args.design, Closing::Pid(placed.gains, weights), None)
+    Ok((Closing::Pid(placed.gains, weights), None))
 }
 
-pub(super) fn poles(args: &PolesArgs) -> Result<()> {
-    let ground = Ground::read(&args.design)?;
+pub(super) fn poles(ground: &Ground, args: &PolesArgs) -> Result<Gained> {
     let plant = ground.plant;
     let feedback = if let Ok(poles) = <[_; 2]>::try_from(args.poles.as_slice()) {
         let (a, b) = plant.two_states();
@@ -57,11 +57,10 @@ pub(super) fn poles(args: &PolesArgs) -> Result<()> {
         let given = args.poles.len();
         bail!("number of --pole: {given}; give two for position and velocity, or three for the fan as well");
     };
-    conclude(&ground, &args.design, feedback)
+    closed(ground, feedback)
 }
 
-pub(super) fn lqr(args: &LqrArgs) -> Result<()> {
-    let ground = Ground::read(&args.design)?;
+pub(super) fn lqr(ground: &Ground, args: &LqrArgs) -> Result<Gained> {
     let plant = ground.plant;
     let control = above_zero("--control", args.control)?;
     let (position, velocity) =
@@ -81,7 +80,7 @@ pub(super) fn lqr(args: &LqrArgs) -> Result<()> {
         let gain = regulator(&a, &b, &SVector::from([position, velocity]), control, period_s)?;
         ground.feedback(&a, &b, &gain)?
     };
-    conclude(&ground, &args.design, feedback)
+    closed(ground, feedback)
 }
 
 /// The regulator of diagonal weights; with `period_s` of the sampled plant.
@@ -123,7 +122,7 @@ impl Ground {
 
 /// A feedback of position and velocity is a PID whose derivative acts on the measurement; one of the fan's state needs
 /// an observer.
-fn conclude(ground: &Ground, args: &DesignArgs, feedback: Feedback) -> Result<()> {
+fn closed(ground: &Ground, feedback: Feedback) -> Result<Gained> {
     let closing = match feedback.gain[..] {
         [position_per_mm, velocity_s_per_mm, fan] => {
             // From the acceleration by the fan to its control value.
@@ -132,7 +131,7 @@ fn conclude(ground: &Ground, args: &DesignArgs, feedback: Feedback) -> Result<()
         }
         _ => as_pid(&feedback),
     };
-    ground.conclude(args, closing, Some(feedback))
+    Ok((closing, Some(feedback)))
 }
 
 /// The PID that does the same as a feedback of position and filtered velocity.
@@ -148,10 +147,9 @@ fn as_pid(feedback: &Feedback) -> Closing {
     Closing::Pid(gains, Weights { setpoint, ..Weights::MEASUREMENT })
 }
 
-pub(super) fn relay(args: &RelayArgs) -> Result<()> {
-    let ground = Ground::read(&args.design)?;
+pub(super) fn relay(ground: &Ground, args: &RelayArgs) -> Result<Gained> {
     let point = match &args.log {
-        Some(log) => point_of(log, &ground)?,
+        Some(log) => point_of(log, ground)?,
         None => point_of_figures(args)?,
     };
     let rule = match args.rule {
@@ -162,7 +160,7 @@ pub(super) fn relay(args: &RelayArgs) -> Result<()> {
     let gains = point.gains(rule, above_zero("--derivative-n", args.derivative_n)?)?;
     let kept = ground.config.tables.controller.as_ref().and_then(|table| table.pid.as_ref());
     let weights = Weights { setpoint: kept.map_or(1.0, |pid| pid.setpoint_weight), ..Weights::MEASUREMENT };
-    ground.conclude(&args.design, Closing::Pid(gains, weights), None)
+    Ok((Closing::Pid(gains, weights), None))
 }
 
 /// The point of the frequency response that a recorded oscillation shows, with the fundamental of its duty for the

@@ -15,9 +15,10 @@ use crate::report::design::plot;
 use crate::report::design::words::{AtDuty, Document, Feedback, words};
 use crate::report::kit::about::About;
 use crate::report::kit::page;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use control::design::Linear;
 use control::predistortion::Predistortion;
+use gains::Gained;
 use plant::Model;
 
 /// The command's name for configs and errors.
@@ -29,14 +30,71 @@ const NAME: &str = "design";
 /// A config that is not sound, a design that does not exist, a file that cannot be written.
 pub fn design(command: &DesignCommand) -> Result<()> {
     match command {
-        DesignCommand::Loop(args) => gains::of_config(args),
-        DesignCommand::Pid(args) => gains::pid(args),
-        DesignCommand::Poles(args) => gains::poles(args),
-        DesignCommand::Lqr(args) => gains::lqr(args),
-        DesignCommand::Relay(args) => gains::relay(args),
+        DesignCommand::Loop(args) => conclude(command, args),
+        DesignCommand::Pid(args) => conclude(command, &args.design),
+        DesignCommand::Poles(args) => conclude(command, &args.design),
+        DesignCommand::Lqr(args) => conclude(command, &args.design),
+        DesignCommand::Relay(args) => conclude(command, &args.design),
         DesignCommand::Observer(args) => observer::observer(args),
         DesignCommand::CriticalGain(args) => critical_gain::critical_gain(args),
     }
+}
+
+/// Designs gains, and prints them.
+fn conclude(command: &DesignCommand, args: &DesignArgs) -> Result<()> {
+    let ground = Ground::read(args)?;
+    let (closing, feedback) = gained(command, &ground)?;
+    ground.conclude(args, closing, feedback)
+}
+
+/// The gains of those designs that have gains.
+fn gained(command: &DesignCommand, ground: &Ground) -> Result<Gained> {
+    match command {
+        DesignCommand::Loop(_) => gains::of_config(ground),
+        DesignCommand::Pid(args) => gains::pid(ground, args),
+        DesignCommand::Poles(args) => gains::poles(ground, args),
+        DesignCommand::Lqr(args) => gains::lqr(ground, args),
+        DesignCommand::Relay(args) => gains::relay(ground, args),
+        DesignCommand::Observer(_) | DesignCommand::CriticalGain(_) => bail!("this design has no gains"),
+    }
+}
+
+/// A design as its document, its words and its patch.
+pub(crate) struct Designed {
+    /// The document of `--json`.
+    pub(crate) document: String,
+    /// The result in lines; of an observer, none.
+    pub(crate) words: Vec<String>,
+    /// The design as a patch of the config.
+    pub(crate) patch: String,
+    /// What the design does not see.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Designs for a config that is read.
+///
+/// # Errors
+/// A design that does not exist.
+pub(crate) fn designed(command: &DesignCommand, config: Config) -> Result<Designed> {
+    let about = match command {
+        DesignCommand::Loop(args) => args.about,
+        DesignCommand::Pid(args) => args.design.about,
+        DesignCommand::Poles(args) => args.design.about,
+        DesignCommand::Lqr(args) => args.design.about,
+        DesignCommand::Relay(args) => args.design.about,
+        DesignCommand::Observer(args) => args.about,
+        DesignCommand::CriticalGain(_) => bail!("critical-gain compares the models of the thesis, and takes no config"),
+    };
+    let ground = Ground::of(config, about)?;
+    let notes = ground.model.not_linear().into_iter().map(|name| not_linear(name, ground.about.as_ref())).collect();
+    if let DesignCommand::Observer(args) = command {
+        let (document, patch) = observer::found(&ground, args)?;
+        return Ok(Designed { document: serde_json::to_string(&document)?, words: Vec::new(), patch, notes });
+    }
+    let (closing, feedback) = gained(command, &ground)?;
+    let (_, document) = ground.assessed(closing, feedback)?;
+    let patch = patch::of(&closing, document.state_feedback.as_ref())?;
+    Ok(Designed { document: serde_json::to_string(&document)?, words: words(&document), patch, notes })
 }
 
 /// The inputs of a design.
@@ -99,10 +157,16 @@ impl Ground {
         Some((safety.duty_max_percent - hover).min(hover - safety.duty_min_percent))
     }
 
-    /// Assesses the controller, writes the requested files and prints the result.
-    fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
+    /// The loop with a controller, and what can be said of it.
+    fn assessed(&self, closing: Closing, feedback: Option<Feedback>) -> Result<(Loop, Document)> {
         let of = Loop { plant: self.plant, closing, period_s: self.period_s() };
         let document = Document::of(&of, feedback, self.about, self.over_duties())?;
+        Ok((of, document))
+    }
+
+    /// Assesses the controller, writes the requested files and prints the result.
+    fn conclude(&self, args: &DesignArgs, closing: Closing, feedback: Option<Feedback>) -> Result<()> {
+        let (of, document) = self.assessed(closing, feedback)?;
         let patch = || patch::of(&closing, document.state_feedback.as_ref());
         if let Some(path) = &args.patch_out {
             write("patch", path, &patch()?)?;

@@ -81,9 +81,8 @@ impl Noise {
     }
 }
 
-pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
-    may_write(None, args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
-    let ground = Ground::of(Config::read(&args.config.config, &args.config.over())?, args.about)?;
+/// The observer of these flags, and its patch.
+pub(super) fn found(ground: &Ground, args: &ObserverArgs) -> Result<(Document, String)> {
     let period_s = ground.config.need(NAME, "loop", |tables| tables.r#loop.as_ref())?.period_s;
     let (plant, believed) = (ground.plant, ground.observer()?);
     let with_fan = plant.fan_lag_s > 0.0;
@@ -116,7 +115,13 @@ pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
         observer,
         flown,
     };
-    let patch = patch::of_observer(observer)?;
+    Ok((document, patch::of_observer(observer)?))
+}
+
+pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
+    may_write(None, args.html.as_deref(), &[("patch", args.patch_out.as_ref())])?;
+    let ground = Ground::of(Config::read(&args.config.config, &args.config.over())?, args.about)?;
+    let (document, patch) = found(&ground, args)?;
     if let Some(path) = &args.patch_out {
         write("patch", path, &patch)?;
     }

@@ -10,6 +10,7 @@ use crate::report::identify::grey_box::{Document, words};
 use crate::report::identify::page::grey_box::{Report, page as html};
 use crate::report::identify::patch;
 use crate::report::identify::plot::grey_box as draw;
+use crate::report::kit::about::About;
 use crate::report::kit::page;
 use crate::report::kit::patch::rounded;
 use ::diagnose::identify::{GreyBox, HeldOut, OpenLoop, Poles, better};
@@ -18,61 +19,106 @@ use anyhow::{Result, bail};
 use plant::Model;
 use rayon::prelude::*;
 
-pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
-    let mut asked = read(&args.logs, &args.identify)?;
-    let (findings, recording) = usable(args, &mut asked)?;
-    let poles = match args.poles {
-        Some(PolesArg::Two) => vec![Poles::Two],
-        Some(PolesArg::Three) => vec![Poles::Three],
-        None => vec![Poles::Two, Poles::Three],
-    };
-    let open = args.open_loop.then(|| OpenLoop::of(&asked.seen().collect::<Vec<_>>(), &asked.belief));
-    let used = open.as_ref().map_or(&recording, |open| &open.recording);
-    let one = |poles: &Poles| identify(open.as_ref(), &asked.belief, &recording, *poles);
-    let mut found = poles.par_iter().map(one).collect::<Result<Vec<GreyBox>>>()?;
-    if args.per_control {
-        renamed(&mut found);
+/// What was found.
+pub(crate) struct Found {
+    pub(crate) findings: Vec<String>,
+    recording: Recording,
+    open: Option<OpenLoop>,
+    models: Vec<GreyBox>,
+    best: GreyBox,
+    about: Option<About>,
+    /// The best model as a patch of the config.
+    pub(crate) patch: String,
+}
+
+impl Found {
+    /// Identifies with these flags.
+    ///
+    /// # Errors
+    /// Logs that have too little information.
+    pub(crate) fn of(args: &GreyBoxArgs, asked: &mut Asked) -> Result<Self> {
+        let (findings, recording) = usable(args, asked)?;
+        let open = args.open_loop.then(|| OpenLoop::of(&asked.seen().collect::<Vec<_>>(), &asked.belief));
+        let one = |poles: &Poles| identify(open.as_ref(), &asked.belief, &recording, *poles);
+        let mut models = number_of_poles(args).par_iter().map(one).collect::<Result<Vec<GreyBox>>>()?;
+        if args.per_control {
+            renamed(&mut models);
+        }
+        let Some(best) = better(&models).cloned() else {
+            bail!("no number of poles was asked for; give --poles 2 or --poles 3")
+        };
+        let about = asked_about(&best.fit.model, args.about)?;
+        let patch = patch_of(args, asked, &best);
+        Ok(Self { findings: said(asked, &findings), recording, open, models, best, about, patch })
     }
-    let Some(best) = better(&found) else { bail!("no number of poles was asked for; give --poles 2 or --poles 3") };
-    let about = asked_about(&best.fit.model, args.about)?;
+
+    /// The rows that the models were fitted to.
+    fn used(&self) -> &Recording {
+        self.open.as_ref().map_or(&self.recording, |open| &open.recording)
+    }
+
+    /// The document of `--json`.
+    pub(crate) fn document(&self) -> Document<'_> {
+        Document::of(&self.models, &self.best, self.open.is_some(), self.about)
+    }
+
+    /// The result in lines, in the words of the rig.
+    pub(crate) fn words(&self, asked: &Asked) -> Vec<String> {
+        let about = self.about.map(|about| format!("about     {}", about.words()));
+        let lines = words::lines(self.used(), &self.models, &self.best).into_iter().chain(about);
+        lines.map(|line| asked.words.of(&line)).collect()
+    }
+
+    fn page(&self, args: &GreyBoxArgs, asked: &Asked) -> String {
+        // A detrended record has its own origin, for which there is no belief.
+        let believed = self.open.is_none().then(|| HeldOut::gap_of(&asked.belief, self.used()));
+        html(&Report {
+            made: &asked.made(),
+            logs: &asked.names,
+            config: &config(&args.identify),
+            belief: &asked.belief,
+            believed: believed.as_ref(),
+            recording: self.used(),
+            findings: &self.findings,
+            found: &self.models,
+            best: &self.best,
+            patch: &self.patch,
+            about: self.about,
+        })
+    }
+}
+
+fn patch_of(args: &GreyBoxArgs, asked: &Asked, best: &GreyBox) -> String {
     let origin = format!("airball identify grey-box, {} of {}", words::poles(best.poles), asked.names.join(", "));
-    let patch = if args.per_control {
+    if args.per_control {
         rounded(&per_control::patch(&origin, &best.estimates))
     } else {
         patch(&origin, &best.estimates, &asked.belief)
-    };
-    write_patch(&args.identify, &patch)?;
-    if let Some(path) = &args.identify.plot {
-        draw(path, &asked.names.join(", "), used, &found, best)?;
     }
-    let findings = said(&asked, &findings);
+}
+
+fn number_of_poles(args: &GreyBoxArgs) -> Vec<Poles> {
+    match args.poles {
+        Some(PolesArg::Two) => vec![Poles::Two],
+        Some(PolesArg::Three) => vec![Poles::Three],
+        None => vec![Poles::Two, Poles::Three],
+    }
+}
+
+pub(super) fn grey_box(args: &GreyBoxArgs) -> Result<()> {
+    let mut asked = read(&args.logs, &args.identify)?;
+    let found = Found::of(args, &mut asked)?;
+    write_patch(&args.identify, &found.patch)?;
+    if let Some(path) = &args.identify.plot {
+        draw(path, &asked.names.join(", "), found.used(), &found.models, &found.best)?;
+    }
     if let Some(path) = &args.identify.html {
-        // A detrended record has its own origin, for which there is no belief.
-        let believed = open.is_none().then(|| HeldOut::gap_of(&asked.belief, used));
-        page::write(
-            path,
-            &html(&Report {
-                made: &asked.made(),
-                logs: &asked.names,
-                config: &config(&args.identify),
-                belief: &asked.belief,
-                believed: believed.as_ref(),
-                recording: used,
-                findings: &findings,
-                found: &found,
-                best,
-                patch: &patch,
-                about,
-            }),
-        )?;
+        page::write(path, &found.page(args, &asked))?;
     }
     if !args.identify.json {
-        findings.iter().for_each(note);
+        found.findings.iter().for_each(note);
     }
-    let lines =
-        words::lines(used, &found, best).into_iter().chain(about.map(|about| format!("about     {}", about.words())));
-    let lines = lines.map(|line| asked.words.of(&line)).collect();
-    conclude(&args.identify, &Document::of(&found, best, args.open_loop, about), lines)
+    conclude(&args.identify, &found.document(), found.words(&asked))
 }
 
 /// The rows that are used, from the control value where that is asked for, and the findings about them.

@@ -1,6 +1,6 @@
 //! `airball identify`: a plant model from recorded flights.
 
-mod grey_box;
+pub(crate) mod grey_box;
 mod per_control;
 mod third_pole;
 mod transient;
@@ -44,7 +44,7 @@ fn read(logs: &[PathBuf], args: &IdentifyArgs) -> Result<Asked> {
 }
 
 /// The patch of an identification adds or changes tables and removes none.
-fn has_one_lag(model: &Model) -> Result<()> {
+pub(crate) fn has_one_lag(model: &Model) -> Result<()> {
     let excluded = |entry: &Entry| Effects::exclude_each_other(entry.name, FanLag::ENTRY.name);
     match model.effects.present().iter().find(|entry| excluded(entry)) {
         Some(entry) => bail!(

@@ -53,11 +53,6 @@ pub struct Report<'a> {
 #[must_use]
 pub fn page(report: &Report<'_>) -> String {
     let record = record(report);
-    let logs = report.logs;
-    let mut from = logs.names.to_vec();
-    let rows = report.picture.recording.samples().len();
-    let rate = format!("{:.0} rows per second", rows as f64 / logs.duration_s.max(f64::MIN_POSITIVE));
-    from.extend([format!("{:.1} s", logs.duration_s), rate, format!("belief: {}", report.config)]);
     let sections = match report.found.verdict {
         Verdict::InsufficientData => vec![
             Section::words("next", "What to fly next", mending::next(report.advice)),
@@ -67,16 +62,23 @@ pub fn page(report: &Report<'_>) -> String {
         _ => all_sections(report, &record),
     };
     let answer = report.found.verdict_in_words();
-    Page {
-        kind: "diagnosis",
-        from,
-        made: report.made,
-        answer: &answer,
-        first: summary::body(report),
-        sections,
-        record: &record,
-    }
-    .render()
+    with(report, &answer, sections, &record).render()
+}
+
+/// What is seen first of the page of a diagnosis.
+#[must_use]
+pub fn first_screen(report: &Report<'_>) -> String {
+    let answer = report.found.verdict_in_words();
+    with(report, &answer, Vec::new(), &Record { diagrams: Vec::new() }).render_first()
+}
+
+fn with<'a>(report: &Report<'a>, answer: &'a str, sections: Vec<Section>, record: &'a Record) -> Page<'a> {
+    let logs = report.logs;
+    let mut from = logs.names.to_vec();
+    let rows = report.picture.recording.samples().len();
+    let rate = format!("{:.0} rows per second", rows as f64 / logs.duration_s.max(f64::MIN_POSITIVE));
+    from.extend([format!("{:.1} s", logs.duration_s), rate, format!("belief: {}", report.config)]);
+    Page { kind: "diagnosis", from, made: report.made, answer, first: summary::body(report), sections, record }
 }
 
 fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {

@@ -144,6 +144,22 @@ impl Page<'_> {
         self.made.words.of_markup(&page.into_string())
     }
 
+    /// The part that is seen first, without the sections below it and without a script.
+    pub fn render_first(&self) -> String {
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'";
+                    style { (PreEscaped(format!("{}\n{STYLE}", palette::stylesheet()))) }
+                }
+                body { main { h1 { (self.answer) } (self.first) } }
+            }
+        };
+        self.made.words.of_markup(&page.into_string())
+    }
+
     fn top(&self) -> Markup {
         html! {
             p.brand { strong { "airball" } " " (self.kind) }

@@ -1,0 +1,60 @@
+//! The program `airball`: from its arguments to its exit status. The binary and the Python package start it.
+
+use crate::cli::{Cli, Command, ConfigCommand, LogCommand};
+use crate::commands::{
+    Usage, compare, config, design, diagnose, emulate, export, fail, fan_off, guard, identify, init, live, log,
+    measure, monitor, reader_is_gone, replay, run, simulate, with_causes,
+};
+use crate::config::ConfigError;
+use anyhow::Result;
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Exit status of wrong usage, as in clap; a config is part of the usage.
+const WRONG_USAGE: u8 = 2;
+
+/// Runs the program that [`crate::started`] says was started. Ends the process where clap does: after `--help`, and
+/// after flags that are wrong.
+#[must_use]
+pub fn run() -> ExitCode {
+    ExitCode::from(status())
+}
+
+/// The same, with the exit status as a number.
+#[must_use]
+pub fn status() -> u8 {
+    match of_command(Cli::parse_from(crate::started::arguments()).command) {
+        Ok(status) => status,
+        Err(error) if reader_is_gone(&error) => 0,
+        Err(error) => {
+            fail(with_causes(&error));
+            if error.is::<ConfigError>() || error.is::<Usage>() { WRONG_USAGE } else { 1 }
+        }
+    }
+}
+
+fn of_command(command: Command) -> Result<u8> {
+    match command {
+        Command::Diagnose(args) => return diagnose::diagnose(&args),
+        Command::Log(LogCommand::Recover { log, out }) => return log::recover(&log, out.as_deref()),
+        Command::Run(args) => run::run(&args),
+        Command::Simulate(args) => simulate::simulate(&args),
+        Command::Measure(args) => measure::measure(&args),
+        Command::Init(args) => init::init(&args),
+        Command::Replay(args) => replay::replay(&args),
+        Command::Compare(args) => compare::compare(&args),
+        Command::Design(command) => design::design(&command),
+        Command::Identify(command) => identify::identify(&command),
+        Command::Export(command) => export::export(&command),
+        Command::FanOff(args) => fan_off::fan_off(&args),
+        Command::Monitor(args) => monitor::monitor(&args),
+        Command::Live(args) => live::live(&args),
+        Command::Emulate(args) => emulate::emulate(&args),
+        Command::Guard(args) => guard::guard(&args),
+        Command::Config(ConfigCommand::Check(args)) => config::check(&args),
+        Command::Config(ConfigCommand::Print(args)) => config::print(&args),
+        Command::Log(LogCommand::Info { log }) => log::info(&log),
+        Command::Log(LogCommand::Export { log }) => log::export(&log),
+    }?;
+    Ok(0)
+}

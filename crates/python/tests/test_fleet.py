@@ -1,0 +1,115 @@
+"""A fleet of logs on processes of Dask: the files are those of one machine, whatever happens to the workers."""
+
+import os
+import pickle
+import signal
+import sys
+import threading
+import time
+
+import pytest
+
+import airball as ab
+from conftest import CONFIG, ROOT
+
+pytest.importorskip("distributed")
+pytest.importorskip("pyarrow")
+cloudpickle = pytest.importorskip("cloudpickle")
+from airball import fleet  # noqa: E402
+
+FLAGS = {"without_formula": True}
+
+
+@pytest.fixture(scope="module")
+def logs(rig, tmp_path_factory):
+    """Six flights, two of them in a folder of their own, and a file that is no log."""
+    folder = tmp_path_factory.mktemp("logs")
+    (folder / "monday").mkdir()
+    for number in range(6):
+        effects = {"transport_delay": 0.08} if number % 2 else {}
+        flight = ab.simulate(rig.with_effects(**effects), seed=number + 1, duration=12.0)
+        flight.save(folder / ("monday" if number < 2 else ".") / f"{number}.mcap")
+    (folder / "poison.csv").write_text("time_s,duty_percent\n0,\x00\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def alone(logs, binary, tmp_path_factory):
+    """What `airball diagnose --each` writes."""
+    out = tmp_path_factory.mktemp("alone")
+    binary("diagnose", logs, "--each", "--out", out, "--without-formula")
+    return files(out)
+
+
+def files(folder):
+    kept = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != "results.parquet")
+    return {str(path.relative_to(folder)): path.read_bytes() for path in kept}
+
+
+@pytest.fixture(scope="module")
+def model():
+    os.chdir(ROOT)
+    return ab.Model.load("config.toml")
+
+
+def test_workers_write_what_one_machine_writes_and_do_nothing_twice(logs, alone, model, tmp_path):
+    with fleet.local(2) as client:
+        made = fleet.diagnose(logs, model=model, out=tmp_path, client=client, **FLAGS)
+        assert files(tmp_path) == alone
+        assert (made.diagnosed, made.failed) == (6, 1)
+        frame = made.to_frame()
+        assert list(frame["log"]) == sorted(frame["log"]) and frame["error"].notna().sum() == 1
+        # Only the log without a diagnosis is tried again, and one that is gone.
+        (tmp_path / "3.mcap.json").unlink()
+        before = {name: (tmp_path / name).stat().st_mtime_ns for name in alone if name.endswith(".json") and name != "3.mcap.json"}
+        fleet.diagnose(logs, model=model, out=tmp_path, client=client, **FLAGS)
+        assert files(tmp_path) == alone
+        assert before == {name: (tmp_path / name).stat().st_mtime_ns for name in before}
+
+
+def test_a_worker_that_is_killed_changes_nothing(logs, alone, model, tmp_path):
+    with fleet.local(2) as client:
+        killed = []
+
+        def kill():
+            while not list(tmp_path.rglob("*.json")):
+                time.sleep(0.05)
+            worker, process = next(iter(client.run(os.getpid).items()))
+            os.kill(process, signal.SIGKILL)
+            killed.append(worker)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        fleet.diagnose(logs, model=model, out=tmp_path, client=client, **FLAGS)
+        killer.join()
+        assert killed and files(tmp_path) == alone
+
+
+def deadly(model, path, name, flags):
+    """A log that kills every worker that takes it."""
+    if name == "4.mcap":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "", "", f"{name}: tried"
+
+
+def test_a_log_that_kills_its_workers_is_given_up_and_the_others_are_not(logs, model, tmp_path, monkeypatch):
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])
+    monkeypatch.setattr(fleet, "report", deadly)
+    with fleet.local(2) as client:
+        made = fleet.diagnose(logs, model=model, out=tmp_path, client=client)
+    assert made.failed == 7
+    errors = {path.name: path.read_text() for path in tmp_path.rglob("*.error")}
+    assert errors["4.mcap.error"] == "4.mcap: its worker died 3 times; it may need more memory\n"
+    assert all(text.endswith(": tried\n") for name, text in errors.items() if name != "4.mcap.error")
+
+
+def test_a_model_crosses_to_a_worker_with_its_files():
+    model = ab.Model.load(CONFIG).with_effects(transport_delay=0.08)
+    assert pickle.loads(pickle.dumps(model))._belief.texts() == model._belief.texts()
+
+
+def test_an_empty_list_and_a_folder_without_logs_are_refused(tmp_path, model):
+    with pytest.raises(ab.ArgumentError, match="^logs is empty"):
+        fleet.diagnose([], model=model, out=tmp_path, client=None)
+    with pytest.raises(ab.UsageError, match="no log is in there"):
+        fleet.diagnose(tmp_path, model=model, out=tmp_path, client=None)

@@ -24,14 +24,19 @@ WORSE = 1.02  # of the error at 1 s: by how much a patch may be worse before it 
 NO_GAP = 1.05  # of the error by noise alone
 
 
+ONE_THREAD = os.environ | {"RAYON_NUM_THREADS": "1"}
+
+
 def run(*command):
-    return subprocess.run([str(part) for part in command], check=True, capture_output=True, text=True, env=os.environ | {"RAYON_NUM_THREADS": "1"}).stdout
+    command = [str(part) for part in command]
+    return subprocess.run(command, check=True, capture_output=True, text=True, env=ONE_THREAD).stdout
 
 
 def tried(airball, folder, kind, case):
     """The diagnosis of the first flight, and the errors at 1 s on the second one."""
     name, effect = case["case"], case["effects"][0]["name"]
-    config, first, second = (folder / f"{kind}-{flight}" / f"{name}.{end}" for flight, end in [(0, "toml"), (0, "csv"), (1, "csv")])
+    files = [(0, "toml"), (0, "csv"), (1, "csv")]
+    config, first, second = (folder / f"{kind}-{flight}" / f"{name}.{end}" for flight, end in files)
     without = ["--without", effect] if kind == "single" else []
     answer = run_diagnosis(airball, config, first, without)
     replay = ["replay", "--config", config, "--json", second]
@@ -47,7 +52,7 @@ def tried(airball, folder, kind, case):
 def run_diagnosis(airball, config, log, without):
     """The diagnosis; one that cannot answer ends with status 3 and has no patch."""
     command = [str(part) for part in [airball, "diagnose", "--config", config, "--json", *without, log]]
-    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"RAYON_NUM_THREADS": "1"})
+    done = subprocess.run(command, capture_output=True, text=True, env=ONE_THREAD)
     if done.returncode not in (0, 3):
         raise SystemExit(f"{' '.join(command)}: {done.stderr}")
     return json.loads(done.stdout)

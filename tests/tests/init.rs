@@ -196,11 +196,12 @@ fn a_speed_is_integrated_and_an_angle_is_read_as_a_length() {
     let hoop = init("hoop_motor/fixed_steps.csv");
     assert_eq!(hoop["position_mm"]["integrate"].as_bool(), Some(true), "{hoop}");
     assert_eq!(hoop["duty_percent"]["scale"].as_float(), Some(100.0), "{hoop}");
-    let arm = init("quarter_drone/steps.csv");
+    let arm_config = config("quarter_drone/steps.csv");
+    let arm = arm_config["import"].clone();
     assert_eq!(arm["position_mm"]["column"].as_str(), Some("angle_deg"), "{arm}");
     assert_eq!(arm["setpoint_mm"]["column"].as_str(), Some("ref_deg"), "{arm}");
     assert_eq!(arm["position_mm"]["scale"].as_float().unwrap_or(1.0), 1.0, "{arm}");
-    let rig = config("quarter_drone/steps.csv")["rig"].clone();
+    let rig = arm_config["rig"].clone();
     assert_eq!((rig["position"].as_str(), rig["position_unit"].as_str()), (Some("angle"), Some("deg")), "{rig}");
     assert_eq!(bench.output(&["config", "check", "--config", "rig.toml"]).lines().count(), 1);
 }

@@ -5,10 +5,11 @@
 //! values(t) = from + λ·(to − from)        λ = t/T, 0 to 1: the control value does not jump, whatever changes
 //! ```
 //!
-//! Words have no way between them: a new one is in force at once, and the controller is set up so that its control value
-//! stays ([`crate::regulator::Regulator::adopt`]). A correction of the dead zone comes and goes on the way. What a config
-//! does not have and no switch adds cannot be changed. A predistortion keeps the number of its points, and is not
-//! switched: the unit of all gains depends on it. Bounds are those of the checks of the tables, found by asking them.
+//! Words have no way between them: a new one is in force at once, and the controller is set up so that its control
+//! value stays ([`crate::regulator::Regulator::adopt`]). A correction of the dead zone comes and goes on the way. What
+//! a config does not have and no switch adds cannot be changed. A predistortion keeps the number of its points, and is
+//! not switched: the unit of all gains depends on it. Bounds are those of the checks of the tables, found by asking
+//! them.
 
 mod parameter;
 mod words;

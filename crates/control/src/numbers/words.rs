@@ -1,7 +1,7 @@
 //! Words and switches: which variant of a law flies, and which table is there.
 //!
-//! A switch that adds a table leaves its numbers without a value (NaN), where no value is without an effect: the check of
-//! the tables then asks for them by name, in the same transaction.
+//! A switch that adds a table leaves its numbers without a value (NaN), where no value is without an effect: the check
+//! of the tables then asks for them by name, in the same transaction.
 
 use super::Numbers;
 use super::parameter::{Parameter, Place};

@@ -28,8 +28,8 @@ impl Regulator {
         set.mpc.map_or(Ok(()), |mpc| Planner::new(&mpc, &observer.believed).map(drop).ok_or(Unready::Plan))
     }
 
-    /// Flies with other numbers from the next step on: integrals stay. The control value moves as far as the numbers do,
-    /// so go to far ones in small steps. Where words or tables are others, it stays: the controller is set up anew.
+    /// Flies with other numbers from the next step on: integrals stay. The control value moves as far as the numbers
+    /// do, so go to far ones in small steps. Where words or tables are others, it stays: the controller is set up anew.
     pub fn adopt(&mut self, set: Controllers, observer: Option<&Observer>) {
         if says_otherwise(&self.set, &set) {
             self.handover = Handover::Ahead;

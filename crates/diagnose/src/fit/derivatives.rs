@@ -34,17 +34,20 @@ impl Derivatives {
 
 /// The derivatives of the innovations by each parameter: of the expectation, mm, and of the logarithm of the variance;
 /// or of ln p alone.
+#[derive(Default)]
 pub(super) struct Sensitivities {
     by_parameter: Vec<Vec<[f64; 2]>>,
 }
 
-/// The derivatives of the innovations by some parameters at a fit, which stand for those nearby in a brief fit.
-pub(crate) struct Known {
+/// The derivatives of the innovations by some parameters at a fit, which stand for those nearby in a brief fit. By
+/// default none is known.
+#[derive(Default)]
+pub(crate) struct KnownSensitivities {
     parameters: Vec<Parameter>,
     sensitivities: Sensitivities,
 }
 
-impl Known {
+impl KnownSensitivities {
     fn by(&self, parameter: &Parameter) -> Option<&Vec<[f64; 2]>> {
         let at = self.parameters.iter().position(|known| known == parameter)?;
         self.sensitivities.by_parameter.get(at)
@@ -68,34 +71,27 @@ fn derivative(here: &Innovation, there: &Innovation, of_density: bool) -> [f64; 
 impl Problem<'_> {
     /// Gradient and information of log-likelihood and log-prior at `point`.
     pub(super) fn slope(&self, point: &Point, parameters: &[Parameter]) -> Derivatives {
-        self.derivatives(point, parameters, &self.sensitivities(point, parameters, None))
+        let none = KnownSensitivities::default();
+        self.derivatives(point, parameters, &self.sensitivities(&point.model, &point.innovations, parameters, &none))
     }
 
     /// The derivatives of the innovations by `parameters` at a fit.
-    pub(crate) fn known_at(&self, fit: &Fit, parameters: &[Parameter]) -> Known {
-        let sensitivities = self.sensitivities_at(&fit.model, &fit.innovations, parameters, None);
-        Known { parameters: parameters.to_vec(), sensitivities }
+    pub(crate) fn sensitivities_of(&self, fit: &Fit, parameters: &[Parameter]) -> KnownSensitivities {
+        let none = KnownSensitivities::default();
+        let sensitivities = self.sensitivities(&fit.model, &fit.innovations, parameters, &none);
+        KnownSensitivities { parameters: parameters.to_vec(), sensitivities }
     }
 
-    /// The derivatives of the innovations at `point`, except those that are known.
+    /// The derivatives of `here`, the innovations under `model`: those that are known, and the others by a run each.
     pub(super) fn sensitivities(
-        &self,
-        point: &Point,
-        parameters: &[Parameter],
-        known: Option<&Known>,
-    ) -> Sensitivities {
-        self.sensitivities_at(&point.model, &point.innovations, parameters, known)
-    }
-
-    fn sensitivities_at(
         &self,
         model: &Model,
         here: &[Innovation],
         parameters: &[Parameter],
-        known: Option<&Known>,
+        known: &KnownSensitivities,
     ) -> Sensitivities {
         let of_one = |parameter: &Parameter| -> Vec<[f64; 2]> {
-            if let Some(known) = known.and_then(|known| known.by(parameter)) {
+            if let Some(known) = known.by(parameter) {
                 return known.clone();
             }
             let nudged = innovations(&parameter.stepped(model, DIFFERENCE), self.recording);

@@ -16,7 +16,7 @@
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
 use crate::fit::bounds::Bounds;
-use crate::fit::derivatives::{Derivatives, Known, Sensitivities};
+use crate::fit::derivatives::{Derivatives, KnownSensitivities, Sensitivities};
 use crate::fit::parameter::{Parameter, Prior, prior};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
@@ -139,8 +139,9 @@ impl Problem<'_> {
     /// Moves `parameters` of `start` to the maximum of the posterior of the readings that count.
     #[must_use]
     pub fn fit(&self, start: &Model, parameters: &[Parameter]) -> Fit {
-        let (best, slope) =
-            self.maximise(start, parameters, StepLimits { steps: STEPS, more: STEPS, most: MOST_STEPS }, None);
+        let (limits, none) =
+            (StepLimits { steps: STEPS, more: STEPS, most: MOST_STEPS }, KnownSensitivities::default());
+        let (best, slope) = self.maximise(start, parameters, limits, &none);
         let slope = slope.unwrap_or_else(|| self.slope(&best, parameters));
         let log_prior = self.log_prior(parameters, &best.model);
         Fit { model: best.model, parameters: parameters.to_vec(), innovations: best.innovations, log_prior, slope }
@@ -149,25 +150,26 @@ impl Problem<'_> {
     /// The model after at most this many steps.
     #[must_use]
     pub fn fit_in_steps(&self, start: &Model, parameters: &[Parameter], most_steps: usize) -> Model {
-        self.maximise(start, parameters, StepLimits { steps: most_steps, more: 0, most: most_steps }, None).0.model
+        let (limits, none) =
+            (StepLimits { steps: most_steps, more: 0, most: most_steps }, KnownSensitivities::default());
+        self.maximise(start, parameters, limits, &none).0.model
     }
 
     /// A short fit, for screening: the model after `steps` steps, and more while the slope is steep; with its
     /// log-likelihood and log-prior in total, nats.
     pub(crate) fn fit_briefly(&self, start: &Model, parameters: &[Parameter], steps: usize) -> (Model, f64) {
-        let (best, _) = self.maximise(start, parameters, StepLimits { steps, more: 1, most: STEPS }, None);
-        (best.model, best.total)
+        self.fit_briefly_with(&KnownSensitivities::default(), start, parameters, steps)
     }
 
-    /// The same with `known` derivatives, which cost no runs; the others are computed at each step.
+    /// The same with derivatives that are known, which cost no runs; the others are computed at each step.
     pub(crate) fn fit_briefly_with(
         &self,
-        known: &Known,
+        known: &KnownSensitivities,
         start: &Model,
         parameters: &[Parameter],
         steps: usize,
     ) -> (Model, f64) {
-        let (best, _) = self.maximise(start, parameters, StepLimits { steps, more: 1, most: STEPS }, Some(known));
+        let (best, _) = self.maximise(start, parameters, StepLimits { steps, more: 1, most: STEPS }, known);
         (best.model, best.total)
     }
 
@@ -200,7 +202,7 @@ impl Problem<'_> {
         start: &Model,
         parameters: &[Parameter],
         patience: StepLimits,
-        known: Option<&Known>,
+        known: &KnownSensitivities,
     ) -> (Point, Option<Derivatives>) {
         // A noise of 0 has no slope: each parameter starts within its bounds.
         let mut best = self.point(self.moved(start, parameters, &DVector::zeros(parameters.len())), parameters);
@@ -210,7 +212,8 @@ impl Problem<'_> {
             if taken > end {
                 break;
             }
-            let (sensitivities, before) = (self.sensitivities(&best, parameters, known), best.total);
+            let before = best.total;
+            let sensitivities = self.sensitivities(&best.model, &best.innovations, parameters, known);
             let slope = self.derivatives(&best, parameters, &sensitivities);
             let Some(next) = self.step(&best, parameters, &slope.total(None), &mut damping) else {
                 return (best, Some(slope));

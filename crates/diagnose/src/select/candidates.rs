@@ -42,7 +42,7 @@ pub struct Candidate {
 /// Tests every effect that `so_far` lacks: the candidates, the best first, and the scores of all effects.
 pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, Vec<Scored>) {
     let before = search.problem.held_out(so_far);
-    let known = search.problem.known_at(so_far, &FIRST);
+    let known = search.problem.sensitivities_of(so_far, &FIRST);
     let entries = search.entries();
     search.plan(entries.len());
     let screened = entries.par_iter().filter_map(|entry| search.planned(|| screen(search, so_far, &known, entry)));
@@ -117,7 +117,7 @@ fn full_fit(search: &Search<'_>, screened: &Screened, so_far: &Fit, before: &Log
 
 #[cfg(test)]
 mod tests {
-    use super::{Candidate, candidates as search_candidates};
+    use super::{Candidate, candidates as search_candidates, prefer_the_contained};
     use crate::options::Options;
     use crate::record::folds::Folds;
     use crate::select::refit::refitted;
@@ -207,6 +207,26 @@ mod tests {
         }
         // The limit applies at least once.
         assert!(beyond > 0);
+    }
+
+    #[test]
+    fn a_richer_effect_takes_the_place_of_the_one_it_contains_only_by_what_a_second_effect_must_gain() {
+        let (belief, recording) = (model(), record(&model(), 1, 12));
+        let folds = Folds::new(&belief, &recording);
+        let fit = refitted(&Search::new(&belief, &recording, &folds, &Options::default()));
+        let first = |richer: f64| {
+            let candidate = |(name, gain): (&str, f64)| Candidate {
+                entry: Effects::built_in(name).unwrap(),
+                fit: fit.clone(),
+                held_out_gain: gain,
+                penalised_gain: gain,
+            };
+            let mut all = [("spin_asymmetry", richer), ("sensor_lag", 50.5), ("fan_lag", 50.0)].map(candidate);
+            prefer_the_contained(&mut all);
+            all.map(|candidate| candidate.entry.name)
+        };
+        assert_eq!(first(55.0), ["fan_lag", "spin_asymmetry", "sensor_lag"]);
+        assert_eq!(first(56.0), ["spin_asymmetry", "sensor_lag", "fan_lag"]);
     }
 
     #[test]

@@ -27,8 +27,8 @@ pub struct Evidence {
 
 /// Intercept and weights of the log-odds, in the order of [`Evidence::features`]: as `scripts/odds` fitted all but the
 /// last to 318 names on 240 practice rigs (Brier score 0.073); on 82 names of 57 other rigs the Brier score is 0.067.
-/// The last one was chosen by hand: few names are matched by a shape and kept, and both that occurred among 109 names on
-/// 85 rigs were wrong. The Brier score of all weights on these 109 names is 0.060.
+/// The last one was chosen by hand: few names are matched by a shape and kept, and both that occurred among 109 names
+/// on 85 rigs were wrong. The Brier score of all weights on these 109 names is 0.060.
 const WEIGHTS: [f64; 9] = [0.216, 0.670, 0.344, 0.174, -1.527, 0.368, 2.395, -1.082, -1.0];
 
 impl Evidence {
@@ -77,6 +77,7 @@ mod tests {
             Evidence { dropped_deviations: -2.0, ..good },
             Evidence { rest_nats: 400.0, ..good },
             Evidence { rest_share: 0.9, ..good },
+            Evidence { is_matched: true, ..good },
         ];
         for evidence in worse {
             assert!(evidence.probability() < good.probability() - 0.003, "{evidence:?}: {}", evidence.probability());

@@ -1,7 +1,7 @@
 //! Screening of an effect: its initial values are rated as they are, then a few scoring steps are made from the best
 //! ones. More steps follow while the gradient is steep.
 
-use crate::fit::derivatives::Known;
+use crate::fit::derivatives::KnownSensitivities;
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
@@ -73,9 +73,14 @@ pub(crate) fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<
     Some((model, kept.copied().chain(parameters_of_effect(entry, values)).collect()))
 }
 
-/// Screens an effect. With little noise, initial values far above the true ones lie thousands of nats below a gain of
+/// Screens an effect; `known`: the derivatives by [`FIRST`] at the fit so far. With little noise, initial values far above the true ones lie thousands of nats below a gain of
 /// 0, and no step leads to the maximum. Then smaller initial values are tried.
-pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, known: &Known, entry: &'static Entry) -> Option<Screened> {
+pub(crate) fn screen(
+    search: &Search<'_>,
+    so_far: &Fit,
+    known: &KnownSensitivities,
+    entry: &'static Entry,
+) -> Option<Screened> {
     let usual = starts(entry, so_far, search);
     let look = screen_from(search, (so_far, known), entry, &usual)?;
     if look.gain >= -STUCK {
@@ -89,7 +94,7 @@ pub(crate) fn screen(search: &Search<'_>, so_far: &Fit, known: &Known, entry: &'
 /// A few scoring steps of the most important parameters from the best of these initial values; the best result.
 fn screen_from(
     search: &Search<'_>,
-    (so_far, known): (&Fit, &Known),
+    (so_far, known): (&Fit, &KnownSensitivities),
     entry: &'static Entry,
     all: &Starts,
 ) -> Option<Screened> {

@@ -85,7 +85,8 @@ impl Selection {
 /// Adds effects until none explains more. If a random force was found that is not plausible, the search is repeated
 /// without it from where it was added: it followed something else that is missing, which is better left unexplained.
 pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
-    let start = SoFar { fit: refitted.clone(), effects: Vec::new(), rounds: Vec::new(), on_the_way: Vec::new() };
+    let start =
+        SoFar { fit: refitted.clone(), effects: Vec::new(), rounds: Vec::new(), on_the_way: Vec::new(), beaten: None };
     let (mut found, before_random_force) = stepwise_search(search, start);
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
     let after = added.skip_while(|named| !is_random_force(named.candidate.entry)).count();
@@ -111,12 +112,13 @@ struct SoFar {
     effects: Vec<NamedEffect>,
     rounds: Vec<Vec<Scored>>,
     on_the_way: Vec<Fit>,
+    /// The misfit before the last effect, where an omitted term gained more than that effect.
+    beaten: Option<Misfit>,
 }
 
 /// The effects found from `start` on, and where the last random force was added.
 fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFar>) {
-    let (mut so_far, mut before_random_force) = (start, None);
-    let (mut misfit, mut beaten) = (None, None);
+    let (mut so_far, mut before_random_force, mut misfit) = (start, None, None);
     // On a long record even a small misfit gains more than chance does, because no model is exact.
     let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
     while so_far.effects.len() < MOST_EFFECTS && so_far.rounds.len() < MOST_SEARCHES {
@@ -124,7 +126,7 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
         if named.as_ref().is_some_and(|named| is_random_force(named.candidate.entry)) {
             before_random_force = Some(so_far.clone());
         }
-        let SoFar { fit, effects, rounds, on_the_way } = &mut so_far;
+        let SoFar { fit, effects, rounds, on_the_way, beaten } = &mut so_far;
         rounds.push(scored);
         let Some(named) = named else { break };
         let left = Misfit::of(&search.problem, fit, explained(effects));
@@ -132,7 +134,7 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
             misfit = Some(left);
             break;
         }
-        beaten = left.beaten_by_omitted(named.candidate.entry.name, named.candidate.held_out_gain);
+        *beaten = left.beaten_by_omitted(named.candidate.entry.name, named.candidate.held_out_gain);
         on_the_way.push(std::mem::replace(fit, named.candidate.fit.clone()));
         if named.candidate.entry.acts.changes != Changes::Path {
             *fit = with_other_sizes(search, fit.clone());
@@ -143,7 +145,7 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
         }
         backward_eliminate(search, effects, fit);
     }
-    let SoFar { mut fit, mut effects, rounds, on_the_way } = so_far;
+    let SoFar { mut fit, mut effects, rounds, on_the_way, beaten } = so_far;
     let last = effects.last().map(|named| named.candidate.entry.name);
     let beaten = beaten.filter(|left| last == left.rejected_effect);
     let misfit = misfit.or(beaten).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));

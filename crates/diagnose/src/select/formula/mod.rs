@@ -44,10 +44,10 @@ pub(crate) struct Formula {
 }
 
 /// The formula beyond `with_names`, which has the effects `named` on the refitted belief. A shape that alone is as
-/// likely as all of these, and forecasts better, takes their place, unless they close at least half of what it closes: a
-/// flexible shape follows any effect of its variables, and small unmodelled pieces beside it. Shapes are added while the
-/// forecasts get better by more than chance; then the effects that are redundant beside them are removed, by the same
-/// rule. Without shapes: no shape makes the forecasts better. `None`: the record is too short for any.
+/// likely as all of these, and forecasts better, takes their place, unless they close at least half of what it closes:
+/// a flexible shape follows any effect of its variables, and small unmodelled effects beside it. Shapes are added while
+/// the forecasts get better by more than chance; then the effects that are redundant beside them are removed, by the
+/// same rule. The formula has no shapes where none makes the forecasts better. `None`: the record is too short.
 pub(crate) fn formula(
     search: &Search<'_>,
     refitted: &Evaluated,

@@ -39,7 +39,7 @@ pub struct RunArgs {
     /// End the flight after this time, seconds [default: the end of the experiment, or Ctrl-C]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
-    /// Serve the live page to browsers of this computer, and print its address; the broker of [mqtt] is not used
+    /// Serve the live page to browsers of this computer, and print its address; without the broker of the config
     #[arg(long)]
     pub live: bool,
     /// Port of the live page; 0: any that is free

@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 /// What the loop's thread and the link's share.
 #[derive(Clone)]
-pub(super) struct Ours {
+pub(super) struct FlightOwner {
     /// The file of the last fault; `None`: faults are not kept.
     kept: Option<PathBuf>,
     /// The log's files, once there is one.
@@ -25,7 +25,7 @@ pub(super) struct Ours {
     critical: Option<CriticalKp>,
 }
 
-impl Ours {
+impl FlightOwner {
     /// For a flight of this pilot.
     pub(super) fn new(tables: &Tables, pilot: &Pilot, kept: Option<&Path>) -> Self {
         let model = tables.plant.as_ref().zip(tables.r#loop);
@@ -44,7 +44,7 @@ impl Ours {
     }
 }
 
-impl Owner for Ours {
+impl Owner for FlightOwner {
     fn waits_after(&self, fault: Fault) -> LastFault {
         warn(format_args!("{fault}; the fan is off, and the flight waits for \"fly again\""));
         let fault = LastFault::now(fault.to_string(), self.log.get().map(Files::current).as_deref());

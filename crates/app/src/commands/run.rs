@@ -2,7 +2,7 @@
 
 use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on};
 use super::live;
-use super::owner::{Ours, keep};
+use super::owner::{FlightOwner, keep};
 use super::{note, say, warn};
 use crate::cli::{FlightArgs, RunArgs};
 use crate::config;
@@ -16,7 +16,7 @@ use crate::log::header::Header;
 use crate::log::queue::Queue;
 use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
-use crate::mqtt::link::Way;
+use crate::mqtt::link::Endpoint;
 use crate::mqtt::local::{LocalError, LocalServer};
 use crate::mqtt::{About, Counts, Link};
 use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
@@ -56,8 +56,8 @@ struct Order<'a> {
     live_port: Option<u16>,
 }
 
-/// Flies a plan in real time: the rig, or the simulated one, for so long and with the live page on that port. Returns the
-/// result of the watch too.
+/// Flies a plan in real time: the rig, or the simulated one, for so long and with the live page on that port. Returns
+/// the result of the watch too.
 pub(super) fn in_real_time(
     command: &'static str,
     plan: &Plan,
@@ -102,17 +102,17 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let (path, header) = log_of(plan, args, seed, SystemTime::now());
     let page = live_port.map(|port| served(&table.name, port)).transpose()?;
     let mqtt = plan.config.tables.mqtt.as_ref();
-    let way = page.as_ref().map(Way::Page).or(mqtt.map(Way::Broker));
+    let endpoint = page.as_ref().map(Endpoint::Page).or(mqtt.map(Endpoint::Broker));
     let about = About::of(&plan.config.tables, plan.pilot.offers(), sim);
-    let ours = Ours::new(&plan.config.tables, &plan.pilot, kept);
-    let start = |(way, about)| Link::start(&way, &about, last.as_ref(), stop, Box::new(ours.clone()));
-    let mut link = way.zip(about).map(start).transpose()?;
+    let owner = FlightOwner::new(&plan.config.tables, &plan.pilot, kept);
+    let start = |(endpoint, about)| Link::start(&endpoint, &about, last.as_ref(), stop, Box::new(owner.clone()));
+    let mut link = endpoint.zip(about).map(start).transpose()?;
     if let Some((link, _)) = &link {
         link.wait_for_others();
         alone(link, &table.name)?;
     }
     let mut queue = open_log(plan, &path, &header, args.log.is_none())?;
-    ours.logs_to(queue.files());
+    owner.logs_to(queue.files());
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
     real_time::of_the_loop().into_iter().for_each(warn);
@@ -127,7 +127,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let flown = outcome.punctuality.cycles > 0;
     let fault = match worst(&outcome, &watched) {
         Some(why) => Some(LastFault::now(why, Some(&files.current()))),
-        None => kept.filter(|_| flown).and_then(|path| acknowledged(path, ours.waited_after().or(last).as_ref())),
+        None => kept.filter(|_| flown).and_then(|path| acknowledged(path, owner.waited_after().or(last).as_ref())),
     };
     if let Some(fault) = &fault {
         keep(kept, fault);

@@ -29,7 +29,8 @@ pub struct Rig {
     /// `[rig.output_enable]`
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_enable: Option<OutputEnable>,
-    /// Words of another rig, [`super::words::Words`]: taken out before this table is read, and here as keys that it knows.
+    /// Words of another rig, [`super::words::Words`]: taken out before this table is read, and here as keys that it
+    /// knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<String>,
     /// As `position`.

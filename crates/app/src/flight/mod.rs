@@ -104,8 +104,8 @@ impl<'a, R: Rig> Flight<'a, R> {
         }
     }
 
-    /// A fault that can be flown from does not end this flight if somebody can send `fly`: with the fan off it waits for
-    /// that.
+    /// A fault that can be flown from does not end this flight if somebody can send `fly`: with the fan off it waits
+    /// for that.
     #[must_use]
     pub const fn waiting_after_faults(mut self) -> Self {
         self.may_wait = true;
@@ -203,8 +203,8 @@ impl<'a, R: Rig> Flight<'a, R> {
         fan_fault.or_else(|| self.ending_fault())
     }
 
-    /// The fault of the pilot that ends the flight. It waits instead where the fan is known to be off and somebody could
-    /// send `fly`, also if the connection is lost later.
+    /// The fault of the pilot that ends the flight. It waits instead where the fan is known to be off and somebody
+    /// could send `fly`, also if the connection is lost later.
     fn ending_fault(&mut self) -> Option<Fault> {
         let fault = self.pilot.fault();
         let heard = || self.commander.as_ref().is_some_and(|commander| commander.is_heard());

@@ -207,7 +207,7 @@ fn allocations(duration_s: f64) -> u64 {
     let mqtt = crate::config::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
     let about = crate::mqtt::About { rig: "rig1".into(), ..Default::default() };
     let (_link, mut mailbox) = crate::mqtt::Link::start(
-        &crate::mqtt::link::Way::Broker(&mqtt),
+        &crate::mqtt::link::Endpoint::Broker(&mqtt),
         &about,
         None,
         &std::sync::Arc::default(),

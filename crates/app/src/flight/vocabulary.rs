@@ -224,8 +224,8 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// Whether a flight can go on after it once its cause is removed. A sensor that fell silent must be started anew, and
-    /// the loop does not trust a fan that it cannot write.
+    /// Whether a flight can go on after it once its cause is removed. A sensor that fell silent must be started anew,
+    /// and the loop does not trust a fan that it cannot write.
     #[must_use]
     pub const fn can_be_flown_from(&self) -> bool {
         match self {

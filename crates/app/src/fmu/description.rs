@@ -27,8 +27,10 @@ pub(super) fn description(variables: &[Variable], name: &str, period_s: f64, res
     format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{{{digest}}}" generationTool="airball {version}"
-  description="A ball held in a pipe by a fan: duty in, reading of the position out" variableNamingConvention="structured">
-  <CoSimulation modelIdentifier="{IDENTIFIER}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"/>
+  description="A ball held in a pipe by a fan: duty in, reading of the position out"
+  variableNamingConvention="structured">
+  <CoSimulation modelIdentifier="{IDENTIFIER}"
+    canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"/>
 {body}</fmiModelDescription>
 "#,
         name = escaped(name),

@@ -55,8 +55,8 @@ pub enum ExportError {
     Pack(#[from] zip::result::ZipError),
 }
 
-/// Writes the rig of a config as an FMU. `library`: the compiled `crates/fmu`. The same config and library give the same
-/// bytes.
+/// Writes the rig of a config as an FMU. `library`: the compiled `crates/fmu`. The same config and library give the
+/// same bytes.
 ///
 /// # Errors
 /// A config without a model, a library that is none, a file that exists or cannot be written.

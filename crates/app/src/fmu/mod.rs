@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! rig.fmu = modelDescription.xml, binaries/linux64/airball.so (crates/fmu), resources/model.toml
-//! input   duty, setpoint        output   reading, true motion, speed of the fan        parameter   every number of [plant]
+//! input   duty, setpoint    output   reading, true motion, speed of the fan    parameter   every number of [plant]
 //! ```
 //!
 //! The library is the same in every FMU: what it simulates is in the resources. Source: the FMI standard 2.0.

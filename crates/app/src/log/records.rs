@@ -40,8 +40,8 @@ pub(super) struct Damage {
     pub(super) of_messages: bool,
 }
 
-/// Passes every schema, channel, message and metadata record to `each`, in the order of the file, and returns the unreadable
-/// parts.
+/// Passes every schema, channel, message and metadata record to `each`, in the order of the file, and returns the
+/// unreadable parts.
 ///
 /// After an unreadable record it continues at the next complete chunk: a damaged length must not affect more than its
 /// own record.

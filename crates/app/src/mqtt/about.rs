@@ -82,7 +82,7 @@ pub struct Number {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub words: Vec<String>,
     /// As the flight began; null: infinite.
-    pub value: Held,
+    pub value: NumberOrWord,
     /// Whether it is there only once a switch has added its table.
     #[serde(default, skip_serializing_if = "is_false")]
     pub absent: bool,
@@ -91,14 +91,14 @@ pub struct Number {
 /// A value as JSON has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Held {
+pub enum NumberOrWord {
     /// A number; null: infinite.
     Number(Option<f64>),
     /// A word.
     Word(String),
 }
 
-impl Held {
+impl NumberOrWord {
     /// The value of a parameter.
     pub(super) fn of(parameter: &Parameter, value: f64) -> Self {
         match parameter.word(value) {
@@ -162,8 +162,8 @@ impl About {
         Parameter::ALL.map(|parameter| {
             let number = self.numbers.iter().find(|number| number.name == parameter.name && !number.absent)?;
             match &number.value {
-                Held::Number(value) => Some(value.unwrap_or(f64::INFINITY)),
-                Held::Word(word) => parameter.value_of(word),
+                NumberOrWord::Number(value) => Some(value.unwrap_or(f64::INFINITY)),
+                NumberOrWord::Word(word) => parameter.value_of(word),
             }
         })
     }
@@ -207,7 +207,7 @@ fn numbers(there: &Numbers, safety: Safety) -> Vec<Number> {
             min,
             max: max.is_finite().then_some(max),
             words: parameter.words.iter().map(|word| (*word).to_owned()).collect(),
-            value: value.map_or(Held::Number(None), |value| Held::of(parameter, value)),
+            value: value.map_or(NumberOrWord::Number(None), |value| NumberOrWord::of(parameter, value)),
             absent: value.is_none(),
         })
     };
@@ -216,7 +216,8 @@ fn numbers(there: &Numbers, safety: Safety) -> Vec<Number> {
 
 /// The message on `numbers`: each by its name.
 pub(super) fn in_force(values: &Values) -> String {
-    let there = Parameter::ALL.iter().zip(values).filter_map(|(one, value)| Some((one.name, Held::of(one, (*value)?))));
+    let there =
+        Parameter::ALL.iter().zip(values).filter_map(|(one, value)| Some((one.name, NumberOrWord::of(one, (*value)?))));
     serde_json::to_string(&there.collect::<BTreeMap<_, _>>()).unwrap_or_default()
 }
 

@@ -25,15 +25,15 @@ const LONGEST_GOODBYE: Duration = Duration::from_secs(1);
 /// Longest wait for others of our name.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
-/// Whom a link speaks to.
-pub enum Way<'a> {
+/// The other end of a link.
+pub enum Endpoint<'a> {
     /// A broker, and through it anybody.
     Broker(&'a MqttConfig),
     /// The program's own server, and through it browsers of this computer.
     Page(&'a LocalServer),
 }
 
-impl Way<'_> {
+impl Endpoint<'_> {
     /// The broker's host and port.
     fn broker(&self) -> Option<String> {
         match self {
@@ -60,7 +60,7 @@ impl Link {
     /// [`MqttError`]: a rig's name that is not allowed in topics, a password or certificate that cannot be read, no
     /// thread. A missing broker is not an error.
     pub fn start(
-        way: &Way<'_>,
+        endpoint: &Endpoint<'_>,
         about: &About,
         last_fault: Option<&LastFault>,
         lands: &Arc<AtomicBool>,
@@ -68,7 +68,7 @@ impl Link {
     ) -> Result<(Self, Mailbox), MqttError> {
         let topics = Arc::new(Topics::new(&about.rig)?);
         let claim = Claim::new(Arc::clone(lands));
-        let options = network::options(way, &about.rig, claim.id(), &topics)?;
+        let options = network::options(endpoint, &about.rig, claim.id(), &topics)?;
         let (counters, line) = (Arc::<Counters>::default(), Arc::new(Line::new(about, claim)));
         line.know(last_fault);
         let numbers = about.values();
@@ -82,7 +82,7 @@ impl Link {
             asides: aside,
             line: Arc::clone(&line),
             counters: Arc::clone(&counters),
-            outage: Outage::new(way.broker()),
+            outage: Outage::new(endpoint.broker()),
             hearing: Hearing::new(),
         };
         let publisher = Publisher {

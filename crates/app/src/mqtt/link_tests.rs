@@ -1,7 +1,7 @@
 //! Tests of the link with a real broker, through a second client.
 
 use super::about::About;
-use super::link::{Link, Way};
+use super::link::{Endpoint, Link};
 use super::mailbox::{Mailbox, ROOM};
 use super::owner::Nobody;
 use super::test_broker::{Broker, Cable, Outside, PATIENCE, config, until};
@@ -28,7 +28,7 @@ pub(super) const STATE: &str = "airball/rig1/state";
 pub(super) const STATUS: &str = "airball/rig1/status";
 
 pub(super) fn start(config: &MqttConfig) -> (Link, Mailbox) {
-    Link::start(&Way::Broker(config), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap()
+    Link::start(&Endpoint::Broker(config), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap()
 }
 
 /// A broker, a second client, and a connected link.
@@ -204,7 +204,7 @@ fn of_two_that_fly_one_name_the_later_gives_way_and_leaves_no_trace_on_the_broke
     let (broker, outside, first, mut mailbox) = connected();
     let lands = Arc::default();
     let (second, _mailbox) =
-        Link::start(&Way::Broker(&broker.config()), &about(), None, &lands, Box::new(Nobody)).unwrap();
+        Link::start(&Endpoint::Broker(&broker.config()), &about(), None, &lands, Box::new(Nobody)).unwrap();
     second.wait_for_others();
     assert!(second.other().is_some() && lands.load(Relaxed));
     second.stop(None);

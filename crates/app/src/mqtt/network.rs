@@ -7,7 +7,7 @@
 use super::count::{Counters, count};
 use super::hearing::{Hearing, too_large};
 use super::line::Line;
-use super::link::Way;
+use super::link::Endpoint;
 use super::local::LocalServer;
 use super::mailbox::Inbox;
 use super::outage::Outage;
@@ -66,11 +66,11 @@ pub(super) struct Network {
 }
 
 /// The client's identity and last will.
-pub(super) fn options(way: &Way<'_>, rig: &str, id: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
+pub(super) fn options(endpoint: &Endpoint<'_>, rig: &str, id: &str, topics: &Topics) -> Result<MqttOptions, MqttError> {
     let id = format!("airball-{rig}-{id}");
-    let mut options = match way {
-        Way::Broker(config) => to_broker(config, id)?,
-        Way::Page(server) => to_page(server, id),
+    let mut options = match endpoint {
+        Endpoint::Broker(config) => to_broker(config, id)?,
+        Endpoint::Page(server) => to_page(server, id),
     };
     options.set_last_will(LastWill::new(&topics.status, "offline", QoS::AtLeastOnce, true));
     Ok(options)

@@ -8,8 +8,8 @@ use control::numbers::Values;
 pub trait Owner: Send {
     /// A fault has stopped the fan, and the flight waits for `fly`: keeps it, and returns what is published.
     fn waits_after(&self, fault: Fault) -> LastFault;
-    /// The K_p at which the PID loop of the believed model loses stability with these numbers. `None`: at none, or there
-    /// is no model or no PID.
+    /// The K_p at which the PID loop of the believed model loses stability with these numbers. `None`: at none, or
+    /// there is no model or no PID.
     fn critical_kp_per_mm(&self, numbers: &Values) -> Option<f64>;
 }
 

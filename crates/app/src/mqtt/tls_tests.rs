@@ -1,6 +1,6 @@
 //! Tests of TLS with a real broker and an authority made for the test.
 
-use super::link::{Link, Way};
+use super::link::{Endpoint, Link};
 use super::link_tests::{about, start};
 use super::network;
 use super::outage::Outage;
@@ -70,7 +70,7 @@ fn over_tls(broker: &Broker, tls: TlsConfig) -> MqttConfig {
 fn connect(config: &MqttConfig) -> Result<(), String> {
     let topics = Topics::new("rig1").unwrap();
     let (_client, mut connection) =
-        Client::builder(network::options(&Way::Broker(config), "rig1", "1", &topics).unwrap()).build();
+        Client::builder(network::options(&Endpoint::Broker(config), "rig1", "1", &topics).unwrap()).build();
     let said = |cause: &ConnectionError| Outage::new(Some("broker".into())).began(cause).unwrap();
     match connection.recv().unwrap() {
         Ok(Event::Incoming(Packet::ConnAck(_))) => Ok(()),
@@ -127,7 +127,10 @@ fn tls_to_a_port_without_it_is_told_which_port_to_try() {
 /// The error of a link with these files.
 fn why(tls: TlsConfig) -> String {
     let config = MqttConfig { tls: Some(tls), ..config(1) };
-    Link::start(&Way::Broker(&config), &about(), None, &Arc::default(), Box::new(Nobody)).err().unwrap().to_string()
+    Link::start(&Endpoint::Broker(&config), &about(), None, &Arc::default(), Box::new(Nobody))
+        .err()
+        .unwrap()
+        .to_string()
 }
 
 #[test]

@@ -79,8 +79,8 @@ impl Stepped {
         &self.seen
     }
 
-    /// Writes a duty, percent, and flies to a deadline, seconds after deadline 0. `setpoint_mm`: for effects that depend
-    /// on it.
+    /// Writes a duty, percent, and flies to a deadline, seconds after deadline 0. `setpoint_mm`: for effects that
+    /// depend on it.
     ///
     /// # Errors
     /// The error of the emulated bus.

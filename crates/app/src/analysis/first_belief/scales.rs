@@ -3,8 +3,8 @@
 //! ```text
 //! time       by its unit, or by the usual step: 1 to 1000 is milliseconds, more is microseconds or nanoseconds
 //! input      by a power of ten to within ±100 %; 0 to 255 is a PWM of 8 bits
-//! position   a length by its unit; what has another unit in that unit, or in thousandths or millionths of it, to a range
-//!            of 10 to 100,000; anything else by a power of ten to a range of 100 to 1000 mm
+//! position   a length by its unit; what has another unit in that unit, or in thousandths or millionths of it, to a
+//!            range of 10 to 100,000; anything else by a power of ten to a range of 100 to 1000 mm
 //! ```
 
 use super::names::Name;

@@ -22,14 +22,14 @@ use nalgebra::{RowSVector, SMatrix, SVector};
 use std::path::Path;
 
 /// The controller of a design, and the feedback that it was made of.
-pub(super) type Gained = (Closing, Option<Feedback>);
+pub(super) type DesignedGains = (Closing, Option<Feedback>);
 
-pub(super) fn of_config(ground: &Ground) -> Result<Gained> {
+pub(super) fn of_config(ground: &Ground) -> Result<DesignedGains> {
     let pid = ground.config.need(NAME, "controller.pid", |tables| tables.controller.as_ref()?.pid.as_ref())?;
     Ok((Closing::Pid(pid.into(), pid.into()), None))
 }
 
-pub(super) fn pid(ground: &Ground, args: &PidArgs) -> Result<Gained> {
+pub(super) fn pid(ground: &Ground, args: &PidArgs) -> Result<DesignedGains> {
     let wanted = Wanted {
         damping: above_zero("--damping", args.damping)?,
         omega: above_zero("--omega", args.omega)?,
@@ -44,7 +44,7 @@ pub(super) fn pid(ground: &Ground, args: &PidArgs) -> Result<Gained> {
     Ok((Closing::Pid(placed.gains, weights), None))
 }
 
-pub(super) fn poles(ground: &Ground, args: &PolesArgs) -> Result<Gained> {
+pub(super) fn poles(ground: &Ground, args: &PolesArgs) -> Result<DesignedGains> {
     let plant = ground.plant;
     let feedback = if let Ok(poles) = <[_; 2]>::try_from(args.poles.as_slice()) {
         let (a, b) = plant.two_states();
@@ -60,7 +60,7 @@ pub(super) fn poles(ground: &Ground, args: &PolesArgs) -> Result<Gained> {
     closed(ground, feedback)
 }
 
-pub(super) fn lqr(ground: &Ground, args: &LqrArgs) -> Result<Gained> {
+pub(super) fn lqr(ground: &Ground, args: &LqrArgs) -> Result<DesignedGains> {
     let plant = ground.plant;
     let control = above_zero("--control", args.control)?;
     let (position, velocity) =
@@ -122,7 +122,7 @@ impl Ground {
 
 /// A feedback of position and velocity is a PID whose derivative acts on the measurement; one of the fan's state needs
 /// an observer.
-fn closed(ground: &Ground, feedback: Feedback) -> Result<Gained> {
+fn closed(ground: &Ground, feedback: Feedback) -> Result<DesignedGains> {
     let closing = match feedback.gain[..] {
         [position_per_mm, velocity_s_per_mm, fan] => {
             // From the acceleration by the fan to its control value.
@@ -147,7 +147,7 @@ fn as_pid(feedback: &Feedback) -> Closing {
     Closing::Pid(gains, Weights { setpoint, ..Weights::MEASUREMENT })
 }
 
-pub(super) fn relay(ground: &Ground, args: &RelayArgs) -> Result<Gained> {
+pub(super) fn relay(ground: &Ground, args: &RelayArgs) -> Result<DesignedGains> {
     let point = match &args.log {
         Some(log) => point_of(log, ground)?,
         None => point_of_figures(args)?,

@@ -8,7 +8,7 @@ mod patch;
 use super::about::asked;
 use super::{announce, may_write, note, say, typed, write};
 use crate::analysis::loop_margins::{Closing, Loop};
-use crate::cli::{AboutArgs, DesignArgs, DesignCommand};
+use crate::cli::{AboutArgs, DesignArgs, DesignCommand, LqrArgs, PidArgs, PolesArgs, RelayArgs};
 use crate::config::Config;
 use crate::report::design::page::{Report, page as html};
 use crate::report::design::plot;
@@ -18,7 +18,7 @@ use crate::report::kit::page;
 use anyhow::{Result, bail};
 use control::design::Linear;
 use control::predistortion::Predistortion;
-use gains::Gained;
+use gains::DesignedGains;
 use plant::Model;
 
 /// The command's name for configs and errors.
@@ -30,25 +30,34 @@ const NAME: &str = "design";
 /// A config that is not sound, a design that does not exist, a file that cannot be written.
 pub fn design(command: &DesignCommand) -> Result<()> {
     match command {
-        DesignCommand::Loop(args) => conclude(command, args),
-        DesignCommand::Pid(args) => conclude(command, &args.design),
-        DesignCommand::Poles(args) => conclude(command, &args.design),
-        DesignCommand::Lqr(args) => conclude(command, &args.design),
-        DesignCommand::Relay(args) => conclude(command, &args.design),
         DesignCommand::Observer(args) => observer::observer(args),
         DesignCommand::CriticalGain(args) => critical_gain::critical_gain(args),
+        _ => conclude(command),
+    }
+}
+
+/// The flags that all designs of gains have; `None` for the others.
+const fn flags_of_gains(command: &DesignCommand) -> Option<&DesignArgs> {
+    match command {
+        DesignCommand::Loop(args) => Some(args),
+        DesignCommand::Pid(PidArgs { design, .. })
+        | DesignCommand::Poles(PolesArgs { design, .. })
+        | DesignCommand::Lqr(LqrArgs { design, .. })
+        | DesignCommand::Relay(RelayArgs { design, .. }) => Some(design),
+        DesignCommand::Observer(_) | DesignCommand::CriticalGain(_) => None,
     }
 }
 
 /// Designs gains, and prints them.
-fn conclude(command: &DesignCommand, args: &DesignArgs) -> Result<()> {
+fn conclude(command: &DesignCommand) -> Result<()> {
+    let Some(args) = flags_of_gains(command) else { bail!("this design has no gains") };
     let ground = Ground::read(args)?;
-    let (closing, feedback) = gained(command, &ground)?;
+    let (closing, feedback) = designed_gains(command, &ground)?;
     ground.conclude(args, closing, feedback)
 }
 
 /// The gains of those designs that have gains.
-fn gained(command: &DesignCommand, ground: &Ground) -> Result<Gained> {
+fn designed_gains(command: &DesignCommand, ground: &Ground) -> Result<DesignedGains> {
     match command {
         DesignCommand::Loop(_) => gains::of_config(ground),
         DesignCommand::Pid(args) => gains::pid(ground, args),
@@ -76,14 +85,10 @@ pub(crate) struct Designed {
 /// # Errors
 /// A design that does not exist.
 pub(crate) fn designed(command: &DesignCommand, config: Config) -> Result<Designed> {
-    let about = match command {
-        DesignCommand::Loop(args) => args.about,
-        DesignCommand::Pid(args) => args.design.about,
-        DesignCommand::Poles(args) => args.design.about,
-        DesignCommand::Lqr(args) => args.design.about,
-        DesignCommand::Relay(args) => args.design.about,
-        DesignCommand::Observer(args) => args.about,
-        DesignCommand::CriticalGain(_) => bail!("critical-gain compares the models of the thesis, and takes no config"),
+    let about = match (command, flags_of_gains(command)) {
+        (DesignCommand::Observer(args), _) => args.about,
+        (_, Some(args)) => args.about,
+        _ => bail!("critical-gain compares the models of the thesis, and takes no config"),
     };
     let ground = Ground::of(config, about)?;
     let notes = ground.model.not_linear().into_iter().map(|name| not_linear(name, ground.about.as_ref())).collect();
@@ -91,7 +96,7 @@ pub(crate) fn designed(command: &DesignCommand, config: Config) -> Result<Design
         let (document, patch) = observer::found(&ground, args)?;
         return Ok(Designed { document: serde_json::to_string(&document)?, words: Vec::new(), patch, notes });
     }
-    let (closing, feedback) = gained(command, &ground)?;
+    let (closing, feedback) = designed_gains(command, &ground)?;
     let (_, document) = ground.assessed(closing, feedback)?;
     let patch = patch::of(&closing, document.state_feedback.as_ref())?;
     Ok(Designed { document: serde_json::to_string(&document)?, words: words(&document), patch, notes })

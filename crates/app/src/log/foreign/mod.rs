@@ -1,11 +1,11 @@
 //! MCAP files of other programs: their messages as a table with a column for each number, by topic and field.
 //!
 //! ```text
-//! topic /cart/state, message {"y": 0.4, "joint": [1, 2]}  →  columns /cart/state.y, /cart/state.joint.0, /cart/state.joint.1
+//! topic /cart, message {"y": 0.4, "joint": [1, 2]}  →  columns /cart.y, /cart.joint.0, /cart.joint.1
 //! ```
 //!
-//! A row is a message of one topic, that of the position; the other columns hold what was heard last. Time counts from the
-//! first message, by the clock of the recorder. Messages are JSON, or of ROS 2 in CDR, of the types in [`ros`].
+//! A row is a message of one topic, that of the position; the other columns hold what was heard last. Time counts from
+//! the first message, by the clock of the recorder. Messages are JSON, or of ROS 2 in CDR, of the types in [`ros`].
 
 mod ros;
 

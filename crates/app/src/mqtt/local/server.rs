@@ -78,8 +78,8 @@ struct Site {
 }
 
 impl LocalServer {
-    /// Serves the page that `page` makes for an address, for the rig of this name, on this port of the loopback address;
-    /// 0 is any that is free. Start it before the loop raises its priority, which new threads would inherit.
+    /// Serves the page that `page` makes for an address, for the rig of this name, on this port of the loopback
+    /// address; 0 is any that is free. Start it before the loop raises its priority, which new threads would inherit.
     ///
     /// # Errors
     /// [`LocalError`]: the port is taken, the rig's name is not allowed in topics, or there is no thread.

@@ -31,7 +31,7 @@ pub(super) enum Role {
 
 /// The end of a connection: its client broke the protocol, left, or asked for what is not given.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct Over;
+pub(super) struct Closed;
 
 /// A connection.
 pub(super) struct Session {
@@ -40,7 +40,7 @@ pub(super) struct Session {
     role: Role,
     buffer: BytesMut,
     /// Whether the client has introduced itself.
-    met: bool,
+    connected: bool,
     patience: Duration,
     will: Option<LastWill>,
 }
@@ -54,7 +54,7 @@ impl Session {
             id,
             role,
             buffer: BytesMut::new(),
-            met: false,
+            connected: false,
             patience: FIRST_PATIENCE,
             will: None,
         };
@@ -67,22 +67,22 @@ impl Session {
     }
 
     /// Takes bytes of the client, and returns the answers.
-    pub(super) fn take(&mut self, bytes: &[u8]) -> Result<Bytes, Over> {
+    pub(super) fn take(&mut self, bytes: &[u8]) -> Result<Bytes, Closed> {
         self.buffer.extend_from_slice(bytes);
         let mut answers = BytesMut::new();
         loop {
             match Packet::read(&mut self.buffer, LARGEST) {
                 Ok(packet) => self.answer(packet, &mut answers)?,
                 Err(Error::InsufficientBytes(_)) => return Ok(answers.freeze()),
-                Err(_) => return Err(Over),
+                Err(_) => return Err(Closed),
             }
         }
     }
 
-    fn answer(&mut self, packet: Packet, answers: &mut BytesMut) -> Result<(), Over> {
+    fn answer(&mut self, packet: Packet, answers: &mut BytesMut) -> Result<(), Closed> {
         match packet {
-            Packet::Connect(connect) if !self.met => self.meet(connect, answers),
-            _ if !self.met => Err(Over),
+            Packet::Connect(connect) if !self.connected => self.connect(connect, answers),
+            _ if !self.connected => Err(Closed),
             Packet::Publish(message) => self.publish(&message, answers),
             Packet::Subscribe(asked) => self.subscribe(&asked, answers),
             Packet::Unsubscribe(asked) => {
@@ -92,15 +92,15 @@ impl Session {
             Packet::PingReq => write(Packet::PingResp, answers),
             Packet::Disconnect => {
                 self.will = None;
-                Err(Over)
+                Err(Closed)
             }
             // Nothing is sent that a client would have to acknowledge.
-            _ => Err(Over),
+            _ => Err(Closed),
         }
     }
 
-    fn meet(&mut self, connect: Connect, answers: &mut BytesMut) -> Result<(), Over> {
-        self.met = true;
+    fn connect(&mut self, connect: Connect, answers: &mut BytesMut) -> Result<(), Closed> {
+        self.connected = true;
         self.patience = match connect.keep_alive {
             0 => LONGEST_PATIENCE,
             seconds => Duration::from_millis(1500 * u64::from(seconds)),
@@ -109,24 +109,24 @@ impl Session {
         write(Packet::ConnAck(ConnAck::new(ConnectReturnCode::Success, false)), answers)
     }
 
-    fn publish(&self, message: &Publish, answers: &mut BytesMut) -> Result<(), Over> {
-        let topic = std::str::from_utf8(&message.topic).map_err(|_| Over)?;
+    fn publish(&self, message: &Publish, answers: &mut BytesMut) -> Result<(), Closed> {
+        let topic = std::str::from_utf8(&message.topic).map_err(|_| Closed)?;
         let (allowed, retain) = match &self.role {
             Role::Rig => (true, message.retain),
             Role::Visitor(below) => (topic.starts_with(&**below), false),
         };
         if !allowed || !valid_topic(topic) || message.qos == QoS::ExactlyOnce {
-            return Err(Over);
+            return Err(Closed);
         }
         let got = self.exchange.publish(topic, &message.payload, retain);
         match (message.qos, &self.role) {
-            (QoS::AtLeastOnce, Role::Visitor(_)) if got == 0 => Err(Over),
+            (QoS::AtLeastOnce, Role::Visitor(_)) if got == 0 => Err(Closed),
             (QoS::AtLeastOnce, _) => write(Packet::PubAck(PubAck::new(message.pkid)), answers),
             _ => Ok(()),
         }
     }
 
-    fn subscribe(&self, asked: &Subscribe, answers: &mut BytesMut) -> Result<(), Over> {
+    fn subscribe(&self, asked: &Subscribe, answers: &mut BytesMut) -> Result<(), Closed> {
         let (mut codes, mut kept) = (Vec::new(), Vec::new());
         for filter in &asked.filters {
             let found = Some(&filter.path).filter(|path| valid_filter(path));
@@ -152,6 +152,6 @@ impl Drop for Session {
     }
 }
 
-fn write(packet: Packet, answers: &mut BytesMut) -> Result<(), Over> {
-    packet.write(answers, LARGEST).map(drop).map_err(|_| Over)
+fn write(packet: Packet, answers: &mut BytesMut) -> Result<(), Closed> {
+    packet.write(answers, LARGEST).map(drop).map_err(|_| Closed)
 }

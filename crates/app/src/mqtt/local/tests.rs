@@ -2,10 +2,10 @@
 
 use super::LocalServer;
 use super::exchange::{Exchange, LARGEST, ROOM};
-use super::session::{Over, Role, Session};
+use super::session::{Closed, Role, Session};
 use crate::flight::command::Command;
 use crate::flight::outside::Commander;
-use crate::mqtt::link::{Link, Way};
+use crate::mqtt::link::{Endpoint, Link};
 use crate::mqtt::link_tests::{MODE, REPLY, SETPOINT, STATE, STATUS, about, obey, state};
 use crate::mqtt::mailbox::Mailbox;
 use crate::mqtt::owner::Nobody;
@@ -47,11 +47,11 @@ impl Visitor {
         Self::on(exchange, Role::Visitor("airball/rig1/set/".into()))
     }
 
-    fn say(&mut self, packet: Packet) -> Result<Vec<Packet>, Over> {
+    fn say(&mut self, packet: Packet) -> Result<Vec<Packet>, Closed> {
         self.session.take(&bytes(packet)).map(|answers| packets(&answers))
     }
 
-    fn publish(&mut self, topic: &str, payload: &str, qos: QoS) -> Result<Vec<Packet>, Over> {
+    fn publish(&mut self, topic: &str, payload: &str, qos: QoS) -> Result<Vec<Packet>, Closed> {
         self.say(Packet::Publish(Publish { pkid: 7, ..Publish::new(topic, qos, payload) }))
     }
 
@@ -81,7 +81,8 @@ fn topic(packet: &Packet) -> Option<String> {
 
 fn flying() -> (LocalServer, Link, Mailbox, Visitor) {
     let server = LocalServer::start("rig1", 0, |address| format!("the page of {address}")).unwrap();
-    let (link, mailbox) = Link::start(&Way::Page(&server), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap();
+    let (link, mailbox) =
+        Link::start(&Endpoint::Page(&server), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap();
     let mut visitor = Visitor::page(&server.exchange);
     until("the rig is there", || visitor.subscribe("airball/rig1/#").contains(&STATUS.to_owned()).then_some(()));
     (server, link, mailbox, visitor)
@@ -109,7 +110,7 @@ fn a_rig_that_leaves_is_offline_for_who_is_there_and_for_who_comes() {
 #[test]
 fn a_command_that_no_rig_hears_is_not_acknowledged() {
     let exchange = Arc::<Exchange>::default();
-    assert_eq!(Visitor::page(&exchange).publish(MODE, "stop", QoS::AtLeastOnce), Err(Over));
+    assert_eq!(Visitor::page(&exchange).publish(MODE, "stop", QoS::AtLeastOnce), Err(Closed));
     let mut rig = Visitor::on(&exchange, Role::Rig);
     rig.subscribe("airball/rig1/set/#");
     assert!(Visitor::page(&exchange).publish(MODE, "stop", QoS::AtLeastOnce).is_ok());
@@ -122,7 +123,7 @@ fn a_page_speaks_for_no_rig_and_keeps_nothing() {
     let mut rig = Visitor::on(&exchange, Role::Rig);
     rig.subscribe("#");
     for forged in [STATE, STATUS, "airball/rig1/claim", "airball/rig2/set/mode"] {
-        assert_eq!(Visitor::page(&exchange).publish(forged, "online", QoS::AtLeastOnce), Err(Over), "{forged}");
+        assert_eq!(Visitor::page(&exchange).publish(forged, "online", QoS::AtLeastOnce), Err(Closed), "{forged}");
     }
     let mut page = Visitor::page(&exchange);
     let kept = Publish { retain: true, pkid: 7, ..Publish::new(MODE, QoS::AtLeastOnce, "fly") };
@@ -156,11 +157,11 @@ fn who_does_not_keep_up_is_disconnected_and_nobody_else_loses_a_message() {
 fn what_is_no_mqtt_ends_its_connection_and_no_other() {
     let exchange = Arc::<Exchange>::default();
     let fresh = || Session::open(&exchange, Role::Visitor("airball/rig1/set/".into())).unwrap().0;
-    assert_eq!(fresh().take(format!("GET / HTTP/1.1\r\nHost: {:80}\r\n\r\n", "a").as_bytes()), Err(Over));
-    assert_eq!(fresh().take(&[0xff; 64]), Err(Over));
-    assert_eq!(fresh().take(&bytes(Packet::PingReq)), Err(Over), "nobody has introduced himself");
+    assert_eq!(fresh().take(format!("GET / HTTP/1.1\r\nHost: {:80}\r\n\r\n", "a").as_bytes()), Err(Closed));
+    assert_eq!(fresh().take(&[0xff; 64]), Err(Closed));
+    assert_eq!(fresh().take(&bytes(Packet::PingReq)), Err(Closed), "nobody has introduced himself");
     // A length that never comes is waited for, and takes no memory.
-    assert_eq!(fresh().take(&[0x30, 0xff, 0xff, 0xff, 0x7f]), Err(Over));
+    assert_eq!(fresh().take(&[0x30, 0xff, 0xff, 0xff, 0x7f]), Err(Closed));
     let mut page = Visitor::page(&exchange);
     assert_eq!(page.say(Packet::PingReq), Ok(vec![Packet::PingResp]));
     let whole = bytes(Packet::PingReq);

@@ -7,8 +7,8 @@ tried on the second flight of the same rig:
 
     share = (E² of the belief − E² with the patch) / (E² of the belief − F²)     E, F: error at 1 s, and by noise alone, mm
 
-F is that of the patched model, at most its error. A rig whose belief errs by less than 5 % more than noise alone has no gap to close
-and counts for the second table row only.
+F is that of the patched model, at most its error. A rig whose belief errs by less than 5 % more than noise alone has no gap, and
+no share.
 """
 
 import json
@@ -20,8 +20,8 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-WORSE = 1.02  # of the error at 1 s: by how much a patch may be worse before it counts as harm
-NO_GAP = 1.05  # of the error by noise alone
+WORSE = 1.02  # a patch whose error at 1 s is larger by more than 2 % counts as harm; chosen, not derived
+NO_GAP = 1.05  # ratio of the believed error to that by noise alone: a misfit below 5 % of the floor is no gap, as in `diagnose`
 
 
 ONE_THREAD = os.environ | {"RAYON_NUM_THREADS": "1"}

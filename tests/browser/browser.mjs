@@ -3,14 +3,16 @@
 import assert from "node:assert/strict";
 import { accessSync, constants, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { after, before } from "node:test";
 import { join } from "node:path";
 import { FileSystemConfigLoader, HtmlValidate } from "html-validate";
+import { chromium } from "playwright-core";
 
 export const DESK = { width: 1280, height: 900 };
 export const PHONE = { width: 390, height: 844 };
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-export function installed() {
+function installed() {
   const names = ["chromium", "chromium-browser", "google-chrome"];
   const paths = process.env.PATH.split(":").flatMap((directory) => names.map((name) => join(directory, name)));
   const found = paths.find((path) => {
@@ -24,8 +26,18 @@ export function installed() {
   return found ?? assert.fail("no Chromium on the path; scripts/setup browser installs it");
 }
 
-/** Opens a page and collects what it must not have: errors, dialogs, requests of anybody but its `broker`. */
-export async function open(browser, url, { broker, ...options } = {}) {
+/** Starts the browser before the tests of a file and ends it after them. Returns a function that gives it. */
+export function browserOfTests() {
+  let browser;
+  before(async () => {
+    browser = await chromium.launch({ executablePath: installed(), args: ["--no-sandbox"] });
+  });
+  after(() => browser.close());
+  return () => browser;
+}
+
+/** Opens a page and collects what it must not have: errors, dialogs, requests of anybody but its `broker`. `patience`: of what waits, ms. */
+export async function open(browser, url, { broker, patience, ...options } = {}) {
   const context = await browser.newContext({ viewport: DESK, ...options });
   const page = await context.newPage();
   const wrong = [];
@@ -35,6 +47,7 @@ export async function open(browser, url, { broker, ...options } = {}) {
   page.on("request", (request) => !request.isNavigationRequest() && !request.url().startsWith("data:") && wrong.push(request.url()));
   page.on("websocket", (socket) => !(broker && new URL(socket.url()).host === new URL(broker).host) && wrong.push(socket.url()));
   await page.goto(url);
+  if (patience) page.setDefaultTimeout(patience);
   return { page, wrong };
 }
 

@@ -5,25 +5,16 @@
 
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
-import { DESK, PHONE, complaints, installed, invalid, open as openPage, shoot } from "./browser.mjs";
+import { DESK, PHONE, browserOfTests, complaints, invalid, open as openPage, shoot } from "./browser.mjs";
 
 const { URL: SERVED, FILE, BROKER, USER_NAME, RIG_NAME, PASSWORD } = process.env;
 const PATIENCE = 60_000;
 
-let browser;
-before(async () => {
-  browser = await chromium.launch({ executablePath: installed(), args: ["--no-sandbox"] });
-});
-after(() => browser.close());
+const browser = browserOfTests();
 
-async function open({ url = SERVED, ...options } = {}) {
-  const opened = await openPage(browser, url, { broker: BROKER, ...options });
-  opened.page.setDefaultTimeout(PATIENCE);
-  return opened;
-}
+const open = ({ url = SERVED, ...options } = {}) => openPage(browser(), url, { broker: BROKER, patience: PATIENCE, ...options });
 
 async function connect(page) {
   await page.locator("#connection").evaluate((details) => (details.open = true));

@@ -3,11 +3,10 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
-import { DESK, PHONE, complaints, installed, invalid, open as openPage, shoot } from "./browser.mjs";
+import { DESK, PHONE, browserOfTests, complaints, invalid, open as openPage, shoot } from "./browser.mjs";
 
 /** Each page, with how many figures it has at least, and the ink of a line that is both in a figure and in a chart that zooms, if it has one. */
 const PAGES = {
@@ -32,13 +31,9 @@ const path = (name) => join(process.env.PAGES, `${name}.html`);
 /** How the patches begin that pages offer to copy. */
 const PATCHES = { report: /^\[plant\]\ngain_mm_per_s2_per_percent = /, "grey-box": /\n\[plant\]\n/, "dead-zone": /^\[/, "force-curve": /^\[/, "noise-floor": /^\[/, design: /^\[controller/, observer: /^\[observer\]/, models: /^# Critical gain/ };
 
-let browser;
-before(async () => {
-  browser = await chromium.launch({ executablePath: installed(), args: ["--no-sandbox"] });
-});
-after(() => browser.close());
+const browser = browserOfTests();
 
-const open = (name, options) => openPage(browser, pathToFileURL(path(name)).href, options);
+const open = (name, options) => openPage(browser(), pathToFileURL(path(name)).href, options);
 const shown = (page) => page.locator("#record-charts").evaluate((place) => [place.dataset.from, place.dataset.to].map(Number));
 
 for (const [name, { figures: fewest, ink }] of Object.entries(PAGES)) {

@@ -2,24 +2,15 @@
 // pages are: URL, of a rig that flies, and PID, its process; STUCK_URL, of one whose ball never moves.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { chromium } from "playwright-core";
-import { PHONE, complaints, installed, open as openPage, shoot } from "./browser.mjs";
+import { test } from "node:test";
+import { PHONE, browserOfTests, complaints, open as openPage, shoot } from "./browser.mjs";
 
 const { URL: SERVED, STUCK_URL, PID } = process.env;
 const PATIENCE = 60_000;
 
-let browser;
-before(async () => {
-  browser = await chromium.launch({ executablePath: installed(), args: ["--no-sandbox"] });
-});
-after(() => browser.close());
+const browser = browserOfTests();
 
-async function open({ url = SERVED, ...options } = {}) {
-  const opened = await openPage(browser, url, { broker: url.replace("http", "ws"), ...options });
-  opened.page.setDefaultTimeout(PATIENCE);
-  return opened;
-}
+const open = ({ url = SERVED, ...options } = {}) => openPage(browser(), url, { broker: url.replace("http", "ws"), patience: PATIENCE, ...options });
 
 const text = (page, id) => page.locator(`#${id}`).innerText();
 const stop = (page) => page.getByRole("button", { name: "STOP", exact: true }).click();
@@ -78,7 +69,7 @@ test("served: the stop button stops the fan and what it said goes when the ball 
 
 test("served: the stop button works where every other script has died", async () => {
   const { page: witness } = await flying();
-  const context = await browser.newContext();
+  const context = await browser().newContext();
   const page = await context.newPage();
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(String(error)));

@@ -13,15 +13,17 @@ import pytest
 import airball as ab
 
 
-def test_errors_have_the_text_of_the_command_line(binary, tmp_path):
+def test_errors_have_the_text_of_the_command_line(binary, stuck, tmp_path):
+    log = str(tmp_path / "stuck.mcap")
+    stuck.save(log)
     cases = [
         (ab.ConfigError, lambda: ab.Model.load("nosuch.toml"), ["replay", "x.csv", "--config", "nosuch.toml"]),
         (ab.LogError, lambda: ab.read("nosuch.csv"), ["replay", "nosuch.csv"]),
         (ab.Error, lambda: ab.design.lqr(ab.Model.example(), control=0), ["design", "lqr", "--control", "0"]),
         (
             ab.UsageError,
-            lambda: ab.diagnose(ab.Model.example(), "tests/blind/round-1/case-000.csv.zst", without="nosuch"),
-            ["diagnose", "tests/blind/round-1/case-000.csv.zst", "--without", "nosuch"],
+            lambda: ab.diagnose(ab.Model.example(), log, without="nosuch"),
+            ["diagnose", log, "--without", "nosuch"],
         ),
     ]
     for kind, fails, arguments in cases:

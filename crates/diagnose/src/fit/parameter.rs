@@ -18,7 +18,8 @@ use plant::{Changes, Entry, Model, Param};
 pub enum Parameter {
     /// `gain_mm_per_s2_per_percent`, as a ratio.
     Gain,
-    /// `drag_per_s`, as a ratio.
+    /// `drag_per_s`, as a ratio of drag + 1/s: a ratio of the drag alone has no slope at 0, and a fit that came there
+    /// would stay.
     Drag,
     /// `hover_duty_percent`, in tenths of a percent.
     Hover,
@@ -50,11 +51,15 @@ pub enum Prior {
 pub(crate) const BASE: [Parameter; 5] =
     [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::SensorNoise, Parameter::AirNoise];
 
+/// Scale of the prior of gain and drag, as a share.
+const KNOWN: f64 = 0.05;
 /// Scale of the prior of an effect's parameter, as a share of its value.
 const EFFECT_KNOWN: f64 = 0.07;
-/// Lower limits of drag and noises, so that a belief of 0 can move: 1/s, mm and mm²/s³. Both noises are far below those
-/// of an encoder's step.
-const LEAST_DRAG: f64 = 1e-3;
+/// Below this drag its scale is linear, 1/s: a free ball keeps its speed for a second.
+const LINEAR_DRAG: f64 = 1.0;
+/// Least drag of which the owner knows some percent, 1/s.
+const LEAST_DRAG: f64 = 0.1;
+/// Lower limits of noises, so that a belief of 0 can move: mm and mm²/s³. Both are far below those of an encoder's step.
 const LEAST_SENSOR_MM: f64 = 1e-5;
 const LEAST_AIR: f64 = 1e-6;
 
@@ -75,7 +80,11 @@ impl Parameter {
     /// Scale and degrees of freedom of the prior; `None` where there is no belief.
     fn belief(self, belief: &Model) -> Option<(f64, f64)> {
         match self {
-            Self::Gain | Self::Drag => Some((0.05, 1.0)),
+            Self::Gain => Some((KNOWN, 1.0)),
+            Self::Drag => {
+                let drag = belief.drag_per_s.max(LEAST_DRAG);
+                Some((KNOWN * drag / (drag + LINEAR_DRAG), 1.0))
+            }
             Self::Hover => Some((1.0, 1.0)),
             Self::SensorNoise => Some((0.02, 10.0)),
             Self::AirNoise => Some((0.1, 10.0)),
@@ -92,7 +101,7 @@ impl Parameter {
         let ratio = |a: f64, b: f64, least: f64| (a.max(least) / b.max(least)).ln();
         match self {
             Self::Gain => (model.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent).ln(),
-            Self::Drag => ratio(model.drag_per_s, belief.drag_per_s, LEAST_DRAG),
+            Self::Drag => ((model.drag_per_s + LINEAR_DRAG) / (belief.drag_per_s + LINEAR_DRAG)).ln(),
             Self::Hover => (model.hover_duty_percent - belief.hover_duty_percent) / 0.1,
             Self::SensorNoise => ratio(model.noise.sensor_mm, belief.noise.sensor_mm, LEAST_SENSOR_MM),
             Self::AirNoise => {
@@ -228,7 +237,10 @@ impl Parameter {
         let scaled = |number: f64, least: f64| (number.max(least) * ratio).max(least);
         match self {
             Self::Gain => model.gain_mm_per_s2_per_percent *= ratio,
-            Self::Drag => model.drag_per_s = scaled(model.drag_per_s, LEAST_DRAG).min(1e3),
+            Self::Drag => {
+                let drag = (model.drag_per_s + LINEAR_DRAG) * ratio - LINEAR_DRAG;
+                model.drag_per_s = drag.clamp(0.0, 1e3);
+            }
             Self::Hover => model.hover_duty_percent += 0.1 * by,
             Self::SensorNoise => model.noise.sensor_mm = scaled(model.noise.sensor_mm, LEAST_SENSOR_MM),
             Self::AirNoise => {

@@ -147,6 +147,14 @@ impl Problem<'_> {
         Fit { model: best.model, parameters: parameters.to_vec(), innovations: best.innovations, log_prior, slope }
     }
 
+    /// A model as it is, with the derivatives by `parameters` there.
+    pub(crate) fn at(&self, model: Model, parameters: &[Parameter]) -> Fit {
+        let here = self.point(model, parameters);
+        let slope = self.slope(&here, parameters);
+        let log_prior = self.log_prior(parameters, &here.model);
+        Fit { model: here.model, parameters: parameters.to_vec(), innovations: here.innovations, log_prior, slope }
+    }
+
     /// The model after at most this many steps.
     #[must_use]
     pub fn fit_in_steps(&self, start: &Model, parameters: &[Parameter], most_steps: usize) -> Model {

@@ -24,9 +24,10 @@ pub(crate) type Reach = (Parameter, [f64; 2]);
 /// likelihood has a maximum for each grid.
 pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
     let deviations = fit.deviations();
+    let known = problem.sensitivities_of(fit, &fit.parameters);
     let reach = |(at, parameter): (usize, &Parameter)| match parameter {
         Parameter::Effect { entry, .. } if entry.start != Start::DutySteps => {
-            let [down, up] = interval(problem, fit, at, OF_90_PERCENT * wider(entry));
+            let [down, up] = interval(problem, fit, &known, at, OF_90_PERCENT * wider(entry));
             Some((*parameter, [-down?, up?]))
         }
         Parameter::Effect { .. } => None,

@@ -11,6 +11,7 @@
 //! Source: Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", Applied
 //! Statistics 37 (1988).
 
+use crate::fit::derivatives::KnownSensitivities;
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
 
@@ -30,20 +31,26 @@ const UNIT: f64 = 1.0;
 const LEAST_DEVIATION: f64 = 0.02;
 
 /// The distances from the estimate of parameter `at` to the lower (negative) and upper end of its interval, in its own
-/// scale: `z` standard deviations where the likelihood is a parabola. `None`: neither the record nor the parameter's
-/// bounds set an end there.
-pub(crate) fn interval(problem: &Problem<'_>, fit: &Fit, at: usize, z: f64) -> [Option<f64>; 2] {
+/// scale: `z` standard deviations where the likelihood is a parabola. `known`: the derivatives at the fit, which serve to
+/// refit the others. `None`: neither the record nor the parameter's bounds set an end there.
+pub(crate) fn interval(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    known: &KnownSensitivities,
+    at: usize,
+    z: f64,
+) -> [Option<f64>; 2] {
     let deviation = fit.deviations().get(at).copied().unwrap_or(f64::INFINITY);
     if !deviation.is_finite() {
         return [None, None];
     }
     let deviation = deviation.max(LEAST_DEVIATION);
-    [-deviation, deviation].map(|towards| end(problem, fit, at, towards, z))
+    [-deviation, deviation].map(|towards| end(problem, fit, known, at, towards, z))
 }
 
 /// The distance at which the likelihood has dropped enough on the side of `deviation`, or at which the parameter
 /// reaches its bound.
-fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> Option<f64> {
+fn end(problem: &Problem<'_>, fit: &Fit, known: &KnownSensitivities, at: usize, deviation: f64, z: f64) -> Option<f64> {
     let (top, enough) = (problem.total_of(fit), 0.5 * z * z);
     let number: Parameter = fit.parameters[at];
     let others: Vec<Parameter> =
@@ -58,7 +65,7 @@ fn end(problem: &Problem<'_>, fit: &Fit, at: usize, deviation: f64, z: f64) -> O
             here = furthest;
         }
         let by = here.copysign(deviation);
-        let (model, total) = problem.fit_briefly(&number.stepped(&fit.model, by), &others, STEPS);
+        let (model, total) = problem.fit_briefly_with(known, &number.stepped(&fit.model, by), &others, STEPS);
         let drop = top - total - problem.log_prior(&[number], &model);
         // A model without finite likelihood is far beyond the end.
         let drop = if drop.is_finite() { drop.clamp(0.0, FAR * enough) } else { FAR * enough };

@@ -98,6 +98,12 @@ impl Tally {
         squares.iter().all(|square| square.is_finite()).then_some(squares)
     }
 
+    /// Mean square of the model in free runs.
+    pub(crate) fn square_of_free_runs(&self) -> Option<f64> {
+        let square = self.free_run.model.sum / self.free_run.model.count;
+        square.is_finite().then_some(square)
+    }
+
     /// The total of several.
     pub(crate) fn sum<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
         all.fold(Self::default(), |mut sum, one| {

@@ -208,10 +208,11 @@ const fn key(parameter: Parameter) -> Option<&'static str> {
 
 /// All parameters but the nuisance parameters, with their intervals.
 fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<ParameterEstimate> {
+    let known = problem.sensitivities_of(fit, &fit.parameters);
     let one = |(at, parameter): (usize, &Parameter)| {
         let (name, value) = (key(*parameter)?, parameter.value(&fit.model)?);
-        let [low, high] =
-            interval(problem, fit, at, OF_90_PERCENT).map(|by| parameter.value(&parameter.stepped(&fit.model, by?)));
+        let [low, high] = interval(problem, fit, &known, at, OF_90_PERCENT)
+            .map(|by| parameter.value(&parameter.stepped(&fit.model, by?)));
         Some(ParameterEstimate { name, value, low, high })
     };
     fit.parameters.iter().enumerate().filter_map(one).collect()

@@ -38,11 +38,6 @@ impl Evaluated {
         Tally::sum(self.errors.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
     }
 
-    /// Root mean square error of free runs, mm; `None` if the record is too short.
-    pub(crate) fn free_run_mm(&self) -> Option<f64> {
-        self.gap().free_run_10s_mm
-    }
-
     /// Root mean squares over all stretches.
     pub(crate) fn gap(&self) -> Gap {
         Tally::sum(self.errors.iter()).gap()
@@ -100,6 +95,12 @@ fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<
 pub(crate) fn deviations(these: &[Tally], those: &[Tally]) -> f64 {
     let square = |tally: &Tally| tally.squares_at_1_s().map(|(square, _)| square);
     standard_errors(these.iter().zip(those).filter_map(|(this, that)| Some(square(this)? - square(that)?)))
+}
+
+/// The same of the mean square of free runs.
+pub(crate) fn deviations_of_free_runs(these: &[Tally], those: &[Tally]) -> f64 {
+    let fall = |(this, that): (&Tally, &Tally)| Some(this.square_of_free_runs()? - that.square_of_free_runs()?);
+    standard_errors(these.iter().zip(those).filter_map(fall))
 }
 
 /// The same of the mean squares at all horizons, each as a share of that of `these` in all stretches.

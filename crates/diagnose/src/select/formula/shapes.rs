@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! curve       a0·z + Σ ak·max(0, z − zk)      z: a signal; a polygon with knots at equal distances
+//! parabola    a·z + b·z², of a duty a·|z| + b·z² and of a velocity a·|z| + b·z·|z|: their slopes are base parameters
 //! ripple      a·sin(2π·z/wave) + b·cos(2π·z/wave)
 //! bump        a·exp(−((x − centre)/width)²);  pull: that times (centre − x)/width
 //! memory      of a state s, ds/dt = (f − s)/tau
@@ -71,6 +72,12 @@ impl<'a> Shapes<'a> {
                 self.size / x.half,
                 "1/s2",
             ),
+            self.force(
+                "formula_height_parabola",
+                "a force that changes steadily with height",
+                format!("a * {0} + b * {0}^2", self.x),
+                &["a", "b"],
+            ),
             self.force("formula_height_bump", "a force at one height", format!("a * {bump}"), &["a"]).placed(x),
             self.force(
                 "formula_height_pull",
@@ -115,6 +122,12 @@ impl<'a> Shapes<'a> {
         vec![
             Shape::new("formula_speed_curve", Stage::Ball, "a force that changes with speed", curve("v", v))
                 .sized_curve(1..=KNOTS, self.size / v.half, "1/s"),
+            force(
+                "formula_speed_parabola",
+                "a force that changes steadily with speed",
+                format!("a * abs({0}) + b * {0} * abs({0})", self.v),
+                &["a", "b"],
+            ),
             force("formula_speed_ripple", "a force that ripples over the speed", ripple("v"), &["a", "b"])
                 .waved(v, "mm/s"),
             force("formula_speed_sign", "a friction", "-a * tanh(v / width)".into(), &["a"]).free(
@@ -129,11 +142,16 @@ impl<'a> Shapes<'a> {
 
     fn duty(&self) -> Vec<Shape> {
         let u = self.signals.u;
-        vec![Shape::new("formula_duty_curve", Stage::Actuator, "a curve of the duty", curve("u", u)).sized_curve(
-            1..=KNOTS,
-            SHARE,
-            "1",
-        )]
+        let parabola = format!("a * abs({0}) + b * {0}^2", self.u);
+        vec![
+            Shape::new("formula_duty_curve", Stage::Actuator, "a curve of the duty", curve("u", u)).sized_curve(
+                1..=KNOTS,
+                SHARE,
+                "1",
+            ),
+            Shape::new("formula_duty_parabola", Stage::Actuator, "a duty that acts unequally up and down", parabola)
+                .sized(&["a", "b"], SHARE * u.half, "%"),
+        ]
     }
 
     fn before(&self) -> Vec<Shape> {

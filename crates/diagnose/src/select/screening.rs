@@ -73,8 +73,9 @@ pub(crate) fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<
     Some((model, kept.copied().chain(parameters_of_effect(entry, values)).collect()))
 }
 
-/// Screens an effect; `known`: the derivatives by [`FIRST`] at the fit so far. With little noise, initial values far above the true ones lie thousands of nats below a gain of
-/// 0, and no step leads to the maximum. Then smaller initial values are tried.
+/// Screens an effect; `known`: the derivatives by [`FIRST`] at the fit so far. With little noise, initial values far
+/// above the true ones lie thousands of nats below a gain of 0, and no step leads to the maximum. Then smaller initial
+/// values are tried.
 pub(crate) fn screen(
     search: &Search<'_>,
     so_far: &Fit,
@@ -119,9 +120,12 @@ fn screen_from(
             from.push(other);
         }
     }
+    let none = KnownSensitivities::default();
     let screened = from.into_iter().map(|InitialPoint { place, model: start, parameters, .. }| {
         let own = parameters.iter().filter(|parameter| !so_far.parameters.contains(parameter));
         let few: Vec<Parameter> = FIRST.into_iter().chain(own.copied()).collect();
+        // The derivatives at the fit do not hold at other base parameters.
+        let known = if *place == 0 { known } else { &none };
         let (model, total) = search.problem.fit_briefly_with(known, start, &few, STEPS);
         let of = |parameters: &[Parameter]| prior(parameters, &model, search.problem.belief);
         let gain = total - of(&few) + of(parameters);

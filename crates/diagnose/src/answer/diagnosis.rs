@@ -110,7 +110,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         matters: answers && rest_matters(&ladder.end),
     };
     let Selection { effects, rounds, fit: with_effects, misfit, .. } = found;
-    let reaches = reaches(&search.problem, &mending.fit);
+    let reaches = reaches(&search.problem, &mending.fit, &mending.formula);
     let ladder = mending.rungs();
     let Mending { formula, fit: mended, gaps, closed, .. } = mending;
     let closed = closed.filter(|_| answers);

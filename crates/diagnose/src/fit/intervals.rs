@@ -13,25 +13,28 @@ use crate::fit::parameter::Parameter;
 use crate::fit::profile::{OF_90_PERCENT, interval};
 use crate::record::read_off::read_off;
 use crate::thresholds::{WIDER, WIDER_APPROXIMATE, WIDER_IMPACTS};
-use plant::{Entry, Form, Model, Start};
+use plant::{Definition, Entry, Form, Model, Start};
 use rayon::prelude::*;
 
 /// A parameter, and the distances from its estimate to the lower and upper end of its interval, in its own scale.
 pub(crate) type Reach = (Parameter, [f64; 2]);
 
 /// The intervals of a fit: for effects from the profile likelihood, which need not be a parabola, for base parameters
-/// from the curvature. None for a parameter that the record does not determine, nor for a step of duty, where the
-/// likelihood has a maximum for each grid.
-pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit) -> Vec<Reach> {
+/// and the many coefficients of a formula from the curvature. None for a parameter that the record does not determine,
+/// nor for a step of duty, where the likelihood has a maximum for each grid.
+pub(crate) fn reaches(problem: &Problem<'_>, fit: &Fit, formula: &[&'static Definition]) -> Vec<Reach> {
     let deviations = fit.deviations();
     let known = problem.sensitivities_of(fit, &fit.parameters);
+    let curved = |at: usize, wider: f64| [OF_90_PERCENT * wider * deviations[at]; 2];
+    let of_formula = |entry: &Entry| formula.iter().any(|shape| shape.entry().name == entry.name);
     let reach = |(at, parameter): (usize, &Parameter)| match parameter {
+        Parameter::Effect { entry, .. } if of_formula(entry) => Some((*parameter, curved(at, wider(entry)))),
         Parameter::Effect { entry, .. } if entry.start != Start::DutySteps => {
             let [down, up] = interval(problem, fit, &known, at, OF_90_PERCENT * wider(entry));
             Some((*parameter, [-down?, up?]))
         }
         Parameter::Effect { .. } => None,
-        _ => Some((*parameter, [OF_90_PERCENT * WIDER * deviations[at]; 2])),
+        _ => Some((*parameter, curved(at, WIDER))),
     };
     let moved: Vec<Option<Reach>> = fit.parameters.par_iter().enumerate().map(reach).collect();
     let read_off = read_off_parameters(&fit.model, problem).into_iter();
@@ -83,7 +86,7 @@ mod tests {
         let parameters: Vec<Parameter> =
             BASE.into_iter().chain(parameters_of_effect(Effects::built_in(effect).unwrap(), values)).collect();
         let fit = problem.fit(&rig, &parameters);
-        let first = reaches(&problem, &fit).into_iter().find(|(parameter, _)| parameter.is_of(effect));
+        let first = reaches(&problem, &fit, &[]).into_iter().find(|(parameter, _)| parameter.is_of(effect));
         check(&problem, &fit, first.unwrap());
     }
 

@@ -12,6 +12,7 @@
 mod commands;
 mod cross_checks;
 mod exchange;
+mod modes;
 mod programme;
 mod stuck_ball;
 mod tune;
@@ -36,8 +37,6 @@ use tune::Tuning;
 const MISSING_PERIODS: f64 = 2.5;
 /// A fan that has been off for this time has stopped, seconds.
 const OFF_S: f64 = 10.0;
-/// How long the first position may take, seconds: a working sensor that sees a ball needs a hundredth of it.
-const WAIT_S: f64 = 5.0;
 
 /// The pilot with its memory.
 #[derive(Clone, Debug)]
@@ -234,62 +233,6 @@ impl Pilot {
         let percent = |control| self.compensator.about_hover(control);
         let estimate = self.orders.regulator.observed()?;
         Some(Estimate { fan: percent(estimate.fan), disturbance: percent(estimate.disturbance), ..estimate })
-    }
-
-    fn change_mode(&mut self, time_s: f64, seen: Seen) {
-        let silent_s = self.last.map_or(0.0, |(last_s, _)| time_s - last_s);
-        self.mode = match (self.mode, seen) {
-            (Mode::Stopped, _) => Mode::Stopped,
-            (Mode::Waiting, Seen::Nothing(fault)) => {
-                let silent_s = time_s - *self.waiting_since_s.get_or_insert(time_s);
-                let fault = fault.unwrap_or(Fault::SensorSilent { silent_s });
-                if silent_s > WAIT_S { self.stop(fault) } else { Mode::Waiting }
-            }
-            (Mode::Waiting, Seen::Ball(_)) => {
-                self.programme.begin(time_s);
-                self.orders.regulator.take_off();
-                self.closed_or_open(time_s)
-            }
-            (_, Seen::Nothing(fault)) if silent_s > self.orders.safety.coast_s => {
-                self.stop(fault.unwrap_or(Fault::SensorSilent { silent_s }))
-            }
-            (mode, Seen::Nothing(_)) => {
-                if silent_s > self.missing_s() {
-                    Mode::Coasting
-                } else {
-                    mode
-                }
-            }
-            (_, Seen::Ball(position_mm)) => match self.left_band(position_mm) {
-                Some(fault) => self.stop(fault),
-                None => self.closed_or_open(time_s),
-            },
-        };
-    }
-
-    fn closed_or_open(&mut self, time_s: f64) -> Mode {
-        match self.demand(time_s) {
-            Some(Demand::Drive { .. }) => Mode::OpenLoop,
-            _ => {
-                if self.mode == Mode::OpenLoop {
-                    // The integral still contains hover; the duty of an excitation does not.
-                    self.orders.regulator.forget_derivatives();
-                }
-                Mode::Flying
-            }
-        }
-    }
-
-    fn stop(&mut self, fault: Fault) -> Mode {
-        self.fault = Some(fault);
-        Mode::Stopped
-    }
-
-    /// The band of an experiment applies after the ball has been inside it: it starts at the bottom.
-    fn left_band(&mut self, position_mm: f64) -> Option<Fault> {
-        let outside = self.flown().outside_band(position_mm);
-        self.been_in_band |= outside.is_none();
-        outside.filter(|_| self.been_in_band).map(|(min_mm, max_mm)| Fault::OutsideBand { position_mm, min_mm, max_mm })
     }
 
     fn demand(&self, time_s: f64) -> Option<Demand> {

@@ -1,6 +1,6 @@
 //! Tests with messages that are too large, too many, or invalid.
 
-use super::link_tests::{MODE, REPLY, SETPOINT, STATUS, connected, in_force, obey, start};
+use super::link_support::{MODE, REPLY, SETPOINT, STATUS, connected, in_force, obey, start};
 use super::network::LARGEST_IN;
 use super::test_broker::{Broker, Outside, until};
 use crate::flight::command::Command;

@@ -70,6 +70,8 @@ pub use mailbox::Mailbox;
 #[cfg(test)]
 mod flood_tests;
 #[cfg(test)]
+mod link_support;
+#[cfg(test)]
 mod link_tests;
 #[cfg(test)]
 mod test_broker;

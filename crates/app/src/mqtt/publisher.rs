@@ -196,7 +196,7 @@ mod tests {
     use crate::flight::outside::Commander;
     use crate::flight::state::Answer;
     use crate::mqtt::claim::Claim;
-    use crate::mqtt::link_tests::{about, in_force};
+    use crate::mqtt::link_support::{about, in_force};
     use crate::mqtt::mailbox::Mailbox;
     use crate::mqtt::owner::Nobody;
     use std::sync::mpsc::sync_channel;

@@ -43,7 +43,7 @@ pub struct Said {
 mod tests {
     use super::{Said, Seen};
     use crate::mqtt::Counts;
-    use crate::mqtt::link_tests::state;
+    use crate::mqtt::link_support::state;
     use crate::mqtt::message::StateMessage;
 
     #[test]

@@ -54,7 +54,7 @@ impl Stream {
 #[cfg(test)]
 mod tests {
     use super::{LEASE, ROOM, Stream};
-    use crate::mqtt::link_tests::state;
+    use crate::mqtt::link_support::state;
     use std::time::{Duration, Instant};
 
     fn times(stream: &mut Stream, now: Instant) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! Tests of TLS with a real broker and an authority made for the test.
 
 use super::link::{Endpoint, Link};
-use super::link_tests::{about, start};
+use super::link_support::{about, start};
 use super::network;
 use super::outage::Outage;
 use super::owner::Nobody;

@@ -6,7 +6,7 @@ use super::session::{Closed, Role, Session};
 use crate::flight::command::Command;
 use crate::flight::outside::Commander;
 use crate::mqtt::link::{Endpoint, Link};
-use crate::mqtt::link_tests::{MODE, REPLY, SETPOINT, STATE, STATUS, about, obey, state};
+use crate::mqtt::link_support::{MODE, REPLY, SETPOINT, STATE, STATUS, about, obey, state};
 use crate::mqtt::mailbox::Mailbox;
 use crate::mqtt::owner::Nobody;
 use crate::mqtt::test_broker::until;

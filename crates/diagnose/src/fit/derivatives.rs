@@ -34,18 +34,19 @@ impl Derivatives {
 
 /// The derivatives of the innovations by each parameter: of the expectation, mm, and of the logarithm of the variance;
 /// or of ln p alone.
-#[derive(Default)]
 pub(super) struct Sensitivities {
     by_parameter: Vec<Vec<[f64; 2]>>,
 }
 
-/// The derivatives of the innovations by some parameters at a fit, which stand for those nearby in a brief fit. By
-/// default none is known.
-#[derive(Default)]
+/// The derivatives of the innovations by some parameters at a fit, which stand for those nearby in a brief fit.
 pub(crate) struct KnownSensitivities {
     parameters: Vec<Parameter>,
     sensitivities: Sensitivities,
 }
+
+/// No derivative is known.
+pub(crate) static NONE_KNOWN: KnownSensitivities =
+    KnownSensitivities { parameters: Vec::new(), sensitivities: Sensitivities { by_parameter: Vec::new() } };
 
 impl KnownSensitivities {
     fn by(&self, parameter: &Parameter) -> Option<&Vec<[f64; 2]>> {
@@ -71,14 +72,13 @@ fn derivative(here: &Innovation, there: &Innovation, of_density: bool) -> [f64; 
 impl Problem<'_> {
     /// Gradient and information of log-likelihood and log-prior at `point`.
     pub(super) fn slope(&self, point: &Point, parameters: &[Parameter]) -> Derivatives {
-        let none = KnownSensitivities::default();
-        self.derivatives(point, parameters, &self.sensitivities(&point.model, &point.innovations, parameters, &none))
+        let sensitivities = self.sensitivities(&point.model, &point.innovations, parameters, &NONE_KNOWN);
+        self.derivatives(point, parameters, &sensitivities)
     }
 
     /// The derivatives of the innovations by `parameters` at a fit.
     pub(crate) fn sensitivities_of(&self, fit: &Fit, parameters: &[Parameter]) -> KnownSensitivities {
-        let none = KnownSensitivities::default();
-        let sensitivities = self.sensitivities(&fit.model, &fit.innovations, parameters, &none);
+        let sensitivities = self.sensitivities(&fit.model, &fit.innovations, parameters, &NONE_KNOWN);
         KnownSensitivities { parameters: parameters.to_vec(), sensitivities }
     }
 

@@ -16,7 +16,7 @@
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
 use crate::fit::bounds::Bounds;
-use crate::fit::derivatives::{Derivatives, KnownSensitivities, Sensitivities};
+use crate::fit::derivatives::{Derivatives, KnownSensitivities, NONE_KNOWN, Sensitivities};
 use crate::fit::parameter::{Parameter, Prior, prior};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
@@ -139,34 +139,34 @@ impl Problem<'_> {
     /// Moves `parameters` of `start` to the maximum of the posterior of the readings that count.
     #[must_use]
     pub fn fit(&self, start: &Model, parameters: &[Parameter]) -> Fit {
-        let (limits, none) =
-            (StepLimits { steps: STEPS, more: STEPS, most: MOST_STEPS }, KnownSensitivities::default());
-        let (best, slope) = self.maximise(start, parameters, limits, &none);
-        let slope = slope.unwrap_or_else(|| self.slope(&best, parameters));
-        let log_prior = self.log_prior(parameters, &best.model);
-        Fit { model: best.model, parameters: parameters.to_vec(), innovations: best.innovations, log_prior, slope }
+        let limits = StepLimits { steps: STEPS, more: STEPS, most: MOST_STEPS };
+        let (best, slope) = self.maximise(start, parameters, limits, &NONE_KNOWN);
+        self.fit_of(best, parameters, slope)
     }
 
     /// A model as it is, with the derivatives by `parameters` there.
     pub(crate) fn at(&self, model: Model, parameters: &[Parameter]) -> Fit {
-        let here = self.point(model, parameters);
-        let slope = self.slope(&here, parameters);
-        let log_prior = self.log_prior(parameters, &here.model);
-        Fit { model: here.model, parameters: parameters.to_vec(), innovations: here.innovations, log_prior, slope }
+        self.fit_of(self.point(model, parameters), parameters, None)
+    }
+
+    /// The fit that ends at `point`; `slope`: the derivatives there, if they are computed already.
+    fn fit_of(&self, point: Point, parameters: &[Parameter], slope: Option<Derivatives>) -> Fit {
+        let slope = slope.unwrap_or_else(|| self.slope(&point, parameters));
+        let log_prior = self.log_prior(parameters, &point.model);
+        Fit { model: point.model, parameters: parameters.to_vec(), innovations: point.innovations, log_prior, slope }
     }
 
     /// The model after at most this many steps.
     #[must_use]
     pub fn fit_in_steps(&self, start: &Model, parameters: &[Parameter], most_steps: usize) -> Model {
-        let (limits, none) =
-            (StepLimits { steps: most_steps, more: 0, most: most_steps }, KnownSensitivities::default());
-        self.maximise(start, parameters, limits, &none).0.model
+        let limits = StepLimits { steps: most_steps, more: 0, most: most_steps };
+        self.maximise(start, parameters, limits, &NONE_KNOWN).0.model
     }
 
     /// A short fit, for screening: the model after `steps` steps, and more while the slope is steep; with its
     /// log-likelihood and log-prior in total, nats.
     pub(crate) fn fit_briefly(&self, start: &Model, parameters: &[Parameter], steps: usize) -> (Model, f64) {
-        self.fit_briefly_with(&KnownSensitivities::default(), start, parameters, steps)
+        self.fit_briefly_with(&NONE_KNOWN, start, parameters, steps)
     }
 
     /// The same with derivatives that are known, which cost no runs; the others are computed at each step.

@@ -55,11 +55,13 @@ pub(crate) const BASE: [Parameter; 5] =
 const KNOWN: f64 = 0.05;
 /// Scale of the prior of an effect's parameter, as a share of its value.
 const EFFECT_KNOWN: f64 = 0.07;
-/// Below this drag its scale is linear, 1/s: a free ball keeps its speed for a second.
+/// Below this drag its scale is linear, 1/s: the ball then keeps its speed for a second, which a forecast of 1 s hardly
+/// tells from no drag. Chosen, not fitted.
 const LINEAR_DRAG: f64 = 1.0;
-/// Least drag of which the owner knows some percent, 1/s.
+/// Least drag of which the owner knows some percent, 1/s, so that a belief of 0 can move. Chosen, not fitted.
 const LEAST_DRAG: f64 = 0.1;
-/// Lower limits of noises, so that a belief of 0 can move: mm and mm²/s³. Both are far below those of an encoder's step.
+/// Lower limits of noises, so that a belief of 0 can move: mm and mm²/s³. Both are far below those of an encoder's
+/// step.
 const LEAST_SENSOR_MM: f64 = 1e-5;
 const LEAST_AIR: f64 = 1e-6;
 

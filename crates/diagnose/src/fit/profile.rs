@@ -31,8 +31,8 @@ const UNIT: f64 = 1.0;
 const LEAST_DEVIATION: f64 = 0.02;
 
 /// The distances from the estimate of parameter `at` to the lower (negative) and upper end of its interval, in its own
-/// scale: `z` standard deviations where the likelihood is a parabola. `known`: the derivatives at the fit, which serve to
-/// refit the others. `None`: neither the record nor the parameter's bounds set an end there.
+/// scale: `z` standard deviations where the likelihood is a parabola. `known`: the derivatives at the fit, which serve
+/// to refit the others. `None`: neither the record nor the parameter's bounds set an end there.
 pub(crate) fn interval(
     problem: &Problem<'_>,
     fit: &Fit,

@@ -1,7 +1,7 @@
 //! Screening of an effect: its initial values are rated as they are, then a few scoring steps are made from the best
 //! ones. More steps follow while the gradient is steep.
 
-use crate::fit::derivatives::KnownSensitivities;
+use crate::fit::derivatives::{KnownSensitivities, NONE_KNOWN};
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
@@ -120,12 +120,11 @@ fn screen_from(
             from.push(other);
         }
     }
-    let none = KnownSensitivities::default();
     let screened = from.into_iter().map(|InitialPoint { place, model: start, parameters, .. }| {
         let own = parameters.iter().filter(|parameter| !so_far.parameters.contains(parameter));
         let few: Vec<Parameter> = FIRST.into_iter().chain(own.copied()).collect();
         // The derivatives at the fit do not hold at other base parameters.
-        let known = if *place == 0 { known } else { &none };
+        let known = if *place == 0 { known } else { &NONE_KNOWN };
         let (model, total) = search.problem.fit_briefly_with(known, start, &few, STEPS);
         let of = |parameters: &[Parameter]| prior(parameters, &model, search.problem.belief);
         let gain = total - of(&few) + of(parameters);
@@ -169,7 +168,7 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
         let quiet = Model { noise: belief.noise, ..model.clone() };
         return vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }];
     }
-    let mut believed = Model { noise: model.noise, effects: model.effects.clone(), ..belief.clone() };
+    let mut believed = search.with_believed_base(model);
     for entry in model.effects.present().iter().filter(|entry| entry.name != effect.name) {
         if let Some(values) = belief.effects.values(entry.name) {
             believed.effects.set(entry.name, &values);

@@ -93,6 +93,11 @@ impl<'a> Search<'a> {
         prior(&BASE[..3], &fit.model, self.problem.belief)
     }
 
+    /// The model with gain, drag and hover of the belief.
+    pub(crate) fn with_believed_base(&self, model: &Model) -> Model {
+        Model { noise: model.noise, effects: model.effects.clone(), ..self.problem.belief.clone() }
+    }
+
     /// Whether a fit moved the believed parameters further than owners are usually wrong.
     pub(crate) fn is_far(&self, fit: &Fit) -> bool {
         let noise = [Parameter::SensorNoise, Parameter::AirNoise];

@@ -33,8 +33,8 @@ fn a_fit_recovers_the_numbers_of_the_rig_within_their_own_deviations() {
     assert!(inside >= 24, "{inside} of {all} within their 90 % intervals");
 }
 
-// Without the lag of the rig, the likelihood is highest at no drag; with a delay in its place, far from there. A scale that is
-// a ratio of the drag alone has no slope at 0, and the fit stayed, 100 nats below.
+// Without the lag of the rig, the likelihood is highest at no drag; with a delay in its place, far from there. A scale
+// that is a ratio of the drag alone has no slope at 0, and the fit stayed, 150 nats below.
 #[test]
 fn a_fit_comes_back_from_a_drag_of_zero() {
     let rig = model();

@@ -181,16 +181,15 @@ fn next_shape(
     best.map(|(one, with)| (one.shape, with))
 }
 
-/// Where the search for a shape begins: the fit, and the same effects with the base parameters of the belief if the fit is
-/// far from it. A fit that followed the record without the shape may be a bad start: a gain of a third stands for a
+/// Where the search for a shape begins: the fit, and the same effects with the base parameters of the belief if the fit
+/// is far from it. A fit that followed the record without the shape may be a bad start: a gain of a third stands for a
 /// saturation, and there no shape has a score.
 fn places(search: &Search<'_>, so_far: &Fit) -> Vec<Fit> {
     let mut places = vec![so_far.clone()];
     if search.is_far(so_far) {
-        let Fit { model, parameters, .. } = so_far;
-        let believed = Model { noise: model.noise, effects: model.effects.clone(), ..search.problem.belief.clone() };
         let noise = [Parameter::SensorNoise, Parameter::AirNoise];
-        places.push(search.problem.at(search.problem.fit(&believed, &noise).model, parameters));
+        let believed = search.problem.fit(&search.with_believed_base(&so_far.model), &noise).model;
+        places.push(search.problem.at(believed, &so_far.parameters));
     }
     places
 }

@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! curve       a0·z + Σ ak·max(0, z − zk)      z: a signal; a polygon with knots at equal distances
-//! parabola    a·z + b·z², of a duty a·|z| + b·z² and of a velocity a·|z| + b·z·|z|: their slopes are base parameters
+//! parabola    a·z + b·z² of a height; a·|z| + b·z² of a duty and a·|z| + b·z·|z| of a velocity, whose slopes are
+//!             base parameters
 //! ripple      a·sin(2π·z/wave) + b·cos(2π·z/wave)
 //! bump        a·exp(−((x − centre)/width)²);  pull: that times (centre − x)/width
 //! memory      of a state s, ds/dt = (f − s)/tau

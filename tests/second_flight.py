@@ -8,7 +8,7 @@ tried on the second flight of the same rig:
     share = (E² of the belief − E² with the patch) / (E² of the belief − F²)     E, F: error at 1 s, and by noise alone, mm
 
 F is that of the patched model, at most its error. A rig whose belief errs by less than 5 % more than noise alone has no gap, and
-no share. The last row leaves out what no model can forecast from another log.
+no share. The last row leaves out effects of time, of chance and of the scatter.
 """
 
 import json
@@ -24,8 +24,8 @@ WORSE = 1.02  # a patch whose error at 1 s is larger by more than 2 % counts as 
 NO_GAP = 1.05  # ratio of the believed error to that by noise alone: a misfit below 5 % of the floor is no gap, as in `diagnose`
 
 
-# Effects that come at moments of their own, and those that change the scatter of the readings and not the path.
-NOT_TO_FORECAST = {
+# Effects that depend on time or on chance, and those that change the scatter of the readings and not the path.
+NOT_OF_THE_STATE = {
     "gusts", "late_writes", "limit_cycle", "mount_slip", "stuck_driver", "supply_ripple",
     "gain_drift", "hover_drift", "sensor_noise", "sensor_outliers", "sensor_quantisation", "stale_samples", "turbulence",
 }  # fmt: skip
@@ -99,13 +99,13 @@ def page(rows):
     print("Made by `scripts/second-flight`; do not edit. Rigs are drawn by `world`; `outside` rigs have an effect that the catalogue lacks, and")
     print("for `left out` ones their effect is left out of the search. A rig is diagnosed from one log, and its patch is tried on a second log")
     print("with other setpoints and noise. Share: of the mean square error at 1 s beyond noise alone, what the patch closes on the second log.")
-    print("The last row leaves out effects that come at moments of their own and those of the scatter, which no model forecasts from another log.\n")
+    print("The last row leaves out effects that depend on time or on chance, and those that change the scatter of the readings and not the path.\n")
     print("| rigs | number | with a gap | median share closed | median distance from the claimed share | worse by over 2 % |")
     print("|------|--------|------------|---------------------|----------------------------------------|-------------------|")
     print(summary("outside", of["outside"]))
     print(summary("left out", of["single"]))
     print(summary("both", rows))
-    print(summary("both, where the path follows from the state", [one for one in rows if one["effect"] not in NOT_TO_FORECAST]))
+    print(summary("both, where the path follows from the state", [one for one in rows if one["effect"] not in NOT_OF_THE_STATE]))
     print("\n| kind | effect | verdict | named | shapes | believed, mm | patched, mm | noise, mm | share | claimed |")
     print("|------|--------|---------|-------|--------|--------------|-------------|-----------|-------|---------|")
     for one in rows:

@@ -1,8 +1,8 @@
 //! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
 //!
 //! Its layers, each of which uses only those before it: `config`, `rig`, `flight` and `fmu`, `log` and `mqtt`,
-//! `analysis`, `report`, `commands`, and `program` and `library` on top. Public is what the binary, the Python package, the FMU, the
-//! fuzz targets and the book use.
+//! `analysis`, `report`, `commands`, and `program` and `library` on top. Public is what the binary, the Python package,
+//! the FMU, the fuzz targets and the book use.
 
 // The modules are private: in them, `pub` is for the other modules, and their documentation is for developers.
 #![allow(unreachable_pub, rustdoc::private_intra_doc_links)]

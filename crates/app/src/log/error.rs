@@ -81,9 +81,9 @@ pub enum LogError {
         advice: &'static str,
     },
     /// An MCAP file of another program, of which no channel can be read.
-    #[error("{} is an MCAP file of another program, and none of its channels can be read: {channels}; read are JSON, and \
-        ROS 2 messages in CDR of the standard types of numbers (std_msgs, geometry_msgs, JointState, Range, Temperature): \
-        record such a topic, or export the topic as CSV", path.display())]
+    #[error("{} is an MCAP file of another program, and none of its channels can be read: {channels}; read are JSON, \
+        and ROS 2 messages in CDR of the standard types of numbers (std_msgs, geometry_msgs, JointState, Range, \
+        Temperature): record such a topic, or export the topic as CSV", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,

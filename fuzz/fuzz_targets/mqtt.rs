@@ -1,11 +1,8 @@
 //! Any messages on any topics: refused with a short printable reason, or obeyed within the limits of the config.
 #![no_main]
 
-use airball::fuzzing::{
-    Asked, Experiment, ORIGINAL_SETPOINT, Orders, Pilot, Seen, Signals, Tables, Topics, parse_message,
-};
+use airball::fuzzing::{Asked, Experiment, ORIGINAL_SETPOINT, Orders, Pilot, Seen, Tables, Topics, parse_message};
 use control::Duty;
-use control::regulator::Regulator;
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 
@@ -14,16 +11,8 @@ static TABLES: LazyLock<Tables> =
 
 /// The project's pilot, made once: a flight begins with a copy.
 static PILOT: LazyLock<Pilot> = LazyLock::new(|| {
-    let tables = &*TABLES;
-    let controllers = tables.controller.clone().expect("controllers");
-    Pilot::new(Orders {
-        regulator: Regulator::new(controllers, tables.observer.as_ref(), 0.02).expect("a regulator"),
-        compensation: tables.compensation.clone().expect("a compensation"),
-        safety: tables.safety.expect("limits"),
-        experiment: Experiment::of_reference(tables.reference.as_ref().expect("a reference")),
-        reading_period_s: 0.02,
-        signals: Signals::default(),
-    })
+    let experiment = Experiment::of_reference(TABLES.reference.as_ref().expect("a reference"));
+    Pilot::new(Orders::of(&TABLES, experiment).expect("orders"))
 });
 
 const TOPICS: [&str; 8] = [

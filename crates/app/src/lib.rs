@@ -35,7 +35,7 @@ pub mod fuzzing {
     pub use crate::config::{Tables, parse_text};
     /// A programme, and the pilot that flies it.
     pub use crate::flight::experiment::Experiment;
-    pub use crate::flight::pilot::{Orders, Pilot, Seen, Signals};
+    pub use crate::flight::pilot::{Orders, Pilot, Seen};
     /// Foreign records, and the logs of flights: read, recovered, written again, exported and summarised.
     pub use crate::log::export::csv as export_csv;
     pub use crate::log::flight::parse as parse_flight;

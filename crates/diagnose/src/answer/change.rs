@@ -186,9 +186,8 @@ struct Number {
 
 fn numbers(entries: &[&'static Entry]) -> Vec<Number> {
     let base = BASE.into_iter().map(|one| {
-        let is_noise = matches!(one, Parameter::SensorNoise | Parameter::AirNoise);
         let of = Box::new(move |model: &Model| one.value(model).unwrap_or(f64::NAN));
-        Number { table: if is_noise { "noise" } else { "" }, key: one.key(), of }
+        Number { table: if one.is_noise() { "noise" } else { "" }, key: one.key(), of }
     });
     let of_effect = |entry: &&'static Entry| {
         let entry = *entry;

@@ -12,7 +12,7 @@ use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
 use crate::fit::bounds::{Bounds, Impossible};
 use crate::fit::estimate::Fit;
-use crate::fit::intervals::{Reach, reaches};
+use crate::fit::intervals::Reach;
 use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::Closed;
 use crate::mistakes::mistakes;
@@ -50,6 +50,8 @@ pub struct Diagnosis {
     pub mended: Fit,
     /// The belief with refitted parameters and the effects that were found.
     pub(crate) with_effects: Fit,
+    /// The mended models of held-out forecasts: each fitted without a fold.
+    pub(crate) without_each_fold: Vec<Model>,
     /// Held-out forecast errors: nominal, refitted, mended.
     pub gaps: [Gap; 3],
     /// The held-out errors as believed, refitted, and with each effect added in turn.
@@ -102,7 +104,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
     let ladder = &mending.ladder;
-    add_odds(&mut found, ladder, &mending.matched);
+    add_odds(&mut found, &mending);
     let verdict = if answers { verdict(&found, ladder, &mending.gaps) } else { Verdict::InsufficientData };
     let rest = Rest {
         share: ladder.named_share.map(|share| 1.0 - share),
@@ -110,9 +112,8 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         matters: answers && rest_matters(&ladder.end),
     };
     let Selection { effects, rounds, fit: with_effects, misfit, .. } = found;
-    let reaches = reaches(&search.problem, &mending.fit, &mending.formula);
     let ladder = mending.rungs();
-    let Mending { formula, fit: mended, gaps, closed, .. } = mending;
+    let Mending { formula, fit: mended, without_each_fold, reaches, gaps, closed, .. } = mending;
     let closed = closed.filter(|_| answers);
     Diagnosis {
         verdict,
@@ -122,6 +123,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         refitted,
         mended,
         with_effects,
+        without_each_fold,
         gaps,
         rest,
         ladder,

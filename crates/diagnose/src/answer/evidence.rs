@@ -1,16 +1,17 @@
 //! The evidence for each named effect, and its probability.
 
 use crate::answer::diagnosis::Diagnosis;
-use crate::answer::ladder::Ladder;
+use crate::answer::mending::Mending;
 use crate::select::odds::Evidence;
 use crate::select::posterior::{Scored, chances};
 use crate::select::stepwise::{Change, Selection, is_random_force};
-use plant::{Changes, Entry};
+use plant::Changes;
 
-/// Adds the evidence for each named effect, and the probability that follows from it. `matched`: those that a shape of
-/// a formula could stand for.
-pub(super) fn add_odds(found: &mut Selection, ladder: &Ladder, matched: &[&Entry]) {
-    let rest_nats = found.misfit.joint_nats();
+/// Adds the evidence for each named effect, and the probability that follows from it.
+pub(super) fn add_odds(found: &mut Selection, mending: &Mending) {
+    let Mending { ladder, matched, .. } = mending;
+    // A gain by forecasts allows for the residual by the weight of a reading.
+    let rest_nats = if mending.by_forecasts { 0.0 } else { found.misfit.joint_nats() };
     for (k, named) in found.effects.iter_mut().enumerate() {
         let entry = named.candidate.entry;
         let dropped = ladder.dropped.get(k).copied().unwrap_or_default();

@@ -3,13 +3,15 @@
 use crate::answer::ladder::{Ladder, Rung};
 use crate::answer::verdict::rest_matters;
 use crate::fit::estimate::Fit;
+use crate::fit::intervals::{Reach, reaches};
 use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::Closed;
+use crate::select::by_forecasts::ByForecasts;
 use crate::select::forecast::{best_forecast, forecasts_better};
 use crate::select::formula::{Formula, formula};
 use crate::select::search::Search;
 use crate::select::stepwise::Selection;
-use plant::{Definition, Entry};
+use plant::{Definition, Entry, Model};
 
 /// The mended model, and how it was reached.
 pub(super) struct Mending {
@@ -23,6 +25,12 @@ pub(super) struct Mending {
     rung: Option<Rung>,
     /// The mended model.
     pub(super) fit: Fit,
+    /// The models of its held-out forecasts: each fitted without a fold.
+    pub(super) without_each_fold: Vec<Model>,
+    /// The uncertainty of its parameters.
+    pub(super) reaches: Vec<Reach>,
+    /// Whether it was found and fitted by forecasts.
+    pub(super) by_forecasts: bool,
     /// Held-out forecast errors: nominal, refitted, mended.
     pub(super) gaps: [Gap; 3],
     /// Share of the gap at 1 s that the mended model closes.
@@ -30,9 +38,21 @@ pub(super) struct Mending {
 }
 
 impl Mending {
-    /// Mends the refitted belief. With `incomplete`, a significant residual remains. Where a formula is asked for, the
-    /// residual gets one if it matters and has one, and the effects that it makes redundant are removed from `found`.
+    /// Mends the refitted belief. With `incomplete`, a significant residual remains: then the search by forecasts may take
+    /// the place of `found`, with fits of its own.
     pub(super) fn of(search: &Search<'_>, refitted: &Fit, found: &mut Selection, incomplete: bool) -> Self {
+        let better = if incomplete { ByForecasts::where_better(search, refitted, found) } else { None };
+        let Some((by_forecasts, again)) = better else { return Self::by(search, refitted, found, incomplete) };
+        *found = again;
+        let mut mending = Self::by(&by_forecasts.search(search), &by_forecasts.refitted, found, incomplete);
+        mending.fit = by_forecasts.with_noise(search, mending.fit);
+        found.fit = by_forecasts.with_noise(search, found.fit.clone());
+        mending
+    }
+
+    /// Mends the refitted belief by the criterion of `search`. Where a formula is asked for, a residual that matters gets
+    /// one if it has one, and the effects that it makes redundant are removed from `found`.
+    fn by(search: &Search<'_>, refitted: &Fit, found: &mut Selection, incomplete: bool) -> Self {
         let mut ladder = Ladder::of(search, refitted, found);
         let tried = if incomplete && search.formula { beyond(search, &ladder, found) } else { None };
         let matched = tried.as_ref().map(|tried| tried.matched.clone()).unwrap_or_default();
@@ -52,7 +72,11 @@ impl Mending {
         let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
         let fit = mended.fit.clone();
         let formula = formula.map(|formula| formula.shapes).unwrap_or_default();
-        Self { ladder, matched, formula, rung, fit, gaps, closed }
+        let reaches = reaches(&search.problem, &fit, &formula);
+        let without_each_fold = search.problem.without_each_fold(&fit);
+        let without_each_fold = without_each_fold.iter().map(|model| search.forecasting(model)).collect();
+        let by_forecasts = search.is_by_forecasts();
+        Self { ladder, matched, formula, rung, fit, without_each_fold, reaches, by_forecasts, gaps, closed }
     }
 
     /// All rungs, the lowest first.

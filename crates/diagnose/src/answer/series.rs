@@ -40,8 +40,7 @@ impl Series {
         let recording = Prepared::of(recordings.as_ref(), belief).recording.into_owned();
         let folds = Folds::new(belief, &recording);
         let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
-        let models = problem.without_each_fold(&found.mended);
-        let runs = models.par_iter().enumerate().flat_map_iter(|(fold, model)| {
+        let runs = found.without_each_fold.par_iter().enumerate().flat_map_iter(|(fold, model)| {
             let runs = free_runs(model, &recording).into_iter();
             runs.filter(|run| folds.of(run.row) == Some(fold)).collect::<Vec<_>>()
         });

@@ -51,6 +51,13 @@ pub(crate) struct Reading {
 }
 
 impl Innovation {
+    /// Counts the reading by this much.
+    pub(crate) fn weigh(&mut self, by: f64) {
+        for number in [&mut self.weight, &mut self.standardised, &mut self.variance_score, &mut self.log_density] {
+            *number *= by;
+        }
+    }
+
     /// The innovation of a reading with this expectation and variance.
     pub(crate) fn of(reading: Reading, expected_mm: f64, variance_mm2: f64) -> Self {
         let deviation = variance_mm2.sqrt();

@@ -6,7 +6,6 @@
 //! ```
 
 use crate::filter::innovation::Innovation;
-use crate::filter::track::innovations;
 use crate::fit::estimate::{Fit, Point, Problem};
 use crate::fit::parameter::{Parameter, Prior};
 use crate::record::folds::Folds;
@@ -94,7 +93,7 @@ impl Problem<'_> {
             if let Some(known) = known.by(parameter) {
                 return known.clone();
             }
-            let nudged = innovations(&parameter.stepped(model, DIFFERENCE), self.recording);
+            let nudged = self.innovations(&parameter.stepped(model, DIFFERENCE));
             let of_density = parameter.is_of_the_density();
             let both = here.iter().zip(&nudged);
             both.map(|(here, there)| derivative(here, there, of_density)).collect()

@@ -246,8 +246,18 @@ impl Problem<'_> {
         if self.prior == Prior::Belief { prior(parameters, model, self.belief) } else { 0.0 }
     }
 
+    /// The innovations of the readings under `model`, weighted.
+    pub(super) fn innovations(&self, model: &Model) -> Vec<Innovation> {
+        let mut all = innovations(model, self.recording);
+        let weight = self.folds.weight();
+        if weight < 1.0 {
+            all.iter_mut().for_each(|one| one.weigh(weight));
+        }
+        all
+    }
+
     fn point(&self, model: Model, parameters: &[Parameter]) -> Point {
-        let innovations = innovations(&model, self.recording);
+        let innovations = self.innovations(&model);
         let likelihood: f64 =
             innovations.iter().filter(|s| self.folds.of(s.row).is_some()).map(|s| s.log_density).sum();
         let total = likelihood + self.log_prior(parameters, &model);

@@ -4,7 +4,6 @@
 //! Source: Stone, "Cross-validatory choice and assessment of statistical predictions", JRSS B 36 (1974).
 
 use crate::filter::innovation::Innovation;
-use crate::filter::track::innovations;
 use crate::fit::estimate::{Fit, GAIN_ENOUGH, Problem, SHORTER};
 use crate::record::folds::Folds;
 use plant::Model;
@@ -57,7 +56,7 @@ impl Problem<'_> {
     /// The log-likelihood of each fold under `model`, without a fit, nats.
     #[must_use]
     pub fn by_fold(&self, model: &Model) -> LogLikByFold {
-        self.of_each_fold(&innovations(model, self.recording))
+        self.of_each_fold(&self.innovations(model))
     }
 
     fn of_each_fold(&self, innovations: &[Innovation]) -> LogLikByFold {

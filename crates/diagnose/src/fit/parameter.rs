@@ -27,6 +27,8 @@ pub enum Parameter {
     SensorNoise,
     /// `noise.acceleration_psd_mm2_per_s3`, as a ratio.
     AirNoise,
+    /// Both noises, as one ratio of standard deviations: the filter keeps its bandwidth. See [`mod@crate::select::by_forecasts`].
+    NoiseLevel,
     /// A parameter of an effect that is on.
     Effect {
         /// The effect.
@@ -90,6 +92,7 @@ impl Parameter {
             Self::Hover => Some((1.0, 1.0)),
             Self::SensorNoise => Some((0.02, 10.0)),
             Self::AirNoise => Some((0.1, 10.0)),
+            Self::NoiseLevel => None,
             Self::Effect { size, .. } => {
                 let believed = self.value(belief)?;
                 Some((EFFECT_KNOWN * believed.abs().max(0.1 * size) / size, 1.0))
@@ -105,7 +108,9 @@ impl Parameter {
             Self::Gain => (model.gain_mm_per_s2_per_percent / belief.gain_mm_per_s2_per_percent).ln(),
             Self::Drag => ((model.drag_per_s + LINEAR_DRAG) / (belief.drag_per_s + LINEAR_DRAG)).ln(),
             Self::Hover => (model.hover_duty_percent - belief.hover_duty_percent) / 0.1,
-            Self::SensorNoise => ratio(model.noise.sensor_mm, belief.noise.sensor_mm, LEAST_SENSOR_MM),
+            Self::SensorNoise | Self::NoiseLevel => {
+                ratio(model.noise.sensor_mm, belief.noise.sensor_mm, LEAST_SENSOR_MM)
+            }
             Self::AirNoise => {
                 let psd = |model: &Model| model.noise.acceleration_psd_mm2_per_s3;
                 ratio(psd(model), psd(belief), LEAST_AIR)
@@ -123,7 +128,7 @@ impl Parameter {
             Self::Gain => Some(model.gain_mm_per_s2_per_percent),
             Self::Drag => Some(model.drag_per_s),
             Self::Hover => Some(model.hover_duty_percent),
-            Self::SensorNoise => Some(model.noise.sensor_mm),
+            Self::SensorNoise | Self::NoiseLevel => Some(model.noise.sensor_mm),
             Self::AirNoise => Some(model.noise.acceleration_psd_mm2_per_s3),
             Self::Effect { entry, index, .. } => model.effects.values(entry.name)?.get(index).copied(),
         }
@@ -136,7 +141,7 @@ impl Parameter {
             Self::Gain => "gain_mm_per_s2_per_percent",
             Self::Drag => "drag_per_s",
             Self::Hover => "hover_duty_percent",
-            Self::SensorNoise => "sensor_mm",
+            Self::SensorNoise | Self::NoiseLevel => "sensor_mm",
             Self::AirNoise => "acceleration_psd_mm2_per_s3",
             Self::Effect { .. } => self.param().map_or("", |param| param.name),
         }
@@ -148,7 +153,7 @@ impl Parameter {
             Self::Gain => Some(&Model::GAIN),
             Self::Drag => Some(&Model::DRAG),
             Self::Hover => Some(&Model::HOVER),
-            Self::SensorNoise | Self::AirNoise => None,
+            Self::SensorNoise | Self::AirNoise | Self::NoiseLevel => None,
             Self::Effect { entry, index, .. } => entry.params.get(index),
         }
     }
@@ -166,7 +171,7 @@ impl Parameter {
             Self::Gain => model.gain_mm_per_s2_per_percent = value,
             Self::Drag => model.drag_per_s = value,
             Self::Hover => model.hover_duty_percent = value,
-            Self::SensorNoise => model.noise.sensor_mm = value,
+            Self::SensorNoise | Self::NoiseLevel => model.noise.sensor_mm = value,
             Self::AirNoise => model.noise.acceleration_psd_mm2_per_s3 = value,
             Self::Effect { entry: Entry { name, .. }, index, .. } => {
                 let mut values = model.effects.values(name).unwrap_or_default();
@@ -204,6 +209,11 @@ impl Parameter {
     pub(crate) fn entry(self) -> Option<&'static Entry> {
         let Self::Effect { entry, .. } = self else { return None };
         Some(entry)
+    }
+
+    /// Whether it is a level of noise, which moves no forecast.
+    pub(crate) fn is_noise(self) -> bool {
+        matches!(self, Self::SensorNoise | Self::AirNoise | Self::NoiseLevel)
     }
 
     /// Whether it changes the density of a reading, rather than its expectation or variance.
@@ -245,6 +255,10 @@ impl Parameter {
             }
             Self::Hover => model.hover_duty_percent += 0.1 * by,
             Self::SensorNoise => model.noise.sensor_mm = scaled(model.noise.sensor_mm, LEAST_SENSOR_MM),
+            Self::NoiseLevel => {
+                model.noise.sensor_mm = scaled(model.noise.sensor_mm, LEAST_SENSOR_MM);
+                model.noise.acceleration_psd_mm2_per_s3 *= ratio * ratio;
+            }
             Self::AirNoise => {
                 let psd = &mut model.noise.acceleration_psd_mm2_per_s3;
                 *psd = scaled(*psd, LEAST_AIR);

@@ -201,7 +201,7 @@ const fn key(parameter: Parameter) -> Option<&'static str> {
         Parameter::Gain => Some("gain_mm_per_s2_per_percent"),
         Parameter::Drag => Some("drag_per_s"),
         Parameter::Hover => Some("hover_duty_percent"),
-        Parameter::SensorNoise | Parameter::AirNoise => None,
+        Parameter::SensorNoise | Parameter::AirNoise | Parameter::NoiseLevel => None,
         Parameter::Effect { .. } => Some("fan_lag.time_constant_s"),
     }
 }

@@ -12,9 +12,10 @@ use plant::Model;
 const STRETCH_S: f64 = 5.0;
 
 /// The stretch of every row; it determines the row's fold.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Folds {
     stretches: Vec<Option<usize>>,
+    weight: f64,
 }
 
 impl Folds {
@@ -37,14 +38,25 @@ impl Folds {
                 .extend(rows.iter().zip(&counts[flight.clone()]).map(|(s, counts)| counts.then(|| stretch(s.time_s))));
             first = rows.last().map_or(first, |last| stretch(last.time_s) + 1);
         }
-        Self { stretches }
+        Self { stretches, weight: 1.0 }
     }
 
     /// The same folds without the rows for which `keep` is false.
     #[must_use]
     pub(crate) fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
         let kept = self.stretches.iter().enumerate().map(|(row, stretch)| stretch.filter(|_| keep(row)));
-        Self { stretches: kept.collect() }
+        Self { stretches: kept.collect(), weight: self.weight }
+    }
+
+    /// The same folds with this weight of every reading.
+    #[must_use]
+    pub(crate) fn weighted(&self, weight: f64) -> Self {
+        Self { weight, ..self.clone() }
+    }
+
+    /// The weight of every reading.
+    pub(crate) fn weight(&self) -> f64 {
+        self.weight
     }
 
     /// The stretch of a row; `None` if the row does not count.

@@ -16,7 +16,7 @@ use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
-use crate::select::screening::{FIRST, Screened, screen};
+use crate::select::screening::{Screened, first, screen};
 use crate::select::search::Search;
 use crate::thresholds::{
     BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, SECOND_EFFECT,
@@ -42,7 +42,7 @@ pub struct Candidate {
 /// Tests every effect that `so_far` lacks: the candidates, the best first, and the scores of all effects.
 pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, Vec<Scored>) {
     let before = search.problem.held_out(so_far);
-    let known = search.problem.sensitivities_of(so_far, &FIRST);
+    let known = search.problem.sensitivities_of(so_far, &first(search));
     let entries = search.entries();
     search.plan(entries.len());
     let screened = entries.par_iter().filter_map(|entry| search.planned(|| screen(search, so_far, &known, entry)));

@@ -5,6 +5,7 @@
 //! 1 s. A model takes the place of a simpler one where it is better in the mean of the stretches by more than chance.
 
 use crate::fit::estimate::{Fit, Problem};
+use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::select::search::Search;
 use crate::thresholds::BETTER_FORECAST;
@@ -21,14 +22,18 @@ pub(crate) struct Evaluated {
 
 impl Evaluated {
     pub(crate) fn of(search: &Search<'_>, fit: Fit) -> Self {
-        let errors = held_out(search, &fit, |_| ());
+        let errors = held_out(search, &fit, |model| *model = search.forecasting(model));
         let log_likelihood = search.held_out_total(&fit);
         Self { fit, errors, log_likelihood }
     }
 
     /// The belief, of which nothing is fitted.
     pub(crate) fn belief(search: &Search<'_>) -> Self {
-        let fit = search.problem.fit(search.problem.belief, &[]);
+        let belief = search.problem.belief;
+        let fit = match search.slow_noise() {
+            Some(noise) => search.problem.fit(&Model { noise, ..belief.clone() }, &[Parameter::NoiseLevel]),
+            None => search.problem.fit(belief, &[]),
+        };
         let log_likelihood = search.held_out_total(&fit);
         Self { errors: of_belief(search), fit, log_likelihood }
     }

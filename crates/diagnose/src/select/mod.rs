@@ -1,8 +1,10 @@
 //! Which effect explains the gap: candidates, screening, stepwise selection and ranking.
 
 pub(crate) mod believed;
+pub(crate) mod by_forecasts;
 pub(crate) mod candidates;
 pub(crate) mod duty_step_scan;
+pub(crate) mod elimination;
 pub(crate) mod forecast;
 pub(crate) mod formula;
 pub(crate) mod initial_values;

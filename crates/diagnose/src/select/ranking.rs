@@ -52,7 +52,9 @@ fn best_without(search: &Search<'_>, effect: &Entry, fit: &Fit, on_the_way: &[Fi
 
 /// Mean square of the forecast errors 1 s ahead, mm²; 0 if the record is too short, so that all are equal.
 fn square_at_1_s(search: &Search<'_>, model: &Model) -> f64 {
-    let gap = Gap::measure_where(model, search.problem.recording, &|row| search.problem.folds.counts(row));
+    let gap = Gap::measure_where(&search.forecasting(model), search.problem.recording, &|row| {
+        search.problem.folds.counts(row)
+    });
     gap.error_mm[2].map_or(0.0, |error_mm| error_mm.powi(2))
 }
 

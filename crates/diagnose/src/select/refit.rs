@@ -35,7 +35,8 @@ pub(crate) fn with_other_sizes(search: &Search<'_>, fit: Fit) -> Fit {
         let neutral = entry.neutral(&fit.model);
         let other: Vec<f64> =
             values.iter().zip(&neutral).map(|(v, neutral)| neutral + factor * (v - neutral)).collect();
-        let mut model = Model { noise: search.problem.belief.noise, ..fit.model.clone() };
+        let noise = if search.is_by_forecasts() { fit.model.noise } else { search.problem.belief.noise };
+        let mut model = Model { noise, ..fit.model.clone() };
         model.effects.set(entry.name, &other);
         search.problem.fit_briefly(&model, &fit.parameters, STEPS_FROM_OTHER_SIZES)
     });

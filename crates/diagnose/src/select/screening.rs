@@ -21,7 +21,10 @@ const COST_OF_A_NUMBER: f64 = 1.5;
 const STUCK: f64 = 10.0;
 const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
 /// Parameters that the screening fits besides those of the effect.
-pub(crate) const FIRST: [Parameter; 4] = [Parameter::Gain, Parameter::Drag, Parameter::Hover, Parameter::AirNoise];
+pub(crate) fn first(search: &Search<'_>) -> [Parameter; 4] {
+    let noise = if search.is_by_forecasts() { Parameter::NoiseLevel } else { Parameter::AirNoise };
+    [Parameter::Gain, Parameter::Drag, Parameter::Hover, noise]
+}
 
 /// Initial values of the fit of an effect, and their log-likelihood by fold.
 struct InitialPoint {
@@ -73,7 +76,7 @@ pub(crate) fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<
     Some((model, kept.copied().chain(parameters_of_effect(entry, values)).collect()))
 }
 
-/// Screens an effect; `known`: the derivatives by [`FIRST`] at the fit so far. With little noise, initial values far
+/// Screens an effect; `known`: the derivatives by [`first`] at the fit so far. With little noise, initial values far
 /// above the true ones lie thousands of nats below a gain of 0, and no step leads to the maximum. Then smaller initial
 /// values are tried.
 pub(crate) fn screen(
@@ -122,7 +125,7 @@ fn screen_from(
     }
     let screened = from.into_iter().map(|InitialPoint { place, model: start, parameters, .. }| {
         let own = parameters.iter().filter(|parameter| !so_far.parameters.contains(parameter));
-        let few: Vec<Parameter> = FIRST.into_iter().chain(own.copied()).collect();
+        let few: Vec<Parameter> = first(search).into_iter().chain(own.copied()).collect();
         // The derivatives at the fit do not hold at other base parameters.
         let known = if *place == 0 { known } else { &NONE_KNOWN };
         let (model, total) = search.problem.fit_briefly_with(known, start, &few, STEPS);

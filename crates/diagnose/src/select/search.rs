@@ -6,7 +6,7 @@ use crate::options::{Options, Progress, ProgressStep};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
 use crate::thresholds::FAR_FROM_BELIEF;
-use plant::{Effects, Entry, Model};
+use plant::{Effects, Entry, Model, Noise};
 
 /// A record, a belief, the folds, and the options of the search.
 pub(crate) struct Search<'a> {
@@ -15,18 +15,20 @@ pub(crate) struct Search<'a> {
     /// Whether what no effect explains gets a formula.
     pub(crate) formula: bool,
     progress: Progress,
+    /// The noise of its filter, if that is not fitted: the search is by forecasts.
+    slow: Option<Noise>,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, options: &Options) -> Self {
         let problem = Problem { recording, belief, folds, prior: Prior::Belief };
         let Options { without, without_formula, progress } = options.clone();
-        Self { problem, without, formula: !without_formula, progress }
+        Self { problem, without, formula: !without_formula, progress, slow: None }
     }
 
     /// A search without options.
     pub(crate) fn of(problem: Problem<'a>) -> Self {
-        Self { problem, without: Vec::new(), formula: true, progress: Progress::default() }
+        Self { problem, without: Vec::new(), formula: true, progress: Progress::default(), slow: None }
     }
 
     /// The same search without the effects for which `is_left_out` holds.
@@ -39,7 +41,35 @@ impl<'a> Search<'a> {
             .filter(|entry| is_left_out(entry))
             .map(|entry| entry.name.to_owned());
         let without = self.without.iter().cloned().chain(more).collect();
-        Self { problem: self.problem, without, formula: self.formula, progress: self.progress.clone() }
+        Self { without, progress: self.progress.clone(), ..*self }
+    }
+
+    /// The same search by forecasts: with a filter of this noise, and readings of the weight that `folds` gives them.
+    pub(crate) fn by_forecasts<'b>(&'b self, folds: &'b Folds, noise: Noise) -> Search<'b> {
+        let problem = Problem { folds, ..self.problem };
+        Search { problem, slow: Some(noise), ..self.believing(self.problem.belief) }
+    }
+
+    /// The same search about another belief.
+    pub(crate) fn believing<'b>(&'b self, belief: &'b Model) -> Search<'b> {
+        let problem = Problem { belief, ..self.problem };
+        Search { problem, without: self.without.clone(), progress: self.progress.clone(), ..*self }
+    }
+
+    /// The noise of a filter by forecasts; `None`: the search is by likelihood.
+    pub(crate) fn slow_noise(&self) -> Option<Noise> {
+        self.slow
+    }
+
+    /// Whether the search is by forecasts.
+    pub(crate) fn is_by_forecasts(&self) -> bool {
+        self.slow.is_some()
+    }
+
+    /// The model that forecasts: of a search by forecasts, with the noise that the owner believes.
+    pub(crate) fn forecasting(&self, model: &Model) -> Model {
+        let noise = if self.is_by_forecasts() { self.problem.belief.noise } else { model.noise };
+        Model { noise, ..model.clone() }
     }
 
     /// The effects that may be named.
@@ -100,8 +130,7 @@ impl<'a> Search<'a> {
 
     /// Whether a fit moved the believed parameters further than owners are usually wrong.
     pub(crate) fn is_far(&self, fit: &Fit) -> bool {
-        let noise = [Parameter::SensorNoise, Parameter::AirNoise];
-        let moved: Vec<Parameter> = fit.parameters.iter().filter(|one| !noise.contains(one)).copied().collect();
+        let moved: Vec<Parameter> = fit.parameters.iter().filter(|one| !one.is_noise()).copied().collect();
         prior(&moved, &fit.model, self.problem.belief) < -FAR_FROM_BELIEF
     }
 }

@@ -5,6 +5,7 @@ use crate::fit::estimate::Fit;
 use crate::residual::misfit::Misfit;
 use crate::select::believed::changed;
 use crate::select::candidates::{Candidate, candidates};
+use crate::select::elimination::{backward_eliminate, eliminate_by_forecasts};
 use crate::select::odds::Evidence;
 use crate::select::posterior::Scored;
 use crate::select::ranking::rank;
@@ -100,6 +101,18 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     found
 }
 
+/// Adds further effects to those of a fit, until none explains more; then removes those that are not needed.
+pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEffect>) -> Selection {
+    let start = SoFar { fit, effects, rounds: Vec::new(), on_the_way: Vec::new(), beaten: None };
+    let mut found = stepwise_search(search, start).0;
+    let changes = found.effects.iter().take_while(|named| named.change == Change::Added).count();
+    let changes = found.effects.split_off(changes);
+    eliminate_by_forecasts(search, &mut found.effects, &mut found.fit);
+    rank(search, &mut found.effects, &found.fit, &found.on_the_way);
+    found.effects.extend(changes);
+    found
+}
+
 /// Whether an effect can follow any missing force.
 pub(crate) fn is_random_force(entry: &Entry) -> bool {
     entry.acts.follows_any_force()
@@ -120,21 +133,26 @@ struct SoFar {
 fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFar>) {
     let (mut so_far, mut before_random_force, mut misfit) = (start, None, None);
     // On a long record even a small misfit gains more than chance does, because no model is exact.
-    let long = (search.problem.recording.readings() as f64 / LONG).max(1.0).sqrt();
+    let readings = search.problem.recording.readings() as f64 * search.problem.folds.weight();
+    let long = (readings / LONG).max(1.0).sqrt();
     while so_far.effects.len() < MOST_EFFECTS && so_far.rounds.len() < MOST_SEARCHES {
-        let (named, scored) = best_addition(search, &so_far.fit, long * threshold_beside(&so_far.effects));
+        let needed = long * threshold_beside(search, &so_far.effects);
+        let (named, scored) = best_addition(search, &so_far.fit, needed);
         if named.as_ref().is_some_and(|named| is_random_force(named.candidate.entry)) {
             before_random_force = Some(so_far.clone());
         }
         let SoFar { fit, effects, rounds, on_the_way, beaten } = &mut so_far;
         rounds.push(scored);
         let Some(named) = named else { break };
-        let left = Misfit::of(&search.problem, fit, explained(effects));
-        if !effects.is_empty() && named.candidate.held_out_gain < SHARE_OF_OMITTED * left.omitted_in_full() {
-            misfit = Some(left);
-            break;
+        // The residual tests ask for white innovations, which a search by forecasts has not.
+        if !search.is_by_forecasts() {
+            let left = Misfit::of(&search.problem, fit, explained(effects));
+            if !effects.is_empty() && named.candidate.held_out_gain < SHARE_OF_OMITTED * left.omitted_in_full() {
+                misfit = Some(left);
+                break;
+            }
+            *beaten = left.beaten_by_omitted(named.candidate.entry.name, named.candidate.held_out_gain);
         }
-        *beaten = left.beaten_by_omitted(named.candidate.entry.name, named.candidate.held_out_gain);
         on_the_way.push(std::mem::replace(fit, named.candidate.fit.clone()));
         if named.candidate.entry.acts.changes != Changes::Path {
             *fit = with_other_sizes(search, fit.clone());
@@ -143,7 +161,9 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
         if effects.len() == 2 {
             refit_first(search, effects, fit, rounds);
         }
-        backward_eliminate(search, effects, fit);
+        if !search.is_by_forecasts() {
+            backward_eliminate(search, effects, fit);
+        }
     }
     let SoFar { mut fit, mut effects, rounds, on_the_way, beaten } = so_far;
     let last = effects.last().map(|named| named.candidate.entry.name);
@@ -175,7 +195,11 @@ fn explained(effects: &[NamedEffect]) -> Option<f64> {
 }
 
 /// Penalised gain that a further effect needs.
-fn threshold_beside(effects: &[NamedEffect]) -> f64 {
+fn threshold_beside(search: &Search<'_>, effects: &[NamedEffect]) -> f64 {
+    if search.is_by_forecasts() && !effects.is_empty() {
+        // The weight of a reading follows from what the form of the others leaves.
+        return SECOND_EFFECT;
+    }
     let form = SHARE_OF_EXPLAINED * explained(effects).unwrap_or(0.0);
     let is_coarse = |named: &NamedEffect| named.candidate.entry.start == Start::ReadingStep;
     match effects {
@@ -183,24 +207,6 @@ fn threshold_beside(effects: &[NamedEffect]) -> f64 {
         _ if effects.iter().any(is_coarse) => BESIDE_COARSE_READINGS.max(form),
         [_] => SECOND_EFFECT.max(form),
         _ => FURTHER_EFFECT.max(form),
-    }
-}
-
-/// Backward elimination of effects that an effect found later replaces.
-fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fit) {
-    if effects.len() < 2 {
-        return;
-    }
-    let (mut at, mut total) = (0, search.held_out_total(fit));
-    while effects.len() > 1 && at < effects.len() {
-        let without = search.removed(fit, effects[at].candidate.entry);
-        let total_without = search.held_out_total(&without);
-        if total - total_without < SECOND_EFFECT {
-            (*fit, total) = (without, total_without);
-            effects.remove(at);
-        } else {
-            at += 1;
-        }
     }
 }
 

@@ -57,10 +57,7 @@ impl FilterRun {
     /// Runs the filter of `fit` along the record. Only rows that are `judged` are scored.
     pub(crate) fn of(problem: &Problem<'_>, fit: Fit, judged: &dyn Fn(usize) -> bool) -> Self {
         let way = segments(&fit.model, problem.recording);
-        let own = fit
-            .parameters
-            .iter()
-            .filter(|parameter| !matches!(parameter, Parameter::SensorNoise | Parameter::AirNoise));
+        let own = fit.parameters.iter().filter(|parameter| !parameter.is_noise());
         let own = own.map(|parameter| moved(problem, &fit.model, *parameter, &way)).collect();
         let forms = forms_of_lags(&fit.model).map(|(model, late)| moved(problem, &model, late, &way)).collect();
         let known = known(problem, &fit, &way);

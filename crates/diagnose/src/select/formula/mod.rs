@@ -58,7 +58,7 @@ pub(crate) fn formula(
     let problem = search.problem;
     let all = shapes(&Signals::of(&problem, &refitted.fit)?);
     let belief = with_known(problem.belief, &all);
-    let search = &Search::of(Problem { belief: &belief, ..problem });
+    let search = &search.believing(&belief);
     let known = |of: &Evaluated| Evaluated {
         fit: Fit { model: with_known(&of.fit.model, &all), ..of.fit.clone() },
         errors: of.errors.clone(),
@@ -187,7 +187,7 @@ fn next_shape(
 fn places(search: &Search<'_>, so_far: &Fit) -> Vec<Fit> {
     let mut places = vec![so_far.clone()];
     if search.is_far(so_far) {
-        let noise = [Parameter::SensorNoise, Parameter::AirNoise];
+        let noise: Vec<Parameter> = so_far.parameters.iter().filter(|one| one.is_noise()).copied().collect();
         let believed = search.problem.fit(&search.with_believed_base(&so_far.model), &noise).model;
         places.push(search.problem.at(believed, &so_far.parameters));
     }

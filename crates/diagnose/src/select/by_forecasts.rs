@@ -1,0 +1,167 @@
+//! The search by forecasts: the same selection of effects with a filter so slow that its innovations are errors of
+//! forecasts.
+//!
+//! ```text
+//! ω⁴ = q/(r·Δt)          ω: bandwidth of the steady filter of a ball that a force of white noise moves
+//! 1/w = 1 + 2·Σ ρ_k      w: weight of a reading; ρ_k: autocorrelation of the innovations, up to the first below 0
+//! ```
+//!
+//! Where a model lacks something, the likelihood of the next reading raises the noise of the air, q, until the filter
+//! corrects the model within a few readings: what the model says beyond these no longer counts, and the fit may be
+//! useless for a forecast of a second. So ω is fixed instead, at 1/[`HORIZON_S`], and q and the variance r of a reading
+//! change by one factor: the innovations are then errors of forecasts about so far ahead. They are correlated, so that a
+//! reading tells less than it would alone: its log-likelihood is multiplied by w, the number of independent innovations
+//! per innovation. A right model has white innovations in a fast filter, and its likelihood is the better criterion; so
+//! this search takes its place only where its forecasts are better.
+//!
+//! Sources: Ljung, *System Identification*, section 3.2 (a horizon of prediction is a choice of the noise model); Bar-Shalom,
+//! Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 6.5 (the steady filter); Geyer,
+//! "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) (the sum of autocorrelations); Pauli, Racugno and
+//! Ventura, "Bayesian composite marginal likelihoods", Statistica Sinica 21 (2011) (the weight).
+
+use crate::fit::estimate::Fit;
+use crate::fit::parameter::Parameter;
+use crate::record::folds::Folds;
+use crate::select::elimination::eliminate_by_forecasts;
+use crate::select::forecast::{Evaluated, forecasts_better};
+use crate::select::screening::added;
+use crate::select::search::Search;
+use crate::select::stepwise::{Change, NamedEffect, Selection, is_random_force, select_further};
+use plant::{Changes, Entry, Model, Noise};
+
+/// Horizon of the forecasts, seconds. Beyond the velocity's memory, 1/drag, a forecast depends on forces alone; of
+/// rigs with drags of 0.3 to 4/s none forgets later. 1 s was tried: its fits have more local maxima.
+const HORIZON_S: f64 = 3.0;
+
+/// A search by forecasts that was made, and forecasts better than the one by likelihood.
+pub(crate) struct ByForecasts {
+    /// The folds with the weight of a reading.
+    folds: Folds,
+    /// The noise of the filter.
+    noise: Noise,
+    /// The belief, refitted.
+    pub(crate) refitted: Fit,
+    /// The model of the search by likelihood.
+    of_likelihood: Model,
+}
+
+impl ByForecasts {
+    /// The search by forecasts beside one by likelihood that found `found` on `refitted`, with what it finds. `None`: its
+    /// forecasts are not better than those of `refitted` and of `found` by more than chance.
+    pub(crate) fn where_better(search: &Search<'_>, refitted: &Fit, found: &Selection) -> Option<(Self, Selection)> {
+        let (by_forecasts, mut fit) = Self::beside(search, refitted, found);
+        let slow = by_forecasts.search(search);
+        let mut names: Vec<NamedEffect> = of_path(found).cloned().collect();
+        eliminate_by_forecasts(&slow, &mut names, &mut fit);
+        let again = select_further(&slow, fit, names);
+        let end = Evaluated::of(&slow, again.fit.clone());
+        let is_better = |fit: &Fit| forecasts_better(search, &end, &Evaluated::of(search, fit.clone()));
+        let better = [refitted, &found.fit].into_iter().all(is_better);
+        better.then(|| (by_forecasts, beside_scatter(again, found)))
+    }
+
+    /// The search before anything is selected, and the fit with the effects that were found by likelihood. The weight of a
+    /// reading follows from the residual beside these.
+    fn beside(search: &Search<'_>, refitted: &Fit, found: &Selection) -> (Self, Fit) {
+        let noise = slow_noise(search, refitted);
+        let unweighted = search.by_forecasts(search.problem.folds, noise);
+        let refitted = slow_fit(&unweighted, refitted, noise);
+        let with_names = with_names(&unweighted, refitted.clone(), found);
+        let folds = search.problem.folds.weighted(weight(search, &with_names));
+        let weighted = search.by_forecasts(&folds, noise).problem;
+        let [refitted, with_names] = [refitted, with_names].map(|fit| weighted.fit(&fit.model, &fit.parameters));
+        (Self { folds, noise, refitted, of_likelihood: found.fit.model.clone() }, with_names)
+    }
+
+    /// The search.
+    pub(crate) fn search<'a>(&'a self, search: &'a Search<'a>) -> Search<'a> {
+        search.by_forecasts(&self.folds, self.noise).without(|entry| !is_of_path(entry))
+    }
+
+    /// A fit by forecasts with the effects on the scatter of readings that were found by likelihood, and with noise that
+    /// is fitted to what then remains.
+    pub(crate) fn with_noise(&self, search: &Search<'_>, fit: Fit) -> Fit {
+        let mut model = Model { noise: self.of_likelihood.noise, ..fit.model };
+        for entry in self.of_likelihood.effects.present().into_iter().filter(|entry| is_scatter(entry)) {
+            model.effects.set(entry.name, &self.of_likelihood.effects.values(entry.name).unwrap_or_default());
+        }
+        let Fit { model, innovations, .. } = search.problem.fit(&model, &[Parameter::SensorNoise, Parameter::AirNoise]);
+        Fit { model, innovations, ..fit }
+    }
+}
+
+/// What was found by forecasts, with the effects that do not change the path as the search by likelihood found them. Its
+/// residual tests hold.
+fn beside_scatter(mut again: Selection, found: &Selection) -> Selection {
+    let is_kept = |named: &&NamedEffect| {
+        let entry = named.candidate.entry;
+        named.change == Change::Added && !is_of_path(entry) && !is_random_force(entry)
+    };
+    let kept: Vec<NamedEffect> = found.effects.iter().filter(is_kept).cloned().collect();
+    let added = again.effects.iter().take_while(|named| named.change == Change::Added).count();
+    again.effects.splice(added..added, kept);
+    again.misfit = found.misfit.clone();
+    again.rounds.splice(..0, found.rounds.iter().cloned());
+    again
+}
+
+/// Whether an effect changes the path of the ball or its reading, and is no random force.
+fn is_of_path(entry: &Entry) -> bool {
+    entry.acts.changes == Changes::Path && !is_random_force(entry)
+}
+
+/// Whether an effect changes the variance of readings alone.
+fn is_scatter(entry: &Entry) -> bool {
+    entry.acts.changes == Changes::Scatter && !is_random_force(entry)
+}
+
+/// The noise of a filter with the bandwidth of the horizon, for errors of the size that `fit` forecasts with.
+fn slow_noise(search: &Search<'_>, fit: &Fit) -> Noise {
+    let recording = search.problem.recording;
+    let period_s = recording.duration_s() / recording.readings().max(1) as f64;
+    let error_mm = Evaluated::of(search, fit.clone()).gap().error_mm[2].unwrap_or(0.0);
+    let sensor_mm = error_mm.max(fit.model.noise.sensor_mm);
+    Noise { sensor_mm, acceleration_psd_mm2_per_s3: HORIZON_S.powi(-4) * sensor_mm * sensor_mm * period_s }
+}
+
+/// A model without its effects on the variance of readings and its random forces, fitted by forecasts.
+fn slow_fit(slow: &Search<'_>, fit: &Fit, noise: Noise) -> Fit {
+    let mut model = Model { noise, ..fit.model.clone() };
+    let scatter: Vec<&Entry> = model
+        .effects
+        .present()
+        .into_iter()
+        .filter(|entry| entry.acts.changes == Changes::Scatter || is_random_force(entry))
+        .collect();
+    for entry in scatter {
+        model.effects.remove(entry.name);
+    }
+    let own = |one: &&Parameter| !one.is_noise() && one.entry().is_none_or(is_of_path);
+    let mut parameters: Vec<Parameter> = fit.parameters.iter().filter(own).copied().collect();
+    parameters.insert(parameters.iter().take_while(|one| one.entry().is_none()).count(), Parameter::NoiseLevel);
+    slow.problem.fit(&model, &parameters)
+}
+
+/// The added effects on the path.
+fn of_path(found: &Selection) -> impl Iterator<Item = &NamedEffect> {
+    found.effects.iter().filter(|named| named.change == Change::Added && is_of_path(named.candidate.entry))
+}
+
+/// A fit by forecasts with the effects on the path that were found by likelihood, added one by one.
+fn with_names(slow: &Search<'_>, refitted: Fit, found: &Selection) -> Fit {
+    of_path(found).map(|named| named.candidate.entry).fold(refitted, |fit, entry| {
+        let values = found.fit.model.effects.values(entry.name).unwrap_or_default();
+        added(&fit, entry, &values).map_or(fit, |(model, parameters)| slow.problem.fit(&model, &parameters))
+    })
+}
+
+/// The number of independent innovations per innovation.
+fn weight(search: &Search<'_>, fit: &Fit) -> f64 {
+    let counted = fit.innovations.iter().filter(|one| !one.repeat && search.problem.folds.counts(one.row));
+    let all: Vec<f64> = counted.map(|one| one.standardised).collect();
+    let product = |lag: usize| all.iter().zip(&all[lag..]).map(|(a, b)| a * b).sum::<f64>();
+    let power = product(0);
+    let correlations = (1..all.len() / 2).map(|lag| product(lag) / power).take_while(|correlation| *correlation > 0.0);
+    let sum = 1.0 + 2.0 * correlations.sum::<f64>();
+    if sum.is_finite() { 1.0 / sum } else { 1.0 }
+}

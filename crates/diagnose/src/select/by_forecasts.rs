@@ -66,7 +66,11 @@ impl ByForecasts {
         let noise = slow_noise(search, refitted);
         let unweighted = search.by_forecasts(search.problem.folds, noise);
         let refitted = slow_fit(&unweighted, refitted, noise);
-        let with_names = with_names(&unweighted, refitted.clone(), found);
+        // The likelihood of a slow filter has local maxima: the fit starts from both sides.
+        let together = slow_fit(&unweighted, &found.fit, noise);
+        let one_by_one = with_names(&unweighted, refitted.clone(), found);
+        let total = |fit: &Fit| unweighted.problem.total_of(fit);
+        let with_names = if total(&together) > total(&one_by_one) { together } else { one_by_one };
         let folds = search.problem.folds.weighted(weight(search, &with_names));
         let weighted = search.by_forecasts(&folds, noise).problem;
         let [refitted, with_names] = [refitted, with_names].map(|fit| weighted.fit(&fit.model, &fit.parameters));
@@ -155,13 +159,82 @@ fn with_names(slow: &Search<'_>, refitted: Fit, found: &Selection) -> Fit {
     })
 }
 
-/// The number of independent innovations per innovation.
+/// The weight of a reading: the number of independent innovations per innovation.
 fn weight(search: &Search<'_>, fit: &Fit) -> f64 {
     let counted = fit.innovations.iter().filter(|one| !one.repeat && search.problem.folds.counts(one.row));
-    let all: Vec<f64> = counted.map(|one| one.standardised).collect();
+    independent_share(&counted.map(|one| one.standardised).collect::<Vec<f64>>())
+}
+
+/// The number of independent ones per number of a series.
+fn independent_share(all: &[f64]) -> f64 {
     let product = |lag: usize| all.iter().zip(&all[lag..]).map(|(a, b)| a * b).sum::<f64>();
     let power = product(0);
     let correlations = (1..all.len() / 2).map(|lag| product(lag) / power).take_while(|correlation| *correlation > 0.0);
     let sum = 1.0 + 2.0 * correlations.sum::<f64>();
     if sum.is_finite() { 1.0 / sum } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ByForecasts, HORIZON_S, independent_share, slow_noise};
+    use crate::fit::parameter::Parameter;
+    use crate::options::Options;
+    use crate::record::folds::Folds;
+    use crate::select::refit::refitted;
+    use crate::select::search::Search;
+    use crate::select::stepwise::Selection;
+    use crate::tests_support::{model, record};
+
+    #[test]
+    fn a_reading_counts_by_the_integrated_autocorrelation_of_the_innovations() {
+        // A first-order autoregression has 1 + 2·Σρ^k = (1 + ρ)/(1 − ρ).
+        for rho in [0.0_f64, 0.5, 0.9] {
+            let (mut state, mut last) = (1_u64, 0.0);
+            let mut noise = || {
+                let uniform: f64 = (0..12)
+                    .map(|_| {
+                        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                        (state >> 11) as f64 / (1_u64 << 53) as f64
+                    })
+                    .sum();
+                uniform - 6.0
+            };
+            let series: Vec<f64> = (0..20_000)
+                .map(|_| {
+                    last = rho * last + noise();
+                    last
+                })
+                .collect();
+            let (found, expected) = (independent_share(&series), (1.0 - rho) / (1.0 + rho));
+            assert!((found / expected - 1.0).abs() < 0.2, "rho {rho}: {found}, expected {expected}");
+        }
+        assert_eq!(independent_share(&[0.0; 10]), 1.0);
+    }
+
+    #[test]
+    fn the_level_of_the_noise_leaves_the_bandwidth_of_the_filter() {
+        let (belief, recording) = (model(), record(&model(), 1, 12));
+        let folds = Folds::new(&belief, &recording);
+        let search = Search::new(&belief, &recording, &folds, &Options::default());
+        let period_s = recording.duration_s() / recording.readings() as f64;
+        let bandwidth =
+            |noise: plant::Noise| (noise.acceleration_psd_mm2_per_s3 / (noise.sensor_mm.powi(2) * period_s)).powf(0.25);
+        let noise = slow_noise(&search, &refitted(&search));
+        assert!((bandwidth(noise) * HORIZON_S - 1.0).abs() < 1e-12);
+        let louder = Parameter::NoiseLevel.stepped(&plant::Model { noise, ..belief.clone() }, 0.7).noise;
+        assert!((louder.sensor_mm / noise.sensor_mm - 0.7_f64.exp()).abs() < 1e-12);
+        assert!((bandwidth(louder) / bandwidth(noise) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_right_model_is_not_fitted_again_by_forecasts() {
+        for seed in 0..4 {
+            let (belief, recording) = (model(), record(&model(), seed, 40));
+            let folds = Folds::new(&belief, &recording);
+            let search = Search::new(&belief, &recording, &folds, &Options::default());
+            let refitted = refitted(&search);
+            let nothing = Selection::nothing(&search, &refitted);
+            assert!(ByForecasts::where_better(&search, &refitted, &nothing).is_none(), "seed {seed}");
+        }
+    }
 }

@@ -25,14 +25,15 @@ pub(crate) fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEff
     }
 }
 
-/// Removes effects without which the forecasts are not worse by more than chance; the gain of each of the others becomes
-/// what it gains beside them.
+/// Removes effects without which the forecasts are not worse, or no worse than by chance if they gain too little for a
+/// name; the gain of each of the others becomes what it gains beside them.
 pub(crate) fn eliminate_by_forecasts(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fit) {
     let mut with = Evaluated::of(search, fit.clone());
     for named in std::mem::take(effects).into_iter().rev() {
         let without = Evaluated::of(search, search.removed(&with.fit, named.candidate.entry));
-        if deviations_at_all_horizons(&without.errors, &with.errors) > BETTER_FORECAST {
-            let held_out_gain = with.log_likelihood - without.log_likelihood;
+        let held_out_gain = with.log_likelihood - without.log_likelihood;
+        let worse = deviations_at_all_horizons(&without.errors, &with.errors);
+        if worse > BETTER_FORECAST || (worse > 0.0 && held_out_gain >= SECOND_EFFECT) {
             effects.insert(0, NamedEffect { candidate: Candidate { held_out_gain, ..named.candidate }, ..named });
         } else {
             with = without;

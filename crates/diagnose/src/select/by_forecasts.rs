@@ -23,10 +23,11 @@ use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
 use crate::record::folds::Folds;
 use crate::select::elimination::eliminate_by_forecasts;
-use crate::select::forecast::{Evaluated, forecasts_better};
+use crate::select::forecast::{Evaluated, deviations_at_all_horizons, with_believed_noise};
 use crate::select::screening::added;
 use crate::select::search::Search;
 use crate::select::stepwise::{Change, NamedEffect, Selection, is_random_force, select_further};
+use crate::thresholds::BETTER_FORECAST;
 use plant::{Changes, Entry, Model, Noise};
 
 /// Horizon of the forecasts, seconds. Beyond the velocity's memory, 1/drag, a forecast depends on forces alone; of
@@ -54,8 +55,10 @@ impl ByForecasts {
         let mut names: Vec<NamedEffect> = of_path(found).cloned().collect();
         eliminate_by_forecasts(&slow, &mut names, &mut fit);
         let again = select_further(&slow, fit, names);
-        let end = Evaluated::of(&slow, again.fit.clone());
-        let is_better = |fit: &Fit| forecasts_better(search, &end, &Evaluated::of(search, fit.clone()));
+        // Each fit is held out by its own criterion.
+        let errors = with_believed_noise(&slow, &again.fit);
+        let is_better =
+            |fit: &Fit| deviations_at_all_horizons(&with_believed_noise(search, fit), &errors) > BETTER_FORECAST;
         let better = [refitted, &found.fit].into_iter().all(is_better);
         better.then(|| (by_forecasts, beside_scatter(again, found)))
     }
@@ -227,14 +230,17 @@ mod tests {
     }
 
     #[test]
-    fn a_right_model_is_not_fitted_again_by_forecasts() {
-        for seed in 0..4 {
-            let (belief, recording) = (model(), record(&model(), seed, 40));
+    fn forecasts_of_a_right_model_are_better_after_another_fit_by_chance_alone() {
+        let is_better = |seed: &u64| {
+            // A weighted fit leans more on the belief, which a right one would favour.
+            let belief = plant::Model { gain_mm_per_s2_per_percent: 280.0, ..model() };
+            let recording = record(&model(), *seed, 60);
             let folds = Folds::new(&belief, &recording);
             let search = Search::new(&belief, &recording, &folds, &Options::default());
             let refitted = refitted(&search);
-            let nothing = Selection::nothing(&search, &refitted);
-            assert!(ByForecasts::where_better(&search, &refitted, &nothing).is_none(), "seed {seed}");
-        }
+            ByForecasts::where_better(&search, &refitted, &Selection::nothing(&search, &refitted)).is_some()
+        };
+        // One in 20 is by chance; two of six are in 3 of 100 such tests.
+        assert!((0..6).filter(is_better).count() < 2);
     }
 }

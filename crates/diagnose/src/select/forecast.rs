@@ -51,7 +51,7 @@ impl Evaluated {
     /// The same, with the errors by noise alone: of the model with the noise that was fitted, or with the believed noise,
     /// whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
     pub(crate) fn gap_with_floor(&self, search: &Search<'_>) -> Gap {
-        let as_believed = held_out(search, &self.fit, |model| model.noise = search.problem.belief.noise);
+        let as_believed = with_believed_noise(search, &self.fit);
         self.gap().with_floor_at_most(&Tally::sum(as_believed.iter()).gap())
     }
 }
@@ -61,7 +61,7 @@ pub(crate) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize 
     let (mut least, mut best) = (models[0].errors.clone(), 0);
     for (at, model) in models.iter().enumerate().skip(1) {
         // A patch does not change the noise.
-        let errors = held_out(search, &model.fit, |model| model.noise = search.problem.belief.noise);
+        let errors = with_believed_noise(search, &model.fit);
         if deviations(&least, &errors) > BETTER_FORECAST {
             (least, best) = (errors, at);
         }
@@ -71,8 +71,13 @@ pub(crate) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize 
 
 /// Whether `these` forecasts are better than `those` in the mean of the stretches by more than chance.
 pub(crate) fn forecasts_better(search: &Search<'_>, this: &Evaluated, that: &Evaluated) -> bool {
-    let errors = |of: &Evaluated| held_out(search, &of.fit, |model| model.noise = search.problem.belief.noise);
+    let errors = |of: &Evaluated| with_believed_noise(search, &of.fit);
     deviations_at_all_horizons(&errors(that), &errors(this)) > BETTER_FORECAST
+}
+
+/// Held-out forecast errors of a fit, by stretch of the record, with the noise of the belief.
+pub(crate) fn with_believed_noise(search: &Search<'_>, fit: &Fit) -> Vec<Tally> {
+    held_out(search, fit, |model| model.noise = search.problem.belief.noise)
 }
 
 /// Forecast errors of the belief, by stretch of the record.

@@ -27,7 +27,7 @@ pub enum Parameter {
     SensorNoise,
     /// `noise.acceleration_psd_mm2_per_s3`, as a ratio.
     AirNoise,
-    /// Both noises, as one ratio of standard deviations: the filter keeps its bandwidth. See [`mod@crate::select::by_forecasts`].
+    /// Both noises, as one ratio of standard deviations: the filter keeps its bandwidth.
     NoiseLevel,
     /// A parameter of an effect that is on.
     Effect {

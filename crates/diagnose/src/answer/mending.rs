@@ -38,8 +38,8 @@ pub(super) struct Mending {
 }
 
 impl Mending {
-    /// Mends the refitted belief. With `incomplete`, a significant residual remains: then the search by forecasts may take
-    /// the place of `found`, with fits of its own.
+    /// Mends the refitted belief. With `incomplete`, a significant residual remains: then the search by forecasts may
+    /// take the place of `found`, with fits of its own.
     pub(super) fn of(search: &Search<'_>, refitted: &Fit, found: &mut Selection, incomplete: bool) -> Self {
         let better = if incomplete { ByForecasts::where_better(search, refitted, found) } else { None };
         let Some((by_forecasts, again)) = better else { return Self::by(search, refitted, found, incomplete) };
@@ -50,8 +50,8 @@ impl Mending {
         mending
     }
 
-    /// Mends the refitted belief by the criterion of `search`. Where a formula is asked for, a residual that matters gets
-    /// one if it has one, and the effects that it makes redundant are removed from `found`.
+    /// Mends the refitted belief by the criterion of `search`. Where a formula is asked for, a residual that matters
+    /// gets one if it has one, and the effects that it makes redundant are removed from `found`.
     fn by(search: &Search<'_>, refitted: &Fit, found: &mut Selection, incomplete: bool) -> Self {
         let mut ladder = Ladder::of(search, refitted, found);
         let tried = if incomplete && search.formula { beyond(search, &ladder, found) } else { None };
@@ -71,10 +71,9 @@ impl Mending {
         let closed = floor.and_then(|floor| Closed::of(belief, [belief, &mended.errors], floor));
         let gaps = [ladder.models[0].gap(), ladder.models[1].gap(), end];
         let fit = mended.fit.clone();
+        let without_each_fold = mended.without_each_fold.iter().map(|model| search.forecasting(model)).collect();
         let formula = formula.map(|formula| formula.shapes).unwrap_or_default();
         let reaches = reaches(&search.problem, &fit, &formula);
-        let without_each_fold = search.problem.without_each_fold(&fit);
-        let without_each_fold = without_each_fold.iter().map(|model| search.forecasting(model)).collect();
         let by_forecasts = search.is_by_forecasts();
         Self { ladder, matched, formula, rung, fit, without_each_fold, reaches, by_forecasts, gaps, closed }
     }

@@ -3,21 +3,21 @@
 //!
 //! ```text
 //! ω⁴ = q/(r·Δt)          ω: bandwidth of the steady filter of a ball that a force of white noise moves
-//! 1/w = 1 + 2·Σ ρ_k      w: weight of a reading; ρ_k: autocorrelation of the innovations, up to the first below 0
+//! 1/w = 1 + 2·Σ ρ_k      w: weight of a reading; 1/w: integrated autocorrelation time of the innovations, in readings,
+//!                        with ρ_k up to the first below 0
 //! ```
 //!
 //! Where a model lacks something, the likelihood of the next reading raises the noise of the air, q, until the filter
 //! corrects the model within a few readings: what the model says beyond these no longer counts, and the fit may be
 //! useless for a forecast of a second. So ω is fixed instead, at 1/[`HORIZON_S`], and q and the variance r of a reading
-//! change by one factor: the innovations are then errors of forecasts about so far ahead. They are correlated, so that a
-//! reading tells less than it would alone: its log-likelihood is multiplied by w, the number of independent innovations
-//! per innovation. A right model has white innovations in a fast filter, and its likelihood is the better criterion; so
+//! change by one factor: the innovations are then errors of forecasts about so far ahead. They are correlated, so the
+//! log-likelihood of a reading is multiplied by w, the effective sample size per reading. A right model has white innovations in a fast filter, and its likelihood is the better criterion; so
 //! this search takes its place only where its forecasts are better.
 //!
-//! Sources: Ljung, *System Identification*, section 3.2 (a horizon of prediction is a choice of the noise model); Bar-Shalom,
-//! Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 6.5 (the steady filter); Geyer,
-//! "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) (the sum of autocorrelations); Pauli, Racugno and
-//! Ventura, "Bayesian composite marginal likelihoods", Statistica Sinica 21 (2011) (the weight).
+//! Sources: Ljung, *System Identification*, section 3.2 (a horizon of prediction is a choice of the noise model);
+//! Bar-Shalom, Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 6.5 (the steady
+//! filter); Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) (the sum of autocorrelations);
+//! Pauli, Racugno and Ventura, "Bayesian composite marginal likelihoods", Statistica Sinica 21 (2011) (the weight).
 
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
@@ -47,37 +47,38 @@ pub(crate) struct ByForecasts {
 }
 
 impl ByForecasts {
-    /// The search by forecasts beside one by likelihood that found `found` on `refitted`, with what it finds. `None`: its
-    /// forecasts are not better than those of `refitted` and of `found` by more than chance.
+    /// The search by forecasts beside one by likelihood that found `found` on `refitted`, with what it finds. `None`:
+    /// its forecasts are not better than those of `refitted` and of `found` by more than chance.
     pub(crate) fn where_better(search: &Search<'_>, refitted: &Fit, found: &Selection) -> Option<(Self, Selection)> {
         let (by_forecasts, mut fit) = Self::beside(search, refitted, found);
         let slow = by_forecasts.search(search);
         let mut names: Vec<NamedEffect> = of_path(found).cloned().collect();
         eliminate_by_forecasts(&slow, &mut names, &mut fit);
-        let again = select_further(&slow, fit, names);
+        let again = select_further(&slow, fit, names, &found.misfit);
         // Each fit is held out by its own criterion.
-        let errors = with_believed_noise(&slow, &again.fit);
-        let is_better =
-            |fit: &Fit| deviations_at_all_horizons(&with_believed_noise(search, fit), &errors) > BETTER_FORECAST;
+        let errors = |of: &Search<'_>, fit: &Fit| with_believed_noise(of, &of.problem.without_each_fold(fit));
+        let end = errors(&slow, &again.fit);
+        let is_better = |fit: &Fit| deviations_at_all_horizons(&errors(search, fit), &end) > BETTER_FORECAST;
         let better = [refitted, &found.fit].into_iter().all(is_better);
         better.then(|| (by_forecasts, beside_scatter(again, found)))
     }
 
-    /// The search before anything is selected, and the fit with the effects that were found by likelihood. The weight of a
-    /// reading follows from the residual beside these.
+    /// The search before anything is selected, and the fit with the effects that were found by likelihood. The weight of
+    /// a reading follows from the residual beside these.
     fn beside(search: &Search<'_>, refitted: &Fit, found: &Selection) -> (Self, Fit) {
         let noise = slow_noise(search, refitted);
         let unweighted = search.by_forecasts(search.problem.folds, noise);
         let refitted = slow_fit(&unweighted, refitted, noise);
         // The likelihood of a slow filter has local maxima: the fit starts from both sides.
         let together = slow_fit(&unweighted, &found.fit, noise);
-        let one_by_one = with_names(&unweighted, refitted.clone(), found);
+        let one_by_one = with_found_effects(&unweighted, refitted.clone(), found);
         let total = |fit: &Fit| unweighted.problem.total_of(fit);
-        let with_names = if total(&together) > total(&one_by_one) { together } else { one_by_one };
-        let folds = search.problem.folds.weighted(weight(search, &with_names));
+        let with_found_effects = if total(&together) > total(&one_by_one) { together } else { one_by_one };
+        let folds = search.problem.folds.weighted(weight(search, &with_found_effects));
         let weighted = search.by_forecasts(&folds, noise).problem;
-        let [refitted, with_names] = [refitted, with_names].map(|fit| weighted.fit(&fit.model, &fit.parameters));
-        (Self { folds, noise, refitted, of_likelihood: found.fit.model.clone() }, with_names)
+        let [refitted, with_found_effects] =
+            [refitted, with_found_effects].map(|fit| weighted.fit(&fit.model, &fit.parameters));
+        (Self { folds, noise, refitted, of_likelihood: found.fit.model.clone() }, with_found_effects)
     }
 
     /// The search.
@@ -85,8 +86,8 @@ impl ByForecasts {
         search.by_forecasts(&self.folds, self.noise).without(|entry| !is_of_path(entry))
     }
 
-    /// A fit by forecasts with the effects on the scatter of readings that were found by likelihood, and with noise that
-    /// is fitted to what then remains.
+    /// A fit by forecasts with the effects on the variance of readings that were found by likelihood, and with noise
+    /// that is fitted to what then remains.
     pub(crate) fn with_noise(&self, search: &Search<'_>, fit: Fit) -> Fit {
         let mut model = Model { noise: self.of_likelihood.noise, ..fit.model };
         for entry in self.of_likelihood.effects.present().into_iter().filter(|entry| is_scatter(entry)) {
@@ -97,8 +98,7 @@ impl ByForecasts {
     }
 }
 
-/// What was found by forecasts, with the effects that do not change the path as the search by likelihood found them. Its
-/// residual tests hold.
+/// What was found by forecasts, with the effects that do not change the path as the search by likelihood found them.
 fn beside_scatter(mut again: Selection, found: &Selection) -> Selection {
     let is_kept = |named: &&NamedEffect| {
         let entry = named.candidate.entry;
@@ -107,14 +107,13 @@ fn beside_scatter(mut again: Selection, found: &Selection) -> Selection {
     let kept: Vec<NamedEffect> = found.effects.iter().filter(is_kept).cloned().collect();
     let added = again.effects.iter().take_while(|named| named.change == Change::Added).count();
     again.effects.splice(added..added, kept);
-    again.misfit = found.misfit.clone();
     again.rounds.splice(..0, found.rounds.iter().cloned());
     again
 }
 
-/// Whether an effect changes the path of the ball or its reading, and is no random force.
+/// Whether an effect changes the path of the ball or its reading. A random force changes their variance.
 fn is_of_path(entry: &Entry) -> bool {
-    entry.acts.changes == Changes::Path && !is_random_force(entry)
+    entry.acts.changes == Changes::Path
 }
 
 /// Whether an effect changes the variance of readings alone.
@@ -134,12 +133,8 @@ fn slow_noise(search: &Search<'_>, fit: &Fit) -> Noise {
 /// A model without its effects on the variance of readings and its random forces, fitted by forecasts.
 fn slow_fit(slow: &Search<'_>, fit: &Fit, noise: Noise) -> Fit {
     let mut model = Model { noise, ..fit.model.clone() };
-    let scatter: Vec<&Entry> = model
-        .effects
-        .present()
-        .into_iter()
-        .filter(|entry| entry.acts.changes == Changes::Scatter || is_random_force(entry))
-        .collect();
+    let scatter: Vec<&Entry> =
+        model.effects.present().into_iter().filter(|entry| entry.acts.changes == Changes::Scatter).collect();
     for entry in scatter {
         model.effects.remove(entry.name);
     }
@@ -155,21 +150,21 @@ fn of_path(found: &Selection) -> impl Iterator<Item = &NamedEffect> {
 }
 
 /// A fit by forecasts with the effects on the path that were found by likelihood, added one by one.
-fn with_names(slow: &Search<'_>, refitted: Fit, found: &Selection) -> Fit {
+fn with_found_effects(slow: &Search<'_>, refitted: Fit, found: &Selection) -> Fit {
     of_path(found).map(|named| named.candidate.entry).fold(refitted, |fit, entry| {
         let values = found.fit.model.effects.values(entry.name).unwrap_or_default();
         added(&fit, entry, &values).map_or(fit, |(model, parameters)| slow.problem.fit(&model, &parameters))
     })
 }
 
-/// The weight of a reading: the number of independent innovations per innovation.
+/// The weight of a reading: the effective sample size of the innovations, per innovation.
 fn weight(search: &Search<'_>, fit: &Fit) -> f64 {
     let counted = fit.innovations.iter().filter(|one| !one.repeat && search.problem.folds.counts(one.row));
-    independent_share(&counted.map(|one| one.standardised).collect::<Vec<f64>>())
+    effective_sample_share(&counted.map(|one| one.standardised).collect::<Vec<f64>>())
 }
 
-/// The number of independent ones per number of a series.
-fn independent_share(all: &[f64]) -> f64 {
+/// The effective sample size of a series, per number of it.
+fn effective_sample_share(all: &[f64]) -> f64 {
     let product = |lag: usize| all.iter().zip(&all[lag..]).map(|(a, b)| a * b).sum::<f64>();
     let power = product(0);
     let correlations = (1..all.len() / 2).map(|lag| product(lag) / power).take_while(|correlation| *correlation > 0.0);
@@ -179,7 +174,7 @@ fn independent_share(all: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{ByForecasts, HORIZON_S, independent_share, slow_noise};
+    use super::{ByForecasts, HORIZON_S, effective_sample_share, slow_noise};
     use crate::fit::parameter::Parameter;
     use crate::options::Options;
     use crate::record::folds::Folds;
@@ -208,10 +203,10 @@ mod tests {
                     last
                 })
                 .collect();
-            let (found, expected) = (independent_share(&series), (1.0 - rho) / (1.0 + rho));
+            let (found, expected) = (effective_sample_share(&series), (1.0 - rho) / (1.0 + rho));
             assert!((found / expected - 1.0).abs() < 0.2, "rho {rho}: {found}, expected {expected}");
         }
-        assert_eq!(independent_share(&[0.0; 10]), 1.0);
+        assert_eq!(effective_sample_share(&[0.0; 10]), 1.0);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
+use crate::record::folds::Folds;
 use crate::select::search::Search;
 use crate::thresholds::BETTER_FORECAST;
 use plant::Model;
@@ -15,6 +16,8 @@ use rayon::prelude::*;
 /// A model with its held-out forecast errors by stretch, and its held-out log-likelihood.
 pub(crate) struct Evaluated {
     pub(crate) fit: Fit,
+    /// The models fitted without each fold.
+    pub(crate) without_each_fold: Vec<Model>,
     pub(crate) errors: Vec<Tally>,
     /// Plus the log-prior, nats.
     pub(crate) log_likelihood: f64,
@@ -22,9 +25,10 @@ pub(crate) struct Evaluated {
 
 impl Evaluated {
     pub(crate) fn of(search: &Search<'_>, fit: Fit) -> Self {
-        let errors = held_out(search, &fit, |model| *model = search.forecasting(model));
+        let without_each_fold = search.problem.without_each_fold(&fit);
+        let errors = held_out(search, &without_each_fold, |model| search.forecasting(model));
         let log_likelihood = search.held_out_total(&fit);
-        Self { fit, errors, log_likelihood }
+        Self { fit, without_each_fold, errors, log_likelihood }
     }
 
     /// The belief, of which nothing is fitted.
@@ -35,7 +39,8 @@ impl Evaluated {
             None => search.problem.fit(belief, &[]),
         };
         let log_likelihood = search.held_out_total(&fit);
-        Self { errors: of_belief(search), fit, log_likelihood }
+        let without_each_fold = vec![belief.clone(); Folds::COUNT];
+        Self { errors: of_belief(search), without_each_fold, fit, log_likelihood }
     }
 
     /// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
@@ -51,7 +56,7 @@ impl Evaluated {
     /// The same, with the errors by noise alone: of the model with the noise that was fitted, or with the believed noise,
     /// whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
     pub(crate) fn gap_with_floor(&self, search: &Search<'_>) -> Gap {
-        let as_believed = with_believed_noise(search, &self.fit);
+        let as_believed = with_believed_noise(search, &self.without_each_fold);
         self.gap().with_floor_at_most(&Tally::sum(as_believed.iter()).gap())
     }
 }
@@ -61,7 +66,7 @@ pub(crate) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize 
     let (mut least, mut best) = (models[0].errors.clone(), 0);
     for (at, model) in models.iter().enumerate().skip(1) {
         // A patch does not change the noise.
-        let errors = with_believed_noise(search, &model.fit);
+        let errors = with_believed_noise(search, &model.without_each_fold);
         if deviations(&least, &errors) > BETTER_FORECAST {
             (least, best) = (errors, at);
         }
@@ -71,13 +76,14 @@ pub(crate) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize 
 
 /// Whether `these` forecasts are better than `those` in the mean of the stretches by more than chance.
 pub(crate) fn forecasts_better(search: &Search<'_>, this: &Evaluated, that: &Evaluated) -> bool {
-    let errors = |of: &Evaluated| with_believed_noise(search, &of.fit);
+    let errors = |of: &Evaluated| with_believed_noise(search, &of.without_each_fold);
     deviations_at_all_horizons(&errors(that), &errors(this)) > BETTER_FORECAST
 }
 
-/// Held-out forecast errors of a fit, by stretch of the record, with the noise of the belief.
-pub(crate) fn with_believed_noise(search: &Search<'_>, fit: &Fit) -> Vec<Tally> {
-    held_out(search, fit, |model| model.noise = search.problem.belief.noise)
+/// Held-out forecast errors of the models fitted without each fold, by stretch of the record, with the noise of the
+/// belief.
+pub(crate) fn with_believed_noise(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
+    held_out(search, models, |model| Model { noise: search.problem.belief.noise, ..model.clone() })
 }
 
 /// Forecast errors of the belief, by stretch of the record.
@@ -86,14 +92,12 @@ fn of_belief(search: &Search<'_>) -> Vec<Tally> {
     tallies(belief, recording, &|row| folds.stretch(row))
 }
 
-/// Held-out forecast errors of a fit, by stretch of the record: each under the model that was fitted without its fold,
-/// changed by `change`.
-fn held_out(search: &Search<'_>, fit: &Fit, change: impl Fn(&mut Model)) -> Vec<Tally> {
+/// Held-out forecast errors by stretch of the record: each under the model that was fitted without its fold, as `change`
+/// makes it.
+fn held_out(search: &Search<'_>, models: &[Model], change: impl Fn(&Model) -> Model + Sync) -> Vec<Tally> {
     let Problem { recording, folds, .. } = search.problem;
-    let mut models = search.problem.without_each_fold(fit);
-    models.iter_mut().for_each(change);
     let one = |(fold, model): (usize, &Model)| {
-        tallies(model, recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
+        tallies(&change(model), recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
     };
     let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
     let longest = parts.iter().map(Vec::len).max().unwrap_or_default();

@@ -86,8 +86,14 @@ impl Selection {
 /// Adds effects until none explains more. If a random force was found that is not plausible, the search is repeated
 /// without it from where it was added: it followed something else that is missing, which is better left unexplained.
 pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
-    let start =
-        SoFar { fit: refitted.clone(), effects: Vec::new(), rounds: Vec::new(), on_the_way: Vec::new(), beaten: None };
+    let start = SoFar {
+        fit: refitted.clone(),
+        effects: Vec::new(),
+        rounds: Vec::new(),
+        on_the_way: Vec::new(),
+        beaten: None,
+        misfit: None,
+    };
     let (mut found, before_random_force) = stepwise_search(search, start);
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
     let after = added.skip_while(|named| !is_random_force(named.candidate.entry)).count();
@@ -101,9 +107,11 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     found
 }
 
-/// Adds further effects to those of a fit, until none explains more; then removes those that are not needed.
-pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEffect>) -> Selection {
-    let start = SoFar { fit, effects, rounds: Vec::new(), on_the_way: Vec::new(), beaten: None };
+/// Adds further effects to those of a fit by forecasts, until none explains more; then removes those that are not
+/// needed. `misfit`: the residual tests of the search by likelihood, since they ask for white innovations.
+pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEffect>, misfit: &Misfit) -> Selection {
+    let misfit = Some(misfit.clone());
+    let start = SoFar { fit, effects, rounds: Vec::new(), on_the_way: Vec::new(), beaten: None, misfit };
     let mut found = stepwise_search(search, start).0;
     let changes = found.effects.iter().take_while(|named| named.change == Change::Added).count();
     let changes = found.effects.split_off(changes);
@@ -127,11 +135,13 @@ struct SoFar {
     on_the_way: Vec<Fit>,
     /// The misfit before the last effect, where an omitted term gained more than that effect.
     beaten: Option<Misfit>,
+    /// The residual tests that hold, where they are known before the search ends.
+    misfit: Option<Misfit>,
 }
 
 /// The effects found from `start` on, and where the last random force was added.
 fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFar>) {
-    let (mut so_far, mut before_random_force, mut misfit) = (start, None, None);
+    let (mut so_far, mut before_random_force) = (start, None);
     // On a long record even a small misfit gains more than chance does, because no model is exact.
     let readings = search.problem.recording.readings() as f64 * search.problem.folds.weight();
     let long = (readings / LONG).max(1.0).sqrt();
@@ -141,14 +151,14 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
         if named.as_ref().is_some_and(|named| is_random_force(named.candidate.entry)) {
             before_random_force = Some(so_far.clone());
         }
-        let SoFar { fit, effects, rounds, on_the_way, beaten } = &mut so_far;
+        let SoFar { fit, effects, rounds, on_the_way, beaten, misfit } = &mut so_far;
         rounds.push(scored);
         let Some(named) = named else { break };
         // The residual tests ask for white innovations, which a search by forecasts has not.
         if !search.is_by_forecasts() {
             let left = Misfit::of(&search.problem, fit, explained(effects));
             if !effects.is_empty() && named.candidate.held_out_gain < SHARE_OF_OMITTED * left.omitted_in_full() {
-                misfit = Some(left);
+                *misfit = Some(left);
                 break;
             }
             *beaten = left.beaten_by_omitted(named.candidate.entry.name, named.candidate.held_out_gain);
@@ -165,7 +175,7 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
             backward_eliminate(search, effects, fit);
         }
     }
-    let SoFar { mut fit, mut effects, rounds, on_the_way, beaten } = so_far;
+    let SoFar { mut fit, mut effects, rounds, on_the_way, beaten, misfit } = so_far;
     let last = effects.last().map(|named| named.candidate.entry.name);
     let beaten = beaten.filter(|left| last == left.rejected_effect);
     let misfit = misfit.or(beaten).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));

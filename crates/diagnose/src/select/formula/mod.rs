@@ -61,6 +61,7 @@ pub(crate) fn formula(
     let search = &search.believing(&belief);
     let known = |of: &Evaluated| Evaluated {
         fit: Fit { model: with_known(&of.fit.model, &all), ..of.fit.clone() },
+        without_each_fold: of.without_each_fold.clone(),
         errors: of.errors.clone(),
         ..*of
     };

@@ -15,6 +15,8 @@ GRAVITY = ("gravity that changes with the angle, then dry friction and the squar
 FRICTION = ("dry friction, then a motor lag of about 0.05 s",
             ["wall_friction", "fan_lag", "spin_asymmetry", "sensor_lag", "transport_delay", "sensor_delay"])
 CURVE = ("a static curve that flattens at both ends", ["quadratic_drag", "saturation", "thrust_curve"])
+PENDULUM = ("gravity that goes with the sine of the angle, then dry friction", ["height_dependent_flow", "wall_friction"])
+SERVO = ("nothing by its makers; what shows is dry friction or play, and readings in steps", ["wall_friction", "hysteresis"])
 
 # Record, belief, documented causes in words, and the names of the catalogue that stand for them, the first of them first.
 RECORDS = [
@@ -26,6 +28,12 @@ RECORDS = [
     ("quarter_drone/multisine.csv", "quarter_drone/gravity.toml", FRICTION),
     ("hoop_motor/fixed_steps.csv", "hoop_motor/linear.toml", CURVE),
     ("hoop_motor/random_steps.csv", "hoop_motor/linear.toml", CURVE),
+    ("dfki_pendulum/pd_identification.csv", "dfki_pendulum/linear.toml", PENDULUM),
+    ("dfki_pendulum/ddp.csv", "dfki_pendulum/linear.toml", PENDULUM),
+    ("dfki_pendulum/ilqr.csv", "dfki_pendulum/linear.toml", PENDULUM),
+    ("dfki_pendulum/energy_shaping.csv", "dfki_pendulum/linear.toml", PENDULUM),
+    ("so101_servo/step_response.csv", "so101_servo/error_driven.toml", SERVO),
+    ("so101_servo/chirp_sweep.csv", "so101_servo/error_driven.toml", SERVO),
 ]
 
 HEAD = """# Real records

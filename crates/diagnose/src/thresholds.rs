@@ -150,7 +150,7 @@ pub(crate) const PARAMETERS_SHARE: f64 = 0.05;
 pub(crate) const PARAMETERS_MM: f64 = 0.5;
 /// An error this many times the noise floor is a gap whose closed share can be told.
 pub(crate) const OPEN_GAP: f64 = 1.5;
-/// One mean square is larger than another from this ratio on: the order of the names.
+/// One mean square is larger than another from this ratio on: the order of the names, and a filter that loses track.
 pub(crate) const LARGER: f64 = 2.0;
 /// Factors on the widths of intervals: by how near the catalogue's form comes to what rigs do, and of the base
 /// parameters. Chosen: so that some 90 % of withheld values lie within.

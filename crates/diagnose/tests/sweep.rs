@@ -64,6 +64,7 @@ fn flown(seed: u64, gains: &[f64]) -> Recording {
         drag_per_s: 1.889,
         hover_duty_percent: 21.4,
         pipe_length_mm: 583.0,
+        turn_mm: None,
         noise,
         effects: Effects::default(),
     };

@@ -103,6 +103,7 @@ fn rig(sensor_mm: f64, acceleration_psd_mm2_per_s3: f64) -> Model {
         drag_per_s: 3.896,
         hover_duty_percent: 21.4,
         pipe_length_mm: 583.0,
+        turn_mm: None,
         noise: Noise { sensor_mm, acceleration_psd_mm2_per_s3 },
         effects: Effects::default(),
     }

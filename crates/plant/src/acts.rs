@@ -109,8 +109,9 @@ pub struct Acts<E: 'static> {
     pub rounds: Option<fn(&E) -> f64>,
     /// Slot. Readings that are held.
     pub holds: Option<fn(&E) -> StaleSamples>,
-    /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere.
-    pub is_linear: bool,
+    /// Whether `follows` and `force` are linear in the state, so that their derivatives are the same everywhere; `None`:
+    /// they are not.
+    pub is_linear: Option<fn(&E) -> bool>,
     /// The time constants of a lag, up and down, seconds.
     pub lag_s: Option<fn(&E) -> [f64; 2]>,
     /// What it does to the linear plant about hover; `None`: it bends, sticks, drifts or scatters, and is left out of a
@@ -142,7 +143,7 @@ impl<E> Acts<E> {
         outliers: None,
         rounds: None,
         holds: None,
-        is_linear: false,
+        is_linear: None,
         lag_s: None,
         linearise: None,
         can_show: None,

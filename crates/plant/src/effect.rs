@@ -70,6 +70,8 @@ pub enum Scale {
     Value,
     /// This many mm at every value: for a height, whose value does not determine its resolution.
     Height(f64),
+    /// None: it is given with the effect, and no fit changes it.
+    Given,
 }
 
 /// An effect that is similar to another one.
@@ -153,7 +155,8 @@ pub struct Entry {
     pub article: &'static str,
     /// Its parameters, as far as they are identifiable from a log.
     pub params: &'static [Param],
-    /// Sizes that a rig may show, as values of its parameters. The first is the scale of a fit.
+    /// Sizes that a rig may show, as values of its parameters, of the first ones alone for its simplest form. The first
+    /// size is the scale of a fit.
     pub sizes: &'static [&'static [f64]],
     /// The initial values of a search for it.
     pub start: Start,
@@ -225,7 +228,7 @@ impl Entry {
     pub fn step_size(&self, index: usize, value: f64) -> f64 {
         match self.params.get(index).map(|param| param.scale) {
             Some(Scale::Height(size)) => size,
-            _ => {
+            Some(Scale::Value | Scale::Given) | None => {
                 let usual = self.sizes.first().and_then(|sizes| sizes.get(index)).copied().unwrap_or(1.0);
                 value.abs().max(0.1 * usual.abs())
             }

@@ -101,7 +101,11 @@ mod tests {
             effects: Effects {
                 thrust_curve: Some(ThrustCurve { curvature_per_percent: c }),
                 relative_airflow: Some(RelativeAirflow { inverse_speed_s_per_mm: q }),
-                height_dependent_flow: Some(HeightDependentFlow { gradient_per_s2: gradient, centre_mm: None }),
+                height_dependent_flow: Some(HeightDependentFlow {
+                    gradient_per_s2: gradient,
+                    centre_mm: None,
+                    turn_mm: None,
+                }),
                 ..Effects::default()
             },
             ..thesis()

@@ -27,6 +27,9 @@ pub struct Model {
     pub hover_duty_percent: f64,
     /// Length of the pipe, mm; the ball rests, without bounce, at 0 and here.
     pub pipe_length_mm: f64,
+    /// Length of one turn, mm, where the position is an angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn_mm: Option<f64>,
     /// What is random.
     pub noise: Noise,
     /// What is switched on beyond the linear part.
@@ -70,7 +73,8 @@ impl Model {
             ] {
                 within(param.name, value, param.min, param.max)?;
             }
-            within("pipe_length_mm", self.pipe_length_mm, 1.0, 1e6)
+            within("pipe_length_mm", self.pipe_length_mm, 1.0, 1e6)?;
+            self.turn_mm.map_or(Ok(()), |turn_mm| within("turn_mm", turn_mm, 1e-3, 1e6))
         };
         let noise = || -> Result<(), OutOfRange> {
             within("sensor_mm", self.noise.sensor_mm, 0.0, 1e3)?;
@@ -208,6 +212,7 @@ pub(crate) mod tests {
             drag_per_s: 3.896,
             hover_duty_percent: 21.4,
             pipe_length_mm: 583.0,
+            turn_mm: None,
             noise: Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 },
             effects: Effects { fan_lag: Some(FanLag { time_constant_s: 0.257 }), ..Effects::default() },
         }

@@ -224,7 +224,7 @@ impl Effects {
         for_each_effect!(self, effect => {
             let acts = acts(effect);
             let moves = acts.follows.is_some() || acts.force.is_some();
-            linear &= acts.is_linear || !moves;
+            linear &= !moves || acts.is_linear.is_some_and(|is_linear| is_linear(effect));
         });
         linear && self.written.motion_is_linear()
     }

@@ -10,6 +10,7 @@
 //! position of the ball. A constant error of the speed is not removed.
 
 use crate::error::RowsError;
+use core::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 /// The source of each quantity of a foreign CSV. An absent quantity is read from the column of its own name.
@@ -56,7 +57,20 @@ pub struct Column {
     pub integrate: bool,
 }
 
+/// Units of an angle, in lower case, and how many of each one turn has.
+const ANGLES: [(&str, f64); 6] =
+    [("rad", TAU), ("mrad", 1e3 * TAU), ("deg", 360.0), ("degrees", 360.0), ("°", 360.0), ("rev", 1.0)];
+
 impl Column {
+    /// One turn in our unit, if the name ends in the unit of an angle: `theta_rad`, `angle [deg]`.
+    #[must_use]
+    pub fn turn(&self) -> Option<f64> {
+        let mut words = self.column.rsplit(|letter: char| !(letter.is_alphabetic() || letter == '°'));
+        let unit = words.find(|word| !word.is_empty())?.to_lowercase();
+        let angle = ANGLES.iter().find(|(name, _)| *name == unit)?;
+        (!self.integrate).then_some(angle.1 * self.scale.abs())
+    }
+
     /// A column whose numbers are already in our unit.
     #[must_use]
     pub fn named(name: &str) -> Self {
@@ -146,6 +160,17 @@ mod tests {
         let speed = Column { integrate: true, offset: 5.0, ..Column::named("v") };
         let import = Import { position_mm: speed, fan_rpm: Some(Column::named("tacho")), ..Import::default() };
         assert_eq!(toml::from_str::<Import>(&toml::to_string(&import).unwrap()).unwrap(), import);
+    }
+
+    #[test]
+    fn a_name_with_the_unit_of_an_angle_tells_the_length_of_a_turn() {
+        let turn = |name: &str| Column { scale: -10.0, ..Column::named(name) }.turn();
+        assert_eq!(turn("angle_deg"), Some(3600.0));
+        assert_eq!(turn("Theta [rad]"), Some(20.0 * std::f64::consts::PI));
+        for other in ["position_mm", "deg_per_s", "speed_rad_s", "gradient", "rad", ""] {
+            assert_eq!(turn(other).is_some(), other == "rad", "{other}");
+        }
+        assert_eq!(Column { integrate: true, ..Column::named("rate_deg") }.turn(), None);
     }
 
     #[test]

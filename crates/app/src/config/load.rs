@@ -161,6 +161,7 @@ impl Config {
         })?;
         let values = written::take(&mut merged);
         let mut tables: Tables = typed(merged, &sources)?;
+        tables.turn_of_an_angle();
         written::define(&mut tables, values).map_err(|(key, message)| {
             let place = place(&sources, &key);
             ConfigError::Key { place, key, message }

@@ -206,6 +206,13 @@ impl Tables {
         Ok(())
     }
 
+    /// Tells the model the length of a turn, where the unit of the imported position says that it is an angle.
+    pub(super) fn turn_of_an_angle(&mut self) {
+        if let Some((plant, import)) = self.plant.as_mut().zip(self.import.as_ref()) {
+            plant.turn_mm = plant.turn_mm.or_else(|| import.position_mm.turn());
+        }
+    }
+
     /// Checks what is not a number: names and files.
     ///
     /// # Errors

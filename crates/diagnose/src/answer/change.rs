@@ -216,7 +216,9 @@ fn changes(fits: &[Fit; 2], entries: &[&'static Entry]) -> Vec<NumberChange> {
         let deviations = fits.each_ref().map(|fit| Some(WIDER * fit.deviation_of(&number.of)));
         NumberChange::new(number.table, number.key, values, deviations)
     };
-    let mut all: Vec<NumberChange> = numbers(entries).into_iter().map(change).collect();
+    // A simpler form of an effect has fewer numbers than its entry has parameters.
+    let has_value = |number: &Number| !(number.of)(&fits[0].model).is_nan();
+    let mut all: Vec<NumberChange> = numbers(entries).into_iter().filter(has_value).map(change).collect();
     NumberChange::judge(&mut all);
     all
 }

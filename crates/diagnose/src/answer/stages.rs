@@ -53,9 +53,8 @@ impl Diagnosis {
     #[must_use]
     pub fn chance_at(&self, stage: Stage) -> f64 {
         let looks = self.mended.model.effects.catalogue().count() as f64;
-        let of_effect = |named: &NamedEffect| {
-            looks * survival(named.candidate.entry.params.len(), 2.0 * named.candidate.held_out_gain)
-        };
+        let of_effect =
+            |named: &NamedEffect| looks * survival(named.candidate.numbers(), 2.0 * named.candidate.held_out_gain);
         let left = if self.left_at(stage) > 0.0 { (-self.misfit.omitted.max(self.misfit.events)).exp() } else { 1.0 };
         self.found_at(stage).map(of_effect).fold(left, f64::min).min(1.0)
     }

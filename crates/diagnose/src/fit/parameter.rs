@@ -11,7 +11,7 @@
 //! The parameters of an effect that is not believed have no prior.
 
 use crate::fit::bounds::Bounds;
-use plant::{Changes, Entry, Model, Param};
+use plant::{Changes, Entry, Model, Param, Scale};
 
 /// A parameter of the model that a fit may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,14 +70,16 @@ const LEAST_AIR: f64 = 1e-6;
 /// Longest move of a parameter with a ratio scale: from a noise believed 0 to that of the worst sensor.
 const FARTHEST: f64 = 25.0;
 
-/// The parameters of an effect that a fit moves, each in steps of the size of `values`; none for an effect whose value
-/// is read off the readings.
+/// The parameters of an effect that a fit moves, each in steps of the size of `values`; not those that are given with the
+/// effect, and none for an effect whose value is read off the readings.
 pub(crate) fn parameters_of_effect(entry: &'static Entry, values: &[f64]) -> Vec<Parameter> {
     if entry.start.is_read_off() {
         return Vec::new();
     }
-    let all = values.iter().enumerate().take(entry.params.len());
-    all.map(|(index, value)| Parameter::Effect { entry, index, size: entry.step_size(index, *value) }).collect()
+    let is_fitted =
+        |(index, _): &(usize, &f64)| entry.params.get(*index).is_some_and(|param| param.scale != Scale::Given);
+    let fitted = values.iter().enumerate().filter(is_fitted);
+    fitted.map(|(index, value)| Parameter::Effect { entry, index, size: entry.step_size(index, *value) }).collect()
 }
 
 impl Parameter {

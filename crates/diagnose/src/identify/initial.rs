@@ -220,6 +220,7 @@ fn model(form: &LinearFit, sign: f64, pipe_length_mm: f64) -> Model {
         drag_per_s: form.drag_per_s,
         hover_duty_percent: sign * form.hover,
         pipe_length_mm,
+        turn_mm: None,
         noise: Noise { sensor_mm: form.sensor, acceleration_psd_mm2_per_s3: form.psd },
         effects,
     })

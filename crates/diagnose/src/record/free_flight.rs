@@ -6,12 +6,19 @@ use std::ops::Range;
 
 /// Time after the start, or after the ball rested at an end of the pipe, until the filter has settled, seconds.
 const FORGET_S: f64 = 1.5;
-/// A ball nearer to an end than this, mm, or five standard deviations of its sensor, rests there.
-const AT_END_MM: f64 = 10.0;
+/// A ball nearer to an end than this share of the pipe, 10 mm of 600, or than so many standard deviations of its sensor, may
+/// touch it.
+const NEAR: f64 = 1.0 / 60.0;
+const NEAR_SIGMAS: f64 = 5.0;
+
+/// The distance from an end, mm, within which a ball may touch it.
+pub(crate) fn near_end_mm(model: &Model) -> f64 {
+    (NEAR * model.pipe_length_mm).max(NEAR_SIGMAS * model.noise.sensor_mm)
+}
 
 /// Whether a ball at height `mm` rests at an end of the pipe.
 pub(crate) fn is_at_end(model: &Model, mm: f64) -> bool {
-    let near_mm = AT_END_MM.max(5.0 * model.noise.sensor_mm);
+    let near_mm = near_end_mm(model);
     mm < near_mm || mm > model.pipe_length_mm - near_mm
 }
 

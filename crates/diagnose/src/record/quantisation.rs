@@ -12,11 +12,15 @@ use plant::Model;
 
 /// Share of the readings that must lie on a grid: outliers may not.
 const ON_GRID: f64 = 0.97;
-/// Ratio of successive steps in the scan, and the largest step, mm.
+/// Largest ratio of successive steps in the scan, and the largest step, mm.
 const FINER: f64 = 1.0004;
 const COARSEST_MM: f64 = 60.0;
-/// Number of steps of the scan among which the best is chosen: a range of 6 %.
-const NEAR: usize = 150;
+/// The range of steps in which the best is chosen.
+const NEAR: f64 = 0.94;
+/// Number of levels that a step is first tried on, and the share of them that must lie on its grid: chance puts a sixth
+/// there.
+const FEW: usize = 40;
+const FEW_ON_GRID: f64 = 0.7;
 /// Log-likelihood that a reading off the grid costs, nats: only an outlier is off the grid.
 pub(crate) const OFF_GRID: f64 = 12.0;
 /// Largest distance of a reading from the grid, in resolutions of the file: rounding gives half of one.
@@ -34,6 +38,18 @@ impl Levels {
         let mut readings: Vec<f64> = recording.samples().iter().filter_map(|sample| sample.position_mm).collect();
         readings.sort_by(f64::total_cmp);
         Self(readings.chunk_by(|a, b| a == b).map(|same| (same[0], same.len() as f64)).collect())
+    }
+
+    /// Some of the levels, evenly chosen.
+    fn few(&self) -> Self {
+        Self(self.0.iter().step_by(self.0.len().div_ceil(FEW).max(1)).copied().collect())
+    }
+
+    /// Steps from `step` downwards, each so near to the next that the two grids are apart by no more than half of the
+    /// slack at the ends of the range.
+    fn finer(&self, step: f64) -> impl Iterator<Item = f64> {
+        let range = self.0.last().zip(self.0.first()).map_or(0.0, |(last, first)| last.0 - first.0);
+        std::iter::successors(Some(step), move |step| Some(step / (1.0 + SLACK * step / range).min(FINER)))
     }
 
     /// The file's resolution, mm: the coarsest of the usual ones of which every reading is a multiple.
@@ -132,10 +148,11 @@ pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<Coarse
     if narrow > levels.0.len() / 10 {
         return None;
     }
-    let scan = std::iter::successors(Some(COARSEST_MM), |step| Some(step / FINER));
-    let first = scan.take_while(|step| *step > least).find(|step| levels.share(*step, fine) >= ON_GRID)?;
+    let few = levels.few();
+    let passes = |step: &f64| few.share(*step, fine) >= FEW_ON_GRID && levels.share(*step, fine) >= ON_GRID;
+    let first = levels.finer(COARSEST_MM).take_while(|step| *step > least).find(passes)?;
     // The first step that passes is slightly too large; the best one is where the readings lie closest.
-    let near = std::iter::successors(Some(first), |step| Some(step / FINER)).take(NEAR);
+    let near = levels.finer(first).take_while(|step| *step > NEAR * first);
     let near = near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))?;
     Some(levels.fitted_step(near, fine))
 }
@@ -163,6 +180,19 @@ mod tests {
             assert!((found.mm - step).abs() < 4.0 * found.sigma_mm.max(1e-6), "{found:?} of {step} mm");
             assert!(found.sigma_mm < 0.01 * step, "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_step_far_finer_than_the_range_is_found_whole_at_half_a_step_from_zero() {
+        // An encoder of 2156 steps a turn over several turns, as 100 mm/rad with four digits behind the point.
+        let (step, all) = (0.291_47, 3000);
+        let at = |k: i32| ((f64::from(k * 37 % all) + 0.5) * step / 1e-4).round() * 1e-4;
+        let row = |k: i32| Sample { time_s: 0.01 * f64::from(k), position_mm: Some(at(k)), ..Sample::default() };
+        let recording = Recording::new((0..2900).map(row).collect()).unwrap();
+        let quiet = crate::tests_support::model();
+        let quiet = plant::Model { noise: plant::Noise { sensor_mm: 0.1, ..quiet.noise }, ..quiet };
+        let found = coarse_step(&recording, &quiet).unwrap();
+        assert!((found.mm / step - 1.0).abs() < 1e-4, "{found:?}");
     }
 
     #[test]

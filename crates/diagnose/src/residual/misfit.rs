@@ -14,6 +14,7 @@
 use crate::fit::estimate::Fit;
 use crate::fit::estimate::Problem;
 use crate::fit::parameter::Parameter;
+use crate::record::free_flight::near_end_mm;
 use crate::residual::location::{Row, Spot, rows, spots};
 use crate::residual::score_test::{Found, Omitted, omitted};
 use crate::residual::spectrum::periodogram;
@@ -60,8 +61,7 @@ pub struct Misfit {
     pub(crate) weight: f64,
 }
 
-/// A ball this near to a stop may touch it, mm; and the innovations are not normal for so long afterwards, seconds.
-const NEAR_STOP_MM: f64 = 10.0;
+/// The innovations are not normal for so long after a ball may have touched a stop, seconds.
 const FORGET_STOP_S: f64 = 0.5;
 /// One part in so many of the readings must remain after that.
 const LEFT_TO_JUDGE: usize = 5;
@@ -119,7 +119,7 @@ fn is_coarse(model: &Model) -> bool {
 /// The rows without a recent contact with a stop. The filter assumes normal states, which a bounce violates.
 fn clear_of_stops(model: &Model, rows: Vec<Row>) -> Vec<Row> {
     let Some(stops) = model.effects.ends() else { return rows };
-    let near_mm = NEAR_STOP_MM.max(5.0 * model.noise.sensor_mm);
+    let near_mm = near_end_mm(model);
     let mut clear_from_s = f64::NEG_INFINITY;
     let clear = |row: &Row| {
         let height_mm = row.known[1];

@@ -39,6 +39,13 @@ pub struct Candidate {
     pub penalised_gain: f64,
 }
 
+impl Candidate {
+    /// The number of its effect's values: a simpler form has fewer of them than the entry has parameters.
+    pub(crate) fn numbers(&self) -> usize {
+        self.fit.model.effects.values(self.entry.name).map_or(0, |values| values.len())
+    }
+}
+
 /// Tests every effect that `so_far` lacks: the candidates, the best first, and the scores of all effects.
 pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, Vec<Scored>) {
     let before = search.problem.held_out(so_far);
@@ -66,7 +73,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
 fn prefer_the_simple(all: &mut [Candidate]) {
     let Some(best) = all.first().map(|best| best.held_out_gain) else { return };
     let alike = all.partition_point(|candidate| candidate.held_out_gain > (best - EQUIVALENT).max(FIRST_EFFECT));
-    all[..alike].sort_by_key(|candidate| candidate.entry.params.len());
+    all[..alike].sort_by_key(Candidate::numbers);
     prefer_the_contained(all);
 }
 

@@ -7,7 +7,8 @@ use crate::select::search::Search;
 use crate::select::stepwise::NamedEffect;
 use crate::thresholds::{BETTER_FORECAST, SECOND_EFFECT};
 
-/// Removes effects that a later one replaces, but never the last one.
+/// Removes effects that a later one replaces, but never the last one. The likelihood of the next reading may not need an
+/// effect on which a forecast of a second depends, most of all beside coarse or noisy readings: such an effect stays.
 pub(crate) fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fit) {
     if effects.len() < 2 {
         return;
@@ -16,13 +17,19 @@ pub(crate) fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEff
     while effects.len() > 1 && at < effects.len() {
         let without = search.removed(fit, effects[at].candidate.entry);
         let total_without = search.held_out_total(&without);
-        if total - total_without < SECOND_EFFECT {
+        if total - total_without < SECOND_EFFECT && !forecasts_worse(search, &without, fit) {
             (*fit, total) = (without, total_without);
             effects.remove(at);
         } else {
             at += 1;
         }
     }
+}
+
+/// Whether the held-out forecasts of `this` are worse than those of `that` by more than chance.
+pub(crate) fn forecasts_worse(search: &Search<'_>, this: &Fit, that: &Fit) -> bool {
+    let [this, that] = [this, that].map(|fit| Evaluated::of(search, fit.clone()).errors);
+    deviations_at_all_horizons(&this, &that) > BETTER_FORECAST
 }
 
 /// Removes effects without which the forecasts are not worse, or no worse than by chance if they gain too little for a

@@ -9,7 +9,7 @@ use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::record::folds::Folds;
 use crate::select::search::Search;
-use crate::thresholds::BETTER_FORECAST;
+use crate::thresholds::{BETTER_FORECAST, LARGER};
 use plant::Model;
 use rayon::prelude::*;
 
@@ -78,6 +78,14 @@ pub(crate) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize 
 pub(crate) fn forecasts_better(search: &Search<'_>, this: &Evaluated, that: &Evaluated) -> bool {
     let errors = |of: &Evaluated| with_believed_noise(search, &of.without_each_fold);
     deviations_at_all_horizons(&errors(that), &errors(this)) > BETTER_FORECAST
+}
+
+/// Whether a fit loses track: at a horizon the mean square of its held-out forecasts is larger than without its last
+/// effect. A likelihood of the next reading can gain by that, where readings are coarse or most of them show a rest.
+pub(crate) fn loses_track(search: &Search<'_>, with: &Fit, without: &Fit) -> bool {
+    let squares = |fit: &Fit| Tally::sum(Evaluated::of(search, fit.clone()).errors.iter()).squares();
+    let pairs = squares(with).zip(squares(without));
+    pairs.is_some_and(|(with, without)| with.iter().zip(without).any(|(with, without)| *with > LARGER * without))
 }
 
 /// Held-out forecast errors of the models fitted without each fold, by stretch of the record, with the noise of the

@@ -8,6 +8,7 @@ use crate::record::commanded::commanded;
 use crate::record::read_off::read_off;
 use crate::record::recording::Recording;
 use crate::select::duty_step_scan;
+use crate::select::pendulum::regressed;
 use crate::select::search::Search;
 use crate::select::written_scan::scan;
 use crate::stats::line::line;
@@ -84,6 +85,10 @@ fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
         }
         Start::OverRecord(shares) => shares.iter().map(|share| vec![share / recording.duration_s().max(1.0)]).collect(),
         Start::Values(values) => listed(values),
+        Start::DutyOverHeight if model.turn_mm.is_some() => {
+            let found = regressed(entry, model, recording);
+            found.iter().filter_map(|pendulum| pendulum.effects.values(entry.name)).collect()
+        }
         Start::Sizes | Start::DutyOverHeight | Start::DutySteps => listed(entry.sizes),
     }
 }

@@ -9,6 +9,7 @@ pub(crate) mod forecast;
 pub(crate) mod formula;
 pub(crate) mod initial_values;
 pub(crate) mod odds;
+pub(crate) mod pendulum;
 pub(crate) mod plausibility;
 pub(crate) mod posterior;
 pub(crate) mod ranking;

@@ -5,7 +5,8 @@ use crate::fit::estimate::Fit;
 use crate::residual::misfit::Misfit;
 use crate::select::believed::changed;
 use crate::select::candidates::{Candidate, candidates};
-use crate::select::elimination::{backward_eliminate, eliminate_by_forecasts};
+use crate::select::elimination::{backward_eliminate, eliminate_by_forecasts, forecasts_worse};
+use crate::select::forecast::loses_track;
 use crate::select::odds::Evidence;
 use crate::select::posterior::Scored;
 use crate::select::ranking::rank;
@@ -145,15 +146,21 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
     // On a long record even a small misfit gains more than chance does, because no model is exact.
     let readings = search.problem.recording.readings() as f64 * search.problem.folds.weight();
     let long = (readings / LONG).max(1.0).sqrt();
+    let mut rejected: Vec<&str> = Vec::new();
     while so_far.effects.len() < MOST_EFFECTS && so_far.rounds.len() < MOST_SEARCHES {
         let needed = long * threshold_beside(search, &so_far.effects);
-        let (named, scored) = best_addition(search, &so_far.fit, needed);
+        let (named, scored) =
+            best_addition(&search.without(|entry| rejected.contains(&entry.name)), &so_far.fit, needed);
         if named.as_ref().is_some_and(|named| is_random_force(named.candidate.entry)) {
             before_random_force = Some(so_far.clone());
         }
         let SoFar { fit, effects, rounds, on_the_way, beaten, misfit } = &mut so_far;
         rounds.push(scored);
         let Some(named) = named else { break };
+        if loses_track(search, &named.candidate.fit, fit) {
+            rejected.push(named.candidate.entry.name);
+            continue;
+        }
         // The residual tests ask for white innovations, which a search by forecasts has not.
         if !search.is_by_forecasts() {
             let left = Misfit::of(&search.problem, fit, explained(effects));
@@ -221,7 +228,7 @@ fn threshold_beside(search: &Search<'_>, effects: &[NamedEffect]) -> f64 {
 }
 
 /// Searches for the first effect again with the second one known: the first may have stood for both. Only effects that
-/// were fitted in full beside the first one, in its round, can take its place.
+/// were fitted in full beside the first one, in its round, can take its place, and only if they forecast no worse.
 fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit, rounds: &[Vec<Scored>]) {
     let [first, _] = effects else { return };
     let is_own = |round: &&Vec<Scored>| round.first().is_some_and(|best| best.name == first.candidate.entry.name);
@@ -232,8 +239,11 @@ fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit, 
     }
     let without_first = search.removed(fit, first.candidate.entry);
     let (again, _) = best_addition(&search.without(|entry| !was_fitted(entry)), &without_first, SECOND_EFFECT);
-    if let Some(again) = again.filter(|again| search.held_out_total(&again.candidate.fit) > search.held_out_total(fit))
-    {
+    let is_better = |again: &NamedEffect| {
+        let again = &again.candidate.fit;
+        search.held_out_total(again) > search.held_out_total(fit) && !forecasts_worse(search, again, fit)
+    };
+    if let Some(again) = again.filter(is_better) {
         *fit = again.candidate.fit.clone();
         *first = again;
     }

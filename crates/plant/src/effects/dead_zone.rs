@@ -30,8 +30,8 @@ impl Effect for DeadZone {
         stage: Stage::Actuator,
         article: "a ",
         params: &[
-            Param { name: "lower_percent", min: -10.0, max: 0.0, neutral: Neutral::At(0.0), scale: Scale::Value },
-            Param { name: "upper_percent", min: 0.0, max: 10.0, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "lower_percent", min: -100.0, max: 0.0, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "upper_percent", min: 0.0, max: 100.0, neutral: Neutral::At(0.0), scale: Scale::Value },
         ],
         sizes: &[&[-0.15, 0.15], &[-0.4, 0.4]],
         difference: Some(Difference { name: "width", key: "width_percent", of: [0, 1] }),

@@ -63,7 +63,7 @@ impl Effect for FanLag {
 
     const ACTS: Acts<Self> = Acts {
         follows: Some(Self::after),
-        is_linear: true,
+        is_linear: Some(|_| true),
         lag_s: Some(|lag| [lag.time_constant_s; 2]),
         linearise: Some(|lag, plant| plant.fan_lag_s = lag.time_constant_s),
         ..Acts::NONE

@@ -1,17 +1,23 @@
 //! Height-dependent flow: the air lifts less the higher the ball is.
 //!
 //! ```text
-//! a = −gradient·(x − centre)      a in mm/s², gradient in 1/s², x and centre in mm
+//! a = −gradient·(x − centre)                                  a in mm/s², gradient in 1/s², x and centre in mm
+//! a = −gradient·(turn/2π)·sin(2π·(x − centre)/turn)           where the position is an angle; turn in mm
 //! ```
 //!
 //! Linear over the pipe; a leak at one place would be a kink. The centre is the height where hover was
 //! measured: moving it is the same as moving hover, so that a log cannot tell it and no diagnosis varies it.
 //! Source: leaks and wall drag take pressure along the pipe, Bernoulli's equation with losses.
+//!
+//! On a rig whose position is an angle it is gravity, which repeats with every turn: gradient is g/l of a pendulum that
+//! hangs at the centre. There a log shows the centre. Source: the equation of the pendulum, θ″ = −(g/l)·sin θ.
 
 use crate::acts::Acts;
 use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, within_bounds};
 use crate::unsound::Unsound;
 use control::check::within;
+use core::f64::consts::TAU;
+use core::iter;
 use serde::{Deserialize, Serialize};
 
 /// The lift falls linearly with height.
@@ -23,19 +29,20 @@ pub struct HeightDependentFlow {
     /// Height at which the lift is that of the duty, mm; the middle of the pipe unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre_mm: Option<f64>,
+    /// Length of one turn, mm, where the position is an angle; the lift is linear in the height unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn_mm: Option<f64>,
 }
 
 impl Effect for HeightDependentFlow {
     const ENTRY: Entry = Entry {
         name: "height_dependent_flow",
         stage: Stage::Air,
-        params: &[Param {
-            name: "gradient_per_s2",
-            min: -50.0,
-            max: 50.0,
-            neutral: Neutral::At(0.0),
-            scale: Scale::Value,
-        }],
+        params: &[
+            Param { name: "gradient_per_s2", min: -1e4, max: 1e4, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "centre_mm", min: -1e6, max: 1e6, neutral: Neutral::Any(0.0), scale: Scale::Height(10.0) },
+            Param { name: "turn_mm", min: 1e-3, max: 1e6, neutral: Neutral::Any(1.0), scale: Scale::Given },
+        ],
         sizes: &[&[0.5], &[-0.5]],
         start: Start::DutyOverHeight,
         represents_its_stage: Some(3),
@@ -60,21 +67,25 @@ impl Effect for HeightDependentFlow {
 
     const ACTS: Acts<Self> = Acts {
         force: Some(|flow, now| flow.lift(now.position_mm, now.pipe_length_mm)),
-        is_linear: true,
+        is_linear: Some(|flow| flow.turn_mm.is_none()),
         linearise: Some(|flow, plant| plant.gradient_per_s2 = flow.gradient_per_s2),
         ..Acts::NONE
     };
 
+    /// The gradient; centre and turn as well where the position is an angle.
     fn values(&self) -> Vec<f64> {
-        vec![self.gradient_per_s2]
+        let of_turn = self.turn_mm.map(|turn| [self.centre_mm.unwrap_or(f64::NAN), turn]);
+        iter::once(self.gradient_per_s2).chain(of_turn.into_iter().flatten()).collect()
     }
 
     fn from_values(values: &[f64]) -> Self {
-        Self { gradient_per_s2: values.first().copied().unwrap_or(f64::NAN), centre_mm: None }
+        let at = |index: usize| values.get(index).copied();
+        Self { gradient_per_s2: at(0).unwrap_or(f64::NAN), centre_mm: at(1), turn_mm: at(2) }
     }
 
     fn set_values(&mut self, values: &[f64]) {
-        *self = Self { centre_mm: self.centre_mm, ..Self::from_values(values) };
+        let new = Self::from_values(values);
+        *self = Self { centre_mm: new.centre_mm.or(self.centre_mm), turn_mm: new.turn_mm.or(self.turn_mm), ..new };
     }
 
     fn check(&self) -> Result<(), Unsound> {
@@ -87,7 +98,12 @@ impl HeightDependentFlow {
     /// The acceleration that the height adds, mm/s².
     #[must_use]
     pub fn lift(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
-        -self.gradient_per_s2 * (position_mm - self.centre_mm.unwrap_or(pipe_length_mm / 2.0))
+        let from_centre_mm = position_mm - self.centre_mm.unwrap_or(pipe_length_mm / 2.0);
+        let arm_mm = self.turn_mm.map_or(from_centre_mm, |turn_mm| {
+            let radian_mm = turn_mm / TAU;
+            radian_mm * libm::sin(from_centre_mm / radian_mm)
+        });
+        -self.gradient_per_s2 * arm_mm
     }
 }
 
@@ -98,7 +114,7 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_pipe_is_the_centre_unless_another_is_given() {
-        let flow = HeightDependentFlow { gradient_per_s2: 2.0, centre_mm: None };
+        let flow = HeightDependentFlow { gradient_per_s2: 2.0, centre_mm: None, turn_mm: None };
         assert_eq!((flow.lift(300.0, 600.0), flow.lift(350.0, 600.0)), (0.0, -100.0));
         let flow = HeightDependentFlow { centre_mm: Some(100.0), ..flow };
         assert_eq!(flow.lift(50.0, 600.0), 100.0);
@@ -106,10 +122,27 @@ mod tests {
 
     #[test]
     fn a_fit_of_the_gradient_leaves_the_centre_alone() {
-        let mut flow = HeightDependentFlow { gradient_per_s2: 2.0, centre_mm: Some(100.0) };
+        let mut flow = HeightDependentFlow { gradient_per_s2: 2.0, centre_mm: Some(100.0), turn_mm: None };
         flow.set_values(&[3.0]);
-        assert_eq!(flow, HeightDependentFlow { gradient_per_s2: 3.0, centre_mm: Some(100.0) });
+        assert_eq!(flow, HeightDependentFlow { gradient_per_s2: 3.0, centre_mm: Some(100.0), turn_mm: None });
         flow.centre_mm = Some(f64::NAN);
         assert_eq!(flow.check().unwrap_err().key(), "centre_mm");
+    }
+
+    #[test]
+    fn gravity_of_an_angle_repeats_with_every_turn_and_has_its_gradient_at_the_centre() {
+        let gravity = HeightDependentFlow { gradient_per_s2: 16.0, centre_mm: Some(40.0), turn_mm: Some(360.0) };
+        // −(g/l)·sin θ, in radians of 360/2π mm.
+        let at_90_degrees = -16.0 * 360.0 / std::f64::consts::TAU;
+        assert!((gravity.lift(130.0, 0.0) - at_90_degrees).abs() < 1e-9);
+        assert!((gravity.lift(130.0 - 5.0 * 360.0, 0.0) - at_90_degrees).abs() < 1e-9);
+        assert!((gravity.lift(40.001, 0.0) + 0.016).abs() < 1e-8);
+        assert!(gravity.lift(220.0, 0.0).abs() < 1e-9, "upside down");
+    }
+
+    #[test]
+    fn a_turn_without_a_centre_is_refused() {
+        let gravity = HeightDependentFlow { gradient_per_s2: 16.0, centre_mm: None, turn_mm: Some(360.0) };
+        assert_eq!(gravity.check().unwrap_err().key(), "centre_mm");
     }
 }

@@ -28,7 +28,7 @@ impl Effect for Hysteresis {
         params: &[Param {
             name: "half_width_percent",
             min: 0.0,
-            max: 10.0,
+            max: 100.0,
             neutral: Neutral::At(0.0),
             scale: Scale::Value,
         }],

@@ -31,7 +31,7 @@ impl Effect for Turbulence {
         name: "turbulence",
         stage: Stage::Air,
         params: &[
-            Param { name: "sigma_mm_per_s2", min: 0.0, max: 1e4, neutral: Neutral::At(0.0), scale: Scale::Value },
+            Param { name: "sigma_mm_per_s2", min: 0.0, max: 1e6, neutral: Neutral::At(0.0), scale: Scale::Value },
             Param { name: "correlation_s", min: 0.01, max: 10.0, neutral: Neutral::Any(0.5), scale: Scale::Value },
         ],
         sizes: &[&[100.0, 0.5]],

@@ -28,7 +28,7 @@ impl Effect for WallFriction {
         params: &[Param {
             name: "acceleration_mm_per_s2",
             min: 0.0,
-            max: 1e4,
+            max: 1e6,
             neutral: Neutral::At(0.0),
             scale: Scale::Value,
         }],

@@ -107,6 +107,7 @@ fn the_critical_gain_is_that_of_the_characteristic_equation() {
         drag_per_s: drag,
         hover_duty_percent: 50.0,
         pipe_length_mm: 2000.0,
+        turn_mm: None,
         noise: Noise { sensor_mm: 1.0, acceleration_psd_mm2_per_s3: 100.0 },
         effects: Effects::default(),
     };

@@ -144,8 +144,8 @@ mod tests {
             (Some(high), None)
         );
         let mut zone = Model { effects: Effects::default(), ..model() };
-        zone.effects.set("dead_zone", &[-10.0, 0.0]);
-        let edges = parameters_of_effect(Effects::built_in("dead_zone").unwrap(), &[-10.0, 0.0]);
-        assert_eq!([0, 1].map(|edge| bounds.active(edges[edge], &zone)), [Some(-10.0), None]);
+        zone.effects.set("dead_zone", &[-100.0, 0.0]);
+        let edges = parameters_of_effect(Effects::built_in("dead_zone").unwrap(), &[-100.0, 0.0]);
+        assert_eq!([0, 1].map(|edge| bounds.active(edges[edge], &zone)), [Some(-100.0), None]);
     }
 }

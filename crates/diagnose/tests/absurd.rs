@@ -17,6 +17,7 @@ fn model() -> Model {
         drag_per_s: 1.889,
         hover_duty_percent: 21.4,
         pipe_length_mm: 583.0,
+        turn_mm: None,
         noise: Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 },
         effects: Effects { fan_lag: Some(FanLag { time_constant_s: 0.2 }), ..Effects::default() },
     }

@@ -83,6 +83,7 @@ impl Axis {
             drag_per_s: BELIEVED.drag,
             hover_duty_percent: 0.0,
             pipe_length_mm: 1000.0,
+            turn_mm: None,
             noise,
             effects: Effects::default(),
         };

@@ -19,6 +19,7 @@ fn rig(lag_s: Option<f64>) -> Model {
         drag_per_s: 3.896,
         hover_duty_percent: 21.4,
         pipe_length_mm: 583.0,
+        turn_mm: None,
         noise: Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 },
         effects: Effects { fan_lag: lag_s.map(|time_constant_s| FanLag { time_constant_s }), ..Effects::default() },
     }

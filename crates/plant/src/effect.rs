@@ -70,7 +70,7 @@ pub enum Scale {
     Value,
     /// This many mm at every value: for a height, whose value does not determine its resolution.
     Height(f64),
-    /// None: it is given with the effect, and no fit changes it.
+    /// No steps: the value is given with the effect, and no fit changes it.
     Given,
 }
 

@@ -54,7 +54,7 @@ impl Diagnosis {
     pub fn chance_at(&self, stage: Stage) -> f64 {
         let looks = self.mended.model.effects.catalogue().count() as f64;
         let of_effect =
-            |named: &NamedEffect| looks * survival(named.candidate.numbers(), 2.0 * named.candidate.held_out_gain);
+            |named: &NamedEffect| looks * survival(named.candidate.value_count(), 2.0 * named.candidate.held_out_gain);
         let left = if self.left_at(stage) > 0.0 { (-self.misfit.omitted.max(self.misfit.events)).exp() } else { 1.0 };
         self.found_at(stage).map(of_effect).fold(left, f64::min).min(1.0)
     }

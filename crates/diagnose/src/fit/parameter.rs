@@ -70,8 +70,8 @@ const LEAST_AIR: f64 = 1e-6;
 /// Longest move of a parameter with a ratio scale: from a noise believed 0 to that of the worst sensor.
 const FARTHEST: f64 = 25.0;
 
-/// The parameters of an effect that a fit moves, each in steps of the size of `values`; not those that are given with the
-/// effect, and none for an effect whose value is read off the readings.
+/// The parameters of an effect that a fit moves, each in steps of the size of `values`; not those that are given with
+/// the effect, and none for an effect whose value is read off the readings.
 pub(crate) fn parameters_of_effect(entry: &'static Entry, values: &[f64]) -> Vec<Parameter> {
     if entry.start.is_read_off() {
         return Vec::new();

@@ -6,8 +6,8 @@ use std::ops::Range;
 
 /// Time after the start, or after the ball rested at an end of the pipe, until the filter has settled, seconds.
 const FORGET_S: f64 = 1.5;
-/// A ball nearer to an end than this share of the pipe, 10 mm of 600, or than so many standard deviations of its sensor, may
-/// touch it.
+/// A ball nearer to an end than this share of the pipe, 10 mm of 600, or than so many standard deviations of its sensor,
+/// may touch it.
 const NEAR: f64 = 1.0 / 60.0;
 const NEAR_SIGMAS: f64 = 5.0;
 

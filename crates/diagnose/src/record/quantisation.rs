@@ -15,7 +15,7 @@ const ON_GRID: f64 = 0.97;
 /// Largest ratio of successive steps in the scan, and the largest step, mm.
 const FINER: f64 = 1.0004;
 const COARSEST_MM: f64 = 60.0;
-/// The range of steps in which the best is chosen.
+/// The best step is chosen among those from the first one that passes down to this share of it.
 const NEAR: f64 = 0.94;
 /// Number of levels that a step is first tried on, and the share of them that must lie on its grid: chance puts a sixth
 /// there.
@@ -189,8 +189,8 @@ mod tests {
         let at = |k: i32| ((f64::from(k * 37 % all) + 0.5) * step / 1e-4).round() * 1e-4;
         let row = |k: i32| Sample { time_s: 0.01 * f64::from(k), position_mm: Some(at(k)), ..Sample::default() };
         let recording = Recording::new((0..2900).map(row).collect()).unwrap();
-        let quiet = crate::tests_support::model();
-        let quiet = plant::Model { noise: plant::Noise { sensor_mm: 0.1, ..quiet.noise }, ..quiet };
+        let mut quiet = model();
+        quiet.noise.sensor_mm = 0.1;
         let found = coarse_step(&recording, &quiet).unwrap();
         assert!((found.mm / step - 1.0).abs() < 1e-4, "{found:?}");
     }

@@ -11,8 +11,9 @@
 //! corrects the model within a few readings: what the model says beyond these no longer counts, and the fit may be
 //! useless for a forecast of a second. So ω is fixed instead, at 1/[`HORIZON_S`], and q and the variance r of a reading
 //! change by one factor: the innovations are then errors of forecasts about so far ahead. They are correlated, so the
-//! log-likelihood of a reading is multiplied by w, the effective sample size per reading. A right model has white innovations in a fast filter, and its likelihood is the better criterion; so
-//! this search takes its place only where its forecasts are better.
+//! log-likelihood of a reading is multiplied by w, the effective sample size per reading. A right model has white
+//! innovations in a fast filter, and its likelihood is the better criterion; so this search takes its place only where
+//! its forecasts are better.
 //!
 //! Sources: Ljung, *System Identification*, section 3.2 (a horizon of prediction is a choice of the noise model);
 //! Bar-Shalom, Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 6.5 (the steady

@@ -41,7 +41,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// The number of its effect's values: a simpler form has fewer of them than the entry has parameters.
-    pub(crate) fn numbers(&self) -> usize {
+    pub(crate) fn value_count(&self) -> usize {
         self.fit.model.effects.values(self.entry.name).map_or(0, |values| values.len())
     }
 }
@@ -73,7 +73,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
 fn prefer_the_simple(all: &mut [Candidate]) {
     let Some(best) = all.first().map(|best| best.held_out_gain) else { return };
     let alike = all.partition_point(|candidate| candidate.held_out_gain > (best - EQUIVALENT).max(FIRST_EFFECT));
-    all[..alike].sort_by_key(Candidate::numbers);
+    all[..alike].sort_by_key(Candidate::value_count);
     prefer_the_contained(all);
 }
 

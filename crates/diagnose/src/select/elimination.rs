@@ -2,7 +2,7 @@
 
 use crate::fit::estimate::Fit;
 use crate::select::candidates::Candidate;
-use crate::select::forecast::{Evaluated, deviations_at_all_horizons};
+use crate::select::forecast::{Evaluated, deviations_at_all_horizons, forecasts_worse};
 use crate::select::search::Search;
 use crate::select::stepwise::NamedEffect;
 use crate::thresholds::{BETTER_FORECAST, SECOND_EFFECT};
@@ -24,12 +24,6 @@ pub(crate) fn backward_eliminate(search: &Search<'_>, effects: &mut Vec<NamedEff
             at += 1;
         }
     }
-}
-
-/// Whether the held-out forecasts of `this` are worse than those of `that` by more than chance.
-pub(crate) fn forecasts_worse(search: &Search<'_>, this: &Fit, that: &Fit) -> bool {
-    let [this, that] = [this, that].map(|fit| Evaluated::of(search, fit.clone()).errors);
-    deviations_at_all_horizons(&this, &that) > BETTER_FORECAST
 }
 
 /// Removes effects without which the forecasts are not worse, or no worse than by chance if they gain too little for a

@@ -80,10 +80,20 @@ pub(crate) fn forecasts_better(search: &Search<'_>, this: &Evaluated, that: &Eva
     deviations_at_all_horizons(&errors(that), &errors(this)) > BETTER_FORECAST
 }
 
+/// Whether the held-out forecasts of `this` are worse than those of `that` by more than chance, each with its own noise.
+pub(crate) fn forecasts_worse(search: &Search<'_>, this: &Fit, that: &Fit) -> bool {
+    deviations_at_all_horizons(&errors_of(search, this), &errors_of(search, that)) > BETTER_FORECAST
+}
+
+/// Held-out forecast errors of a fit, by stretch of the record, with its own noise.
+fn errors_of(search: &Search<'_>, fit: &Fit) -> Vec<Tally> {
+    held_out(search, &search.problem.without_each_fold(fit), |model| search.forecasting(model))
+}
+
 /// Whether a fit loses track: at a horizon the mean square of its held-out forecasts is larger than without its last
 /// effect. A likelihood of the next reading can gain by that, where readings are coarse or most of them show a rest.
 pub(crate) fn loses_track(search: &Search<'_>, with: &Fit, without: &Fit) -> bool {
-    let squares = |fit: &Fit| Tally::sum(Evaluated::of(search, fit.clone()).errors.iter()).squares();
+    let squares = |fit: &Fit| Tally::sum(errors_of(search, fit).iter()).squares();
     let pairs = squares(with).zip(squares(without));
     pairs.is_some_and(|(with, without)| with.iter().zip(without).any(|(with, without)| *with > LARGER * without))
 }

@@ -27,8 +27,8 @@ const COUNT: usize = 5;
 /// A row of integrals since the start of the flight: x, ∬u, ∫x, ∬sin, ∬cos, t²/2; and its time.
 type Integrals = (f64, [f64; COUNT + 1]);
 
-/// The models with gravity as `entry` that follow from regressions over each horizon, beside the noise and the other effects
-/// of `model`; none where the position is no angle.
+/// The models with gravity as `entry` that follow from regressions over each horizon, beside the noise and the other
+/// effects of `model`; none where the position is no angle.
 pub(crate) fn regressed(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Model> {
     let Some(turn_mm) = model.turn_mm else { return Vec::new() };
     let flights = recording.flights().iter();
@@ -135,6 +135,9 @@ mod tests {
     use crate::{Recording, Sample};
     use plant::{Effects, Input, Model, Motion};
 
+    /// 100 mm per radian.
+    const TURN_MM: f64 = 100.0 * std::f64::consts::TAU;
+
     /// A pendulum that hangs at 4000 mm, moved by two sines at uneven times; its readings in steps of 0.3 mm.
     fn swinging(rig: &Model) -> Recording {
         let mut motion = Motion::at_rest(4000.0, 0.0);
@@ -158,11 +161,11 @@ mod tests {
     #[test]
     fn a_pendulum_is_found_from_its_swings_whatever_is_believed() {
         let gravity = Effects::built_in("height_dependent_flow").unwrap();
-        let turn_mm = Some(628.318_530_717_958_6);
+        let turn_mm = Some(TURN_MM);
         let belief = Model { turn_mm, pipe_length_mm: 8000.0, effects: Effects::default(), ..model() };
         let mut rig =
             Model { gain_mm_per_s2_per_percent: 300.0, drag_per_s: 0.7, hover_duty_percent: 9.0, ..belief.clone() };
-        rig.effects.set(gravity.name, &[17.0, 4000.0, 628.318_530_717_958_6]);
+        rig.effects.set(gravity.name, &[17.0, 4000.0, TURN_MM]);
         let all = regressed(gravity, &belief, &swinging(&rig));
         assert_eq!(all.len(), 3);
         let found = &all[1];
@@ -170,13 +173,7 @@ mod tests {
         let near =
             |value: f64, truth: f64, within: f64| assert!((value - truth).abs() < within, "{value}, not {truth}");
         near(values[0], 17.0, 0.5);
-        near(
-            (values[1] - 4000.0)
-                .rem_euclid(628.318_530_717_958_6)
-                .min((4000.0 - values[1]).rem_euclid(628.318_530_717_958_6)),
-            0.0,
-            5.0,
-        );
+        near((values[1] - 4000.0).rem_euclid(TURN_MM).min((4000.0 - values[1]).rem_euclid(TURN_MM)), 0.0, 5.0);
         near(found.gain_mm_per_s2_per_percent, 300.0, 9.0);
         near(found.drag_per_s, 0.7, 0.1);
         near(found.hover_duty_percent, 9.0, 0.4);

@@ -20,7 +20,7 @@ use core::f64::consts::TAU;
 use core::iter;
 use serde::{Deserialize, Serialize};
 
-/// The lift falls linearly with height.
+/// The lift falls linearly with height, or gravity goes with the sine of an angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeightDependentFlow {

@@ -25,7 +25,7 @@ fn a_page_has_the_equations_the_numbers_the_answer_and_the_mend_of_its_effect() 
     let entry = Effects::built_in("dead_zone").unwrap();
     let exhibit = gallery.exhibit(entry).unwrap();
     let text = page::page(&exhibit);
-    for part in ["u' = u − upper", "| `lower_percent` | -0.4 | -10 to 0 | 0 |", "**dead zone**", entry.mend] {
+    for part in ["u' = u − upper", "| `lower_percent` | -0.4 | -100 to 0 | 0 |", "**dead zone**", entry.mend] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let first = entry.similar[0];

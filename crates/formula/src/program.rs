@@ -12,16 +12,19 @@ use alloc::vec::Vec;
 /// The lengths of a frame. 500 characters have at most 250 values, and there are at most 200 operations.
 const TINY: usize = 8;
 const SMALL: usize = 16;
-const MEDIUM: usize = 64;
-const LARGE: usize = 512;
+const MEDIUM: usize = 32;
+const LARGE: usize = 64;
+const LARGEST: usize = 512;
 
 /// Steps, and the frame that they begin with.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Program {
-    /// Zeros for the variables, the constants, and zeros for the results.
-    frame: Box<[f64]>,
+    /// The length of the frame.
+    size: usize,
     /// The variables' places among the values; in the frame they come first.
     variables: Box<[usize]>,
+    /// In the frame they come second; zeros for the results follow.
+    constants: Box<[f64]>,
     instructions: Box<[Instruction]>,
     /// Where the first instruction leaves its result, the others after it.
     first: u16,
@@ -46,38 +49,39 @@ impl Program {
         let places = Places::new(tree, &steps);
         let instruction = |step: &Step| Instruction { code: step.code, places: step.operands.map(|o| places.of(o)) };
         let length = places.first + steps.iter().flatten().count();
-        let size = [TINY, SMALL, MEDIUM].into_iter().find(|size| length <= *size).unwrap_or(LARGE);
-        let mut frame = Vec::new();
-        frame.resize(tree.variables.len(), 0.0);
-        frame.extend_from_slice(&places.constants);
-        frame.resize(size, 0.0);
+        let size = [TINY, SMALL, MEDIUM, LARGE].into_iter().find(|size| length <= *size).unwrap_or(LARGEST);
         Self {
-            frame: frame.into(),
+            size,
             variables: tree.variables.iter().map(|variable| variable.index).collect(),
             instructions: steps.iter().flatten().map(instruction).collect(),
             first: place(places.first),
             value: places.of(tree.root),
+            constants: places.constants.into(),
         }
     }
 
     /// The value of the formula, where `variable` gives those of the variables.
     #[inline(always)]
     pub(crate) fn run<N: Number>(&self, variable: impl Fn(usize) -> N) -> N {
-        match self.frame.len() {
+        match self.size {
             TINY => self.run_in::<N, TINY>(variable),
             SMALL => self.run_in::<N, SMALL>(variable),
             MEDIUM => self.run_in::<N, MEDIUM>(variable),
-            _ => self.run_in::<N, LARGE>(variable),
+            LARGE => self.run_in::<N, LARGE>(variable),
+            _ => self.run_in::<N, LARGEST>(variable),
         }
     }
 
     #[inline(never)]
     fn run_in<N: Number, const SIZE: usize>(&self, variable: impl Fn(usize) -> N) -> N {
-        let Some(frame) = self.frame.first_chunk::<SIZE>() else { return N::constant(f64::NAN) };
-        let mut frame = frame.map(N::constant);
+        let mut frame = [N::constant(0.0); SIZE];
         let within = |place: u16| usize::from(place) % SIZE;
-        for (cell, index) in frame.iter_mut().zip(&self.variables) {
+        let (variables, constants) = frame.split_at_mut(self.variables.len().min(SIZE));
+        for (cell, index) in variables.iter_mut().zip(&self.variables) {
             *cell = variable(*index);
+        }
+        for (cell, value) in constants.iter_mut().zip(&self.constants) {
+            *cell = N::constant(*value);
         }
         let (mut value, mut next) = (frame[within(self.value)], self.first);
         for Instruction { code, places: [a, b, c] } in &self.instructions {

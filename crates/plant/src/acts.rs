@@ -51,6 +51,23 @@ pub struct Conditions {
     pub pipe_length_mm: f64,
 }
 
+/// Step of differences of a force, in mm, mm/s and mm/s²: far below what a flight covers, far above rounding.
+const NUDGE: f64 = 1e-2;
+
+impl Conditions {
+    /// The derivatives of a force by position, velocity and the fan's acceleration: central differences, exact where it
+    /// is linear.
+    pub(crate) fn slopes_of(&self, force: impl Fn(&Self) -> f64) -> [f64; 3] {
+        let along =
+            |moved: fn(&Self, f64) -> Self| (force(&moved(self, NUDGE)) - force(&moved(self, -NUDGE))) / (2.0 * NUDGE);
+        [
+            along(|now, by| Self { position_mm: now.position_mm + by, ..*now }),
+            along(|now, by| Self { velocity_mm_per_s: now.velocity_mm_per_s + by, ..*now }),
+            along(|now, by| Self { fan_mm_per_s2: now.fan_mm_per_s2 + by, ..*now }),
+        ]
+    }
+}
+
 /// A direction in the state space, along which derivatives are taken.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Direction {
@@ -90,6 +107,9 @@ pub struct Acts<E: 'static> {
     pub follows: Option<Follows<E>>,
     /// The acceleration that it adds to the ball, mm/s².
     pub force: Option<fn(&E, &Conditions) -> f64>,
+    /// The derivatives of `force` by position (1/s²), velocity (1/s) and the fan's acceleration; `None`: they are taken
+    /// by differences, which costs more.
+    pub force_slopes: Option<fn(&E, &Conditions) -> [f64; 3]>,
     /// Slot. The random force of the air.
     pub coloured_force: Option<fn(&E) -> Turbulence>,
     /// Slot. Dry friction.
@@ -134,6 +154,7 @@ impl<E> Acts<E> {
         limits: None,
         follows: None,
         force: None,
+        force_slopes: None,
         coloured_force: None,
         friction: None,
         ends: None,

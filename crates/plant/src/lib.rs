@@ -20,6 +20,7 @@ mod linear;
 mod model;
 mod motion;
 mod normal;
+mod rate;
 mod rk4;
 mod root;
 mod rotor;

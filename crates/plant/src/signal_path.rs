@@ -149,9 +149,16 @@ impl Effects {
         }) + self.written.force(conditions)
     }
 
-    /// The part of it by the effects of the catalogue, mm/s².
-    pub(crate) fn built_in_force(&self, conditions: &Conditions) -> f64 {
-        fold!(self, force, 0.0, |sum, act, effect| sum + act(effect, conditions))
+    /// The derivatives of the part of it by the effects of the catalogue, by position, velocity and the fan's
+    /// acceleration.
+    #[inline(always)]
+    pub(crate) fn built_in_slopes(&self, conditions: &Conditions) -> [f64; 3] {
+        fold!(self, force, [0.0; 3], |sum, act, effect| {
+            let own = acts(effect)
+                .force_slopes
+                .map_or_else(|| conditions.slopes_of(|there| act(effect, there)), |slopes| slopes(effect, conditions));
+            [sum[0] + own[0], sum[1] + own[1], sum[2] + own[2]]
+        })
     }
 
     /// Whether one of them is such a force.
@@ -327,6 +334,15 @@ impl Effects {
             sum += dead_time_s(effect) + time_constants_s(effect).map_or(0.0, |[up, down]| up.max(down));
         });
         sum
+    }
+
+    /// The reciprocal of the shortest time constant of a lag or of turbulence, 1/s; 0 without.
+    pub(crate) fn fastest_lag_per_s(&self) -> f64 {
+        let mut rate = self.coloured_force().map_or(0.0, |turbulence| 1.0 / turbulence.correlation_s);
+        for_each_effect!(self, effect => if let Some([up, down]) = time_constants_s(effect) {
+            rate = rate.max(1.0 / up.min(down));
+        });
+        rate
     }
 
     /// Adds what these effects do to a linear plant.

@@ -8,8 +8,8 @@
 //!
 //! These are the derivatives of the RK4 step itself, to rounding, and not those of the exact motion. Written formulas
 //! are differentiated automatically; at a kink, as of `max`, theirs is the derivative of one side (see
-//! [`formula::Formula::dual`]). The effects of the catalogue have no derivatives in closed form: those of their forces
-//! and of the fan's lag are differences, exact where they are linear.
+//! [`formula::Formula::dual`]). The effects of the catalogue state those of their forces, see
+//! [`crate::Acts::force_slopes`]; that of the fan's lag is a difference, exact where the lag is linear.
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, section I.14.
 
 use crate::acts::{Conditions, Direction};
@@ -17,8 +17,8 @@ use crate::flow::{Drive, Flow};
 use crate::motion::{Motion, OWN_STATES};
 use crate::rk4;
 
-/// Step of the differences, in mm, mm/s and mm/s²: far below what a flight covers, far above rounding.
-const NUDGE: f64 = 1e-2;
+/// Step of the differences of the fan's lag, mm/s²: far below what a flight covers, far above rounding.
+const NUDGE_MM_PER_S2: f64 = 1e-2;
 
 /// What moves the ball between two events.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -182,25 +182,20 @@ impl Flow<'_> {
 
     /// The derivatives of the force of the effects by y, v, the fan and the own states.
     #[inline(always)]
-    fn force_slopes(&self, conditions: &Conditions) -> [f64; 3 + OWN_STATES] {
+    pub(crate) fn force_slopes(&self, conditions: &Conditions) -> [f64; 3 + OWN_STATES] {
         let effects = &self.model.effects;
-        let (built_in, written) = (effects.has_built_in_force(), effects.written.has_force());
-        if !built_in && !written {
-            return [0.0; 3 + OWN_STATES];
-        }
-        self.directions().map(|along| {
-            let Some(along) = along else { return 0.0 };
-            let of_written = if written { effects.written.force_along(conditions, &along) } else { 0.0 };
-            if !built_in || along.own != [0.0; OWN_STATES] {
-                return of_written;
+        let mut slopes = [0.0; 3 + OWN_STATES];
+        slopes[..3].copy_from_slice(&effects.built_in_slopes(conditions));
+        if effects.written.has_force() {
+            for (slope, along) in slopes.iter_mut().zip(self.directions()) {
+                *slope += along.map_or(0.0, |along| effects.written.force_along(conditions, &along));
             }
-            let at = |by: f64| effects.built_in_force(&conditions.moved(&along, by));
-            of_written + (at(NUDGE) - at(-NUDGE)) / (2.0 * NUDGE)
-        })
+        }
+        slopes
     }
 
     /// The derivatives of the rate of each own state by the same.
-    fn own_slopes(&self, conditions: &Conditions) -> [[f64; 3 + OWN_STATES]; OWN_STATES] {
+    pub(crate) fn own_slopes(&self, conditions: &Conditions) -> [[f64; 3 + OWN_STATES]; OWN_STATES] {
         let along = |along: Direction| self.model.effects.written.own_rates_along(conditions, &along);
         let columns = self.directions().map(|direction| direction.map_or([0.0; OWN_STATES], along));
         std::array::from_fn(|state| columns.map(|column| column[state]))
@@ -230,9 +225,9 @@ impl Flow<'_> {
         if !self.model.effects.has_fan_state() {
             return [0.0; 3];
         }
-        let nudged = Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + NUDGE, ..*motion };
+        let nudged = Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + NUDGE_MM_PER_S2, ..*motion };
         let there = self.fans(&nudged, dt_s);
-        std::array::from_fn(|i| (there[i] - fan[i]) / NUDGE)
+        std::array::from_fn(|i| (there[i] - fan[i]) / NUDGE_MM_PER_S2)
     }
 }
 
@@ -261,17 +256,4 @@ impl Unit {
             still,
         }
     };
-}
-
-impl Conditions {
-    /// The same where the state has moved so far along a direction.
-    fn moved(&self, along: &Direction, by: f64) -> Self {
-        Self {
-            position_mm: self.position_mm + by * along.position,
-            velocity_mm_per_s: self.velocity_mm_per_s + by * along.velocity,
-            fan_mm_per_s2: self.fan_mm_per_s2 + by * along.fan,
-            own: std::array::from_fn(|state| self.own[state] + by * along.own[state]),
-            ..*self
-        }
-    }
 }

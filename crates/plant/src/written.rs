@@ -170,6 +170,11 @@ impl WrittenEffects {
         self.on.iter().all(|on| on.definition.motion_is_linear())
     }
 
+    /// Whether a force or the rate of a state changes with the time itself.
+    pub(crate) fn moves_with_time(&self) -> bool {
+        self.on.iter().any(|on| on.definition.moves_with_time())
+    }
+
     /// The effect whose states are the own states of the model.
     fn with_states(&self) -> Option<&On> {
         self.on.iter().find(|on| on.definition.states() > 0)

@@ -67,6 +67,7 @@ impl Effect for HeightDependentFlow {
 
     const ACTS: Acts<Self> = Acts {
         force: Some(|flow, now| flow.lift(now.position_mm, now.pipe_length_mm)),
+        force_slopes: Some(|flow, now| [flow.slope_per_s2(now.position_mm, now.pipe_length_mm), 0.0, 0.0]),
         is_linear: Some(|flow| flow.turn_mm.is_none()),
         linearise: Some(|flow, plant| plant.gradient_per_s2 = flow.gradient_per_s2),
         ..Acts::NONE
@@ -98,12 +99,22 @@ impl HeightDependentFlow {
     /// The acceleration that the height adds, mm/s².
     #[must_use]
     pub fn lift(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
-        let from_centre_mm = position_mm - self.centre_mm.unwrap_or(pipe_length_mm / 2.0);
+        let from_centre_mm = self.from_centre_mm(position_mm, pipe_length_mm);
         let arm_mm = self.turn_mm.map_or(from_centre_mm, |turn_mm| {
             let radian_mm = turn_mm / TAU;
             radian_mm * libm::sin(from_centre_mm / radian_mm)
         });
         -self.gradient_per_s2 * arm_mm
+    }
+
+    /// The derivative of [`Self::lift`] by the position, 1/s².
+    fn slope_per_s2(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
+        let from_centre_mm = self.from_centre_mm(position_mm, pipe_length_mm);
+        -self.gradient_per_s2 * self.turn_mm.map_or(1.0, |turn_mm| libm::cos(from_centre_mm * TAU / turn_mm))
+    }
+
+    fn from_centre_mm(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
+        position_mm - self.centre_mm.unwrap_or(pipe_length_mm / 2.0)
     }
 }
 

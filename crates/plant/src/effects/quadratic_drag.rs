@@ -56,7 +56,11 @@ impl Effect for QuadraticDrag {
         ..Entry::PLAIN
     };
 
-    const ACTS: Acts<Self> = Acts { force: Some(|drag, now| drag.acceleration(now.velocity_mm_per_s)), ..Acts::NONE };
+    const ACTS: Acts<Self> = Acts {
+        force: Some(|drag, now| drag.acceleration(now.velocity_mm_per_s)),
+        force_slopes: Some(|drag, now| [0.0, -2.0 * drag.coefficient_per_mm * now.velocity_mm_per_s.abs(), 0.0]),
+        ..Acts::NONE
+    };
 
     values_in_order!(coefficient_per_mm);
 }

@@ -67,7 +67,8 @@ impl Effect for RelativeAirflow {
         ..Entry::PLAIN
     };
 
-    const ACTS: Acts<Self> = Acts { force: Some(Self::beyond_linear), ..Acts::NONE };
+    const ACTS: Acts<Self> =
+        Acts { force: Some(Self::beyond_linear), force_slopes: Some(Self::slopes_beyond_linear), ..Acts::NONE };
 
     values_in_order!(inverse_speed_s_per_mm);
 }
@@ -90,6 +91,20 @@ impl RelativeAirflow {
             return v * (a - air + 0.5 * ratio * v);
         }
         (past * past.abs() - a * a) / (2.0 * ratio) - (lift - a * v)
+    }
+
+    /// The derivatives of [`Self::beyond_linear`] by position, velocity and the fan's acceleration.
+    fn slopes_beyond_linear(&self, now: &Conditions) -> [f64; 3] {
+        let (a, q) = (now.drag_per_s, self.inverse_speed_s_per_mm);
+        let ratio = a * q;
+        if ratio <= 0.0 {
+            return [0.0; 3];
+        }
+        let air = sqrt((a * a + 2.0 * ratio * now.fan_mm_per_s2).max(0.0));
+        let past = air - ratio * now.velocity_mm_per_s;
+        // Without air there is none that a little more of the fan changes: it has no slope at that kink.
+        let by_fan = if air > 0.0 { past.abs() / air } else { 0.0 };
+        [0.0, a - past.abs(), by_fan - 1.0]
     }
 }
 

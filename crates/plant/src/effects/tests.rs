@@ -1,6 +1,7 @@
 //! What the catalogue promises of every effect in it.
 
 use super::{Effects, FanLag, SpinAsymmetry};
+use crate::acts::Conditions;
 use crate::effect::Stage;
 use crate::model::tests::thesis;
 use crate::unsound::Unsound;
@@ -30,6 +31,32 @@ fn every_effect_has_neighbours_of_the_catalogue_and_is_told_from_each() {
             assert!(neighbour.distinguished_by.len() > 40 && !neighbour.distinguished_by.ends_with('.'), "{pair}");
         }
     }
+}
+
+#[test]
+fn the_stated_slopes_of_every_force_are_those_of_central_differences() {
+    let mut forces = 0;
+    let turns: &[f64] = &[16.0, 250.0, 360.0];
+    let sizes = Effects::CATALOGUE.iter().flat_map(|entry| entry.sizes.iter().map(|values| (entry.name, *values)));
+    for (name, values) in sizes.chain([("height_dependent_flow", turns)]) {
+        let mut effects = Effects::default();
+        effects.set(name, values);
+        if !effects.has_built_in_force() {
+            continue;
+        }
+        forces += 1;
+        for (position_mm, velocity_mm_per_s, fan_mm_per_s2) in
+            [(100.0, 200.0, 300.0), (420.0, -650.0, -900.0), (310.0, 2500.0, -200.0), (310.0, 40.0, -1e5)]
+        {
+            let now = Conditions { position_mm, velocity_mm_per_s, fan_mm_per_s2, ..thesis().conditions() };
+            let stated = effects.built_in_slopes(&now);
+            let differences = now.slopes_of(|there| effects.accelerated(0.0, there));
+            for (stated, difference) in stated.iter().zip(differences) {
+                assert!((stated - difference).abs() < 1e-6, "{name} {now:?}: {stated} for {difference}");
+            }
+        }
+    }
+    assert!(forces >= 5, "{forces}");
 }
 
 #[test]

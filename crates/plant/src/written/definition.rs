@@ -19,6 +19,7 @@ pub struct Definition {
     states: Vec<[Formula; 2]>,
     motion_is_linear: bool,
     uses_time: bool,
+    moves_with_time: bool,
     /// The first formula that uses the setpoint: its key and text, and the column.
     setpoint: Option<(String, String, usize)>,
 }
@@ -51,9 +52,11 @@ impl Definition {
         names.all_used(&adds, &states)?;
         let force = Some(&adds).filter(|_| matches!(table.stage, Stage::Air | Stage::Ball));
         let mut moves = force.into_iter().chain(states.iter().map(|[rate, _]| rate));
+        let moves_with_time = moves.clone().any(|one| one.uses(names.place("t")));
         let definition = Self {
             motion_is_linear: moves.all(|one| one.is_affine_in(&ALL_BUT_PARAMETERS)),
             uses_time: adds.uses(names.place("t")),
+            moves_with_time,
             setpoint: setpoint_use(table, &names, &adds, &states),
             entry: entry(name, table),
             table: table.clone(),
@@ -99,6 +102,11 @@ impl Definition {
 
     pub(super) const fn uses_time(&self) -> bool {
         self.uses_time
+    }
+
+    /// Whether its force or the rate of a state changes with the time itself.
+    pub(super) const fn moves_with_time(&self) -> bool {
+        self.moves_with_time
     }
 
     /// Whether its force and the rates of its states are linear in what moves.

@@ -29,7 +29,7 @@ use measurement::{Measured, expected_mm};
 pub(crate) use prior::VELOCITY_PRIOR_MM_PER_S;
 use prior::prior;
 pub(crate) use smoother::{FilteredStep, Segment, Sensitivity, Smoothed, SmootherMemory, smoothed};
-use step::{MAX_STEP_S, Step, steps_over};
+use step::{MAX_STEP_S, Step, longest_step_s, steps_over};
 
 use crate::filter::innovation::{Innovation, Reading};
 use crate::record::recording::Write;
@@ -248,7 +248,7 @@ impl<'a> Ekf<'a> {
     /// Propagates to `time_s`; the command does not jump before.
     fn propagate_to(&mut self, time_s: f64, known: &mut PropagationCache) {
         let (start, ahead) = (self.time_s, time_s - self.time_s);
-        let steps = steps_over(ahead);
+        let steps = if ahead <= MAX_STEP_S { 1.0 } else { steps_over(ahead, self.longest_step_s()) };
         let dt = ahead / steps;
         let drifts = Actuator::drifts(self.model);
         let mut commanded = self.actuator.commanded(self.model, start.max(0.0));
@@ -260,6 +260,10 @@ impl<'a> Ekf<'a> {
             self.step(commanded, dt, known);
         }
         self.time_s = time_s;
+    }
+
+    fn longest_step_s(&self) -> f64 {
+        longest_step_s(motion_of(&self.state).fastest_rate_per_s(self.model, self.input()))
     }
 
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {

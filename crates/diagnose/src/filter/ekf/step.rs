@@ -13,8 +13,10 @@ use plant::effects::WallFriction;
 use plant::{Derivatives, Friction, Input, Model, Motion};
 use std::f64::consts::{FRAC_2_SQRT_PI, SQRT_2};
 
-/// Longest integration step, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
+/// Longest integration step of a motion that may be fast, seconds: RK4 is accurate to 1e-6 of a rig's motion there.
 pub(super) const MAX_STEP_S: f64 = 0.02;
+/// Longest step of a motion that is slow, by its fastest rate: where h·rate is so small, a step errs by less than 1e-7.
+const MAX_STEP_BY_RATE: f64 = 0.1;
 /// Over more than so many of them longer steps do, seconds: over a gap a forecast is uncertain by far more than they
 /// err, and rows that are far apart must not take longer in proportion.
 const FINE_STEPS: f64 = 5.0;
@@ -25,10 +27,15 @@ const SLOWEST_MM_PER_S: f64 = 1.0;
 /// in a step.
 const KNOWN: f64 = 0.25;
 
-/// The number of steps in which `ahead` seconds are integrated.
-pub(super) fn steps_over(ahead: f64) -> f64 {
-    let fine = (ahead / MAX_STEP_S).ceil().clamp(1.0, FINE_STEPS);
-    fine + ((ahead - FINE_STEPS * MAX_STEP_S) / GAP_STEP_S).ceil().max(0.0)
+/// The longest step, seconds, of a motion with this fastest rate, 1/s; `None`: it is not known.
+pub(super) fn longest_step_s(rate_per_s: Option<f64>) -> f64 {
+    rate_per_s.map_or(MAX_STEP_S, |rate| (MAX_STEP_BY_RATE / rate).clamp(MAX_STEP_S, GAP_STEP_S))
+}
+
+/// The number of steps in which `ahead` seconds are integrated, the first ones no longer than `longest_s`.
+pub(super) fn steps_over(ahead: f64, longest_s: f64) -> f64 {
+    let fine = (ahead / longest_s).ceil().clamp(1.0, FINE_STEPS);
+    fine + ((ahead - FINE_STEPS * longest_s) / GAP_STEP_S).ceil().max(0.0)
 }
 
 /// A step of the filter.
@@ -111,7 +118,7 @@ fn transition(active: &Active, derivatives: &Derivatives) -> Square {
 #[cfg(test)]
 mod tests {
     use super::super::covariance::motion_of;
-    use super::{Active, Square, Step, steps_over, vector};
+    use super::{Active, MAX_STEP_S, Square, Step, longest_step_s, steps_over, vector};
     use crate::filter::written_support::with_written;
     use crate::tests_support::model;
     use plant::{Effects, Input, Model, Motion, Stage};
@@ -167,7 +174,8 @@ mod tests {
 
     #[test]
     fn the_longer_steps_of_a_gap_end_where_short_ones_do_and_are_few() {
-        assert_eq!([0.0, 0.01, 0.02, 0.05, 0.1].map(steps_over), [1.0, 1.0, 1.0, 3.0, 5.0]);
+        let fine = |ahead| steps_over(ahead, MAX_STEP_S);
+        assert_eq!([0.0, 0.01, 0.02, 0.05, 0.1].map(fine), [1.0, 1.0, 1.0, 3.0, 5.0]);
         let mut curved = model();
         curved.effects.set("quadratic_drag", &[2e-3]);
         for gap_s in [0.2, 1.0, 10.0] {
@@ -179,11 +187,26 @@ mod tests {
                 }
                 at
             };
-            let (few, many) = (after(steps_over(gap_s)), after(1000.0 * gap_s));
-            assert!(steps_over(gap_s) <= 5.0 + 10.0 * gap_s);
+            let (few, many) = (after(fine(gap_s)), after(1000.0 * gap_s));
+            assert!(fine(gap_s) <= 5.0 + 10.0 * gap_s);
             let off = (few.position_mm - many.position_mm).abs();
             assert!(off < 0.02, "{off} mm after {gap_s} s");
         }
+    }
+
+    #[test]
+    fn a_slow_motion_takes_one_step_of_a_tenth_of_a_second_that_ends_where_short_ones_do() {
+        let mut slow = Model { drag_per_s: 0.8, effects: Effects::default(), ..model() };
+        slow.effects.set("quadratic_drag", &[8e-4]);
+        let rate = somewhere().fastest_rate_per_s(&slow, INPUT);
+        assert_eq!(steps_over(0.1, longest_step_s(rate)), 1.0, "{rate:?}");
+        let one = somewhere().step_in_endless_pipe(&slow, INPUT, 0.1);
+        let five = (0..5).fold(somewhere(), |at, _| at.step_in_endless_pipe(&slow, INPUT, 0.02));
+        let off = (one.velocity_mm_per_s - five.velocity_mm_per_s).abs() / five.velocity_mm_per_s;
+        assert!(off < 1e-6, "{off} of the velocity");
+        let fast = Model { drag_per_s: 6.0, ..slow };
+        let rate = somewhere().fastest_rate_per_s(&fast, INPUT);
+        assert_eq!(steps_over(0.1, longest_step_s(rate)), 5.0, "{rate:?}");
     }
 
     // Central differences would mix the slopes of both sides.

@@ -3,6 +3,7 @@
 //! ```text
 //! hover     lowest duty − m ≤ hover ≤ highest duty + m       m: half of the range of duties
 //! heights   min(0, lowest reading) ≤ height ≤ max(length of the pipe, highest reading)
+//!           half a turn further, where the position is an angle: it need not pass where its pendulum hangs
 //! others    as the config accepts them; the gain keeps its sign
 //! ```
 //!
@@ -41,9 +42,10 @@ impl Bounds {
         let [low, high] = recording.duty_range();
         let margin = MARGIN * (high - low);
         let [lowest, highest] = recording.height_range();
+        let beyond_mm = belief.turn_mm.map_or(0.0, |turn_mm| turn_mm / 2.0);
         Self {
             hover_percent: [(low - margin).max(Model::HOVER.min), (high + margin).min(Model::HOVER.max)],
-            height_mm: [lowest.min(0.0), highest.max(belief.pipe_length_mm)],
+            height_mm: [lowest.min(0.0) - beyond_mm, highest.max(belief.pipe_length_mm) + beyond_mm],
         }
     }
 
@@ -129,6 +131,7 @@ mod tests {
         assert_eq!(bounds.check(&stopped, &parameters), Err(Impossible::OutOfRecord(parameters[0])));
         let clamped = bounds.clamped(stopped, &parameters);
         let [lowest, highest] = recording.height_range();
+        let beyond_mm = belief.turn_mm.map_or(0.0, |turn_mm| turn_mm / 2.0);
         let expected = [lowest.min(0.0), highest.max(model().pipe_length_mm), 0.5];
         assert_eq!(clamped.effects.values("end_stop"), Some(expected.to_vec()));
     }

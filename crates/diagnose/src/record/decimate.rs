@@ -1,7 +1,7 @@
 //! Recordings of a fast clock, decimated to the bandwidth of a rig of this kind.
 //!
 //! Every duty is kept: a fan does not respond to a duty that changes fast as it does to its mean. Readings are merged
-//! into means a hundredth of a second apart, because a ball in a pipe, or an arm, shows nothing faster. Each mean has a
+//! into means up to a fiftieth of a second apart, because a ball in a pipe, or an arm, shows nothing faster. Each mean has a
 //! variance that is smaller by the number of its readings. Readings are not dropped, because the controller reacted to
 //! all of them: a filter without some of them would take the controller's reaction for an effect of the rig. One of
 //! each `merged` readings is picked where their mean is not a valid reading: quantised or repeated readings, outliers,
@@ -12,13 +12,11 @@ use crate::record::recording::{Recording, Sample};
 use crate::stats::spread::spread;
 use plant::Model;
 
-/// Recordings with fewer rows in total are used as they are.
-const MANY_ROWS: usize = 20_000;
-/// Readings per second that are enough.
-const ENOUGH_HZ: f64 = 100.0;
-/// The same for very long records, and the number of rows above which it applies.
-const FEWER_HZ: f64 = 50.0;
-const VERY_MANY_ROWS: f64 = 400_000.0;
+/// A recording is decimated as long as it keeps so many readings in total: those of 80 s at 50 Hz, which are enough for
+/// the effects of a rig. Chosen by hand: half as long a search is worth more than twice as many readings.
+const ENOUGH_READINGS: usize = 4000;
+/// And so many a second: what a ball in a pipe, or an arm, does is slower.
+const ENOUGH_HZ: f64 = 50.0;
 /// The curvature of the path within a block moves the mean off the middle; at most this share of the mean's noise is
 /// allowed.
 const BENT: f64 = 0.3;
@@ -44,18 +42,19 @@ pub(crate) fn decimated(
 ) -> Option<(Decimated, Recording)> {
     let samples = flight.samples();
     let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
-    let (all_rows, all_s) =
-        all.iter().fold((0, 0.0), |(rows, s), one| (rows + one.samples().len(), s + one.duration_s()));
-    let enough = if all_s * ENOUGH_HZ > VERY_MANY_ROWS { FEWER_HZ } else { ENOUGH_HZ };
+    let all_rows: usize = all.iter().map(|one| one.samples().len()).sum();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
-    let merged = (rate_hz / enough) as usize;
-    if all_rows < MANY_ROWS || merged < 2 {
+    let merged = ((rate_hz / ENOUGH_HZ).round() as usize).min(all_rows / ENOUGH_READINGS);
+    if merged < 2 {
         return None;
     }
     // An odd number has a middle row.
-    let count = merged | 1;
+    let count = (merged - 1) | 1;
     let sigma_mm = (reading_variance(belief) / count as f64).sqrt();
     let straight = bend_mm(samples, belief, count, count as f64 / rate_hz) < BENT * sigma_mm;
+    if smooth && straight && count == 1 {
+        return None;
+    }
     let means = if smooth && straight { means(samples, count) } else { None };
     if let Some(rows) = means {
         let recording = Recording::new(rows).ok()?.of_means(count);
@@ -117,7 +116,7 @@ mod tests {
         let slow = record(&model(), 1, 20);
         assert!(decimated(&slow, slow.as_ref(), &model(), true).is_none());
         let fast = fast(|_| true);
-        for (smooth, merged) in [(false, 10), (true, 11)] {
+        for (smooth, merged) in [(false, 10), (true, 9)] {
             let (how, thin) = decimated(&fast, fast.as_ref(), &model(), smooth).unwrap();
             assert_eq!(how, Decimated { merged, means: smooth });
             assert_eq!((thin.samples().len(), thin.readings()), (40_000, 40_000 / merged));
@@ -134,13 +133,28 @@ mod tests {
     fn readings_whose_path_bends_more_than_their_noise_are_picked() {
         let mut quiet = model();
         let fast = fast(|_| true);
-        // 254.6 mm/s² per percent, blocks of 11 ms whose mean duties spread by 2.9 %: 0.0037 mm. Changes within a block
+        // 254.6 mm/s² per percent, blocks of 9 ms whose mean duties spread by 2.9 %: 0.0025 mm. Changes within a block
         // bend nothing.
-        for (sensor_mm, means) in [(0.05, true), (0.03, false)] {
+        for (sensor_mm, means) in [(0.03, true), (0.02, false)] {
             quiet.noise.sensor_mm = sensor_mm;
             let (how, _) = decimated(&fast, fast.as_ref(), &quiet, true).unwrap();
             assert_eq!(how.means, means, "{sensor_mm} mm");
         }
+    }
+
+    #[test]
+    fn a_recording_keeps_the_readings_of_eighty_seconds_and_of_noisy_ones_all_but_means_of_three() {
+        let of = |rows: u32, hz: f64| {
+            let row = |k| Sample { time_s: f64::from(k) / hz, position_mm: Some(0.0), ..Sample::default() };
+            Recording::new((0..rows).map(row).collect()).unwrap()
+        };
+        let merged = |rows, hz, smooth| {
+            let fast = of(rows, hz);
+            decimated(&fast, fast.as_ref(), &model(), smooth).map(|(how, _)| how.merged)
+        };
+        assert_eq!([7_999, 8_000, 80_000].map(|rows| merged(rows, 100.0, false)), [None, Some(2), Some(2)]);
+        assert_eq!([8_000, 12_000].map(|rows| merged(rows, 1000.0, false)), [Some(2), Some(3)]);
+        assert_eq!([(8_000, 100.0), (12_000, 150.0)].map(|(rows, hz)| merged(rows, hz, true)), [None, Some(3)]);
     }
 
     #[test]

@@ -86,7 +86,7 @@ fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
         Start::OverRecord(shares) => shares.iter().map(|share| vec![share / recording.duration_s().max(1.0)]).collect(),
         Start::Values(values) => listed(values),
         Start::DutyOverHeight if model.turn_mm.is_some() => {
-            let found = regressed(entry, model, recording);
+            let found = regressed(entry, model, problem.belief, recording);
             found.iter().filter_map(|pendulum| pendulum.effects.values(entry.name)).collect()
         }
         Start::Sizes | Start::DutyOverHeight | Start::DutySteps => listed(entry.sizes),

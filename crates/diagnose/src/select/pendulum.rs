@@ -9,7 +9,8 @@
 //! D takes the straight lines out of both sides, so that no velocity is needed; the equation holds exactly for any
 //! horizon and at uneven times, and is linear in K, a, A, B and c. A fit of a linear plant cancels the input against the
 //! gravity that it lacks: where a filter starts from it, or from the belief with another angle, the likelihood has
-//! many local maxima.
+//! many local maxima. Where motion is slow beside a misfit, least squares attenuate K and with it A and B; so they are
+//! also solved for the believed K and a.
 //! Source: Preisig and Rippin, "Theory and application of the modulating function method", Computers & Chemical
 //! Engineering 17 (1993); D is the method with a triangle as its function.
 
@@ -27,13 +28,16 @@ const COUNT: usize = 5;
 /// A row of integrals since the start of the flight: x, ∬u, ∫x, ∬sin, ∬cos, t²/2; and its time.
 type Integrals = (f64, [f64; COUNT + 1]);
 
-/// The models with gravity as `entry` that follow from regressions over each horizon, beside the noise and the other
-/// effects of `model`; none where the position is no angle.
-pub(crate) fn regressed(entry: &Entry, model: &Model, recording: &Recording) -> Vec<Model> {
+/// The models with gravity as `entry` that follow from regressions over each horizon, of all unknowns and then with the
+/// believed gain and drag, beside the noise and the other effects of `model`; none where the position is no angle.
+pub(crate) fn regressed(entry: &Entry, model: &Model, belief: &Model, recording: &Recording) -> Vec<Model> {
     let Some(turn_mm) = model.turn_mm else { return Vec::new() };
     let flights = recording.flights().iter();
     let integrals: Vec<Vec<Integrals>> = flights.map(|flight| integrals(recording, flight, turn_mm)).collect();
-    HORIZONS_S.iter().filter_map(|horizon_s| pendulum(entry, model, &integrals, *horizon_s)).collect()
+    let sums: Vec<Sums> = HORIZONS_S.iter().map(|horizon_s| Sums::of(&integrals, *horizon_s)).collect();
+    let free = sums.iter().map(Sums::solved);
+    let given = sums.iter().map(|sums| sums.solved_given([belief.gain_mm_per_s2_per_percent, -belief.drag_per_s]));
+    free.chain(given).filter_map(|solved| pendulum(entry, model, solved?)).collect()
 }
 
 /// The integrals at each reading of a flight.
@@ -100,19 +104,46 @@ fn differences(rows: &[Integrals], horizon_s: f64) -> impl Iterator<Item = [f64;
     })
 }
 
-/// Least squares, and the model with its values.
-fn pendulum(entry: &Entry, model: &Model, flights: &[Vec<Integrals>], horizon_s: f64) -> Option<Model> {
-    let (mut squares, mut products) = (SMatrix::<f64, COUNT, COUNT>::zeros(), SVector::<f64, COUNT>::zeros());
-    for [x, known @ ..] in flights.iter().flat_map(|rows| differences(rows, horizon_s)) {
-        let known = SVector::from(known);
-        squares += known * known.transpose();
-        products += known * x;
+/// The sums of least squares over one horizon.
+struct Sums {
+    squares: SMatrix<f64, COUNT, COUNT>,
+    products: SVector<f64, COUNT>,
+}
+
+impl Sums {
+    fn of(flights: &[Vec<Integrals>], horizon_s: f64) -> Self {
+        let mut sums = Self { squares: SMatrix::zeros(), products: SVector::zeros() };
+        for [x, known @ ..] in flights.iter().flat_map(|rows| differences(rows, horizon_s)) {
+            let known = SVector::from(known);
+            sums.squares += known * known.transpose();
+            sums.products += known * x;
+        }
+        sums
     }
-    // Columns of like size: the integrals have other units.
+
+    /// K, −a, A, B and c.
+    fn solved(&self) -> Option<[f64; COUNT]> {
+        solved(&self.squares, &self.products).map(Into::into)
+    }
+
+    /// The same where K and −a are known.
+    fn solved_given(&self, known: [f64; 2]) -> Option<[f64; COUNT]> {
+        let of_known = self.squares.fixed_view::<3, 2>(2, 0) * SVector::from(known);
+        let squares = self.squares.fixed_view::<3, 3>(2, 2).into_owned();
+        let [sin, cos, constant] = solved(&squares, &(self.products.fixed_rows::<3>(2) - of_known))?.into();
+        Some([known[0], known[1], sin, cos, constant])
+    }
+}
+
+/// The solution of normal equations, in columns of like size: the integrals have other units.
+fn solved<const N: usize>(squares: &SMatrix<f64, N, N>, products: &SVector<f64, N>) -> Option<SVector<f64, N>> {
     let scale = squares.diagonal().map(|square| 1.0 / square.sqrt());
-    let scaled = SMatrix::from_diagonal(&scale) * squares * SMatrix::from_diagonal(&scale);
-    let solved = scaled.cholesky()?.solve(&products.component_mul(&scale)).component_mul(&scale);
-    let [gain, minus_drag, sin, cos, constant] = solved.into();
+    let scaled = SMatrix::<f64, N, N>::from_fn(|i, j| scale[i] * squares[(i, j)] * scale[j]);
+    Some(scaled.cholesky()?.solve(&products.component_mul(&scale)).component_mul(&scale))
+}
+
+/// The model with these values; `None`: it is not possible.
+fn pendulum(entry: &Entry, model: &Model, [gain, minus_drag, sin, cos, constant]: [f64; COUNT]) -> Option<Model> {
     let radian_mm = model.turn_mm? / TAU;
     // A·sin + B·cos = −amplitude·sin(2π·(x − centre)/turn)
     let (gradient, centre_mm) = (sin.hypot(cos) / radian_mm, cos.atan2(-sin) * radian_mm);
@@ -166,8 +197,8 @@ mod tests {
         let mut rig =
             Model { gain_mm_per_s2_per_percent: 300.0, drag_per_s: 0.7, hover_duty_percent: 9.0, ..belief.clone() };
         rig.effects.set(gravity.name, &[17.0, 4000.0, TURN_MM]);
-        let all = regressed(gravity, &belief, &swinging(&rig));
-        assert_eq!(all.len(), 3);
+        let all = regressed(gravity, &belief, &belief, &swinging(&rig));
+        assert_eq!(all.len(), 6);
         let found = &all[1];
         let values = found.effects.values(gravity.name).unwrap();
         let near =
@@ -177,11 +208,17 @@ mod tests {
         near(found.gain_mm_per_s2_per_percent, 300.0, 9.0);
         near(found.drag_per_s, 0.7, 0.1);
         near(found.hover_duty_percent, 9.0, 0.4);
+        let half = Model { gain_mm_per_s2_per_percent: 150.0, drag_per_s: 0.7, ..belief.clone() };
+        let given = regressed(gravity, &belief, &half, &swinging(&rig)).swap_remove(4);
+        assert_eq!((given.gain_mm_per_s2_per_percent, given.drag_per_s), (150.0, 0.7));
+        let truth = regressed(gravity, &belief, &rig, &swinging(&rig)).swap_remove(4);
+        near(truth.effects.values(gravity.name).unwrap()[0], 17.0, 0.5);
+        near(truth.hover_duty_percent, 9.0, 0.4);
     }
 
     #[test]
     fn a_position_that_is_no_angle_has_no_pendulum() {
         let gravity = Effects::built_in("height_dependent_flow").unwrap();
-        assert!(regressed(gravity, &model(), &crate::tests_support::record(&model(), 1, 20)).is_empty());
+        assert!(regressed(gravity, &model(), &model(), &crate::tests_support::record(&model(), 1, 20)).is_empty());
     }
 }

@@ -181,7 +181,7 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
     let places = iter::once(model.clone()).chain(search.is_far(so_far).then_some(believed));
     if effect.start == Start::DutyOverHeight && model.turn_mm.is_some() {
         let own = model.effects.values(effect.name);
-        let with_own_base = regressed(effect, model, search.problem.recording).into_iter();
+        let with_own_base = regressed(effect, model, belief, search.problem.recording).into_iter();
         return places.chain(with_own_base.filter(|pendulum| pendulum.effects.values(effect.name) == own)).collect();
     }
     if effect.start == Start::DutyOverHeight {

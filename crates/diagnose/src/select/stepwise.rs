@@ -228,7 +228,8 @@ fn threshold_beside(search: &Search<'_>, effects: &[NamedEffect]) -> f64 {
 }
 
 /// Searches for the first effect again with the second one known: the first may have stood for both. Only effects that
-/// were fitted in full beside the first one, in its round, can take its place, and only if they forecast no worse.
+/// were fitted in full beside the first one, in its round, can take its place, and only if they forecast no worse. A
+/// random force cannot: it would follow whatever the first effect explained.
 fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit, rounds: &[Vec<Scored>]) {
     let [first, _] = effects else { return };
     let is_own = |round: &&Vec<Scored>| round.first().is_some_and(|best| best.name == first.candidate.entry.name);
@@ -238,7 +239,11 @@ fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit, 
         return;
     }
     let without_first = search.removed(fit, first.candidate.entry);
-    let (again, _) = best_addition(&search.without(|entry| !was_fitted(entry)), &without_first, SECOND_EFFECT);
+    let (again, _) = best_addition(
+        &search.without(|entry| !was_fitted(entry) || is_random_force(entry)),
+        &without_first,
+        SECOND_EFFECT,
+    );
     let is_better = |again: &NamedEffect| {
         let again = &again.candidate.fit;
         search.held_out_total(again) > search.held_out_total(fit) && !forecasts_worse(search, again, fit)

@@ -131,7 +131,6 @@ mod tests {
         assert_eq!(bounds.check(&stopped, &parameters), Err(Impossible::OutOfRecord(parameters[0])));
         let clamped = bounds.clamped(stopped, &parameters);
         let [lowest, highest] = recording.height_range();
-        let beyond_mm = belief.turn_mm.map_or(0.0, |turn_mm| turn_mm / 2.0);
         let expected = [lowest.min(0.0), highest.max(model().pipe_length_mm), 0.5];
         assert_eq!(clamped.effects.values("end_stop"), Some(expected.to_vec()));
     }

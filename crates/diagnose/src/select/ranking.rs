@@ -4,6 +4,9 @@
 //! a before b:  E²(1 s) without a > 2·E²(1 s) without b        E: see `gap`; else as found, a random force last
 //! ```
 //!
+//! Without an effect that changes the readings alone, and not the path, the simulator forecasts the same path: its
+//! E²(1 s) is that with all effects.
+//!
 //! Stepwise selection finds first what shows best one step ahead: on a rig with low noise these are fast and small
 //! effects. But a simulator is corrected first where its forecasts err most.
 
@@ -12,7 +15,7 @@ use crate::gap::forecast_error::Gap;
 use crate::select::search::Search;
 use crate::select::stepwise::{Change, NamedEffect, is_random_force};
 use crate::thresholds::LARGER;
-use plant::{Entry, Model};
+use plant::{Changes, Entry, Model};
 use rayon::prelude::*;
 
 /// Orders the effects that were added to `fit`; the changes of believed effects come after them. `on_the_way`:
@@ -24,8 +27,12 @@ pub(crate) fn rank(search: &Search<'_>, effects: &mut [NamedEffect], fit: &Fit, 
     if added.len() < 2 {
         return;
     }
-    let without =
-        |named: &NamedEffect| square_at_1_s(search, &best_without(search, named.candidate.entry, fit, on_the_way));
+    let without = |named: &NamedEffect| {
+        let entry = named.candidate.entry;
+        let is_of_path = entry.acts.changes == Changes::Path;
+        let model = if is_of_path { &best_without(search, entry, fit, on_the_way) } else { &fit.model };
+        square_at_1_s(search, model)
+    };
     let without: Vec<f64> = added.par_iter().map(without).collect();
     let mut order: Vec<usize> = Vec::with_capacity(added.len());
     for (at, square) in without.iter().enumerate() {
@@ -79,6 +86,7 @@ mod tests {
             ("wall_friction", &[0.01]),
             ("turbulence", &[0.1, 0.5]),
             ("height_dependent_flow", &[12.0]),
+            ("sensor_noise", &[3.0]),
         ] {
             if found.contains(&name) {
                 rig.effects.set(name, values);
@@ -113,6 +121,12 @@ mod tests {
     fn what_leads_the_forecasts_astray_comes_before_what_hardly_does_and_alike_stay_as_they_were_found() {
         let order = order(["quadratic_drag", "wall_friction", "height_dependent_flow"], 60);
         assert_eq!(order, ["height_dependent_flow", "quadratic_drag", "wall_friction"]);
+    }
+
+    #[test]
+    fn what_changes_the_path_comes_before_what_changes_the_readings_alone() {
+        let order = order(["sensor_noise", "quadratic_drag", "height_dependent_flow"], 60);
+        assert_eq!(order, ["height_dependent_flow", "sensor_noise", "quadratic_drag"]);
     }
 
     #[test]

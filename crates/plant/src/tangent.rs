@@ -71,7 +71,8 @@ const FAN: usize = 2;
 const TURBULENCE: usize = 3;
 const OWN: usize = 4;
 
-/// Position and velocity with their derivatives by the first four; the same with own states.
+/// Position and velocity with their derivatives by the first two; by the first four; all with own states.
+const BARE: usize = 2 * (1 + FAN);
 const PLAIN: usize = 2 * (1 + OWN);
 const WITH_OWN: usize = (2 + OWN_STATES) * (1 + OWN + OWN_STATES);
 
@@ -85,10 +86,15 @@ impl Flow<'_> {
         let by_turbulence = self.turbulences(&Motion { turbulence_mm_per_s2: 1.0, ..*motion }, dt_s);
         let moving =
             std::array::from_fn(|i| Moving { drive: drives[i], by_fan: by_fan[i], by_turbulence: by_turbulence[i] });
-        let all = if self.model.effects.has_own_states() {
+        let effects = &self.model.effects;
+        let (has_fan, has_turbulence) = (effects.has_fan_state(), effects.coloured_force().is_some());
+        let (has_own, has_sensed) = (effects.has_own_states(), effects.has_sensor_state());
+        let all = if has_own {
             self.with_columns::<{ 2 + OWN_STATES }, WITH_OWN>(motion, phase, moving, dt_s)
-        } else {
+        } else if has_fan || has_turbulence {
             self.with_columns::<2, PLAIN>(motion, phase, moving, dt_s)
+        } else {
+            self.with_columns::<2, BARE>(motion, phase, moving, dt_s)
         };
         let after = |start: &Motion, [y, v, p, q]: [f64; 2 + OWN_STATES], fan: f64, turbulence: f64| Motion {
             position_mm: y,
@@ -102,13 +108,17 @@ impl Flow<'_> {
         let unit = Unit::ALL;
         // A ball that is held has no velocity.
         let velocity = if phase == Phase::Held { &unit.still } else { &unit.velocity };
+        // What is no state of the model moves nothing.
+        let if_state = |is_state: bool, start: &Motion, rows, fan: f64, turbulence: f64| {
+            if is_state { after(start, rows, fan, turbulence) } else { unit.still }
+        };
         let derivatives = Derivatives {
             by_position: after(&unit.position, all[1 + POSITION], 0.0, 0.0),
             by_velocity: after(velocity, all[1 + VELOCITY], 0.0, 0.0),
-            by_fan: after(&unit.still, all[1 + FAN], by_fan[2], 0.0),
-            by_turbulence: after(&unit.still, all[1 + TURBULENCE], 0.0, by_turbulence[2]),
-            by_sensed: after(&unit.sensed, [0.0; 2 + OWN_STATES], 0.0, 0.0),
-            by_own: std::array::from_fn(|state| after(&unit.still, all[1 + OWN + state], 0.0, 0.0)),
+            by_fan: if_state(has_fan, &unit.still, all[1 + FAN], by_fan[2], 0.0),
+            by_turbulence: if_state(has_turbulence, &unit.still, all[1 + TURBULENCE], 0.0, by_turbulence[2]),
+            by_sensed: if_state(has_sensed, &unit.sensed, [0.0; 2 + OWN_STATES], 0.0, 0.0),
+            by_own: [0, 1].map(|state| if_state(has_own, &unit.still, all[1 + OWN + state], 0.0, 0.0)),
         };
         (after(motion, all[0], fan[2], turbulence[2]), derivatives)
     }

@@ -99,21 +99,21 @@ impl HeightDependentFlow {
     /// The acceleration that the height adds, mm/s².
     #[must_use]
     pub fn lift(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
-        let from_centre_mm = self.from_centre_mm(position_mm, pipe_length_mm);
-        let arm_mm = self.turn_mm.map_or(from_centre_mm, |turn_mm| {
+        let off_centre_mm = self.off_centre_mm(position_mm, pipe_length_mm);
+        let arm_mm = self.turn_mm.map_or(off_centre_mm, |turn_mm| {
             let radian_mm = turn_mm / TAU;
-            radian_mm * libm::sin(from_centre_mm / radian_mm)
+            radian_mm * libm::sin(off_centre_mm / radian_mm)
         });
         -self.gradient_per_s2 * arm_mm
     }
 
     /// The derivative of [`Self::lift`] by the position, 1/s².
     fn slope_per_s2(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
-        let from_centre_mm = self.from_centre_mm(position_mm, pipe_length_mm);
-        -self.gradient_per_s2 * self.turn_mm.map_or(1.0, |turn_mm| libm::cos(from_centre_mm * TAU / turn_mm))
+        let off_centre_mm = self.off_centre_mm(position_mm, pipe_length_mm);
+        -self.gradient_per_s2 * self.turn_mm.map_or(1.0, |turn_mm| libm::cos(off_centre_mm * TAU / turn_mm))
     }
 
-    fn from_centre_mm(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
+    fn off_centre_mm(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
         position_mm - self.centre_mm.unwrap_or(pipe_length_mm / 2.0)
     }
 }

@@ -17,6 +17,9 @@ use plant::Model;
 const ENOUGH_READINGS: usize = 4000;
 /// And so many a second: what a ball in a pipe, or an arm, does is slower.
 const ENOUGH_HZ: f64 = 50.0;
+/// Recordings with so many rows in total are decimated to this rate at once.
+const MANY_ROWS: usize = 20_000;
+const MANY_HZ: f64 = 100.0;
 /// The curvature of the path within a block moves the mean off the middle; at most this share of the mean's noise is
 /// allowed.
 const BENT: f64 = 0.3;
@@ -44,12 +47,14 @@ pub(crate) fn decimated(
     let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
     let all_rows: usize = all.iter().map(|one| one.samples().len()).sum();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
-    let merged = ((rate_hz / ENOUGH_HZ).round() as usize).min(all_rows / ENOUGH_READINGS);
+    let merged_to = |hz: f64| (rate_hz / hz).round() as usize;
+    let at_once = if all_rows < MANY_ROWS { 1 } else { merged_to(MANY_HZ) };
+    let merged = merged_to(ENOUGH_HZ).min(all_rows / ENOUGH_READINGS).max(at_once);
     if merged < 2 {
         return None;
     }
     // An odd number has a middle row.
-    let count = (merged - 1) | 1;
+    let count = if (merged | 1) as f64 <= rate_hz / ENOUGH_HZ { merged | 1 } else { (merged - 1) | 1 };
     let sigma_mm = (reading_variance(belief) / count as f64).sqrt();
     let straight = bend_mm(samples, belief, count, count as f64 / rate_hz) < BENT * sigma_mm;
     if smooth && straight && count == 1 {
@@ -116,7 +121,7 @@ mod tests {
         let slow = record(&model(), 1, 20);
         assert!(decimated(&slow, slow.as_ref(), &model(), true).is_none());
         let fast = fast(|_| true);
-        for (smooth, merged) in [(false, 10), (true, 9)] {
+        for (smooth, merged) in [(false, 10), (true, 11)] {
             let (how, thin) = decimated(&fast, fast.as_ref(), &model(), smooth).unwrap();
             assert_eq!(how, Decimated { merged, means: smooth });
             assert_eq!((thin.samples().len(), thin.readings()), (40_000, 40_000 / merged));
@@ -133,9 +138,9 @@ mod tests {
     fn readings_whose_path_bends_more_than_their_noise_are_picked() {
         let mut quiet = model();
         let fast = fast(|_| true);
-        // 254.6 mm/s² per percent, blocks of 9 ms whose mean duties spread by 2.9 %: 0.0025 mm. Changes within a block
+        // 254.6 mm/s² per percent, blocks of 11 ms whose mean duties spread by 2.9 %: 0.0037 mm. Changes within a block
         // bend nothing.
-        for (sensor_mm, means) in [(0.03, true), (0.02, false)] {
+        for (sensor_mm, means) in [(0.05, true), (0.03, false)] {
             quiet.noise.sensor_mm = sensor_mm;
             let (how, _) = decimated(&fast, fast.as_ref(), &quiet, true).unwrap();
             assert_eq!(how.means, means, "{sensor_mm} mm");

@@ -92,9 +92,6 @@ fn gravity_of_a_pendulum_is_missing_from_a_linear_belief_and_repeats_with_every_
     first_is_likely(&probabilities);
 }
 
-/// Effects that can represent a static curve that is steep at first and flat at the ends.
-const FLATTENING: &[&str] = &["quadratic_drag", "saturation", "thrust_curve"];
-
 // A pendulum that is swung up passes near its upright position, from where no model forecasts it for seconds: only over
 // a shorter horizon are forecasts better with gravity. Fitted by free runs of 0.5 s without this project's code, the
 // error is 0.79 rad without gravity, 0.31 with its sine, and 0.16 with dry friction beside it.
@@ -104,6 +101,9 @@ fn gravity_of_a_pendulum_is_found_on_a_swing_up_that_is_unstable() {
     begins_with(&found, &[&["height_dependent_flow"]]);
     first_is_likely(&probabilities);
 }
+
+/// Effects that can represent a static curve that is steep at first and flat at the ends.
+const FLATTENING: &[&str] = &["quadratic_drag", "saturation", "thrust_curve"];
 
 // The hoop's speed settles at 2.0, 3.8, 4.9, 6.7 and 9.8 V for inputs of 0.1, 0.2, 0.3, 0.5 and 1: steep at first, flat
 // at the ends, and nearly the same backwards. The catalogue has no such curve, but three that flatten:

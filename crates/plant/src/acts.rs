@@ -51,8 +51,8 @@ pub struct Conditions {
     pub pipe_length_mm: f64,
 }
 
-/// Step of differences of a force, in mm, mm/s and mm/s²: far below what a flight covers, far above rounding.
-const NUDGE: f64 = 1e-2;
+/// Step of finite differences, in mm, mm/s and mm/s²: far below what a flight covers, far above rounding.
+pub(crate) const NUDGE: f64 = 1e-2;
 
 impl Conditions {
     /// The derivatives of a force by position, velocity and the fan's acceleration: central differences, exact where it

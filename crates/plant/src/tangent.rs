@@ -12,13 +12,10 @@
 //! [`crate::Acts::force_slopes`]; that of the fan's lag is a difference, exact where the lag is linear.
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, section I.14.
 
-use crate::acts::{Conditions, Direction};
+use crate::acts::{Conditions, Direction, NUDGE};
 use crate::flow::{Drive, Flow};
 use crate::motion::{Motion, OWN_STATES};
 use crate::rk4;
-
-/// Step of the differences of the fan's lag, mm/s²: far below what a flight covers, far above rounding.
-const NUDGE_MM_PER_S2: f64 = 1e-2;
 
 /// What moves the ball between two events.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,9 +232,9 @@ impl Flow<'_> {
         if !self.model.effects.has_fan_state() {
             return [0.0; 3];
         }
-        let nudged = Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + NUDGE_MM_PER_S2, ..*motion };
+        let nudged = Motion { fan_mm_per_s2: motion.fan_mm_per_s2 + NUDGE, ..*motion };
         let there = self.fans(&nudged, dt_s);
-        std::array::from_fn(|i| (there[i] - fan[i]) / NUDGE_MM_PER_S2)
+        std::array::from_fn(|i| (there[i] - fan[i]) / NUDGE)
     }
 }
 

@@ -4,8 +4,7 @@ use crate::answer::diagnosis::Diagnosis;
 use crate::answer::mending::Mending;
 use crate::select::odds::Evidence;
 use crate::select::posterior::{Scored, chances};
-use crate::select::stepwise::{Change, Selection, is_random_force};
-use plant::Changes;
+use crate::select::stepwise::{Change, Selection, is_of_path, is_random_force};
 
 /// Adds the evidence for each named effect, and the probability that follows from it.
 pub(super) fn add_odds(found: &mut Selection, mending: &Mending) {
@@ -22,7 +21,7 @@ pub(super) fn add_odds(found: &mut Selection, mending: &Mending) {
             rest_nats,
             rest_share: 1.0 - ladder.named_share.unwrap_or(0.0),
             effects: ladder.dropped.len(),
-            is_scatter: entry.acts.changes != Changes::Path && !is_random_force(entry),
+            is_scatter: !is_of_path(entry) && !is_random_force(entry),
             is_change: named.change != Change::Added,
             is_matched: matched.iter().any(|matched| matched.name == entry.name),
         };

@@ -1,8 +1,8 @@
 //! Recordings of a fast clock, decimated to the bandwidth of a rig of this kind.
 //!
 //! Every duty is kept: a fan does not respond to a duty that changes fast as it does to its mean. Readings are merged
-//! into means up to a fiftieth of a second apart, because a ball in a pipe, or an arm, shows nothing faster. Each mean has a
-//! variance that is smaller by the number of its readings. Readings are not dropped, because the controller reacted to
+//! into means up to a fiftieth of a second apart, because a ball in a pipe, or an arm, shows nothing faster. Each mean
+//! has a variance that is smaller by the number of its readings. Readings are not dropped, because the controller reacted to
 //! all of them: a filter without some of them would take the controller's reaction for an effect of the rig. One of
 //! each `merged` readings is picked where their mean is not a valid reading: quantised or repeated readings, outliers,
 //! or a path whose curvature shifts the mean by a good part of its noise.
@@ -13,11 +13,11 @@ use crate::stats::spread::spread;
 use plant::Model;
 
 /// A recording is decimated as long as it keeps so many readings in total: those of 80 s at 50 Hz, which are enough for
-/// the effects of a rig. Chosen by hand: half as long a search is worth more than twice as many readings.
+/// the effects of a rig. Chosen by hand; no rate was measured.
 const ENOUGH_READINGS: usize = 4000;
 /// And so many a second: what a ball in a pipe, or an arm, does is slower.
 const ENOUGH_HZ: f64 = 50.0;
-/// Recordings with so many rows in total are decimated to this rate at once.
+/// Recordings with so many rows in total are decimated to this rate, however few readings remain. Chosen by hand.
 const MANY_ROWS: usize = 20_000;
 const MANY_HZ: f64 = 100.0;
 /// The curvature of the path within a block moves the mean off the middle; at most this share of the mean's noise is
@@ -48,19 +48,20 @@ pub(crate) fn decimated(
     let all_rows: usize = all.iter().map(|one| one.samples().len()).sum();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
     let merged_to = |hz: f64| (rate_hz / hz).round() as usize;
-    let at_once = if all_rows < MANY_ROWS { 1 } else { merged_to(MANY_HZ) };
-    let merged = merged_to(ENOUGH_HZ).min(all_rows / ENOUGH_READINGS).max(at_once);
+    let of_many = if all_rows < MANY_ROWS { 1 } else { merged_to(MANY_HZ) };
+    let merged = merged_to(ENOUGH_HZ).min(all_rows / ENOUGH_READINGS).max(of_many);
     if merged < 2 {
         return None;
     }
     // An odd number has a middle row.
     let count = if (merged | 1) as f64 <= rate_hz / ENOUGH_HZ { merged | 1 } else { (merged - 1) | 1 };
     let sigma_mm = (reading_variance(belief) / count as f64).sqrt();
-    let straight = bend_mm(samples, belief, count, count as f64 / rate_hz) < BENT * sigma_mm;
-    if smooth && straight && count == 1 {
+    let may_average = smooth && bend_mm(samples, belief, count, count as f64 / rate_hz) < BENT * sigma_mm;
+    // The mean of three would be too slow: noisy readings stay as they are.
+    if may_average && count == 1 {
         return None;
     }
-    let means = if smooth && straight { means(samples, count) } else { None };
+    let means = if may_average { means(samples, count) } else { None };
     if let Some(rows) = means {
         let recording = Recording::new(rows).ok()?.of_means(count);
         return Some((Decimated { merged: count, means: true }, recording));
@@ -148,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_keeps_the_readings_of_eighty_seconds_and_of_noisy_ones_all_but_means_of_three() {
+    fn a_recording_keeps_4000_readings_and_noisy_ones_are_averaged_in_odd_numbers_or_kept() {
         let of = |rows: u32, hz: f64| {
             let row = |k| Sample { time_s: f64::from(k) / hz, position_mm: Some(0.0), ..Sample::default() };
             Recording::new((0..rows).map(row).collect()).unwrap()

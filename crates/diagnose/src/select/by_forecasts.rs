@@ -9,11 +9,11 @@
 //!
 //! Where a model lacks something, the likelihood of the next reading raises the noise of the air, q, until the filter
 //! corrects the model within a few readings: what the model says beyond these no longer counts, and the fit may be
-//! useless for a forecast of a second. So ω is fixed instead, at 1/horizon (see [`HORIZONS_S`]), and q and the variance r of a reading
-//! change by one factor: the innovations are then errors of forecasts about so far ahead. They are correlated, so the
-//! log-likelihood of a reading is multiplied by w, the effective sample size per reading. A right model has white
-//! innovations in a fast filter, and its likelihood is the better criterion; so this search takes its place only where
-//! its forecasts are better.
+//! useless for a forecast of a second. So ω is fixed instead, at 1/horizon (see [`HORIZONS_S`]), and q and the
+//! variance r of a reading change by one factor: the innovations are then errors of forecasts about so far ahead. They
+//! are correlated, so the log-likelihood of a reading is multiplied by w, the effective sample size per reading. A
+//! right model has white innovations in a fast filter, and its likelihood is the better criterion; so this search
+//! takes its place only where its forecasts are better.
 //!
 //! Sources: Ljung, *System Identification*, section 3.2 (a horizon of prediction is a choice of the noise model);
 //! Bar-Shalom, Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 6.5 (the steady
@@ -27,7 +27,7 @@ use crate::select::elimination::eliminate_by_forecasts;
 use crate::select::forecast::{Evaluated, deviations_at_all_horizons, with_believed_noise};
 use crate::select::screening::added;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, Selection, is_random_force, select_further};
+use crate::select::stepwise::{Change, NamedEffect, Selection, is_of_path, is_random_force, select_further};
 use crate::thresholds::BETTER_FORECAST;
 use plant::{Changes, Entry, Model, Noise};
 
@@ -117,11 +117,6 @@ fn beside_scatter(mut again: Selection, found: &Selection) -> Selection {
     again.effects.splice(added..added, kept);
     again.rounds.splice(..0, found.rounds.iter().cloned());
     again
-}
-
-/// Whether an effect changes the path of the ball or its reading. A random force changes their variance.
-fn is_of_path(entry: &Entry) -> bool {
-    entry.acts.changes == Changes::Path
 }
 
 /// Whether an effect changes the variance of readings alone.

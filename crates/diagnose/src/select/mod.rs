@@ -1,5 +1,6 @@
 //! Which effect explains the gap: candidates, screening, stepwise selection and ranking.
 
+pub(crate) mod addition;
 pub(crate) mod believed;
 pub(crate) mod by_forecasts;
 pub(crate) mod candidates;

@@ -13,9 +13,9 @@
 use crate::fit::estimate::Fit;
 use crate::gap::forecast_error::Gap;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, is_random_force};
+use crate::select::stepwise::{Change, NamedEffect, is_of_path, is_random_force};
 use crate::thresholds::LARGER;
-use plant::{Changes, Entry, Model};
+use plant::{Entry, Model};
 use rayon::prelude::*;
 
 /// Orders the effects that were added to `fit`; the changes of believed effects come after them. `on_the_way`:
@@ -29,8 +29,7 @@ pub(crate) fn rank(search: &Search<'_>, effects: &mut [NamedEffect], fit: &Fit, 
     }
     let without = |named: &NamedEffect| {
         let entry = named.candidate.entry;
-        let is_of_path = entry.acts.changes == Changes::Path;
-        let model = if is_of_path { &best_without(search, entry, fit, on_the_way) } else { &fit.model };
+        let model = if is_of_path(entry) { &best_without(search, entry, fit, on_the_way) } else { &fit.model };
         square_at_1_s(search, model)
     };
     let without: Vec<f64> = added.par_iter().map(without).collect();

@@ -8,7 +8,8 @@ use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
 use crate::select::initial_values::{Starts, starts};
 use crate::select::pendulum::regressed;
 use crate::select::search::Search;
-use plant::{Changes, Entry, Model, Start};
+use crate::select::stepwise::is_of_path;
+use plant::{Entry, Model, Start};
 use rayon::prelude::*;
 use std::{iter, ptr};
 
@@ -168,7 +169,7 @@ fn rated(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts)
 /// noise.
 fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &Entry) -> Vec<Model> {
     let belief = search.problem.belief;
-    if effect.acts.changes != Changes::Path {
+    if !is_of_path(effect) {
         let quiet = Model { noise: belief.noise, ..model.clone() };
         return vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }];
     }

@@ -83,9 +83,7 @@ impl RelativeAirflow {
         if ratio <= 0.0 {
             return 0.0;
         }
-        // a·r, and a times the air's speed past the ball over v_eq.
-        let air = sqrt((a * a + 2.0 * ratio * lift).max(0.0));
-        let past = air - ratio * v;
+        let [air, past] = self.air_speeds(now);
         if air > 0.0 && past >= 0.0 {
             // Without a division by a small number.
             return v * (a - air + 0.5 * ratio * v);
@@ -95,16 +93,20 @@ impl RelativeAirflow {
 
     /// The derivatives of [`Self::beyond_linear`] by position, velocity and the fan's acceleration.
     fn slopes_beyond_linear(&self, now: &Conditions) -> [f64; 3] {
-        let (a, q) = (now.drag_per_s, self.inverse_speed_s_per_mm);
-        let ratio = a * q;
-        if ratio <= 0.0 {
+        if now.drag_per_s * self.inverse_speed_s_per_mm <= 0.0 {
             return [0.0; 3];
         }
-        let air = sqrt((a * a + 2.0 * ratio * now.fan_mm_per_s2).max(0.0));
-        let past = air - ratio * now.velocity_mm_per_s;
+        let [air, past] = self.air_speeds(now);
         // Without air there is none that a little more of the fan changes: it has no slope at that kink.
         let by_fan = if air > 0.0 { past.abs() / air } else { 0.0 };
-        [0.0, a - past.abs(), by_fan - 1.0]
+        [0.0, now.drag_per_s - past.abs(), by_fan - 1.0]
+    }
+
+    /// The speed of the air, and that past the ball, over v_eq and times the drag, 1/s.
+    fn air_speeds(&self, now: &Conditions) -> [f64; 2] {
+        let (a, ratio) = (now.drag_per_s, now.drag_per_s * self.inverse_speed_s_per_mm);
+        let air = sqrt((a * a + 2.0 * ratio * now.fan_mm_per_s2).max(0.0));
+        [air, air - ratio * now.velocity_mm_per_s]
     }
 }
 

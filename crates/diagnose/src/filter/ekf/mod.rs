@@ -248,6 +248,7 @@ impl<'a> Ekf<'a> {
     /// Propagates to `time_s`; the command does not jump before.
     fn propagate_to(&mut self, time_s: f64, known: &mut PropagationCache) {
         let (start, ahead) = (self.time_s, time_s - self.time_s);
+        // Where one step does in any case, the rates need not be computed.
         let steps = if ahead <= MAX_STEP_S { 1.0 } else { steps_over(ahead, self.longest_step_s()) };
         let dt = ahead / steps;
         let drifts = Actuator::drifts(self.model);
@@ -262,6 +263,7 @@ impl<'a> Ekf<'a> {
         self.time_s = time_s;
     }
 
+    /// The longest integration step from here, seconds.
     fn longest_step_s(&self) -> f64 {
         longest_step_s(motion_of(&self.state).fastest_rate_per_s(self.model, self.input()))
     }

@@ -17,6 +17,7 @@ use crate::answer::diagnosis::Diagnosis;
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect};
 use crate::gap::forecast_error::{FreeRun, Gap, free_runs};
+use crate::record::decimate::Purpose;
 use crate::record::folds::Folds;
 use crate::record::prepare::Prepared;
 use crate::record::recording::Recording;
@@ -94,7 +95,8 @@ impl Changes {
     #[must_use]
     pub fn of(belief: &Model, found: [&Diagnosis; 2], recordings: [&[Recording]; 2]) -> Self {
         let entries = together(found);
-        let prepared = recordings.map(|recordings| Prepared::of(recordings, belief).recording.into_owned());
+        let prepared =
+            recordings.map(|recordings| Prepared::of(recordings, belief, Purpose::Diagnosis).recording.into_owned());
         let starts = found.map(|one| with_effects(&one.mended.model, &entries, found));
         let [before, after] = &prepared;
         let fits = [fitted(belief, before, &starts), fitted(belief, after, &starts)];

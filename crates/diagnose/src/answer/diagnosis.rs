@@ -18,6 +18,7 @@ use crate::gap::share_closed::Closed;
 use crate::mistakes::mistakes;
 use crate::options::Options;
 use crate::record::check::{Finding, other_rig};
+use crate::record::decimate::Purpose;
 use crate::record::folds::Folds;
 use crate::record::prepare::{FlightFinding, Prepared};
 use crate::record::recording::Recording;
@@ -77,7 +78,8 @@ pub struct Diagnosis {
 /// Compares `belief` with one or several recordings of a rig and finds what separates them.
 #[must_use]
 pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
-    let Prepared { mut findings, recording, can_answer } = Prepared::of(recordings.as_ref(), belief);
+    let Prepared { mut findings, recording, can_answer } =
+        Prepared::of(recordings.as_ref(), belief, Purpose::Diagnosis);
     let recording = recording.as_ref();
     let belief = &with_rounding(belief, recording);
     let folds = Folds::new(belief, recording);

@@ -8,6 +8,7 @@ use crate::filter::missing_force::{MissingForce, missing_force};
 use crate::fit::estimate::Problem;
 use crate::fit::parameter::Prior;
 use crate::gap::forecast_error::{FreeRun, free_runs};
+use crate::record::decimate::Purpose;
 use crate::record::folds::Folds;
 use crate::record::prepare::Prepared;
 use crate::record::recording::Recording;
@@ -37,7 +38,7 @@ impl Series {
     /// The data for the diagnosis `found` of these recordings and `belief`.
     #[must_use]
     pub fn of(found: &Diagnosis, belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized)) -> Self {
-        let recording = Prepared::of(recordings.as_ref(), belief).recording.into_owned();
+        let recording = Prepared::of(recordings.as_ref(), belief, Purpose::Diagnosis).recording.into_owned();
         let folds = Folds::new(belief, &recording);
         let problem = Problem { recording: &recording, belief, folds: &folds, prior: Prior::Belief };
         let runs = found.without_each_fold.par_iter().enumerate().flat_map_iter(|(fold, model)| {

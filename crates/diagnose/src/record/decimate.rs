@@ -12,10 +12,7 @@ use crate::record::recording::{Recording, Sample};
 use crate::stats::spread::spread;
 use plant::Model;
 
-/// A recording is decimated as long as it keeps so many readings in total: those of 80 s at 50 Hz, which are enough for
-/// the effects of a rig. Chosen by hand; no rate was measured.
-const ENOUGH_READINGS: usize = 4000;
-/// And so many a second: what a ball in a pipe, or an arm, does is slower.
+/// A recording is decimated to so many readings a second: what a ball in a pipe, or an arm, does is slower.
 const ENOUGH_HZ: f64 = 50.0;
 /// Recordings with so many rows in total are decimated to this rate, however few readings remain. Chosen by hand.
 const MANY_ROWS: usize = 20_000;
@@ -25,6 +22,26 @@ const MANY_HZ: f64 = 100.0;
 const BENT: f64 = 0.3;
 /// Share of the blocks that must hold a reading in every row.
 const ENOUGH_WHOLE: f64 = 0.9;
+
+/// What a recording is prepared for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// A search among thousands of models.
+    Diagnosis,
+    /// A few fits or one evaluation.
+    Fit,
+}
+
+impl Purpose {
+    /// A recording is decimated as long as it keeps so many readings in total. For a diagnosis those of 80 s at 50 Hz,
+    /// which are enough for the effects of a rig; chosen by hand. A fit can afford every reading that is not too many.
+    const fn enough_readings(self) -> usize {
+        match self {
+            Self::Diagnosis => 4000,
+            Self::Fit => MANY_ROWS,
+        }
+    }
+}
 
 /// How readings were merged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +58,7 @@ pub(crate) fn decimated(
     flight: &Recording,
     all: &[Recording],
     belief: &Model,
+    purpose: Purpose,
     smooth: bool,
 ) -> Option<(Decimated, Recording)> {
     let samples = flight.samples();
@@ -49,7 +67,7 @@ pub(crate) fn decimated(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
     let merged_to = |hz: f64| (rate_hz / hz).round() as usize;
     let of_many = if all_rows < MANY_ROWS { 1 } else { merged_to(MANY_HZ) };
-    let merged = merged_to(ENOUGH_HZ).min(all_rows / ENOUGH_READINGS).max(of_many);
+    let merged = merged_to(ENOUGH_HZ).min(all_rows / purpose.enough_readings()).max(of_many);
     if merged < 2 {
         return None;
     }
@@ -102,7 +120,7 @@ fn unread(row: &Sample) -> Sample {
 
 #[cfg(test)]
 mod tests {
-    use super::{Decimated, decimated};
+    use super::{Decimated, Purpose::Diagnosis, decimated};
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
 
@@ -120,10 +138,10 @@ mod tests {
     #[test]
     fn a_slow_recording_is_left_alone_and_a_fast_one_keeps_every_duty_and_some_readings() {
         let slow = record(&model(), 1, 20);
-        assert!(decimated(&slow, slow.as_ref(), &model(), true).is_none());
+        assert!(decimated(&slow, slow.as_ref(), &model(), Diagnosis, true).is_none());
         let fast = fast(|_| true);
         for (smooth, merged) in [(false, 10), (true, 11)] {
-            let (how, thin) = decimated(&fast, fast.as_ref(), &model(), smooth).unwrap();
+            let (how, thin) = decimated(&fast, fast.as_ref(), &model(), Diagnosis, smooth).unwrap();
             assert_eq!(how, Decimated { merged, means: smooth });
             assert_eq!((thin.samples().len(), thin.readings()), (40_000, 40_000 / merged));
             assert_eq!(thin.mean_of(0), if smooth { merged } else { 1 });
@@ -143,7 +161,7 @@ mod tests {
         // bend nothing.
         for (sensor_mm, means) in [(0.05, true), (0.03, false)] {
             quiet.noise.sensor_mm = sensor_mm;
-            let (how, _) = decimated(&fast, fast.as_ref(), &quiet, true).unwrap();
+            let (how, _) = decimated(&fast, fast.as_ref(), &quiet, Diagnosis, true).unwrap();
             assert_eq!(how.means, means, "{sensor_mm} mm");
         }
     }
@@ -156,7 +174,7 @@ mod tests {
         };
         let merged = |rows, hz, smooth| {
             let fast = of(rows, hz);
-            decimated(&fast, fast.as_ref(), &model(), smooth).map(|(how, _)| how.merged)
+            decimated(&fast, fast.as_ref(), &model(), Diagnosis, smooth).map(|(how, _)| how.merged)
         };
         assert_eq!([7_999, 8_000, 80_000].map(|rows| merged(rows, 100.0, false)), [None, Some(2), Some(2)]);
         assert_eq!([8_000, 12_000].map(|rows| merged(rows, 1000.0, false)), [Some(2), Some(3)]);
@@ -166,7 +184,7 @@ mod tests {
     #[test]
     fn readings_with_too_many_holes_are_picked() {
         let holes = fast(|k| k % 12 != 5);
-        let (how, thin) = decimated(&holes, holes.as_ref(), &model(), true).unwrap();
+        let (how, thin) = decimated(&holes, holes.as_ref(), &model(), Diagnosis, true).unwrap();
         assert!(!how.means && thin.mean_of(0) == 1, "{how:?}");
     }
 }

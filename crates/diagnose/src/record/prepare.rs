@@ -6,7 +6,7 @@
 
 use crate::record::airborne::airborne;
 use crate::record::check::{Finding, check, is_hopeless};
-use crate::record::decimate::decimated;
+use crate::record::decimate::{Purpose, decimated};
 use crate::record::implausible::plausible;
 use crate::record::quantisation::coarse_step;
 use crate::record::reading_variance::reading_variance;
@@ -34,11 +34,11 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Checks and prepares `recordings`, one flight each, for a comparison with `belief`.
-    pub(crate) fn of(recordings: &'a [Recording], belief: &Model) -> Self {
+    /// Checks and prepares `recordings`, one flight each, for `purpose` with `belief`.
+    pub(crate) fn of(recordings: &'a [Recording], belief: &Model, purpose: Purpose) -> Self {
         let (mut findings, mut flights, mut hopeless) = (Vec::new(), Vec::new(), Vec::new());
         for (number, flight) in recordings.iter().enumerate() {
-            let (found, parts, answers) = one(flight, recordings, belief);
+            let (found, parts, answers) = one(flight, recordings, belief, purpose);
             findings.extend(found.into_iter().map(|finding| FlightFinding { flight: number, finding }));
             if answers { flights.extend(parts) } else { hopeless.push((number, parts)) }
         }
@@ -63,27 +63,32 @@ fn is_smooth(findings: &[Finding], flight: &Recording, belief: &Model) -> bool {
     noisy && !believed && !findings.iter().any(odd) && coarse_step(flight, belief).is_none()
 }
 
-/// The rows of `recordings`, one flight each, as every method here uses them, and the findings about each.
+/// The rows of `recordings`, one flight each, as a fit or an evaluation uses them, and the findings about each.
 #[must_use]
 pub fn prepared(recordings: &[Recording], belief: &Model) -> (Vec<FlightFinding>, Recording) {
-    let Prepared { findings, recording, .. } = Prepared::of(recordings, belief);
+    let Prepared { findings, recording, .. } = Prepared::of(recordings, belief, Purpose::Fit);
     (findings, recording.into_owned())
 }
 
 /// The findings about a flight, its rows as they are used, in one part or several, and whether it can be diagnosed.
-fn one<'a>(flight: &'a Recording, all: &[Recording], belief: &Model) -> (Vec<Finding>, Vec<Cow<'a, Recording>>, bool) {
+fn one<'a>(
+    flight: &'a Recording,
+    all: &[Recording],
+    belief: &Model,
+    purpose: Purpose,
+) -> (Vec<Finding>, Vec<Cow<'a, Recording>>, bool) {
     let mut findings = check(flight, belief);
     let answers = !is_hopeless(&findings, flight, belief);
     let all_rows = all.iter().map(|one| one.samples().len()).sum();
     let Some(parts) = stretches(flight, all_rows) else {
-        let (findings, flight) = part(Cow::Borrowed(flight), findings, all, belief);
+        let (findings, flight) = part(Cow::Borrowed(flight), findings, all, belief, purpose);
         return (findings, vec![flight], answers);
     };
     let used = parts.iter().map(|part| part.samples().len()).sum();
     findings.push(Finding::Stretches { rows: flight.samples().len(), used, count: parts.len() });
     let mut used = Vec::new();
     for rows in parts {
-        let (found, rows) = part(Cow::Owned(rows), findings.clone(), all, belief);
+        let (found, rows) = part(Cow::Owned(rows), findings.clone(), all, belief, purpose);
         let is_new = |new: &Finding| findings.iter().all(|old| discriminant(old) != discriminant(new));
         let new: Vec<Finding> = found.into_iter().filter(is_new).collect();
         findings.extend(new);
@@ -98,6 +103,7 @@ fn part<'a>(
     mut findings: Vec<Finding>,
     all: &[Recording],
     belief: &Model,
+    purpose: Purpose,
 ) -> (Vec<Finding>, Cow<'a, Recording>) {
     let flight = plausible(flight, belief);
     let flight = match airborne(&flight, belief) {
@@ -108,7 +114,7 @@ fn part<'a>(
         None => flight,
     };
     let smooth = is_smooth(&findings, &flight, belief);
-    let Some((how, decimated)) = decimated(&flight, all, belief, smooth) else { return (findings, flight) };
+    let Some((how, decimated)) = decimated(&flight, all, belief, purpose, smooth) else { return (findings, flight) };
     findings.push(if how.means {
         Finding::Averaged { merged: how.merged }
     } else {

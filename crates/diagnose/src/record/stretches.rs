@@ -42,6 +42,7 @@ pub(crate) fn stretches(flight: &Recording, all_rows: usize) -> Option<Vec<Recor
 mod tests {
     use super::{MOST_ROWS, MOST_STRETCHES, USED_ROWS, stretches};
     use crate::record::check::Finding;
+    use crate::record::decimate::Purpose;
     use crate::record::prepare::Prepared;
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
@@ -57,7 +58,7 @@ mod tests {
     #[test]
     fn a_very_long_record_is_used_in_stretches_over_all_of_it_and_the_rest_is_said() {
         let flights = [long(3 * MOST_ROWS)];
-        let prepared = Prepared::of(&flights, &model());
+        let prepared = Prepared::of(&flights, &model(), Purpose::Diagnosis);
         let samples = prepared.recording.samples();
         assert!(samples.len() <= USED_ROWS && samples.len() > 9 * USED_ROWS / 10, "{}", samples.len());
         assert_eq!(prepared.recording.flights().len(), MOST_STRETCHES);

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// `airball compare`
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// The rig before: a log, MCAP of this program or CSV, or the JSON of a diagnosis
+    /// The rig before: a log, MCAP, CSV or Parquet, or the JSON of a diagnosis
     #[arg(value_name = "BEFORE")]
     pub before: PathBuf,
     /// The same rig after

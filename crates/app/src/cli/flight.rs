@@ -61,7 +61,7 @@ pub struct SimulateArgs {
 /// `airball replay`
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
-    /// Log, MCAP of this program or CSV
+    /// Log, MCAP, CSV or Parquet
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
     /// Which model, and how to read a foreign CSV.

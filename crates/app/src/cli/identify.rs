@@ -38,7 +38,7 @@ pub struct IdentifyArgs {
 /// `airball identify grey-box`
 #[derive(Debug, Args)]
 pub struct GreyBoxArgs {
-    /// Log, MCAP of this program or CSV; several logs of one rig are used together
+    /// Log, MCAP, CSV or Parquet; several logs of one rig are used together
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
     /// What every identification may be told.
@@ -73,7 +73,7 @@ pub enum PolesArg {
 /// `airball identify transient`
 #[derive(Debug, Args)]
 pub struct TransientArgs {
-    /// Logs of pulses under proportional controllers, MCAP of this program or CSV
+    /// Logs of pulses under proportional controllers, MCAP, CSV or Parquet
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,
     /// What every identification may be told.

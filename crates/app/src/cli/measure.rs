@@ -19,7 +19,7 @@ pub struct MeasureArgs {
     /// Fly the simulated rig in virtual time: reproducible by its seed, as fast as the machine allows
     #[arg(long = "virtual", conflicts_with = "sim")]
     pub in_virtual_time: bool,
-    /// Fly nothing; read this log of such an experiment, MCAP or CSV
+    /// Fly nothing; read this log of such an experiment: MCAP, CSV or Parquet
     #[arg(long, value_name = "LOG", conflicts_with_all = ["sim", "in_virtual_time", "experiment", "log"])]
     pub from: Option<PathBuf>,
     /// For calibration: travel of the ball from its rest at the bottom to its rest at the top, mm, by a ruler [default:

@@ -111,7 +111,7 @@ impl ConfigArgs {
 /// `airball diagnose`
 #[derive(Debug, Args)]
 pub struct DiagnoseArgs {
-    /// Log, MCAP of this program or CSV; several logs of one rig are used together. With --each, a folder stands for
+    /// Log, MCAP, CSV or Parquet; several logs of one rig are used together. With --each, a folder stands for
     /// the logs in it
     #[arg(value_name = "LOG", required = true)]
     pub logs: Vec<PathBuf>,

@@ -90,6 +90,15 @@ pub enum LogError {
         /// The channels, with how they are written.
         channels: String,
     },
+    /// A Parquet file that cannot be read.
+    #[error("cannot read {} as Parquet: {cause}; copy it again, or make a CSV of it: in Python, \
+        pandas.read_parquet(FILE).to_csv('log.csv', index=False)", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+    },
     /// The rows do not make a recording.
     #[error("{}: {source}", path.display())]
     NotARecording {

@@ -1,10 +1,12 @@
 //! Logs of flights: writing and reading.
 //!
 //! Writing: [`recorder`] (interface of the loop) → [`queue`] (real time) → [`writer`] → MCAP.
-//! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP) or the crate [`rows`] (CSV) → recording.
+//! Reading: [`reader`] → `packed` (zstd, if it is) → [`flight`] (MCAP), or `parquet` (Parquet to CSV) and the crate
+//! [`rows`] (CSV) → recording.
 //! Repair: [`flight`] → [`recover`] → a new MCAP.
 //! Other rigs' files are converted by [`rows::Import`]; ours become tables by [`export`].
 
+mod contained;
 pub mod error;
 pub mod event;
 pub mod export;
@@ -13,6 +15,7 @@ pub mod flight;
 mod foreign;
 pub mod header;
 mod packed;
+mod parquet;
 pub mod queue;
 pub mod reader;
 pub mod recorder;

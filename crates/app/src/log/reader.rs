@@ -1,4 +1,5 @@
-//! From any log to a recording: our own MCAP, that of another program, or any CSV, packed with zstd or gzip or not.
+//! From any log to a recording: our own MCAP, that of another program, Parquet, or any CSV, packed with zstd or gzip or
+//! not.
 //!
 //! A cycle becomes a row, with a position only if it was measured in that cycle; a repeated one is no reading.
 
@@ -8,6 +9,7 @@ use super::flight::{self, Flight};
 use super::foreign;
 use super::header::About;
 use super::packed::unpacked;
+use super::parquet;
 use crate::flight::vocabulary::Cycle;
 use diagnose::{Recording, Sample, plausible};
 use plant::Model;
@@ -88,13 +90,9 @@ pub enum Undescribed {
 /// As [`read`].
 pub fn undescribed(path: &Path) -> Result<Undescribed, LogError> {
     let bytes = bytes(path)?;
-    let name = path.display().to_string();
-    if !flight::is_mcap(&bytes) {
-        return Ok(Undescribed::Table(rows::sheet(&name, &bytes)?));
-    }
     match flight_or_table(path, &bytes, None)? {
         FlightOrTable::Flight(flight) => Ok(Undescribed::Flight(flight.config_toml)),
-        FlightOrTable::Table(table) => Ok(Undescribed::Table(rows::sheet(&name, &table)?)),
+        FlightOrTable::Table(table) => Ok(Undescribed::Table(rows::sheet(&path.display().to_string(), &table)?)),
     }
 }
 
@@ -104,28 +102,31 @@ pub fn undescribed(path: &Path) -> Result<Undescribed, LogError> {
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<LoadedLog, LogError> {
     let import = import.cloned().unwrap_or_default();
-    if !flight::is_mcap(bytes) {
-        return from_table(path, bytes, &import);
-    }
     match flight_or_table(path, bytes, Some(&import))? {
         FlightOrTable::Flight(flight) => from_flight(path, *flight),
         FlightOrTable::Table(table) => from_table(path, &table, &import),
     }
 }
 
-/// What an MCAP file holds.
-enum FlightOrTable {
+/// What a log holds.
+enum FlightOrTable<'a> {
     /// A flight of airball.
     Flight(Box<Flight>),
-    /// The messages of another program, as CSV.
-    Table(Vec<u8>),
+    /// Anything else, as CSV.
+    Table(Cow<'a, [u8]>),
 }
 
-fn flight_or_table(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<FlightOrTable, LogError> {
+fn flight_or_table<'a>(path: &Path, bytes: &'a [u8], import: Option<&Import>) -> Result<FlightOrTable<'a>, LogError> {
+    if parquet::is_parquet(bytes) {
+        return parquet::table(path, bytes).map(Cow::Owned).map(FlightOrTable::Table);
+    }
+    if !flight::is_mcap(bytes) {
+        return Ok(FlightOrTable::Table(Cow::Borrowed(bytes)));
+    }
     match flight::parse(path, bytes) {
         Ok(flight) => Ok(FlightOrTable::Flight(Box::new(flight))),
         Err(none @ LogError::NoCycles { .. }) => match foreign::table(path, bytes, import) {
-            Some(table) => table.map(FlightOrTable::Table),
+            Some(table) => table.map(Cow::Owned).map(FlightOrTable::Table),
             None => Err(none),
         },
         Err(error) => Err(error),

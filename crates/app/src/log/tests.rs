@@ -3,6 +3,7 @@
 mod csv;
 mod damage;
 mod mcap;
+mod parquet;
 
 use super::header::{Header, SIMULATED_START};
 use super::writer::LogWriter;

@@ -22,6 +22,7 @@ use crate::record::prepare::FlightFinding;
 use crate::record::quantisation::coarse_step;
 use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
+use crate::stats::spread::spread;
 use crate::thresholds::ENOUGH_READINGS;
 use clock::other_clock;
 use plant::Model;
@@ -89,7 +90,7 @@ fn of_one(belief: &Model, recording: &Recording) -> Result<Option<LinearFit>, Fi
         return exchanged(&fit, recording, readings).map_or(Ok(None), Err);
     }
     let sign = (fit.gain < 0.0).then(|| sign(belief, &fit, recording));
-    match sign.or_else(|| unit(belief, &fit, readings)) {
+    match sign.or_else(|| unit(belief, &fit, recording)) {
         Some(finding) => Err(finding),
         None => Ok(Some(fit)),
     }
@@ -117,18 +118,22 @@ fn sign(belief: &Model, fit: &LinearFit, recording: &Recording) -> Finding {
     Finding::InputReversed { deviations }
 }
 
-fn unit(belief: &Model, fit: &LinearFit, readings: f64) -> Option<Finding> {
+fn unit(belief: &Model, fit: &LinearFit, recording: &Recording) -> Option<Finding> {
     let ratio = fit.gain / belief.gain_mm_per_s2_per_percent;
     let (hover, seen) = (belief.hover_duty_percent, fit.hover);
-    // A belief in a fraction is compared too: the record then hovers far from 0.
-    let has_hover = hover.abs().max(seen.abs()) > NEAR_ZERO_PERCENT && hover * seen > 0.0;
+    // A belief in a fraction is compared too: the record then hovers far from 0. A rig that is driven both ways hovers
+    // near 0, wherever that is.
+    let duties = spread(recording.samples().iter().map(|row| row.duty_percent)).unwrap_or_default();
+    let is_far = hover.abs().max(seen.abs()) > NEAR_ZERO_PERCENT && seen.abs() > duties;
+    let has_hover = is_far && hover * seen > 0.0;
     if has_hover && (seen / hover).ln().abs() > HOVER.ln() {
         return Some(Finding::DutyUnit { hover_percent: seen, believed_percent: hover, scale: hover / seen });
     }
     // No effect that takes a part of the gain takes the same part of the sensor's noise.
     let noise = fit.sensor / belief.noise.sensor_mm;
     let shrinks = (noise / ratio).ln().abs() < LIKE_THE_GAIN.ln();
-    let much_less = ratio < FAR_LESS || (ratio < LESS && (shrinks || fit.explained(readings) > LESS_EXPLAINS));
+    let much_less =
+        ratio < FAR_LESS || (ratio < LESS && (shrinks || fit.explained(recording.readings() as f64) > LESS_EXPLAINS));
     if !(ratio > MORE || much_less) {
         return None;
     }
@@ -207,6 +212,17 @@ mod tests {
     #[test]
     fn a_record_in_our_units_has_no_mistake() {
         assert_eq!(found(&model(), &spoilt(&model(), |_| {})), []);
+    }
+
+    #[test]
+    fn a_rig_that_is_driven_both_ways_hovers_near_0_in_every_unit() {
+        let gain = model().gain_mm_per_s2_per_percent / 10.0;
+        let level = Model { hover_duty_percent: 0.25, gain_mm_per_s2_per_percent: gain, ..model() };
+        let driven = spoilt(&model(), |row| row.duty_percent = 3.5 + 10.0 * (row.duty_percent - 21.4));
+        assert_eq!(found(&level, &driven), []);
+        let one_way = spoilt(&model(), |row| row.duty_percent -= 21.4 - 3.5);
+        let hovers = Model { hover_duty_percent: 0.25, ..model() };
+        assert!(matches!(found(&hovers, &one_way)[..], [Finding::DutyUnit { .. }]));
     }
 
     #[test]

@@ -24,6 +24,17 @@ impl Problem<'_> {
         std::array::from_fn(|fold| self.without(fit, fold).1[fold])
     }
 
+    /// The models fitted without each fold in turn, and the held-out log-likelihood of each fold under its own, nats.
+    pub(crate) fn cross_validated(&self, fit: &Fit) -> (Vec<Model>, LogLikByFold) {
+        let mut held_out = LogLikByFold::default();
+        let models = (0..Folds::COUNT).map(|fold| {
+            let (model, by_fold) = self.without(fit, fold);
+            held_out[fold] = by_fold[fold];
+            model
+        });
+        (models.collect(), held_out)
+    }
+
     /// The model fitted without a fold, and the log-likelihood of each fold under it. A parameter of an added effect
     /// that the other folds do not determine returns to its neutral value; otherwise the fold that alone determines it
     /// would not be held out.

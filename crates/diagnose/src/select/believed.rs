@@ -41,7 +41,8 @@ fn change(search: &Search<'_>, fit: &Fit, entry: &'static Entry) -> (Change, Can
     let absent = with(&entry.neutral(search.problem.belief));
     let removed = total(&absent) > total(fit) - EQUIVALENT;
     let gain = total(if removed { &absent } else { fit }) - total(&as_believed);
-    let candidate = Candidate { entry, fit: fit.clone(), held_out_gain: gain, penalised_gain: gain };
+    let candidate =
+        Candidate { entry, fit: fit.clone(), without_each_fold: Vec::new(), held_out_gain: gain, penalised_gain: gain };
     if removed { (Change::Removed, candidate, Some(absent)) } else { (Change::Retuned, candidate, None) }
 }
 

@@ -22,7 +22,7 @@ use crate::thresholds::{
     BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, SECOND_EFFECT,
     SHARE_OF_EXPLAINED, UNMOVED,
 };
-use plant::Entry;
+use plant::{Entry, Model};
 use rayon::prelude::*;
 
 /// An effect, and the gain with it.
@@ -32,6 +32,8 @@ pub struct Candidate {
     pub entry: &'static Entry,
     /// Its model fitted to the whole record.
     pub fit: Fit,
+    /// The models fitted without each fold; none where they are not needed.
+    pub(crate) without_each_fold: Vec<Model>,
     /// Held-out log-likelihood gain plus the gain of log-prior, nats.
     pub held_out_gain: f64,
     /// The held-out gain, limited by the gain in the fit less its parameters, and less what base parameters nearer to
@@ -106,7 +108,7 @@ fn scored(all: &[Candidate], screened: &[Screened]) -> Vec<Scored> {
 
 fn full_fit(search: &Search<'_>, screened: &Screened, so_far: &Fit, before: &LogLikByFold) -> Candidate {
     let fit = search.problem.fit(&screened.model, &screened.parameters);
-    let mut after = search.problem.held_out(&fit);
+    let (without_each_fold, mut after) = search.problem.cross_validated(&fit);
     for (fold, after) in after.iter_mut().enumerate() {
         if let Some(other) = screened.chosen_without(fold) {
             *after = after.min(other);
@@ -119,7 +121,7 @@ fn full_fit(search: &Search<'_>, screened: &Screened, so_far: &Fit, before: &Log
     let fitted = search.problem.total_of(&fit) - search.problem.total_of(so_far) - cost;
     let unmoved = (search.base_prior(&fit) - search.base_prior(so_far) - UNMOVED).max(0.0);
     let penalised_gain = held_out_gain.min(fitted - COST_OF_A_PARAMETER * added as f64) - unmoved;
-    Candidate { entry: screened.entry, fit, held_out_gain, penalised_gain }
+    Candidate { entry: screened.entry, fit, without_each_fold, held_out_gain, penalised_gain }
 }
 
 #[cfg(test)]
@@ -225,6 +227,7 @@ mod tests {
             let candidate = |(name, gain): (&str, f64)| Candidate {
                 entry: Effects::built_in(name).unwrap(),
                 fit: fit.clone(),
+                without_each_fold: Vec::new(),
                 held_out_gain: gain,
                 penalised_gain: gain,
             };

@@ -8,6 +8,7 @@ use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::record::folds::Folds;
+use crate::select::candidates::Candidate;
 use crate::select::search::Search;
 use crate::thresholds::{BETTER_FORECAST, LARGER};
 use plant::Model;
@@ -26,7 +27,7 @@ pub(crate) struct Evaluated {
 impl Evaluated {
     pub(crate) fn of(search: &Search<'_>, fit: Fit) -> Self {
         let without_each_fold = search.problem.without_each_fold(&fit);
-        let errors = held_out(search, &without_each_fold, |model| search.forecasting(model));
+        let errors = with_own_noise(search, &without_each_fold);
         let log_likelihood = search.held_out_total(&fit);
         Self { fit, without_each_fold, errors, log_likelihood }
     }
@@ -87,14 +88,27 @@ pub(crate) fn forecasts_worse(search: &Search<'_>, this: &Fit, that: &Fit) -> bo
 
 /// Held-out forecast errors of a fit, by stretch of the record, with its own noise.
 fn errors_of(search: &Search<'_>, fit: &Fit) -> Vec<Tally> {
-    held_out(search, &search.problem.without_each_fold(fit), |model| search.forecasting(model))
+    with_own_noise(search, &search.problem.without_each_fold(fit))
+}
+
+/// Held-out forecast errors of the models fitted without each fold, by stretch of the record, each with its own noise.
+pub(crate) fn with_own_noise(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
+    held_out(search, models, |model| search.forecasting(model))
+}
+
+/// Whether the mean square at 1 s is far larger in `these`, by more than chance.
+pub(crate) fn far_larger(these: &[Tally], those: &[Tally]) -> bool {
+    let square = |tallies: &[Tally]| Tally::sum(tallies.iter()).squares_at_1_s().map(|(square, _)| square);
+    let is_larger = square(these).zip(square(those)).is_some_and(|(this, that)| this > LARGER * that);
+    is_larger && deviations(these, those) > BETTER_FORECAST
 }
 
 /// Whether a fit loses track: at a horizon the mean square of its held-out forecasts is larger than without its last
 /// effect. A likelihood of the next reading can gain by that, where readings are coarse or most of them show a rest.
-pub(crate) fn loses_track(search: &Search<'_>, with: &Fit, without: &Fit) -> bool {
-    let squares = |fit: &Fit| Tally::sum(errors_of(search, fit).iter()).squares();
-    let pairs = squares(with).zip(squares(without));
+pub(crate) fn loses_track(search: &Search<'_>, with: &Candidate, without: &Fit) -> bool {
+    let squares = |errors: &[Tally]| Tally::sum(errors.iter()).squares();
+    let with = with_own_noise(search, &with.without_each_fold);
+    let pairs = squares(&with).zip(squares(&errors_of(search, without)));
     pairs.is_some_and(|(with, without)| with.iter().zip(without).any(|(with, without)| *with > LARGER * without))
 }
 

@@ -103,6 +103,7 @@ mod tests {
             candidate: Candidate {
                 entry: Effects::built_in(name).unwrap(),
                 fit: fit.clone(),
+                without_each_fold: Vec::new(),
                 held_out_gain: 0.0,
                 penalised_gain: 0.0,
             },

@@ -162,7 +162,7 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
         let SoFar { fit, effects, rounds, on_the_way, beaten, misfit } = &mut so_far;
         rounds.push(scored);
         let Some(named) = named else { break };
-        if loses_track(search, &named.candidate.fit, fit) {
+        if loses_track(search, &named.candidate, fit) {
             rejected.push(named.candidate.entry.name);
             continue;
         }

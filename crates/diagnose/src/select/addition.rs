@@ -2,18 +2,16 @@
 
 use crate::fit::estimate::Fit;
 use crate::select::candidates::{Candidate, candidates};
-use crate::select::forecast::{far_larger, with_own_noise};
 use crate::select::odds::Evidence;
 use crate::select::posterior::Scored;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, is_of_path, is_random_force};
+use crate::select::stepwise::{Change, NamedEffect, is_random_force};
 use crate::thresholds::{INDISTINGUISHABLE, INDISTINGUISHABLE_TWINS, RANDOM_FORCE, RANDOM_FORCE_YIELDS};
 
 /// The effect that explains most beyond `so_far`, if it explains enough, and the scores of all effects.
 pub(crate) fn best_addition(search: &Search<'_>, so_far: &Fit, needed: f64) -> (Option<NamedEffect>, Vec<Scored>) {
     let (mut all, mut scored) = candidates(search, so_far);
     select_first(&mut all, needed);
-    prefer_the_better_forecast(search, &mut all, needed);
     let Some(best) = all.first() else { return (None, scored) };
     if let Some(at) = scored.iter().position(|one| one.name == best.entry.name) {
         scored[..=at].rotate_right(1);
@@ -49,24 +47,6 @@ fn select_first(all: &mut Vec<Candidate>, needed: f64) {
             all.push(Candidate { held_out_gain: 0.0, penalised_gain: 0.0, ..random });
             best = other - usize::from(other > best);
         }
-    }
-    all[..=best].rotate_right(1);
-}
-
-/// Moves the effect to the front with which the model forecasts far better than with the one that is to be named. Where
-/// no candidate is exact, the likelihood of the next reading can prefer one that forecasts badly: a dead zone to friction
-/// that falls with speed, whose resting ball both hold.
-fn prefer_the_better_forecast(search: &Search<'_>, all: &mut [Candidate], needed: f64) {
-    let is_force = |candidate: &Candidate| is_of_path(candidate.entry) && !is_random_force(candidate.entry);
-    let Some(first) = all.first().filter(|first| is_force(first) && first.penalised_gain >= needed) else { return };
-    let errors = |candidate: &Candidate| with_own_noise(search, &candidate.without_each_fold);
-    let (mut best, mut least) = (0, None);
-    for (at, other) in all.iter().enumerate().skip(1).filter(|(_, other)| is_force(other) && other.penalised_gain > 0.0)
-    {
-        let (of_best, of_other) = (least.take().unwrap_or_else(|| errors(first)), errors(other));
-        let is_better = far_larger(&of_best, &of_other);
-        best = if is_better { at } else { best };
-        least = Some(if is_better { of_other } else { of_best });
     }
     all[..=best].rotate_right(1);
 }

@@ -96,13 +96,6 @@ pub(crate) fn with_own_noise(search: &Search<'_>, models: &[Model]) -> Vec<Tally
     held_out(search, models, |model| search.forecasting(model))
 }
 
-/// Whether the mean square at 1 s is far larger in `these`, by more than chance.
-pub(crate) fn far_larger(these: &[Tally], those: &[Tally]) -> bool {
-    let square = |tallies: &[Tally]| Tally::sum(tallies.iter()).squares_at_1_s().map(|(square, _)| square);
-    let is_larger = square(these).zip(square(those)).is_some_and(|(this, that)| this > LARGER * that);
-    is_larger && deviations(these, those) > BETTER_FORECAST
-}
-
 /// Whether a fit loses track: at a horizon the mean square of its held-out forecasts is larger than without its last
 /// effect. A likelihood of the next reading can gain by that, where readings are coarse or most of them show a rest.
 pub(crate) fn loses_track(search: &Search<'_>, with: &Candidate, without: &Fit) -> bool {

@@ -60,6 +60,10 @@ pub enum Found {
     Calibration(Calibration),
 }
 
+/// A step begins at rest where the ball is at most so far from the old setpoint, percent of the jump: twice the band of
+/// settling, because air that is never still moves a settled ball.
+pub const AT_REST_PERCENT: f64 = 10.0;
+
 /// Step metrics over a flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Steps {
@@ -67,7 +71,9 @@ pub struct Steps {
     pub steps: usize,
     /// Those that settled before the next.
     pub settled: usize,
-    /// Mean overshoot, percent of the jump.
+    /// Those that began away from rest, which the means leave out.
+    pub left_out: usize,
+    /// Mean overshoot of the others, percent of the jump.
     pub overshoot_percent: Option<Estimate>,
     /// Mean time of the first peak, of those that have one, seconds.
     pub peak_s: Option<Estimate>,
@@ -154,11 +160,16 @@ impl Steps {
                  the setpoint's column in [import]"
             ));
         }
-        let of = |value: fn(&Step) -> Option<f64>| each.iter().filter_map(value).collect::<Vec<f64>>();
+        let (from_rest, away): (Vec<&Step>, Vec<&Step>) =
+            each.iter().partition(|step| step.off_at_start_percent <= AT_REST_PERCENT);
+        // Where no step began at rest, all are as good.
+        let (used, left_out) = if from_rest.is_empty() { (away, 0) } else { (from_rest, away.len()) };
+        let of = |value: fn(&Step) -> Option<f64>| used.iter().copied().filter_map(value).collect::<Vec<f64>>();
         let settling = of(|step| step.settling_s);
         Ok(Self {
             steps: each.len(),
-            settled: settling.len(),
+            settled: each.iter().filter(|step| step.settling_s.is_some()).count(),
+            left_out,
             overshoot_percent: Estimate::of_mean(&of(|step| Some(step.overshoot_percent))),
             peak_s: Estimate::of_mean(&of(|step| step.peak_s)),
             settling_s: Estimate::of_mean(&settling),
@@ -214,5 +225,37 @@ impl Calibration {
             ],
             ends,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Steps;
+    use crate::log::reader;
+    use std::path::Path;
+
+    #[test]
+    fn a_step_that_began_away_from_rest_is_counted_and_left_out_of_the_means() {
+        // From 200 to 300 mm and back with 10, 20 and 30 % of overshoot, and back with 90 % from 30 mm beside.
+        let mut text = "time_s,duty_percent,position_mm,setpoint_mm\n".to_owned();
+        for k in 0..2500 {
+            let (setpoint, position) = match k {
+                0..500 => (200.0, 200.0),
+                500..520 => (300.0, 310.0),
+                520..1000 => (300.0, 300.0),
+                1000..1020 => (200.0, 180.0),
+                1020..1500 => (200.0, 200.0),
+                1500..1520 => (300.0, 330.0),
+                1520..1900 => (300.0, 300.0),
+                1900..2000 => (300.0, 330.0),
+                2000..2020 => (200.0, 110.0),
+                _ => (200.0, 200.0),
+            };
+            text += &format!("{},20,{position},{setpoint}\n", f64::from(k) / 100.0);
+        }
+        let log = reader::parse(Path::new("steps.csv"), text.as_bytes(), None).unwrap();
+        let found = Steps::of(&log).unwrap();
+        assert_eq!((found.steps, found.settled, found.left_out), (4, 4, 1));
+        assert!((found.overshoot_percent.unwrap().value - 20.0).abs() < 1e-9, "{found:?}");
     }
 }

@@ -51,6 +51,8 @@ pub struct Step {
     pub from_mm: f64,
     /// To where, mm.
     pub to_mm: f64,
+    /// How far the ball was from the old setpoint when the setpoint jumped, percent of the jump.
+    pub off_at_start_percent: f64,
     /// Largest excursion beyond the new setpoint, percent of the jump.
     pub overshoot_percent: f64,
     /// Time of the first peak, seconds. `None`: no visible overshoot.
@@ -111,10 +113,17 @@ fn step(rows: &[Row], start: usize, end: usize) -> Option<Step> {
         time_s: first.time_s,
         from_mm,
         to_mm: first.setpoint_mm,
+        off_at_start_percent: 100.0 * (off_at_start_mm(rows, start) / jump).abs(),
         overshoot_percent: 100.0 * beyond / jump.abs(),
         peak_s: peak_s(&errors, jump),
         settling_s: settled_s.map(|time_s| time_s - first.time_s),
     })
+}
+
+/// Position minus the old setpoint before the jump at row `start`: the mean of as many readings as a centred mean has.
+fn off_at_start_mm(rows: &[Row], start: usize) -> f64 {
+    let before = &rows[start.saturating_sub(2 * HALF_MEAN + 1)..start];
+    before.iter().map(|row| row.position_mm - row.setpoint_mm).sum::<f64>() / before.len().max(1) as f64
 }
 
 /// Time from the jump to the first peak beyond the new setpoint, if it exceeds half of the band.
@@ -201,6 +210,18 @@ mod tests {
         let found = steps(&before.chain(after).collect::<Vec<_>>());
         assert_eq!((found.len(), found[0].settling_s, found[0].overshoot_percent), (1, None, 0.0));
         assert_eq!(found[0].peak_s, None);
+    }
+
+    #[test]
+    fn a_step_knows_how_far_from_rest_the_ball_was_when_it_began() {
+        let at = |k: u32| f64::from(k) * 0.01;
+        let before = (0..100).map(|k| cycle(at(k), 200.0, if k < 50 { 200.0 } else { 215.0 }));
+        let after = (100..300).map(|k| cycle(at(k), 250.0, 250.0));
+        let back = (300..500).map(|k| cycle(at(k), 200.0, 200.0));
+        let found = steps(&before.chain(after).chain(back).collect::<Vec<_>>());
+        // 15 mm of 50 mm, then none.
+        let off: Vec<f64> = found.iter().map(|step| step.off_at_start_percent).collect();
+        assert_eq!(off, [30.0, 0.0]);
     }
 
     #[test]

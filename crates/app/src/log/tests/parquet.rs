@@ -1,6 +1,6 @@
 //! Parquet files as logs: one that pandas wrote, and some that the library of the format writes.
 //!
-//! `data/pandas.parquet` was written by pandas 3.1.1 and pyarrow 26.0.1 (packed with snappy) of a made-up table of six
+//! `tests/data/pandas.parquet` was written by pandas 3.1.1 and pyarrow 26.0.1 (packed with snappy) of a made-up table of six
 //! rows: moments, single and double precision, a missing value, bytes, flags, texts, lists and a group.
 
 use crate::log::{LogError, parquet, reader};
@@ -12,7 +12,7 @@ use ::parquet::schema::parser::parse_message_type;
 use std::path::Path;
 use std::sync::Arc;
 
-const BY_PANDAS: &[u8] = include_bytes!("data/pandas.parquet");
+const BY_PANDAS: &[u8] = include_bytes!("../../../tests/data/pandas.parquet");
 
 fn text(bytes: &[u8]) -> Result<String, LogError> {
     parquet::table(Path::new("run.parquet"), bytes).map(|csv| String::from_utf8(csv).unwrap())

@@ -1,6 +1,6 @@
 //! A measurement in words and as JSON.
 
-use crate::analysis::measurement::{Band, Calibration, Found, Steps};
+use crate::analysis::measurement::{AT_REST_PERCENT, Band, Calibration, Found, Steps};
 use crate::cli::Measurement;
 use crate::config::Tables;
 use crate::report::kit::table::empty;
@@ -234,9 +234,18 @@ fn table_of_steps(rows: &[Row]) -> String {
     table.to_string()
 }
 
-/// How many steps settled.
+/// How many steps settled, and how many the means leave out.
 pub fn settled(steps: &Steps) -> String {
-    format!("{} steps, of which {} settled before the next.", steps.steps, steps.settled)
+    let Steps { steps, settled, left_out, .. } = steps;
+    let all = format!("{steps} steps, of which {settled} settled before the next.");
+    match left_out {
+        0 => all,
+        out => format!(
+            "{all} {out} began more than {AT_REST_PERCENT:.0} % of the jump away from the old setpoint: the means leave \
+             {} out.",
+            if *out == 1 { "it" } else { "them" }
+        ),
+    }
 }
 
 /// The readings at rest.

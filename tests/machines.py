@@ -4,8 +4,8 @@
 
 Each rig has one to four effects that its builder would name, and four to seven small pieces that nobody writes down: friction
 that falls with speed, cogging, a lag of the amplifier, a bend of the scale, a load on a spring. Its sensor is good, so that
-every piece is significant. Its owner believes in a linear machine, whose numbers are off by up to 30 %. The equations are
-written here, and share none with the program.
+every piece is significant. All ranges were chosen by hand, so that most effects show. Its owner believes in a linear machine,
+whose numbers are off by up to 30 %. The equations are written here, and share none with the program.
 """
 
 import argparse
@@ -110,7 +110,7 @@ class Rig:
         }[name]()
 
     def of(self, name, key, otherwise=0.0):
-        return {**self.pieces, **self.effects}.get(name, {}).get(key, otherwise)
+        return self.effects.get(name, self.pieces.get(name, {})).get(key, otherwise)
 
     def force_by_place(self, x):
         """Springs, gravity of a pendulum, cogging and a floor that is not level, mm/s²."""

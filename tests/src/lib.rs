@@ -37,6 +37,13 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
+/// Runs a script of `tests/` with Python.
+#[must_use]
+pub fn python(arguments: &[&str]) -> Ran {
+    let output = Command::new("python3").current_dir(root().join("tests")).args(arguments).output();
+    Ran::from(output.expect("this test needs python3"))
+}
+
 /// A directory of its own with copies of the project's config, and commands that run in it.
 pub struct Bench(TempDir);
 

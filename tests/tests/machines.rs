@@ -1,12 +1,6 @@
 //! The practice rigs that are no ball in a pipe: `tests/machines.py` by closed forms, and its files by `airball`.
 
-use std::process::Command;
-use system_tests::{Bench, Ran, root};
-
-fn python(arguments: &[&str]) -> Ran {
-    let output = Command::new("python3").current_dir(root().join("tests")).args(arguments).output();
-    Ran::from(output.expect("this test needs python3"))
-}
+use system_tests::{Bench, python};
 
 #[test]
 fn its_motion_actuator_and_sensor_are_those_of_closed_forms() {

@@ -1,8 +1,7 @@
 //! The gap between a log and a model: on flights of our own, and on a record of another rig.
 
 use serde_json::Value;
-use std::process::Command;
-use system_tests::{Bench, Ran, root};
+use system_tests::{Bench, python, root};
 
 fn replay(bench: &Bench, arguments: &[&str]) -> Value {
     let flags = [&["replay", "--json"], arguments].concat();
@@ -79,8 +78,7 @@ fn the_table_on_a_real_record_is_what_an_independent_program_computes() {
 
     // An independent computation: exact discretisation and a scalar-by-scalar Kalman filter in Python, against RK4 and
     // matrices in Rust.
-    let output = Command::new("python3").arg(root().join("tests/replay_linear.py")).arg(record).output().unwrap();
-    let ran = Ran::from(output);
+    let ran = python(&["replay_linear.py", record]);
     assert_eq!(ran.code, Some(0), "{}", ran.errors);
     let independent: Value = serde_json::from_str(&ran.output).unwrap();
     for key in ["error_mm", "stay_put_mm", "floor_mm"] {

@@ -7,7 +7,7 @@
 //! scale' = c·scale        sensor_to_bottom' = c·(sensor_to_bottom − bottom)
 //! ```
 
-use super::step_response::{Moment, Step, steps_of};
+use super::step_response::{AT_REST_PERCENT, Moment, Step, steps_of};
 use crate::cli::Measurement;
 use crate::config::{Rig, Tables};
 use crate::log::reader::LoadedLog;
@@ -59,10 +59,6 @@ pub enum Found {
     /// Calibration.
     Calibration(Calibration),
 }
-
-/// A step begins at rest where the ball is at most so far from the old setpoint, percent of the jump: twice the band of
-/// settling, because air that is never still moves a settled ball.
-pub const AT_REST_PERCENT: f64 = 10.0;
 
 /// Step metrics over a flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]

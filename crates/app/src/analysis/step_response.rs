@@ -18,6 +18,9 @@ use diagnose::identify::first_peak;
 const JUMP_MM: f64 = 10.0;
 /// The band around the new setpoint, as a share of the jump.
 const BAND: f64 = 0.05;
+/// A step begins at rest where the ball is at most so far from the old setpoint, percent of the jump: twice the band,
+/// because air that is never still moves a settled ball.
+pub const AT_REST_PERCENT: f64 = 200.0 * BAND;
 /// A jump must be followed for so long to count, seconds: ramps and chirps are no jumps.
 const FOLLOWED_S: f64 = 1.0;
 /// How long the position must stay within the band, seconds.
@@ -122,8 +125,7 @@ fn step(rows: &[Row], start: usize, end: usize) -> Option<Step> {
 
 /// Position minus the old setpoint before the jump at row `start`: the mean of as many readings as a centred mean has.
 fn off_at_start_mm(rows: &[Row], start: usize) -> f64 {
-    let before = &rows[start.saturating_sub(2 * HALF_MEAN + 1)..start];
-    before.iter().map(|row| row.position_mm - row.setpoint_mm).sum::<f64>() / before.len().max(1) as f64
+    mean_error_of(&rows[start.saturating_sub(2 * HALF_MEAN + 1)..start])
 }
 
 /// Time from the jump to the first peak beyond the new setpoint, if it exceeds half of the band.
@@ -148,8 +150,12 @@ fn settling(errors: &[(f64, f64)], band_mm: f64) -> Option<f64> {
 
 /// Position minus setpoint around row `k`, mean of the rows next to it.
 fn mean_error(rows: &[Row], k: usize) -> f64 {
-    let near = &rows[k.saturating_sub(HALF_MEAN)..(k + HALF_MEAN + 1).min(rows.len())];
-    near.iter().map(|row| row.position_mm - row.setpoint_mm).sum::<f64>() / near.len() as f64
+    mean_error_of(&rows[k.saturating_sub(HALF_MEAN)..(k + HALF_MEAN + 1).min(rows.len())])
+}
+
+/// Position minus setpoint, mean of all rows; 0 without rows.
+fn mean_error_of(rows: &[Row]) -> f64 {
+    rows.iter().map(|row| row.position_mm - row.setpoint_mm).sum::<f64>() / rows.len().max(1) as f64
 }
 
 #[cfg(test)]

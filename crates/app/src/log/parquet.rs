@@ -28,7 +28,8 @@ pub(super) fn is_parquet(bytes: &[u8]) -> bool {
 /// The table of a Parquet file as CSV.
 ///
 /// # Errors
-/// [`LogError::Parquet`]: it is damaged, packed in a way that is not read, too large, or has no column of single values.
+/// [`LogError::Parquet`]: it is damaged, packed in a way that is not read, too large, or has no column of single
+/// values.
 pub(super) fn table(path: &Path, bytes: &[u8]) -> std::result::Result<Vec<u8>, LogError> {
     // The library checks what it reads, but not everything: some damaged files make it panic.
     let columns = contained(|| columns(bytes)).unwrap_or_else(|| Err(wrong("it is damaged")));

@@ -15,13 +15,13 @@ impl Problem<'_> {
     /// The models fitted without each fold in turn: one scoring step from the fit to all folds.
     #[must_use]
     pub fn without_each_fold(&self, fit: &Fit) -> Vec<Model> {
-        (0..Folds::COUNT).map(|fold| self.without(fit, fold).0).collect()
+        self.cross_validated(fit).0
     }
 
     /// The held-out log-likelihood of each fold, under the model that was fitted without it, nats.
     #[must_use]
     pub fn held_out(&self, fit: &Fit) -> LogLikByFold {
-        std::array::from_fn(|fold| self.without(fit, fold).1[fold])
+        self.cross_validated(fit).1
     }
 
     /// The models fitted without each fold in turn, and the held-out log-likelihood of each fold under its own, nats.

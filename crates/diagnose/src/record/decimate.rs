@@ -2,10 +2,10 @@
 //!
 //! Every duty is kept: a fan does not respond to a duty that changes fast as it does to its mean. Readings are merged
 //! into means up to a fiftieth of a second apart, because a ball in a pipe, or an arm, shows nothing faster. Each mean
-//! has a variance that is smaller by the number of its readings. Readings are not dropped, because the controller reacted to
-//! all of them: a filter without some of them would take the controller's reaction for an effect of the rig. One of
-//! each `merged` readings is picked where their mean is not a valid reading: quantised or repeated readings, outliers,
-//! or a path whose curvature shifts the mean by a good part of its noise.
+//! has a variance that is smaller by the number of its readings. Readings are not dropped, because the controller
+//! reacted to all of them: a filter without some of them would take the controller's reaction for an effect of the rig.
+//! One of each `merged` readings is picked where their mean is not a valid reading: quantised or repeated readings,
+//! outliers, or a path whose curvature shifts the mean by a good part of its noise.
 
 use crate::record::reading_variance::reading_variance;
 use crate::record::recording::{Recording, Sample};

@@ -1,7 +1,7 @@
 //! Parquet files as logs: one that pandas wrote, and some that the library of the format writes.
 //!
-//! `tests/data/pandas.parquet` was written by pandas 3.1.1 and pyarrow 26.0.1 (packed with snappy) of a made-up table of six
-//! rows: moments, single and double precision, a missing value, bytes, flags, texts, lists and a group.
+//! `tests/data/pandas.parquet` was written by pandas 3.1.1 and pyarrow 26.0.1 (packed with snappy) of a made-up table
+//! of six rows: moments, single and double precision, a missing value, bytes, flags, texts, lists and a group.
 
 use crate::log::{LogError, parquet, reader};
 use ::parquet::basic::{Compression, GzipLevel, ZstdLevel};

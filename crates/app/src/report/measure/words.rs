@@ -1,6 +1,7 @@
 //! A measurement in words and as JSON.
 
-use crate::analysis::measurement::{AT_REST_PERCENT, Band, Calibration, Found, Steps};
+use crate::analysis::measurement::{Band, Calibration, Found, Steps};
+use crate::analysis::step_response::AT_REST_PERCENT;
 use crate::cli::Measurement;
 use crate::config::Tables;
 use crate::report::kit::table::empty;

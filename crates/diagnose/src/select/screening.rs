@@ -5,6 +5,7 @@ use crate::fit::derivatives::{KnownSensitivities, NONE_KNOWN};
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
+use crate::select::coloured_force::take_out;
 use crate::select::initial_values::{Starts, starts};
 use crate::select::pendulum::regressed;
 use crate::select::search::Search;
@@ -55,6 +56,13 @@ pub(crate) struct Screened {
 }
 
 impl Screened {
+    /// The same without the coloured random force that it was screened beside.
+    pub(crate) fn without_coloured_force(&self) -> Self {
+        let (mut model, mut parameters) = (self.model.clone(), self.parameters.clone());
+        take_out(&mut model, &mut parameters);
+        Self { model, parameters, rivals: self.rivals.clone(), ..*self }
+    }
+
     /// The log-likelihood of `fold` at the initial values that the other folds prefer; `None` if all folds prefer the
     /// same.
     pub(crate) fn chosen_without(&self, fold: usize) -> Option<f64> {

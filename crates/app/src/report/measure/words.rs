@@ -66,7 +66,7 @@ pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
     let rows = rows(found, tables);
     match found {
         Found::DeadZone { zone, jumps } => vec![table(&rows), verdict_of_zone(zone, jumps), given(jumps)],
-        Found::ForceCurve { jumps, .. } => vec![forces(jumps).table(), table(&rows), given(jumps), OF_PATCH.into()],
+        Found::ForceCurve { jumps, .. } => vec![table(&rows), given(jumps), OF_PATCH.into(), elsewhere(jumps)],
         Found::CriticalGain(critical) => words_of_gain(critical),
         Found::CriticalTime(critical) => words_of_time(critical),
         Found::Steps(steps) => vec![table_of_steps(&rows), settled(steps)],
@@ -154,6 +154,11 @@ pub fn given(jumps: &Jumps) -> String {
 /// What the patch of a force curve does to the controllers.
 pub const OF_PATCH: &str = "The patch makes the control value an acceleration in mm/s², so it multiplies the gains of \
      all controllers by the force per percent of duty.";
+
+/// Where the forces themselves are, which would push the numbers off a terminal.
+fn elsewhere(jumps: &Jumps) -> String {
+    format!("The forces of all {} jumps are on the page of --html and in the document of --json.", jumps.jumps.len())
+}
 
 /// Rows of words under their heads.
 pub struct Rows<const N: usize> {

@@ -13,7 +13,7 @@
 //! most promising ones are fitted in full.
 
 use crate::fit::estimate::Fit;
-use crate::select::full_fit::{Base, full_fit, screen_beside_coloured_force};
+use crate::select::full_fit::{Base, full_fit, limit_overtaking, screen_beside_coloured_force};
 use crate::select::plausibility::is_plausible;
 use crate::select::posterior::Scored;
 use crate::select::screening::{Screened, screen};
@@ -62,7 +62,12 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
     search.plan(promising.len());
     let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, &base, base_of(one.entry)));
-    let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
+    let (mut all, alone): (Vec<Candidate>, Vec<f64>) = promising.par_iter().map(in_full).unzip();
+    if let Some(beside) = &beside {
+        let smoothing = all.iter().zip(&alone).filter(|(candidate, _)| candidate.entry.acts.smooths_readings());
+        let overtaken = smoothing.map(|(_, alone)| *alone).fold(0.0, f64::max);
+        limit_overtaking(search, &mut all, &promising, beside, overtaken);
+    }
     all.retain(|candidate| is_plausible(search, candidate));
     all.sort_by(|a, b| b.held_out_gain.total_cmp(&a.held_out_gain));
     prefer_the_simple(&mut all);
@@ -233,6 +238,17 @@ mod tests {
                     candidate.held_out_gain
                 );
             }
+        }
+    }
+
+    #[test]
+    fn a_lag_of_the_sensor_comes_before_a_delay_that_stands_for_it() {
+        let belief = Model { effects: Effects::default(), ..model() };
+        let mut rig = belief.clone();
+        rig.effects.sensor_lag = Some(plant::effects::SensorLag { time_constant_s: 0.1 });
+        for seed in 0..3 {
+            let found = candidates(&belief, &record(&rig, seed, 60));
+            assert!(["sensor_lag", "fan_lag"].contains(&found[0].entry.name), "{seed}: {}", found[0].entry.name);
         }
     }
 }

@@ -49,16 +49,45 @@ impl Base {
     }
 }
 
-/// A candidate: its gain is the lower of those on `base`, and on the one that it was screened on.
-pub(crate) fn full_fit(search: &Search<'_>, screened: &Screened, base: &Base, own: &Base) -> Candidate {
-    let beside = full_fit_on(search, screened, own);
+/// A candidate, with its gain on `base`. The candidate's own gain is the lower of that and of the one on the base that it
+/// was screened on.
+pub(crate) fn full_fit(search: &Search<'_>, screened: &Screened, base: &Base, own: &Base) -> (Candidate, f64) {
     if std::ptr::eq(base, own) {
-        return beside;
+        let alone = full_fit_on(search, screened, base);
+        let gain = alone.held_out_gain;
+        return (alone, gain);
     }
     let alone = full_fit_on(search, &screened.without_coloured_force(), base);
-    let held_out_gain = alone.held_out_gain.min(beside.held_out_gain);
-    let penalised_gain = alone.penalised_gain.min(beside.penalised_gain);
-    Candidate { held_out_gain, penalised_gain, ..alone }
+    let gain = alone.held_out_gain;
+    (limited(alone, &full_fit_on(search, screened, own)), gain)
+}
+
+/// Limits the gains of the effects that would come first only because the gain of one that smooths the readings,
+/// `overtaken`, was limited: to what they gain beside the coloured force too, so that all are compared alike.
+pub(crate) fn limit_overtaking(
+    search: &Search<'_>,
+    all: &mut [Candidate],
+    screened: &[&Screened],
+    beside: &Base,
+    overtaken: f64,
+) {
+    let mut compared: Vec<&str> = Vec::new();
+    loop {
+        let named = all.iter_mut().filter(|candidate| !candidate.entry.acts.follows_any_force());
+        let Some(best) = named.max_by(|a, b| a.held_out_gain.total_cmp(&b.held_out_gain)) else { return };
+        let name = best.entry.name;
+        let own = screened.iter().find(|one| one.entry.name == name && !one.entry.acts.smooths_readings());
+        let Some(own) = own.filter(|_| best.held_out_gain < overtaken && !compared.contains(&name)) else { return };
+        compared.push(name);
+        *best = limited(best.clone(), &full_fit_on(search, &own.beside_coloured_force(&beside.fit), beside));
+    }
+}
+
+/// The candidate with its gains limited to those of `other`.
+fn limited(candidate: Candidate, other: &Candidate) -> Candidate {
+    let held_out_gain = candidate.held_out_gain.min(other.held_out_gain);
+    let penalised_gain = candidate.penalised_gain.min(other.penalised_gain);
+    Candidate { held_out_gain, penalised_gain, ..candidate }
 }
 
 fn full_fit_on(search: &Search<'_>, screened: &Screened, base: &Base) -> Candidate {
@@ -106,10 +135,10 @@ mod tests {
         let base = Base::of(&search, refitted(&search));
         let lag = Effects::built_in("sensor_lag").unwrap();
         let mut screened = vec![screen(&search, &base.fit, &base.known, lag).unwrap()];
-        let alone = full_fit(&search, &screened[0], &base, &base);
-        assert!(alone.held_out_gain > 30.0, "{}", alone.held_out_gain);
+        let (_, alone) = full_fit(&search, &screened[0], &base, &base);
+        assert!(alone > 30.0, "{alone}");
         let beside = screen_beside_coloured_force(&search, &base.fit, &mut screened).unwrap();
-        let gain = full_fit(&search, &screened[0], &base, &beside).held_out_gain;
+        let gain = full_fit(&search, &screened[0], &base, &beside).0.held_out_gain;
         assert!(gain < 3.0, "{gain}");
     }
 }

@@ -13,7 +13,7 @@
 //! most promising ones are fitted in full.
 
 use crate::fit::estimate::Fit;
-use crate::select::full_fit::{Base, full_fit, limit_overtaking, screen_beside_coloured_force};
+use crate::select::full_fit::{Base, full_fit, screen_beside_coloured_force};
 use crate::select::plausibility::is_plausible;
 use crate::select::posterior::Scored;
 use crate::select::screening::{Screened, screen};
@@ -62,12 +62,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
     search.plan(promising.len());
     let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, &base, base_of(one.entry)));
-    let (mut all, alone): (Vec<Candidate>, Vec<f64>) = promising.par_iter().map(in_full).unzip();
-    if let Some(beside) = &beside {
-        let smoothing = all.iter().zip(&alone).filter(|(candidate, _)| candidate.entry.acts.smooths_readings());
-        let overtaken = smoothing.map(|(_, alone)| *alone).fold(0.0, f64::max);
-        limit_overtaking(search, &mut all, &promising, beside, overtaken);
-    }
+    let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
     all.retain(|candidate| is_plausible(search, candidate));
     all.sort_by(|a, b| b.held_out_gain.total_cmp(&a.held_out_gain));
     prefer_the_simple(&mut all);

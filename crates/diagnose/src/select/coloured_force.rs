@@ -5,7 +5,7 @@
 //! that. Beside a coloured force there is no such preference.
 
 use crate::fit::estimate::Fit;
-use crate::fit::parameter::{Parameter, parameters_of_effect};
+use crate::fit::parameter::Parameter;
 use crate::select::screening::added;
 use crate::select::search::Search;
 use plant::{Effect, Model, effects::Turbulence};
@@ -43,13 +43,4 @@ pub(crate) fn held_out_beside_coloured_force(search: &Search<'_>, fit: &Fit) -> 
 pub(crate) fn take_out(model: &mut Model, parameters: &mut Vec<Parameter>) {
     model.effects.remove(Turbulence::ENTRY.name);
     parameters.retain(|parameter| !parameter.is_of(Turbulence::ENTRY.name));
-}
-
-/// Puts the coloured random force of `fit` into a model and its parameters, with the noise beside it.
-pub(crate) fn put_in(model: &mut Model, parameters: &mut Vec<Parameter>, fit: &Fit) {
-    if let Some(values) = fit.model.effects.values(Turbulence::ENTRY.name) {
-        model.noise = fit.model.noise;
-        model.effects.set(Turbulence::ENTRY.name, &values);
-        parameters.extend(parameters_of_effect(&Turbulence::ENTRY, &values));
-    }
 }

@@ -1,7 +1,7 @@
 //! The full fit of a candidate.
 //!
-//! A sensor that smooths the readings also smooths what a random force does to them. So what such an effect gains counts
-//! only as far as it gains it beside a coloured random force as well, see [`mod@crate::select::coloured_force`].
+//! A sensor that smooths the readings also smooths what a random force does to them. An effect that gains by that gains
+//! little beside a coloured random force, see [`mod@crate::select::coloured_force`].
 
 use crate::fit::derivatives::KnownSensitivities;
 use crate::fit::estimate::Fit;
@@ -11,7 +11,7 @@ use crate::select::coloured_force::beside_coloured_force;
 use crate::select::plausibility::cost_of_form;
 use crate::select::screening::{Screened, first, screen};
 use crate::select::search::Search;
-use crate::thresholds::{COST_OF_A_PARAMETER, SCREENED, UNMOVED};
+use crate::thresholds::{COST_OF_A_PARAMETER, RANDOM_FORCE_YIELDS, SCREENED, UNMOVED};
 
 /// Screens again, beside a coloured random force, the effects that smooth the readings, and gives that base. `None`: none
 /// of them explains anything, or the force does not.
@@ -49,45 +49,19 @@ impl Base {
     }
 }
 
-/// A candidate, with its gain on `base`. The candidate's own gain is the lower of that and of the one on the base that it
-/// was screened on.
-pub(crate) fn full_fit(search: &Search<'_>, screened: &Screened, base: &Base, own: &Base) -> (Candidate, f64) {
+/// A candidate. Where an effect that was screened beside a coloured random force gains less than [`RANDOM_FORCE_YIELDS`] of
+/// its gain there, it stood for that force, and the lower gain counts.
+pub(crate) fn full_fit(search: &Search<'_>, screened: &Screened, base: &Base, own: &Base) -> Candidate {
+    let beside = full_fit_on(search, screened, own);
     if std::ptr::eq(base, own) {
-        let alone = full_fit_on(search, screened, base);
-        let gain = alone.held_out_gain;
-        return (alone, gain);
+        return beside;
     }
     let alone = full_fit_on(search, &screened.without_coloured_force(), base);
-    let gain = alone.held_out_gain;
-    (limited(alone, &full_fit_on(search, screened, own)), gain)
-}
-
-/// Limits the gains of the effects that would come first only because the gain of one that smooths the readings,
-/// `overtaken`, was limited: to what they gain beside the coloured force too, so that all are compared alike.
-pub(crate) fn limit_overtaking(
-    search: &Search<'_>,
-    all: &mut [Candidate],
-    screened: &[&Screened],
-    beside: &Base,
-    overtaken: f64,
-) {
-    let mut compared: Vec<&str> = Vec::new();
-    loop {
-        let named = all.iter_mut().filter(|candidate| !candidate.entry.acts.follows_any_force());
-        let Some(best) = named.max_by(|a, b| a.held_out_gain.total_cmp(&b.held_out_gain)) else { return };
-        let name = best.entry.name;
-        let own = screened.iter().find(|one| one.entry.name == name && !one.entry.acts.smooths_readings());
-        let Some(own) = own.filter(|_| best.held_out_gain < overtaken && !compared.contains(&name)) else { return };
-        compared.push(name);
-        *best = limited(best.clone(), &full_fit_on(search, &own.beside_coloured_force(&beside.fit), beside));
+    if beside.held_out_gain >= RANDOM_FORCE_YIELDS * alone.held_out_gain {
+        return alone;
     }
-}
-
-/// The candidate with its gains limited to those of `other`.
-fn limited(candidate: Candidate, other: &Candidate) -> Candidate {
-    let held_out_gain = candidate.held_out_gain.min(other.held_out_gain);
-    let penalised_gain = candidate.penalised_gain.min(other.penalised_gain);
-    Candidate { held_out_gain, penalised_gain, ..candidate }
+    let penalised_gain = alone.penalised_gain.min(beside.penalised_gain);
+    Candidate { held_out_gain: beside.held_out_gain, penalised_gain, ..alone }
 }
 
 fn full_fit_on(search: &Search<'_>, screened: &Screened, base: &Base) -> Candidate {
@@ -135,10 +109,10 @@ mod tests {
         let base = Base::of(&search, refitted(&search));
         let lag = Effects::built_in("sensor_lag").unwrap();
         let mut screened = vec![screen(&search, &base.fit, &base.known, lag).unwrap()];
-        let (_, alone) = full_fit(&search, &screened[0], &base, &base);
-        assert!(alone > 30.0, "{alone}");
+        let alone = full_fit(&search, &screened[0], &base, &base);
+        assert!(alone.held_out_gain > 30.0, "{}", alone.held_out_gain);
         let beside = screen_beside_coloured_force(&search, &base.fit, &mut screened).unwrap();
-        let gain = full_fit(&search, &screened[0], &base, &beside).0.held_out_gain;
+        let gain = full_fit(&search, &screened[0], &base, &beside).held_out_gain;
         assert!(gain < 3.0, "{gain}");
     }
 }

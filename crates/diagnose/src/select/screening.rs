@@ -5,7 +5,7 @@ use crate::fit::derivatives::{KnownSensitivities, NONE_KNOWN};
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
-use crate::select::coloured_force::{put_in, take_out};
+use crate::select::coloured_force::take_out;
 use crate::select::initial_values::{Starts, starts};
 use crate::select::regression::regressed;
 use crate::select::search::Search;
@@ -61,13 +61,6 @@ impl Screened {
         let (mut model, mut parameters) = (self.model.clone(), self.parameters.clone());
         take_out(&mut model, &mut parameters);
         Self { model, parameters, rivals: self.rivals.clone(), ..*self }
-    }
-
-    /// The same beside the coloured random force of a fit.
-    pub(crate) fn beside_coloured_force(&self, fit: &Fit) -> Self {
-        let (mut model, mut parameters) = (self.model.clone(), self.parameters.clone());
-        put_in(&mut model, &mut parameters, fit);
-        Self { model, parameters, rivals: Vec::new(), ..*self }
     }
 
     /// The log-likelihood of `fold` at the initial values that the other folds prefer; `None` if all folds prefer the

@@ -56,7 +56,7 @@ pub(crate) fn full_fit(search: &Search<'_>, screened: &Screened, base: &Base, ow
     if std::ptr::eq(base, own) {
         return beside;
     }
-    let alone = full_fit_on(search, &screened.without_coloured_force(), base);
+    let alone = full_fit_on(search, &screened.without_coloured_force(&base.fit), base);
     if beside.held_out_gain >= RANDOM_FORCE_YIELDS * alone.held_out_gain {
         return alone;
     }

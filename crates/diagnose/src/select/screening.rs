@@ -56,10 +56,11 @@ pub(crate) struct Screened {
 }
 
 impl Screened {
-    /// The same without the coloured random force that it was screened beside.
-    pub(crate) fn without_coloured_force(&self) -> Self {
+    /// The same without the coloured random force that it was screened beside, and with the white noise of `fit` instead.
+    pub(crate) fn without_coloured_force(&self, fit: &Fit) -> Self {
         let (mut model, mut parameters) = (self.model.clone(), self.parameters.clone());
         take_out(&mut model, &mut parameters);
+        model.noise = fit.model.noise;
         Self { model, parameters, rivals: self.rivals.clone(), ..*self }
     }
 

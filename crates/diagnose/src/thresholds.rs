@@ -68,8 +68,7 @@ pub const SHARE_OF_OMITTED: f64 = 0.25;
 /// The same for a random force of the air: the growth of the air's noise counts against it already. False alarms: 0 of
 /// 200 flights.
 pub(crate) const RANDOM_FORCE: f64 = 1.2;
-/// A random force yields to another effect that gains more than this share of what it gains; and an effect that smooths
-/// the readings keeps its gain if it gains more than this share of it beside a random force.
+/// A random force yields to another effect that gains more than this share of what it gains.
 pub(crate) const RANDOM_FORCE_YIELDS: f64 = 0.5;
 /// What the believed values of a believed effect must lose for it to be called retuned or removed.
 pub(crate) const CHANGED: f64 = 6.0;

@@ -13,13 +13,14 @@
 //! most promising ones are fitted in full.
 
 use crate::fit::estimate::Fit;
-use crate::select::full_fit::{Base, full_fit, screen_beside_coloured_force};
-use crate::select::plausibility::is_plausible;
+use crate::fit::held_out::LogLikByFold;
+use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
-use crate::select::screening::{Screened, screen};
+use crate::select::screening::{Screened, first, screen};
 use crate::select::search::Search;
 use crate::thresholds::{
-    BEHIND, BEHIND_SHARE, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, SECOND_EFFECT, SHARE_OF_EXPLAINED,
+    BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, SECOND_EFFECT,
+    SHARE_OF_EXPLAINED, UNMOVED,
 };
 use plant::{Entry, Model};
 use rayon::prelude::*;
@@ -49,19 +50,18 @@ impl Candidate {
 
 /// Tests every effect that `so_far` lacks: the candidates, the best first, and the scores of all effects.
 pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, Vec<Scored>) {
-    let base = Base::of(search, so_far.clone());
+    let before = search.problem.held_out(so_far);
+    let known = search.problem.sensitivities_of(so_far, &first(search));
     let entries = search.entries();
     search.plan(entries.len());
-    let screened = entries.par_iter().filter_map(|entry| search.planned(|| screen(search, so_far, &base.known, entry)));
+    let screened = entries.par_iter().filter_map(|entry| search.planned(|| screen(search, so_far, &known, entry)));
     let mut screened: Vec<Screened> = screened.collect();
-    let beside = screen_beside_coloured_force(search, so_far, &mut screened);
-    let base_of = |entry: &Entry| beside.as_ref().filter(|_| entry.acts.smooths_readings()).unwrap_or(&base);
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = screened.first().map_or(0.0, |best| best.gain);
     let enough = SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
     search.plan(promising.len());
-    let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, &base, base_of(one.entry)));
+    let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, so_far, &before));
     let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
     all.retain(|candidate| is_plausible(search, candidate));
     all.sort_by(|a, b| b.held_out_gain.total_cmp(&a.held_out_gain));
@@ -104,6 +104,24 @@ fn scored(all: &[Candidate], screened: &[Screened]) -> Vec<Scored> {
         Scored { name: one.entry.name, held_out_gain: gain, penalised_gain: gain, in_full: false }
     });
     fitted.chain(screened_only).collect()
+}
+
+fn full_fit(search: &Search<'_>, screened: &Screened, so_far: &Fit, before: &LogLikByFold) -> Candidate {
+    let fit = search.problem.fit(&screened.model, &screened.parameters);
+    let (without_each_fold, mut after) = search.problem.cross_validated(&fit);
+    for (fold, after) in after.iter_mut().enumerate() {
+        if let Some(other) = screened.chosen_without(fold) {
+            *after = after.min(other);
+        }
+    }
+    let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
+    let cost = screened.cost + cost_of_form(search, screened.entry);
+    let held_out_gain = held_out + fit.log_prior - so_far.log_prior - cost;
+    let added = fit.parameters.len().saturating_sub(so_far.parameters.len());
+    let fitted = search.problem.total_of(&fit) - search.problem.total_of(so_far) - cost;
+    let unmoved = (search.base_prior(&fit) - search.base_prior(so_far) - UNMOVED).max(0.0);
+    let penalised_gain = held_out_gain.min(fitted - COST_OF_A_PARAMETER * added as f64) - unmoved;
+    Candidate { entry: screened.entry, fit, without_each_fold, held_out_gain, penalised_gain }
 }
 
 #[cfg(test)]
@@ -233,17 +251,6 @@ mod tests {
                     candidate.held_out_gain
                 );
             }
-        }
-    }
-
-    #[test]
-    fn a_lag_of_the_sensor_comes_before_a_delay_that_stands_for_it() {
-        let belief = Model { effects: Effects::default(), ..model() };
-        let mut rig = belief.clone();
-        rig.effects.sensor_lag = Some(plant::effects::SensorLag { time_constant_s: 0.1 });
-        for seed in 0..3 {
-            let found = candidates(&belief, &record(&rig, seed, 60));
-            assert!(["sensor_lag", "fan_lag"].contains(&found[0].entry.name), "{seed}: {}", found[0].entry.name);
         }
     }
 }

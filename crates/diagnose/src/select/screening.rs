@@ -5,9 +5,8 @@ use crate::fit::derivatives::{KnownSensitivities, NONE_KNOWN};
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
-use crate::select::coloured_force::take_out;
 use crate::select::initial_values::{Starts, starts};
-use crate::select::regression::regressed;
+use crate::select::pendulum::regressed;
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
 use plant::{Entry, Model, Start};
@@ -56,14 +55,6 @@ pub(crate) struct Screened {
 }
 
 impl Screened {
-    /// The same without the coloured random force that it was screened beside, and with the white noise of `fit` instead.
-    pub(crate) fn without_coloured_force(&self, fit: &Fit) -> Self {
-        let (mut model, mut parameters) = (self.model.clone(), self.parameters.clone());
-        take_out(&mut model, &mut parameters);
-        model.noise = fit.model.noise;
-        Self { model, parameters, rivals: self.rivals.clone(), ..*self }
-    }
-
     /// The log-likelihood of `fold` at the initial values that the other folds prefer; `None` if all folds prefer the
     /// same.
     pub(crate) fn chosen_without(&self, fold: usize) -> Option<f64> {
@@ -189,11 +180,10 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
         }
     }
     let places = iter::once(model.clone()).chain(search.is_far(so_far).then_some(believed));
-    let is_pendulum = effect.start == Start::DutyOverHeight && model.turn_mm.is_some();
-    if is_pendulum || matches!(effect.start, Start::AgainstMotion(_)) {
+    if effect.start == Start::DutyOverHeight && model.turn_mm.is_some() {
         let own = model.effects.values(effect.name);
         let with_own_base = regressed(effect, model, belief, search.problem.recording).into_iter();
-        return places.chain(with_own_base.filter(|found| found.effects.values(effect.name) == own)).collect();
+        return places.chain(with_own_base.filter(|pendulum| pendulum.effects.values(effect.name) == own)).collect();
     }
     if effect.start == Start::DutyOverHeight {
         return places.map(|model| balanced_where_it_flew(search, model)).collect();

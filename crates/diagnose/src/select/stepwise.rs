@@ -7,14 +7,12 @@ use crate::select::addition::best_addition;
 use crate::select::believed::changed;
 use crate::select::candidates::Candidate;
 use crate::select::elimination::{backward_eliminate, eliminate_by_forecasts};
-use crate::select::exchange::exchange;
-use crate::select::forecast::loses_track;
+use crate::select::forecast::{forecasts_worse, loses_track};
 use crate::select::odds::Evidence;
 use crate::select::posterior::Scored;
 use crate::select::ranking::rank;
 use crate::select::refit::with_other_sizes;
 use crate::select::search::Search;
-use crate::select::twins::compare_twins;
 use crate::thresholds::{
     BESIDE_COARSE_READINGS, CHANGED, FIRST_EFFECT, FURTHER_EFFECT, LONG, MOST_EFFECTS, MOST_SEARCHES, SECOND_EFFECT,
     SHARE_OF_EXPLAINED, SHARE_OF_OMITTED,
@@ -106,7 +104,6 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     {
         found = stepwise_search(&search.without(is_random_force), before).0;
     }
-    compare_twins(search, &mut found.effects, &mut found.fit);
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
     found
 }
@@ -120,7 +117,6 @@ pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEf
     let changes = found.effects.iter().take_while(|named| named.change == Change::Added).count();
     let changes = found.effects.split_off(changes);
     eliminate_by_forecasts(search, &mut found.effects, &mut found.fit);
-    compare_twins(search, &mut found.effects, &mut found.fit);
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
     found.effects.extend(changes);
     found
@@ -185,18 +181,13 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
         }
         effects.push(named);
         if effects.len() == 2 {
-            exchange(search, effects, fit, rounds, 0);
+            refit_first(search, effects, fit, rounds);
         }
         if !search.is_by_forecasts() {
             backward_eliminate(search, effects, fit);
         }
     }
     let SoFar { mut fit, mut effects, rounds, on_the_way, beaten, misfit } = so_far;
-    // With two effects, the first was searched for again already.
-    let earlier = if effects.len() > 2 { effects.len() - 1 } else { 0 };
-    for at in 0..earlier {
-        exchange(search, &mut effects, &mut fit, &rounds, at);
-    }
     let last = effects.last().map(|named| named.candidate.entry.name);
     let beaten = beaten.filter(|left| last == left.rejected_effect);
     let misfit = misfit.or(beaten).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));
@@ -238,5 +229,32 @@ fn threshold_beside(search: &Search<'_>, effects: &[NamedEffect]) -> f64 {
         _ if effects.iter().any(is_coarse) => BESIDE_COARSE_READINGS.max(form),
         [_] => SECOND_EFFECT.max(form),
         _ => FURTHER_EFFECT.max(form),
+    }
+}
+
+/// Searches for the first effect again with the second one known: the first may have stood for both. Only effects that
+/// were fitted in full beside the first one, in its round, can take its place, and only if they forecast no worse. A
+/// random force cannot: it would follow whatever the first effect explained.
+fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit, rounds: &[Vec<Scored>]) {
+    let [first, _] = effects else { return };
+    let is_own = |round: &&Vec<Scored>| round.first().is_some_and(|best| best.name == first.candidate.entry.name);
+    let own = rounds.iter().find(is_own).map(Vec::as_slice).unwrap_or_default();
+    let was_fitted = |entry: &Entry| own.iter().any(|scored| scored.in_full && scored.name == entry.name);
+    if own.iter().filter(|scored| scored.in_full).count() < 2 {
+        return;
+    }
+    let without_first = search.removed(fit, first.candidate.entry);
+    let (again, _) = best_addition(
+        &search.without(|entry| !was_fitted(entry) || is_random_force(entry)),
+        &without_first,
+        SECOND_EFFECT,
+    );
+    let is_better = |again: &NamedEffect| {
+        let again = &again.candidate.fit;
+        search.held_out_total(again) > search.held_out_total(fit) && !forecasts_worse(search, again, fit)
+    };
+    if let Some(again) = again.filter(is_better) {
+        *fit = again.candidate.fit.clone();
+        *first = again;
     }
 }

@@ -161,14 +161,13 @@ impl Steps {
         // Where no step began at rest, all are as good.
         let (used, left_out) = if from_rest.is_empty() { (away, 0) } else { (from_rest, away.len()) };
         let of = |value: fn(&Step) -> Option<f64>| used.iter().copied().filter_map(value).collect::<Vec<f64>>();
-        let settling = of(|step| step.settling_s);
         Ok(Self {
             steps: each.len(),
             settled: each.iter().filter(|step| step.settling_s.is_some()).count(),
             left_out,
             overshoot_percent: Estimate::of_mean(&of(|step| Some(step.overshoot_percent))),
             peak_s: Estimate::of_mean(&of(|step| step.peak_s)),
-            settling_s: Estimate::of_mean(&settling),
+            settling_s: Estimate::of_mean(&of(|step| step.settling_s)),
             each,
         })
     }

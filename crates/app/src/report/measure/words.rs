@@ -66,7 +66,7 @@ pub fn words(found: &Found, tables: &Tables) -> Vec<String> {
     let rows = rows(found, tables);
     match found {
         Found::DeadZone { zone, jumps } => vec![table(&rows), verdict_of_zone(zone, jumps), given(jumps)],
-        Found::ForceCurve { jumps, .. } => vec![table(&rows), given(jumps), OF_PATCH.into(), elsewhere(jumps)],
+        Found::ForceCurve { jumps, .. } => vec![table(&rows), given(jumps), OF_PATCH.into(), where_forces_are(jumps)],
         Found::CriticalGain(critical) => words_of_gain(critical),
         Found::CriticalTime(critical) => words_of_time(critical),
         Found::Steps(steps) => vec![table_of_steps(&rows), settled(steps)],
@@ -155,8 +155,8 @@ pub fn given(jumps: &Jumps) -> String {
 pub const OF_PATCH: &str = "The patch makes the control value an acceleration in mm/s², so it multiplies the gains of \
      all controllers by the force per percent of duty.";
 
-/// Where the forces themselves are, which would push the numbers off a terminal.
-fn elsewhere(jumps: &Jumps) -> String {
+/// Where all forces are listed: on a terminal their many rows would hide the measured numbers.
+fn where_forces_are(jumps: &Jumps) -> String {
     format!("The forces of all {} jumps are on the page of --html and in the document of --json.", jumps.jumps.len())
 }
 

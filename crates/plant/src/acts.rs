@@ -203,7 +203,7 @@ impl<E> Acts<E> {
             | ((self.coloured_force.is_some() as u16) * COLOURED_FORCE)
             | (self.friction.is_some() as u16) << 3
             | (self.ends.is_some() as u16) << 4
-            | (self.senses.is_some() as u16) << 5
+            | ((self.senses.is_some() as u16) * SENSES)
             | ((self.outliers.is_some() as u16) * OUTLIERS)
             | (self.rounds.is_some() as u16) << 7
             | (self.holds.is_some() as u16) << 8
@@ -217,6 +217,7 @@ impl<E> Acts<E> {
 
 /// The bits of the slots that are asked for by themselves.
 const COLOURED_FORCE: u16 = 1 << 2;
+const SENSES: u16 = 1 << 5;
 const OUTLIERS: u16 = 1 << 6;
 const OWN_STATES_SLOT: u16 = 1 << 9;
 
@@ -294,5 +295,11 @@ impl Summary {
     #[must_use]
     pub const fn follows_any_force(&self) -> bool {
         self.slots & COLOURED_FORCE != 0
+    }
+
+    /// Whether it smooths the positions that are read, and with them what a random force does to them.
+    #[must_use]
+    pub const fn smooths_readings(&self) -> bool {
+        self.slots & SENSES != 0
     }
 }

@@ -95,6 +95,9 @@ pub enum Start {
     /// At the entry's sizes, and at the value where the believed gain would balance the slope of duty over height;
     /// hover moves so that the ball remains balanced at its mean height.
     DutyOverHeight,
+    /// At these values of its parameters, and at the force against the motion that a regression finds, with the gain, drag
+    /// and hover beside it.
+    AgainstMotion(&'static [&'static [f64]]),
     /// At shares of the range of commanded acceleration: limits that the record never reaches have no gradient.
     CommandedRange,
     /// At the heights beyond which there are hardly any readings.

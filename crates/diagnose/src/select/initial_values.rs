@@ -8,7 +8,7 @@ use crate::record::commanded::commanded;
 use crate::record::read_off::read_off;
 use crate::record::recording::Recording;
 use crate::select::duty_step_scan;
-use crate::select::pendulum::regressed;
+use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::written_scan::scan;
 use crate::stats::line::line;
@@ -85,12 +85,18 @@ fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
         }
         Start::OverRecord(shares) => shares.iter().map(|share| vec![share / recording.duration_s().max(1.0)]).collect(),
         Start::Values(values) => listed(values),
-        Start::DutyOverHeight if model.turn_mm.is_some() => {
-            let found = regressed(entry, model, problem.belief, recording);
-            found.iter().filter_map(|pendulum| pendulum.effects.values(entry.name)).collect()
+        Start::DutyOverHeight if model.turn_mm.is_some() => of_regression(entry, model, problem),
+        Start::AgainstMotion(values) => {
+            listed(values).into_iter().chain(of_regression(entry, model, problem)).collect()
         }
         Start::Sizes | Start::DutyOverHeight | Start::DutySteps => listed(entry.sizes),
     }
+}
+
+/// What regressions find, see [`mod@crate::select::regression`].
+fn of_regression(entry: &Entry, model: &Model, problem: &Problem<'_>) -> Vec<Vec<f64>> {
+    let found = regressed(entry, model, problem.belief, problem.recording);
+    found.iter().filter_map(|model| model.effects.values(entry.name)).collect()
 }
 
 /// Initial values from the belief, if the fit is far from it: limits on the acceleration that it commands, or a lift

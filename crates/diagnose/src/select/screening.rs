@@ -6,7 +6,7 @@ use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::fit::parameter::{Parameter, parameters_of_effect, prior};
 use crate::select::initial_values::{Starts, starts};
-use crate::select::pendulum::regressed;
+use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
 use plant::{Entry, Model, Start};
@@ -180,10 +180,11 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
         }
     }
     let places = iter::once(model.clone()).chain(search.is_far(so_far).then_some(believed));
-    if effect.start == Start::DutyOverHeight && model.turn_mm.is_some() {
+    let is_pendulum = effect.start == Start::DutyOverHeight && model.turn_mm.is_some();
+    if is_pendulum || matches!(effect.start, Start::AgainstMotion(_)) {
         let own = model.effects.values(effect.name);
         let with_own_base = regressed(effect, model, belief, search.problem.recording).into_iter();
-        return places.chain(with_own_base.filter(|pendulum| pendulum.effects.values(effect.name) == own)).collect();
+        return places.chain(with_own_base.filter(|found| found.effects.values(effect.name) == own)).collect();
     }
     if effect.start == Start::DutyOverHeight {
         return places.map(|model| balanced_where_it_flew(search, model)).collect();

@@ -7,12 +7,15 @@ use crate::select::addition::best_addition;
 use crate::select::believed::changed;
 use crate::select::candidates::Candidate;
 use crate::select::elimination::{backward_eliminate, eliminate_by_forecasts};
-use crate::select::forecast::{forecasts_worse, loses_track};
+use crate::select::exchange::exchange;
+use crate::select::forecast::loses_track;
 use crate::select::odds::Evidence;
 use crate::select::posterior::Scored;
 use crate::select::ranking::rank;
 use crate::select::refit::with_other_sizes;
 use crate::select::search::Search;
+use crate::select::smoothing::unconfirmed;
+use crate::select::twins::compare_twins;
 use crate::thresholds::{
     BESIDE_COARSE_READINGS, CHANGED, FIRST_EFFECT, FURTHER_EFFECT, LONG, MOST_EFFECTS, MOST_SEARCHES, SECOND_EFFECT,
     SHARE_OF_EXPLAINED, SHARE_OF_OMITTED,
@@ -84,9 +87,22 @@ impl Selection {
     }
 }
 
-/// Adds effects until none explains more. If a random force was found that is not plausible, the search is repeated
-/// without it from where it was added: it followed something else that is missing, which is better left unexplained.
+/// Adds effects until none explains more. Effects that smooth the readings and are not confirmed beside a coloured random
+/// force are then left out of a second search: they followed something else that is missing.
 pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
+    let mut found = search_from(search, refitted);
+    let unconfirmed = unconfirmed(search, &found.effects, &found.fit);
+    if !unconfirmed.is_empty() {
+        found = search_from(&search.without(|entry| unconfirmed.contains(&entry.name)), refitted);
+    }
+    compare_twins(search, &mut found.effects, &mut found.fit);
+    rank(search, &mut found.effects, &found.fit, &found.on_the_way);
+    found
+}
+
+/// The effects that are added to `refitted`. If a random force was found that is not plausible, the search is repeated
+/// without it from where it was added: it followed something else that is missing, which is better left unexplained.
+fn search_from(search: &Search<'_>, refitted: &Fit) -> Selection {
     let start = SoFar {
         fit: refitted.clone(),
         effects: Vec::new(),
@@ -95,17 +111,16 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
         beaten: None,
         misfit: None,
     };
-    let (mut found, before_random_force) = stepwise_search(search, start);
+    let (found, before_random_force) = stepwise_search(search, start);
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
     let after = added.skip_while(|named| !is_random_force(named.candidate.entry)).count();
     // No effect may follow a random force, which would have followed that effect as well.
-    if let Some(before) = before_random_force
-        && (after > 1 || (after == 1 && !found.misfit.allows_random_force()))
-    {
-        found = stepwise_search(&search.without(is_random_force), before).0;
+    match before_random_force {
+        Some(before) if after > 1 || (after == 1 && !found.misfit.allows_random_force()) => {
+            stepwise_search(&search.without(is_random_force), before).0
+        }
+        _ => found,
     }
-    rank(search, &mut found.effects, &found.fit, &found.on_the_way);
-    found
 }
 
 /// Adds further effects to those of a fit by forecasts, until none explains more; then removes those that are not
@@ -117,6 +132,7 @@ pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEf
     let changes = found.effects.iter().take_while(|named| named.change == Change::Added).count();
     let changes = found.effects.split_off(changes);
     eliminate_by_forecasts(search, &mut found.effects, &mut found.fit);
+    compare_twins(search, &mut found.effects, &mut found.fit);
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
     found.effects.extend(changes);
     found
@@ -181,13 +197,18 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
         }
         effects.push(named);
         if effects.len() == 2 {
-            refit_first(search, effects, fit, rounds);
+            exchange(search, effects, fit, rounds, 0);
         }
         if !search.is_by_forecasts() {
             backward_eliminate(search, effects, fit);
         }
     }
     let SoFar { mut fit, mut effects, rounds, on_the_way, beaten, misfit } = so_far;
+    // With two effects, the first was searched for again already.
+    let earlier = if effects.len() > 2 { effects.len() - 1 } else { 0 };
+    for at in 0..earlier {
+        exchange(search, &mut effects, &mut fit, &rounds, at);
+    }
     let last = effects.last().map(|named| named.candidate.entry.name);
     let beaten = beaten.filter(|left| last == left.rejected_effect);
     let misfit = misfit.or(beaten).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));
@@ -229,32 +250,5 @@ fn threshold_beside(search: &Search<'_>, effects: &[NamedEffect]) -> f64 {
         _ if effects.iter().any(is_coarse) => BESIDE_COARSE_READINGS.max(form),
         [_] => SECOND_EFFECT.max(form),
         _ => FURTHER_EFFECT.max(form),
-    }
-}
-
-/// Searches for the first effect again with the second one known: the first may have stood for both. Only effects that
-/// were fitted in full beside the first one, in its round, can take its place, and only if they forecast no worse. A
-/// random force cannot: it would follow whatever the first effect explained.
-fn refit_first(search: &Search<'_>, effects: &mut [NamedEffect], fit: &mut Fit, rounds: &[Vec<Scored>]) {
-    let [first, _] = effects else { return };
-    let is_own = |round: &&Vec<Scored>| round.first().is_some_and(|best| best.name == first.candidate.entry.name);
-    let own = rounds.iter().find(is_own).map(Vec::as_slice).unwrap_or_default();
-    let was_fitted = |entry: &Entry| own.iter().any(|scored| scored.in_full && scored.name == entry.name);
-    if own.iter().filter(|scored| scored.in_full).count() < 2 {
-        return;
-    }
-    let without_first = search.removed(fit, first.candidate.entry);
-    let (again, _) = best_addition(
-        &search.without(|entry| !was_fitted(entry) || is_random_force(entry)),
-        &without_first,
-        SECOND_EFFECT,
-    );
-    let is_better = |again: &NamedEffect| {
-        let again = &again.candidate.fit;
-        search.held_out_total(again) > search.held_out_total(fit) && !forecasts_worse(search, again, fit)
-    };
-    if let Some(again) = again.filter(is_better) {
-        *fit = again.candidate.fit.clone();
-        *first = again;
     }
 }

@@ -33,7 +33,7 @@ impl Effect for WallFriction {
             scale: Scale::Value,
         }],
         sizes: &[&[20.0], &[60.0]],
-        start: Start::Values(&[&[8.0], &[20.0], &[50.0]]),
+        start: Start::AgainstMotion(&[&[8.0], &[20.0], &[50.0]]),
         in_a_log: "the ball sticks while the duty changes, then breaks away; it stops at reversals",
         mend_elsewhere: "clean, align and lubricate guides and bearings; dither the input",
         mend: "set the pipe vertical, clean pipe and ball, ground them against static charge; dither the duty",

@@ -1,9 +1,11 @@
+use super::rated;
 use crate::record::folds::Folds;
 use crate::select::candidates::{Candidate, candidates};
+use crate::select::initial_values::starts;
 use crate::select::refit::refitted;
 use crate::select::search::Search;
-use crate::tests_support::{model, record, shaken};
-use plant::effects::{Hysteresis, Saturation};
+use crate::tests_support::{flown, model, record, shaken};
+use plant::effects::{Hysteresis, Saturation, WallFriction};
 use plant::{Effects, Model};
 
 /// The base gain after the refit of `belief`, and the candidates, the best first.
@@ -36,4 +38,24 @@ fn a_play_wider_than_what_the_duty_jitters_is_found() {
     let found = found(&belief, &record(&rig, 1, 60)).1;
     let play = found[0].fit.model.effects.hysteresis.expect(found[0].entry.name);
     assert!((play.half_width_percent / 0.45 - 1.0).abs() < 0.2, "{play:?}");
+}
+
+#[test]
+fn friction_is_rated_at_what_a_regression_finds_with_the_gain_beside_it() {
+    let belief = Model { effects: Effects::default(), pipe_length_mm: 1e5, hover_duty_percent: 50.0, ..model() };
+    let belief = Model { gain_mm_per_s2_per_percent: 45.0, drag_per_s: 1.2, ..belief };
+    let mut rig = Model { gain_mm_per_s2_per_percent: 90.0, ..belief.clone() };
+    rig.noise.sensor_mm = 0.1;
+    rig.effects.wall_friction = Some(WallFriction { acceleration_mm_per_s2: 700.0 });
+    let law = |t: f64, x: f64| 50.0 + 14.0 * (1.7 * t).sin() + 9.0 * (4.3 * t).cos() + 0.01 * (2000.0 - x);
+    let recording = flown(&rig, 1, 40, law);
+    let folds = Folds::new(&belief, &recording);
+    let search = Search::new(&belief, &recording, &folds, &crate::Options::default());
+    let so_far = refitted(&search);
+    let entry = Effects::built_in("wall_friction").unwrap();
+    let rated = rated(&search, &so_far, entry, &starts(entry, &so_far, &search));
+    let best = &rated[0].model;
+    let friction = best.effects.wall_friction.unwrap().acceleration_mm_per_s2;
+    assert!((friction / 700.0 - 1.0).abs() < 0.25, "{friction}");
+    assert!((best.gain_mm_per_s2_per_percent / 90.0 - 1.0).abs() < 0.25, "{}", best.gain_mm_per_s2_per_percent);
 }

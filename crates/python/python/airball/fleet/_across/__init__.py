@@ -1,0 +1,1 @@
+"""The comparison of rigs: documents of a folder, changes over time, numbers of the class, distances, and the page."""

@@ -3,6 +3,8 @@
 The files are those of the command: for each log `NAME.json` and `NAME.html`, or `NAME.error` with the reason; then
 `summary.csv` and `index.html` of all, and beside them `results.parquet`. A log with a JSON is done, so a run that was
 stopped goes on. Workers are to have one thread each and `RAYON_NUM_THREADS=1`; `local` starts such ones.
+
+`across` compares the rigs of such a folder with each other and over time.
 """
 
 from __future__ import annotations
@@ -21,6 +23,9 @@ from .._diagnosis import diagnose as _diagnose
 from .._model import Model, _Path
 from .._recording import Recording, model_of
 from ..errors import ArgumentError, Error
+from ._across import Across, across
+
+__all__ = ["DEATHS", "Across", "Finished", "across", "diagnose", "local", "report"]
 
 #: Deaths of its worker that a log may outlive.
 DEATHS = 2

@@ -1,11 +1,11 @@
-"""`python -m airball.fleet LOG… --config rig.toml --out reports --local 4`."""
+"""`python -m airball.fleet LOG… --config rig.toml --out reports --local 4`, and `--across` to compare the rigs."""
 
 import argparse
 import sys
 from contextlib import contextmanager
 
 from ..errors import Error
-from . import diagnose, local
+from . import across, diagnose, local
 
 
 @contextmanager
@@ -20,26 +20,53 @@ def _client(args: argparse.Namespace):  # type: ignore[no-untyped-def]
         yield client
 
 
-def main() -> int:
-    """Reads the flags and runs."""
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("python -m airball.fleet", description="Diagnose each log by itself on the workers of Dask.")
-    parser.add_argument("logs", nargs="+", metavar="LOG", help="a log, or a folder of logs, which the workers can read")
+    parser.add_argument("logs", nargs="*", metavar="LOG", help="a log, or a folder of logs, which the workers can read")
     parser.add_argument("--config", default="config.toml", metavar="FILE", help="config with the belief")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the reports")
     parser.add_argument("--without", action="append", default=[], metavar="EFFECT", help="leave this effect out; may be repeated")
     parser.add_argument("--without-formula", action="store_true", help="search for no formula of what no effect explains")
-    where = parser.add_mutually_exclusive_group(required=True)
+    parser.add_argument("--across", action="store_true", help="compare the rigs, in class.html; without LOG, those in DIR already")
+    parser.add_argument(
+        "--rig", metavar="REGEX", help="for --across: the rig in a log's name, as the first group or whole match [its folder]"
+    )
+    where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", metavar="URL", help="address of a Dask scheduler, as tcp://host:8786")
     where.add_argument("--local", type=int, metavar="N", help="start N worker processes on this machine")
+    return parser
+
+
+def _checked(parser: argparse.ArgumentParser) -> argparse.Namespace:
     args = parser.parse_args()
+    if not args.logs and not args.across:
+        parser.error("give at least one LOG, or --across for the reports in --out")
+    if args.logs and args.local is None and args.scheduler is None:
+        parser.error("one of --scheduler and --local is required for LOG")
+    if args.rig is not None and not args.across:
+        parser.error("--rig is for --across")
+    return args
+
+
+def _diagnosed(args: argparse.Namespace) -> str:
+    with _client(args) as client:
+        flags = {"without": args.without, "without_formula": args.without_formula}
+        made = diagnose(args.logs, model=args.config, out=args.out, client=client, **flags)
+    return f"{made.diagnosed} logs are diagnosed, {made.failed} cannot be read or diagnosed; page {made.out / 'index.html'}"
+
+
+def main() -> int:
+    """Reads the flags and runs."""
+    args = _checked(_parser())
     try:
-        with _client(args) as client:
-            flags = {"without": args.without, "without_formula": args.without_formula}
-            made = diagnose(args.logs, model=args.config, out=args.out, client=client, **flags)
+        if args.logs:
+            print(_diagnosed(args))
+        if args.across:
+            found = across(args.out, args.rig)
+            print(f"{len(found.rigs)} rigs are compared, {len(found.outliers)} outliers; page {found.page}")
     except Error as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
-    print(f"{made.diagnosed} logs are diagnosed, {made.failed} cannot be read or diagnosed; page {made.out / 'index.html'}")
     return 0
 
 

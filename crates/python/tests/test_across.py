@@ -178,3 +178,16 @@ def test_the_command_compares_what_is_there_without_workers(shop, tmp_path):
     ]:
         ran = run(*flags)
         assert ran.returncode == 2 and words in ran.stderr
+
+
+def test_dates_of_changes_that_would_lie_on_each_other_are_left_out(tmp_path):
+    for week in range(24):
+        gain = 800.0 * 1.5 ** (week // 4)
+        write(tmp_path, f"a/{weekly(week)}.mcap", {"gain_mm_per_s2_per_percent": number(gain, 1.0)}, [])
+    fleet.across(tmp_path)
+    plots = re.findall(r"<svg.*?</svg>", (tmp_path / "class.html").read_text(encoding="utf-8"), re.S)
+    (plot,) = [plot for plot in plots if 'class="change"' in plot]
+    dates = re.findall(r'<text x="([0-9.]+)" y="[0-9.]+" text-anchor="(start|end)"[^>]*>since ([0-9-]{10})<', plot)
+    places = [(float(x) - (100 if anchor == "end" else 0)) for x, anchor, _ in dates]
+    assert plot.count('class="change"') == 5 and 2 <= len(dates) < 5
+    assert all(later - earlier >= 100 for earlier, later in zip(places, places[1:], strict=False))

@@ -15,6 +15,8 @@ from .numbers import Number
 #: Width of a picture, pixels; a phone shrinks it. Margins at its left, without and with names of rigs, and at its right.
 _WIDTH = 500
 _LEFT, _NAMES, _RIGHT = 66, 136, 12
+#: Width of a letter of a plot's words, from above: half of their size is a usual mean.
+_WIDTH_OF_LETTER = 7
 #: From this ratio of the greatest to the least value on, the axis of a positive number is logarithmic.
 _WIDE = 8.0
 
@@ -136,13 +138,24 @@ def drift(
         low, high = _ends(value)
         parts.append(_band(x(first) - 4, y(low), x(last) + 4, y(high), "shared"))
         parts.append(_line(x(first) - 4, y(value.value), x(last) + 4, y(value.value), "shared", 2))
-    for first, _, _ in stretches[1:]:
-        parts.append(_line(x(first) - 7, top, x(first) - 7, bottom, "change"))
-        # At the right edge the words end at the line.
-        anchor = "end" if x(first) > 0.7 * _WIDTH else "start"
-        parts.append(_text(x(first) - 7, top - 7, f"since {_label(when(first), 30)}", anchor))
+    parts += _changes([(x(first) - 7, f"since {_label(when(first), 30)}") for first, _, _ in stretches[1:]], top, bottom)
     parts += [_dot(log, one, x(log), y) for log, one in points]
     return _svg(bottom + 26, words, parts)
+
+
+def _changes(changes: Sequence[tuple[float, str]], top: float, bottom: float) -> list[str]:
+    """Dashed lines with their dates, from left to right. A date that would lie on the one before is left out: the table of
+    changes has it."""
+    parts, taken = [], 0.0
+    for x, words in changes:
+        parts.append(_line(x, top, x, bottom, "change"))
+        # At the right edge the words end at the line.
+        ends_there = x > 0.7 * _WIDTH
+        left = x - _WIDTH_OF_LETTER * len(words) if ends_there else x
+        if left >= taken:
+            parts.append(_text(x, top - 7, words, "end" if ends_there else "start"))
+            taken = left + _WIDTH_OF_LETTER * (len(words) + 1)
+    return parts
 
 
 def _usual(one: Interval, points: Sequence[tuple[Log, Interval]]) -> tuple[float, float]:

@@ -90,6 +90,12 @@ impl<'a> Search<'a> {
 
     /// The fit without some of its effects, fitted again.
     pub(crate) fn without_effects(&self, fit: &Fit, entries: &[&Entry]) -> Fit {
+        let (model, parameters) = self.start_without(fit, entries);
+        self.problem.fit(&model, &parameters)
+    }
+
+    /// The model and the parameters of a fit without some of its effects, from which it is fitted again.
+    pub(crate) fn start_without(&self, fit: &Fit, entries: &[&Entry]) -> (Model, Vec<Parameter>) {
         let (mut model, mut parameters) = (fit.model.clone(), fit.parameters.clone());
         for entry in entries {
             model.effects.remove(entry.name);
@@ -103,7 +109,7 @@ impl<'a> Search<'a> {
                 parameters.extend(parameters_of_effect(part, &values));
             }
         }
-        self.problem.fit(&model, &parameters)
+        (model, parameters)
     }
 
     /// Reports the number of fits to come.

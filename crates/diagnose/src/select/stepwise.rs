@@ -87,11 +87,11 @@ impl Selection {
     }
 }
 
-/// Adds effects until none explains more. Effects that smooth the readings and are not confirmed beside a coloured random
-/// force are then left out of a second search: they followed something else that is missing.
+/// Adds effects until none explains more. Effects that smooth the readings and are not confirmed beside a coloured
+/// random force are then left out of a second search: they followed something else that is missing.
 pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     let mut found = search_from(search, refitted);
-    let unconfirmed = unconfirmed(search, &found.effects, &found.fit);
+    let unconfirmed = unconfirmed(search, &found);
     if !unconfirmed.is_empty() {
         found = search_from(&search.without(|entry| unconfirmed.contains(&entry.name)), refitted);
     }

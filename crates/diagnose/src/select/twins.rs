@@ -1,6 +1,5 @@
-//! Twins: effects that a record tells apart by little, such as a lag of the fan and one of the sensor, or a delay of the
-//! duty and one of the reading. At the end of a search, each named effect is compared with its twins beside all the
-//! others.
+//! Twins: effects that a record hardly tells apart, such as a lag of the fan and one of the sensor, or a delay of the duty
+//! and one of the reading. At the end of a search, each named effect is compared with its twins beside all the others.
 
 use crate::fit::estimate::Fit;
 use crate::select::coloured_force::held_out_beside_coloured_force;
@@ -50,10 +49,8 @@ fn compare(search: &Search<'_>, named: &mut NamedEffect, twin: &'static Entry, f
 /// The fit with `twin` in the place of `entry`, from the same values; `None` if it has the twin as well.
 pub(crate) fn in_place_of(search: &Search<'_>, entry: &Entry, twin: &'static Entry, fit: &Fit) -> Option<Fit> {
     let values = fit.model.effects.values(entry.name)?;
-    let mut without = fit.clone();
-    without.model.effects.remove(entry.name);
-    without.parameters.retain(|parameter| !parameter.is_of(entry.name));
-    let (model, parameters) = added(&without, twin, &values)?;
+    let (model, parameters) = search.start_without(fit, &[entry]);
+    let (model, parameters) = added(&Fit { model, parameters, ..fit.clone() }, twin, &values)?;
     Some(search.problem.fit(&model, &parameters))
 }
 
@@ -69,8 +66,8 @@ mod tests {
     use crate::thresholds::SECOND_EFFECT;
     use plant::{Effects, Model};
 
-    /// The effect and those indistinguishable from it, where a search that knew `named` alone is told its twin. `rig`: the
-    /// effects of the rig.
+    /// The effect that is named once `named`, found by a search for it alone, is compared with its twin, and the effects
+    /// that are indistinguishable from it. `rig`: the effects of the rig.
     fn compared(rig: &[(&str, &[f64])], named: &str) -> (&'static str, Vec<&'static str>) {
         let belief = Model { effects: Effects::default(), ..model() };
         let mut other = belief.clone();

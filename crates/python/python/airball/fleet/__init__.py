@@ -24,6 +24,7 @@ from .._model import Model, _Path
 from .._recording import Recording, model_of
 from ..errors import ArgumentError, Error
 from ._across import Across, across
+from ._files import write_whole
 
 __all__ = ["DEATHS", "Across", "Finished", "across", "diagnose", "local", "report"]
 
@@ -145,14 +146,12 @@ def _file(folder: Path, name: str, end: str) -> Path:
 
 
 def _write(folder: Path, name: str, document: str, page: str, error: str) -> None:
-    """The files of a log; each is written under another name and renamed, its JSON last."""
+    """The files of a log, its JSON last."""
     files = [("error", error + "\n")] if error else [("html", page), ("json", document)]
     for end, text in files:
         path = _file(folder, name, end)
         path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
+        write_whole(path, text)
     if not error:
         _file(folder, name, "error").unlink(missing_ok=True)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 
 from ..._model import _Path
 from ...errors import ArgumentError
+from .._files import write_whole
 from .alike import distances, linkage
 from .documents import Folder, RigOf, read
 from .effects import Standing, standings
@@ -89,7 +89,6 @@ class Across:
         having = {effect: [rig for rig, its in telling.items() if its[effect].is_present] for effect in self.effect_names}
         return [(rigs[0], effect) for effect, rigs in having.items() if len(rigs) == 1 and len(telling) >= 3]
 
-
     def nearest(self, rig: str) -> tuple[str, float] | None:
         """The rig that is most like it, and the distance; None for the only rig."""
         place = self.order.index(rig)
@@ -119,9 +118,7 @@ def across(out: _Path, rig_of: RigOf = None) -> Across:
     for path, _, mark in files:
         _may_replace(path, mark)
     for path, text, _ in files:
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
+        write_whole(path, text)
     return found
 
 

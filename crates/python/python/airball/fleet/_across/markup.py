@@ -14,6 +14,7 @@ from ... import _airball
 from ..._diagnosis import Interval
 from .documents import Log
 from .effects import when
+from .numbers import HIGHEST_LOG
 
 #: The mark of a page of this program.
 MAKER = '<meta name="generator" content="airball '
@@ -109,7 +110,7 @@ def spread(value: float | None, is_log: bool) -> str:
     if value is None or not is_log:
         return four(value)
     # As a share while that is a usual way to say it, then as a factor.
-    return f"{100 * math.expm1(value):.3g} %" if value < 1 else f"a factor of {math.exp(min(value, 700.0)):.3g}"
+    return f"{100 * math.expm1(value):.3g} %" if value < 1 else f"a factor of {math.exp(min(value, HIGHEST_LOG)):.3g}"
 
 
 def percent(share: float) -> str:

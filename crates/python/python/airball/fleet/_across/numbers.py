@@ -18,8 +18,8 @@ from .tails import normal
 
 #: Half of a 90 % interval in standard errors.
 _HALF = normal(UPPER)
-#: Greatest logarithm that has a number: of two rigs that differ the interval can reach beyond it.
-_HIGHEST = 700.0
+#: Logarithms are cut off here, just below that of the largest double, 709.8: an interval of few rigs can reach beyond.
+HIGHEST_LOG = 700.0
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Number:
 
     def back(self, value: float) -> float:
         """From the scale on which it is pooled to its own unit."""
-        return math.exp(min(value, _HIGHEST)) if self.is_log else value
+        return math.exp(min(value, HIGHEST_LOG)) if self.is_log else value
 
     def forward(self, value: float) -> float:
         """From its own unit to the scale on which it is pooled."""

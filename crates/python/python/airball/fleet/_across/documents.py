@@ -34,7 +34,7 @@ class Named:
 
     probability: float
     #: Effects that the log does not tell from it.
-    alternatives: tuple[str, ...]
+    indistinguishable_from: tuple[str, ...]
 
 
 @dataclass(frozen=True)

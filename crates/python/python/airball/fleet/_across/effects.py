@@ -23,7 +23,7 @@ class Standing:
     begins: tuple[int, ...]
     #: Since the last change point: the effects that a log which names this one does not tell from it, and the greatest
     #: probability of a named effect that is not told from this one.
-    or_else: tuple[str, ...]
+    indistinguishable_from: tuple[str, ...]
     alternative: float
 
     @property
@@ -77,6 +77,6 @@ def _standing(logs: list[Log], effect: str) -> Standing:
     series = [log.effects[effect].probability if effect in log.effects else 0.0 for log in logs]
     begins = of_effect([one >= NAMED for one in series]) if len(series) >= FEWEST else [0]
     now = [log.effects for log in logs[begins[-1] :]]
-    or_else = sorted({other for its in now if effect in its for other in its[effect].alternatives})
-    others = [named.probability for its in now for named in its.values() if effect in named.alternatives]
-    return Standing(tuple(logs), tuple(series), tuple(begins), tuple(or_else), max(others, default=0.0))
+    indistinguishable_from = sorted({other for its in now if effect in its for other in its[effect].indistinguishable_from})
+    others = [named.probability for its in now for named in its.values() if effect in named.indistinguishable_from]
+    return Standing(tuple(logs), tuple(series), tuple(begins), tuple(indistinguishable_from), max(others, default=0.0))

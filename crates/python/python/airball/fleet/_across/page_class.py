@@ -40,7 +40,7 @@ def _cell(found: Across, rig: str, effect: str) -> str:
         for name, one in found.numbers.items()
         if name.startswith(f"{effect}.") and rig in one.rigs
     )
-    either = "".join(f"<small>or {escaped(other)}</small>" for other in its.or_else)
+    either = "".join(f"<small>or {escaped(other)}</small>" for other in its.indistinguishable_from)
     shade = f"background:rgba(var(--hit),{0.45 * its.probability:.2f})"
     return f'<td style="{shade}">{percent(its.probability)}<small>{escaped(its.words())}</small>{sizes}{either}</td>'
 

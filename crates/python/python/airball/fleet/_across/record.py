@@ -58,7 +58,7 @@ def _standing(rig: str, its: Standing) -> dict[str, Any]:
     return {
         "rig": rig,
         "probability": _digits(its.probability),
-        "or_else": list(its.or_else),
+        "indistinguishable_from": list(its.indistinguishable_from),
         "named": its.named,
         "logs": len(its.series),
         "changes": [its.logs[begin].name for begin in its.begins[1:]],

@@ -9,6 +9,7 @@
 
 use crate::record::recording::Recording;
 use plant::Model;
+use std::sync::OnceLock;
 
 /// Share of the readings that must lie on a grid: outliers may not.
 const ON_GRID: f64 = 0.97;
@@ -138,12 +139,30 @@ impl Grid {
     }
 }
 
+/// The step of a recording for the believed noise that was asked for first: a search asks for it in each round, always
+/// with the same noise, and a scan of a long range takes a second.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KnownStep(OnceLock<(f64, Option<CoarseStep>)>);
+
+/// What follows from the rows does not tell recordings apart.
+impl PartialEq for KnownStep {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 /// The coarsest grid on which the readings lie, if it is coarse compared with the believed noise and the file's
 /// resolution.
 pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<CoarseStep> {
+    let noise_mm = model.noise.sensor_mm;
+    let (known_mm, step) = recording.known_step().0.get_or_init(|| (noise_mm, coarser_than(recording, noise_mm)));
+    if *known_mm == noise_mm { *step } else { coarser_than(recording, noise_mm) }
+}
+
+fn coarser_than(recording: &Recording, noise_mm: f64) -> Option<CoarseStep> {
     let levels = Levels::of(recording);
     let fine = levels.file_resolution_mm();
-    let least = (COARSE * model.noise.sensor_mm).max(2.0 * fine);
+    let least = (COARSE * noise_mm).max(2.0 * fine);
     let narrow = levels.0.windows(2).filter(|pair| pair[1].0 - pair[0].0 < 0.9 * least).count();
     if narrow > levels.0.len() / 10 {
         return None;
@@ -193,6 +212,17 @@ mod tests {
         quiet.noise.sensor_mm = 0.1;
         let found = coarse_step(&recording, &quiet).unwrap();
         assert!((found.mm / step - 1.0).abs() < 1e-4, "{found:?}");
+    }
+
+    #[test]
+    fn the_step_follows_the_believed_noise_whatever_was_asked_before() {
+        let recording = coarse(7.3, 1.0, 0.0);
+        let mut loud = model();
+        loud.noise.sensor_mm = 7.0;
+        for _ in 0..2 {
+            assert!(coarse_step(&recording, &model()).is_some());
+            assert_eq!(coarse_step(&recording, &loud), None);
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 pub use crate::record::error::RecordingError;
 
+use crate::record::quantisation::KnownStep;
 use crate::record::second_sensor::Second;
 use std::ops::Range;
 
@@ -53,6 +54,7 @@ pub struct Recording {
     duty_range: [f64; 2],
     height_range: [f64; 2],
     second: Option<Second>,
+    known_step: KnownStep,
 }
 
 impl Recording {
@@ -110,6 +112,7 @@ impl Recording {
             second: Second::of(&samples),
             flights: std::iter::once(all).collect(),
             means_of: vec![1],
+            known_step: KnownStep::default(),
             samples,
         }
     }
@@ -222,6 +225,11 @@ impl Recording {
     /// The second sensor, where there is one.
     pub(crate) const fn second(&self) -> Option<Second> {
         self.second
+    }
+
+    /// The step of a quantised sensor, once it was asked for.
+    pub(crate) const fn known_step(&self) -> &KnownStep {
+        &self.known_step
     }
 
     /// Whether a row has a setpoint.

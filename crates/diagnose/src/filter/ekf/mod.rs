@@ -272,27 +272,40 @@ impl<'a> Ekf<'a> {
         self.commanded_mm_per_s2 = commanded;
         let motion = motion_of(&self.state);
         let step = Step::new(self.model, self.input(), dt, self.covariance[(1, 1)].max(0.0).sqrt());
-        let (mut next, mut own) = (None, None);
+        let mut next = None;
         let mut moved = || {
             let (after, transition) = step.moved(&self.active, &motion);
             next = Some(after);
             Propagation::of(&self.active, self.model, transition, dt)
         };
         let shared = if self.linear {
-            let shared = known.propagation(dt, || Propagation::linear(&self.active, self.model, dt));
-            match self.slid(&step, &motion, shared) {
-                None => own = Some(moved()),
-                Some((after, friction)) => {
-                    next = Some(after);
-                    let changes = friction.slope_per_s != 0.0;
-                    own = changes.then(|| shared.with_friction(&self.active, self.model, friction.slope_per_s, dt));
-                }
-            }
-            shared
+            known.propagation(dt, || Propagation::linear(&self.active, self.model, dt))
         } else {
-            known.propagation(dt, moved)
+            known.propagation(dt, &mut moved)
         };
-        let propagation = own.as_ref().unwrap_or(shared);
+        let own;
+        let propagation = match shared {
+            Some(shared) if self.linear => match self.slid(&step, &motion, shared) {
+                Some((after, friction)) if friction.slope_per_s != 0.0 => {
+                    next = Some(after);
+                    own = shared.with_friction(&self.active, self.model, friction.slope_per_s, dt);
+                    &own
+                }
+                Some((after, _)) => {
+                    next = Some(after);
+                    shared
+                }
+                None => {
+                    own = moved();
+                    &own
+                }
+            },
+            Some(shared) => shared,
+            None => {
+                own = moved();
+                &own
+            }
+        };
         let next = self.in_the_air(next).unwrap_or_else(|| vector(&step.after(&motion)));
         if let Some(back) = &mut self.back {
             back.go(&propagation.transition);

@@ -75,7 +75,7 @@ def test_outliers_are_found_and_are_first(compared, page):
 def test_changes_are_dated(compared, page):
     ((rig, one, its),) = compared.changed_numbers
     assert (rig, one.name) == ("c", "gain_mm_per_s2_per_percent")
-    before, after = its.stretches
+    before, after = its.segments
     assert [len(before.logs), len(after.logs)] == [6, 4]
     assert after.value.value / before.value.value == pytest.approx(0.8, rel=0.01)
     assert [(rig, name, its.since.name) for rig, name, its in compared.changed_effects] == [
@@ -110,12 +110,12 @@ def test_a_rig_that_says_little_borrows_and_says_so(compared, page):
     drag = compared.numbers["drag_per_s"]
     little = drag.rigs["h"]
     assert little.own.value == pytest.approx(3.0) and little.borrows
-    assert abs(little.shared.value - drag.back(drag.pooled.mean)) < 0.1
+    assert abs(little.shrunken.value - drag.back(drag.pooled.mean)) < 0.1
     assert not any(its.borrows for rig, its in drag.rigs.items() if rig != "h")
     gain = compared.numbers["gain_mm_per_s2_per_percent"]
     nothing = gain.rigs["h"]
     assert nothing.own is None and nothing.from_class == 1.0 and nothing.residual is None
-    assert nothing.shared.value == pytest.approx(gain.back(gain.pooled.mean))
+    assert nothing.shrunken.value == pytest.approx(gain.back(gain.pooled.mean))
     numbers = section(page, "numbers")
     assert numbers.count("borrows: more from the class than from its own logs") == 1 + 2  # and two delays that are equal
     assert numbers.count("its own logs do not say it: the class alone") == 1

@@ -1,6 +1,8 @@
 """What a page across rigs is made of: names, times, rigs, and documents in which something is missing."""
 
 import re
+import subprocess
+import sys
 from datetime import datetime
 
 import numpy as np
@@ -56,7 +58,7 @@ def test_without_dates_the_order_is_that_of_names_and_the_page_says_so(tmp_path)
         write(tmp_path, f"r/run{log}", {"drag_per_s": number(1.0 if log < 9 else 2.0, 0.01)})
     found = fleet.across(tmp_path)
     ((_, _, its),) = found.changed_numbers
-    assert its.stretches[-1].logs[0].name == "r/run9"
+    assert its.segments[-1].logs[0].name == "r/run9"
     assert "their order is that of the names" in found.page.read_text()
     assert sorted(["a10", "a9", "a", "10"], key=natural) == ["10", "a", "a9", "a10"]
 
@@ -192,3 +194,13 @@ def test_axes_have_round_ticks_also_where_all_is_equal():
     assert wide.ticks() == pytest.approx([1, 2, 5, 10, 20, 50, 100]) and wide(10.0) == pytest.approx(50)
     # What lies beyond an axis is drawn at its end.
     assert wide(1e9) == 100
+
+
+def test_without_scipy_the_workers_import_the_package_and_the_command_says_what_to_install(tmp_path):
+    command = (
+        "import runpy, sys; sys.modules['scipy'] = None; import airball.fleet; "
+        f"sys.argv = ['fleet', '--across', '--out', {str(tmp_path)!r}]; runpy.run_module('airball.fleet', run_name='__main__')"
+    )
+    ended = subprocess.run([sys.executable, "-W", "ignore", "-c", command], capture_output=True, text=True, check=False)
+    assert ended.returncode == 1, ended.stderr
+    assert ended.stderr.startswith("error: scipy") and ended.stderr.endswith("pip install airball[fleet]\n")

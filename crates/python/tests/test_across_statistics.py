@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from airball.fleet._across import alike, pooled, stretches, tails
-
 stats = pytest.importorskip("scipy.stats")
 from scipy.cluster import hierarchy  # noqa: E402
 from scipy.optimize import brentq  # noqa: E402
-from scipy.spatial.distance import pdist, squareform  # noqa: E402
+from scipy.spatial.distance import pdist  # noqa: E402
+
+from airball.fleet._across import alike, pooled, segments  # noqa: E402
 
 #: Trials of the BCG vaccine: cases and others among the vaccinated, cases and others among the rest. Source: Colditz et
 #: al., JAMA 271, 1994; the data set `dat.bcg` of the R package metafor.
@@ -40,14 +40,6 @@ def bcg():
     """Logarithms of the relative risks, and their variances."""
     a, b, c, d = BCG.T
     return np.log(a / (a + b)) - np.log(c / (c + d)), 1 / a - 1 / (a + b) + 1 / c - 1 / (c + d)
-
-
-@pytest.mark.parametrize("freedom", [1, 2, 3, 4, 9, 30, 9001])
-def test_quantiles_are_those_of_scipy(freedom):
-    for probability in (0.6, 0.95, 0.9999):
-        assert tails.student(probability, freedom) == pytest.approx(stats.t.ppf(probability, freedom), rel=1e-9)
-    for probability in (0.05, 0.5, 0.95):
-        assert tails.chi_square(probability, freedom) == pytest.approx(stats.chi2.ppf(probability, freedom), rel=1e-9)
 
 
 def test_the_spread_of_the_bcg_trials_is_the_published_one(bcg):
@@ -155,9 +147,9 @@ def test_change_points_are_the_best_of_all_ways_to_cut():
         variances = rng.uniform(0.2, 3.0, 9)
         # Far from 0, so that a difference of squares would lose its digits.
         values = 1e8 + np.repeat(rng.normal(0, 3, 3), 3) + rng.normal(0, np.sqrt(variances))
-        penalty = stats.chi2.ppf(1 - stretches.ALPHA_OF_NUMBERS / 8, 1)
+        penalty = stats.chi2.ppf(1 - segments.ALPHA_OF_NUMBERS / 8, 1)
         expected = exhaustive(values - 1e8, variances, penalty)
-        assert stretches.of_number(values, variances) == expected
+        assert segments.of_number(values, variances) == expected
         several += len(expected) > 2
     assert several > 5
 
@@ -171,11 +163,11 @@ def test_a_change_is_found_where_it_is_and_chance_makes_few():
             # A log differs from the next one by 1 more than its interval says.
             series = [(rng.normal(0, np.sqrt(v + 1)), v) for v in known]
             values, variances = series[0]
-            omega = stretches.scatter(series)
-            false += len(stretches.of_number(values, variances + omega)) > 1
+            omega = segments.scatter(series)
+            false += len(segments.of_number(values, variances + omega)) > 1
             series[0][0][logs // 2 :] += 8
-            omega = stretches.scatter(series)
-            right += logs // 2 in stretches.of_number(values, variances + omega)
+            omega = segments.scatter(series)
+            right += logs // 2 in segments.of_number(values, variances + omega)
         assert false / rigs <= 0.02 and right / rigs > 0.9, (logs, false, right)
 
 
@@ -187,34 +179,36 @@ def test_the_scatter_from_log_to_log_is_found_in_spite_of_changes():
         values = rng.normal(0, np.sqrt(variances + 4)) + 30 * (np.arange(20) >= rng.integers(20))
         series.append((values, variances))
     # Rather too large than too small; the mean square of the same differences gives 26.
-    assert 4 < stretches.scatter(series) < 6.5
-    assert stretches.scatter([([1.0], [1.0])]) is None
-    assert stretches.scatter([([1.0, 1.0], [1.0, 1.0])]) == 0.0
+    assert 4 < segments.scatter(series) < 6.5
+    assert segments.scatter([([1.0], [1.0])]) is None
+    assert segments.scatter([([1.0, 1.0], [1.0, 1.0])]) == 0.0
 
 
 def test_an_effect_sets_in_where_it_is_named_from_then_on():
-    assert stretches.of_effect([False] * 3 + [True] * 3) == [0, 3]
-    assert stretches.of_effect([True] * 6 + [False] * 4) == [0, 6]
+    assert segments.of_effect([False] * 3 + [True] * 3) == [0, 3]
+    assert segments.of_effect([True] * 6 + [False] * 4) == [0, 6]
     # Five logs are too few: one in eight rigs that name it in half of their logs has such a row.
-    assert stretches.of_effect([False] * 2 + [True] * 3) == [0]
+    assert segments.of_effect([False] * 2 + [True] * 3) == [0]
     rng = np.random.default_rng(6)
     for logs in (5, 6, 8, 20):
-        false = sum(len(stretches.of_effect(rng.random(logs) < 0.5)) > 1 for _ in range(800))
+        false = sum(len(segments.of_effect(rng.random(logs) < 0.5)) > 1 for _ in range(800))
         assert false / 800 < 0.05, (logs, false)
     # One log is no change, nor is now and then, nor what is always so.
     for logs in ([False] * 6 + [True], [False, True] * 5, [True] * 8, [False] * 8):
-        assert stretches.of_effect(logs) == [0], logs
+        assert segments.of_effect(logs) == [0], logs
 
 
-def test_the_order_of_rigs_is_average_linkage():
+def test_rigs_that_are_alike_stand_together_in_the_order_of_average_linkage():
     features = np.random.default_rng(4).normal(0, 1, (12, 3))
-    between = alike.distances(features)
-    assert np.allclose(between, squareform(pdist(features)))
-    order, heights = alike.linkage(between)
+    order, between = alike.alike(features)
+    assert np.allclose(between, np.linalg.norm(features[:, None] - features[None], axis=2))
     joins = hierarchy.average(pdist(features))
-    assert heights == pytest.approx(joins[:, 2])
-    # Each group that is joined stands together.
     for threshold in joins[:, 2]:
         groups = hierarchy.fcluster(joins, threshold + 1e-12, "distance")[order]
         assert len(list(itertools.groupby(groups))) == len(set(groups))
-    assert alike.linkage(np.zeros((1, 1))) == ([0], [])
+
+
+def test_one_rig_is_alike_to_itself_and_none_are_no_error():
+    for rigs in (0, 1):
+        order, between = alike.alike(np.zeros((rigs, 3)))
+        assert order == list(range(rigs)) and between.tolist() == [[0.0]] * rigs

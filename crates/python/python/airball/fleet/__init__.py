@@ -16,17 +16,29 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .. import _airball
 from .._diagnosis import diagnose as _diagnose
 from .._model import Model, _Path
 from .._recording import Recording, model_of
 from ..errors import ArgumentError, Error
-from ._across import Across, across
 from ._files import write_whole
 
+if TYPE_CHECKING:
+    from ._across import Across, across
+
 __all__ = ["DEATHS", "Across", "Finished", "across", "diagnose", "local", "report"]
+
+
+def __getattr__(name: str) -> Any:
+    """`Across` and `across`, once they are asked for: they need SciPy, which workers do without."""
+    if name in ("Across", "across"):
+        from . import _across
+
+        return getattr(_across, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 #: Deaths of its worker that a log may outlive.
 DEATHS = 2

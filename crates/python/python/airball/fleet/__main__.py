@@ -5,7 +5,7 @@ import sys
 from contextlib import contextmanager
 
 from ..errors import Error
-from . import across, diagnose, local
+from . import diagnose, local
 
 
 @contextmanager
@@ -62,10 +62,15 @@ def main() -> int:
         if args.logs:
             print(_diagnosed(args))
         if args.across:
+            from . import across
+
             found = across(args.out, args.rig)
             print(f"{len(found.rigs)} rigs are compared, {len(found.outliers)} outliers; page {found.page}")
     except Error as error:
         print(f"error: {error}", file=sys.stderr)
+        return 1
+    except ModuleNotFoundError as error:
+        print(f"error: {error.name} is not installed; it comes with: pip install airball[fleet]", file=sys.stderr)
         return 1
     return 0
 

@@ -1,7 +1,7 @@
 """The comparison of rigs: documents of a folder, changes over time, numbers of the class, distances, and the page.
 
 ```text
-documents → effects, numbers (stretches, pooled) → alike → compare → record (class.json), page (class.html)
+documents → effects, numbers (segments, pooled) → alike → compare → record (class.json), page (class.html)
 ```
 """
 

@@ -13,33 +13,17 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.cluster import hierarchy
+from scipy.spatial.distance import pdist, squareform
 
 Array = NDArray[np.float64]
 
 
-def distances(features: Array) -> Array:
-    """Euclidean distances between the rows of `features`, a row for each rig."""
-    squares = np.zeros((len(features), len(features)))
-    # Column by column, since all differences of many rigs at once do not fit into memory.
-    for column in features.T:
-        squares += (column[:, None] - column[None, :]) ** 2
-    return np.asarray(np.sqrt(squares))
-
-
-def linkage(between: Array) -> tuple[list[int], list[float]]:
-    """The order of the rigs by average linkage, and the heights of the joins in the order in which they are made."""
-    rigs = len(between)
-    groups: dict[int, list[int]] = {rig: [rig] for rig in range(rigs)}
-    mean = np.where(np.eye(rigs, dtype=bool), np.inf, between)
-    heights: list[float] = []
-    while len(groups) > 1:
-        # The first of equals, so that the order is the same everywhere.
-        one, other = sorted(int(index) for index in np.unravel_index(np.argmin(mean), mean.shape))
-        heights.append(float(mean[one, other]))
-        sizes = len(groups[one]), len(groups[other])
-        row = (sizes[0] * mean[one] + sizes[1] * mean[other]) / sum(sizes)
-        row[one] = np.inf
-        mean[one], mean[:, one] = row, row
-        mean[other], mean[:, other] = np.inf, np.inf
-        groups[one] += groups.pop(other)
-    return next(iter(groups.values())), heights
+def alike(features: Array) -> tuple[list[int], Array]:
+    """The order of the rigs, and the distances between them. `features`: a row for each rig."""
+    rigs = len(features)
+    if rigs < 2:
+        return list(range(rigs)), np.zeros((rigs, rigs))
+    between = pdist(features)
+    order = hierarchy.leaves_list(hierarchy.average(between))
+    return [int(rig) for rig in order], squareform(between)

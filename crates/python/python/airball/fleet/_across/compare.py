@@ -12,9 +12,9 @@ import numpy as np
 from ..._model import _Path
 from ...errors import ArgumentError
 from .._files import write_whole
-from .alike import distances, linkage
+from .alike import alike
 from .documents import Folder, RigOf, read
-from .effects import Standing, standings
+from .effects import Presence, presences
 from .numbers import Number, OfRig, number
 from .page import MAKER, page
 from .record import SCHEMA, document
@@ -35,7 +35,7 @@ class Across:
     #: Numbers that are missing there although a rig may have them.
     unsized: tuple[str, ...]
     #: By rig, then by effect.
-    effects: dict[str, dict[str, Standing]]
+    effects: dict[str, dict[str, Presence]]
     #: The rigs in an order in which those that are alike stand together, and the distances between them in that order.
     order: tuple[str, ...]
     distances: tuple[tuple[float, ...], ...]
@@ -74,11 +74,11 @@ class Across:
             (rig, one, one.rigs[rig])
             for rig in self.rigs
             for one in self.numbers.values()
-            if rig in one.rigs and len(one.rigs[rig].stretches) > 1
+            if rig in one.rigs and len(one.rigs[rig].segments) > 1
         ]
 
     @property
-    def changed_effects(self) -> list[tuple[str, str, Standing]]:
+    def changed_effects(self) -> list[tuple[str, str, Presence]]:
         """Each rig and effect with a change point, in the order of the rigs."""
         return [(rig, effect, its) for rig in self.rigs for effect, its in self.effects[rig].items() if its.since is not None]
 
@@ -126,7 +126,7 @@ def compared(out: Path, folder: Folder) -> Across:
     """The comparison, without files."""
     rigs = folder.rigs
     named = sorted({effect for logs in rigs.values() for log in logs for effect in log.effects})
-    effects = {rig: standings(logs, named) for rig, logs in rigs.items()}
+    effects = {rig: presences(logs, named) for rig, logs in rigs.items()}
     # Effects of the most rigs first.
     spread = {name: sum(its[name].probability for its in effects.values() if its) for name in named}
     by_spread = sorted(named, key=lambda name: -spread[name])
@@ -146,7 +146,7 @@ def compared(out: Path, folder: Folder) -> Across:
     return Across(out, folder, numbers, tuple(unsized), effects, order, apart)
 
 
-def _has(its: dict[str, Standing], effect: str) -> bool:
+def _has(its: dict[str, Presence], effect: str) -> bool:
     return effect in its and its[effect].is_present
 
 
@@ -158,7 +158,7 @@ def _names(folder: Folder, effects: list[str]) -> list[str]:
 
 
 def _alike(
-    rigs: list[str], numbers: dict[str, Number], effects: dict[str, dict[str, Standing]], named: list[str]
+    rigs: list[str], numbers: dict[str, Number], effects: dict[str, dict[str, Presence]], named: list[str]
 ) -> tuple[tuple[str, ...], tuple[tuple[float, ...], ...]]:
     columns = [_deviations(one, rigs) for name, one in numbers.items() if "." not in name]
     for effect in named:
@@ -167,8 +167,7 @@ def _alike(
         usual = sum(known) / max(len(known), 1)
         columns.append([2 * (its[effect].probability if its else usual) for its in effects.values()])
     features = np.array(columns, dtype=float).T.reshape(len(rigs), -1)
-    between = distances(features)
-    order, _ = linkage(between)
+    order, between = alike(features)
     apart = tuple(tuple(float(between[one, other]) for other in order) for one in order)
     return tuple(rigs[index] for index in order), apart
 
@@ -178,7 +177,7 @@ def _deviations(one: Number, rigs: list[str]) -> list[float]:
     spread = one.pooled.spread
     if not spread:
         return [0.0] * len(rigs)
-    return [(one.forward(one.rigs[rig].shared.value) - one.pooled.mean) / spread for rig in rigs]
+    return [(one.forward(one.rigs[rig].shrunken.value) - one.pooled.mean) / spread for rig in rigs]
 
 
 def _may_replace(path: Path, mark: str) -> None:

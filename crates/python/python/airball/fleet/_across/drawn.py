@@ -89,10 +89,10 @@ def _tick(value: float) -> str:
 
 
 def forest(one: Number) -> str:
-    """The rigs' own estimates and shared ones, about the mean of the class. The order is that of the shared estimate."""
-    rows = sorted(one.rigs.items(), key=lambda row: row[1].shared.value)
+    """The rigs' own estimates and shrunken ones, about the mean of the class. The order is that of the shrunken estimate."""
+    rows = sorted(one.rigs.items(), key=lambda row: row[1].shrunken.value)
     mean = one.pooled.mean_interval
-    shown = [end for _, its in rows for end in _ends(its.shared)] + [its.own.value for _, its in rows if its.own]
+    shown = [end for _, its in rows for end in _ends(its.shrunken)] + [its.own.value for _, its in rows if its.own]
     middle = one.back(one.pooled.mean)
     shown += [middle] if mean is None else [one.back(end) for end in mean]
     bottom = 22 + 22 * len(rows)
@@ -109,9 +109,9 @@ def forest(one: Number) -> str:
             low, high = _ends(its.own)
             parts.append(_line(place(low), y - 3, place(high), y - 3, "own"))
             parts.append(f'<circle cx="{place(its.own.value):.1f}" cy="{y - 3}" r="3" class="own"/>')
-        low, high = _ends(its.shared)
-        parts.append(_line(place(low), y + 4, place(high), y + 4, "shared", 2))
-        parts.append(f'<rect x="{place(its.shared.value) - 3:.1f}" y="{y + 1}" width="6" height="6" class="shared"/>')
+        low, high = _ends(its.shrunken)
+        parts.append(_line(place(low), y + 4, place(high), y + 4, "shrunken", 2))
+        parts.append(f'<rect x="{place(its.shrunken.value) - 3:.1f}" y="{y + 1}" width="6" height="6" class="shrunken"/>')
     return _svg(bottom + 24, f"{one.name} of each rig", parts)
 
 
@@ -122,23 +122,23 @@ def _ends(one: Interval) -> tuple[float, float]:
 def drift(
     words: str,
     points: Sequence[tuple[Log, Interval]],
-    stretches: Sequence[tuple[Log, Log, Interval]],
+    segments: Sequence[tuple[Log, Log, Interval]],
     is_log: bool,
     also: Sequence[float] = (),
 ) -> str:
-    """A number of a rig over its logs: dots with intervals, hollow without one; stretches with theirs, dashed changes.
+    """A number of a rig over its logs: dots with intervals, hollow without one; segments with theirs, dashed changes.
     `also`: further values that the axis shows."""
-    top, bottom = 22 if len(stretches) > 1 else 8, 170
-    shown = [end for _, one in points for end in _usual(one, points)] + [end for *_, one in stretches for end in _ends(one)]
+    top, bottom = 22 if len(segments) > 1 else 8, 170
+    shown = [end for _, one in points for end in _usual(one, points)] + [end for *_, one in segments for end in _ends(one)]
     y = _axis([*shown, *also], bottom, top, is_log)
     x, ticks = _over_time([log for log, _ in points])
     parts = [part for tick in y.ticks() for part in _y_tick(y(tick), _tick(tick))]
     parts += [_text(place, bottom + 18, label, "middle") for place, label in ticks]
-    for first, last, value in stretches:
+    for first, last, value in segments:
         low, high = _ends(value)
-        parts.append(_band(x(first) - 4, y(low), x(last) + 4, y(high), "shared"))
-        parts.append(_line(x(first) - 4, y(value.value), x(last) + 4, y(value.value), "shared", 2))
-    parts += _changes([(x(first) - 7, f"since {_label(when(first), 30)}") for first, _, _ in stretches[1:]], top, bottom)
+        parts.append(_band(x(first) - 4, y(low), x(last) + 4, y(high), "shrunken"))
+        parts.append(_line(x(first) - 4, y(value.value), x(last) + 4, y(value.value), "shrunken", 2))
+    parts += _changes([(x(first) - 7, f"since {_label(when(first), 30)}") for first, _, _ in segments[1:]], top, bottom)
     parts += [_dot(log, one, x(log), y) for log, one in points]
     return _svg(bottom + 26, words, parts)
 
@@ -211,7 +211,7 @@ def heat(order: Sequence[str], distances: Sequence[Sequence[float]]) -> str:
             near = 1 - distances[row][column] / most
             words = f"{of(rig)} and {of(other)}: {distances[row][column]:.2f}"
             parts.append(
-                f'<rect x="{left + size * column}" y="{y}" width="{size - 1}" height="{size - 1}" class="shared" '
+                f'<rect x="{left + size * column}" y="{y}" width="{size - 1}" height="{size - 1}" class="shrunken" '
                 f'stroke="none" style="stroke:none;fill-opacity:{0.06 + 0.9 * near:.2f}"><title>{escaped(words)}</title></rect>'
             )
     side = size * len(order)

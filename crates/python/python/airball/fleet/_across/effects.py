@@ -5,21 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .documents import Log
-from .stretches import FEWEST, of_effect
+from .segments import FEWEST, of_effect
 
 #: From this probability on an effect counts as named: it is then more probable than not.
 NAMED = 0.5
 
 
 @dataclass(frozen=True)
-class Standing:
+class Presence:
     """An effect in a rig, as it is now: over the logs since its last change point."""
 
     #: Logs that can tell: all but those whose verdict is `insufficient_data`.
     logs: tuple[Log, ...]
     #: Its probability in each of them, 0 where it is not named.
     series: tuple[float, ...]
-    #: Where the stretches begin, as indices of `logs`; the first is 0.
+    #: Where the segments begin, as indices of `logs`; the first is 0.
     begins: tuple[int, ...]
     #: Since the last change point: the effects that a log which names this one does not tell from it, and the greatest
     #: probability of a named effect that is not told from this one.
@@ -67,16 +67,16 @@ def when(log: Log) -> str:
     return log.time.strftime("%Y-%m-%d %H:%M" if has_hours else "%Y-%m-%d")
 
 
-def standings(logs: list[Log], effects: list[str]) -> dict[str, Standing]:
+def presences(logs: list[Log], effects: list[str]) -> dict[str, Presence]:
     """Each effect that some log of the class names, in one rig; empty where no log of the rig can tell."""
     telling = [log for log in logs if log.can_tell]
-    return {effect: _standing(telling, effect) for effect in effects} if telling else {}
+    return {effect: _presence(telling, effect) for effect in effects} if telling else {}
 
 
-def _standing(logs: list[Log], effect: str) -> Standing:
+def _presence(logs: list[Log], effect: str) -> Presence:
     series = [log.effects[effect].probability if effect in log.effects else 0.0 for log in logs]
     begins = of_effect([one >= NAMED for one in series]) if len(series) >= FEWEST else [0]
     now = [log.effects for log in logs[begins[-1] :]]
     indistinguishable_from = sorted({other for its in now if effect in its for other in its[effect].indistinguishable_from})
     others = [named.probability for its in now for named in its.values() if effect in named.indistinguishable_from]
-    return Standing(tuple(logs), tuple(series), tuple(begins), tuple(indistinguishable_from), max(others, default=0.0))
+    return Presence(tuple(logs), tuple(series), tuple(begins), tuple(indistinguishable_from), max(others, default=0.0))

@@ -19,17 +19,17 @@ from .numbers import HIGHEST_LOG
 #: The mark of a page of this program.
 MAKER = '<meta name="generator" content="airball '
 
-#: Colours are those of the reports: recorded, belief (here the class), mended (here the shared estimate), faint, lines.
+#: Colours are those of the reports: recorded, belief (here the class), mended (here the shrunken estimate), faint, lines.
 _STYLE = """
-:root { color-scheme: light dark; --text: #1c2028; --faint: #5d636e; --class: #b84a00; --shared: #0067a8; --line: #d9dbe0;
+:root { color-scheme: light dark; --text: #1c2028; --faint: #5d636e; --class: #b84a00; --shrunken: #0067a8; --line: #d9dbe0;
   --ground: #fff; --hit: 184,74,0; }
-@media screen and (prefers-color-scheme: dark) { :root { --text: #f1f3f7; --faint: #a3abb8; --class: #ff9d52; --shared: #5cb8ff;
+@media screen and (prefers-color-scheme: dark) { :root { --text: #f1f3f7; --faint: #a3abb8; --class: #ff9d52; --shrunken: #5cb8ff;
   --line: #343a45; --ground: #16191f; --hit: 255,157,82; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 0 20px 48px; max-width: 1100px; color: var(--text); background: var(--ground);
   font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-serif;
   font-variant-numeric: tabular-nums; }
-a { color: var(--shared); }
+a { color: var(--shrunken); }
 h1 { font-size: clamp(23px, 3.2vw, 34px); line-height: 1.2; margin: 18px 0 8px; }
 h2 { font-size: 22px; margin: 0 0 8px; }
 h3 { font-size: 16px; margin: 22px 0 4px; overflow-wrap: anywhere; }
@@ -52,7 +52,7 @@ svg .name { fill: var(--text); }
 svg .axis { stroke: var(--line); }
 svg .own { stroke: var(--text); fill: var(--text); }
 svg .open { stroke: var(--text); fill: var(--ground); }
-svg .shared { stroke: var(--shared); fill: var(--shared); }
+svg .shrunken { stroke: var(--shrunken); fill: var(--shrunken); }
 svg .class { stroke: var(--class); fill: var(--class); }
 svg .band { stroke: none; fill-opacity: 0.16; }
 svg .change { stroke: var(--class); stroke-dasharray: 4 3; }

@@ -1,4 +1,4 @@
-"""A number over rigs and time: its stretches in each rig, what the class has in common, and each rig's estimate.
+"""A number over rigs and time: its segments in each rig, what the class has in common, and each rig's estimate.
 
 A rig's own estimate is the mean of its logs since the last change point, weighted by 1/(v + ω²): v of the interval of the
 log, ω² the scatter from log to log that the rigs have in common. A number that is positive in all logs is a natural
@@ -10,20 +10,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from scipy.special import ndtri
+
 from ..._diagnosis import Interval
 from .documents import Log
 from .pooled import UPPER, Pooled, outlying, pooled, residuals
-from .stretches import FEWEST, of_number, scatter
-from .tails import normal
+from .segments import FEWEST, of_number, scatter
 
 #: Half of a 90 % interval in standard errors.
-_HALF = normal(UPPER)
+_HALF = float(ndtri(UPPER))
 #: Logarithms are cut off here, just below that of the largest double, 709.8: an interval of few rigs can reach beyond.
 HIGHEST_LOG = 700.0
 
 
 @dataclass(frozen=True)
-class Stretch:
+class Segment:
     """Logs of a rig, one after the other, between which a number does not change."""
 
     logs: tuple[Log, ...]
@@ -35,13 +36,13 @@ class Stretch:
 class OfRig:
     """A number of one rig."""
 
-    #: Logs with a value, and the stretches of those with an interval.
+    #: Logs with a value, and the segments of those with an interval.
     points: tuple[tuple[Log, Interval], ...]
-    stretches: tuple[Stretch, ...]
+    segments: tuple[Segment, ...]
     #: The rig's own estimate, as it is now; None where no log has an interval.
     own: Interval | None
     #: The shrunken estimate, and the share of it that comes from the class.
-    shared: Interval
+    shrunken: Interval
     from_class: float
     #: The leave-one-out residual in standard deviations; None without an own estimate, or below three rigs.
     residual: float | None
@@ -100,15 +101,15 @@ def number(name: str, rigs: dict[str, list[Log]]) -> Number | None:
     made = Number(name, is_log, None if omega is None else math.sqrt(omega), common, {})
     left_out = dict(zip(own, residuals(*zip(*own.values(), strict=True)) or [], strict=False))
     for rig in rigs:
-        stretches = _stretches(made, known[rig], begins[rig], omega or 0.0) if rig in own else ()
-        made.rigs[rig] = _of_rig(made, points[rig], stretches, own.get(rig), left_out.get(rig))
+        segments = _segments(made, known[rig], begins[rig], omega or 0.0) if rig in own else ()
+        made.rigs[rig] = _of_rig(made, points[rig], segments, own.get(rig), left_out.get(rig))
     return made
 
 
 def _of_rig(
     made: Number,
     points: _Series,
-    stretches: tuple[Stretch, ...],
+    segments: tuple[Segment, ...],
     own: tuple[float, float] | None,
     residual: float | None,
 ) -> OfRig:
@@ -116,15 +117,15 @@ def _of_rig(
     shrunken, error, weight = made.pooled.shrunken(value, variance)
     is_outlier = residual is not None and abs(residual) > outlying(made.pooled.rigs)
     interval = None if own is None else made.interval(own[0], math.sqrt(own[1]))
-    return OfRig(tuple(points), stretches, interval, made.interval(shrunken, error), 1 - weight, residual, is_outlier)
+    return OfRig(tuple(points), segments, interval, made.interval(shrunken, error), 1 - weight, residual, is_outlier)
 
 
-def _stretches(made: Number, known: _Series, begins: list[int], omega: float) -> tuple[Stretch, ...]:
+def _segments(made: Number, known: _Series, begins: list[int], omega: float) -> tuple[Segment, ...]:
     found = []
     for first, last in zip(begins, [*begins[1:], len(known)], strict=True):
         values, variances = _scaled(known[first:last], made.is_log)
         mean, variance = _mean(values, [one + omega for one in variances])
-        found.append(Stretch(tuple(log for log, _ in known[first:last]), made.interval(mean, math.sqrt(variance))))
+        found.append(Segment(tuple(log for log, _ in known[first:last]), made.interval(mean, math.sqrt(variance))))
     return tuple(found)
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .effects import Standing
+from .effects import Presence
 from .markup import MAKER, count, dated, escaped, four, framed, interval, link, of, percent, rig_link, table
 from .numbers import Number, OfRig
 from .page_class import alike, effects, numbers
 from .page_rigs import rig_by_rig
-from .stretches import FEWEST
+from .segments import FEWEST
 
 if TYPE_CHECKING:
     from .compare import Across
@@ -86,7 +86,7 @@ def _outlying(found: Across) -> str:
             interval(its.own),
             four(one.back(one.pooled.mean)),
             f"{its.residual or 0.0:+.1f}".replace("-", "−"),
-            link(its.stretches[-1].logs[-1]),
+            link(its.segments[-1].logs[-1]),
         )
         for rig, one, its in rows
     ]
@@ -110,7 +110,7 @@ def _changes(found: Across) -> str:
     return f"<p>{words} Plots are with each rig, below.</p>\n" + table("Changes", heads, rows)
 
 
-def _effect_row(found: Across, rig: str, effect: str, its: Standing) -> tuple[str, ...]:
+def _effect_row(found: Across, rig: str, effect: str, its: Presence) -> tuple[str, ...]:
     begin, end = its.begins[-1], its.begins[-2]
     before = its.series[end:begin]
     what = f"<code>{escaped(effect)}</code> {'sets in' if its.is_present else 'is named less often' if its.named else ''}"
@@ -126,7 +126,7 @@ def _effect_row(found: Across, rig: str, effect: str, its: Standing) -> tuple[st
 
 
 def _number_rows(found: Across, rig: str, one: Number, its: OfRig) -> list[tuple[str, ...]]:
-    pairs = zip(its.stretches, its.stretches[1:], strict=False)
+    pairs = zip(its.segments, its.segments[1:], strict=False)
     return [
         (
             rig_link(rig, found.rigs),

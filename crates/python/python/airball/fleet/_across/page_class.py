@@ -21,7 +21,7 @@ def effects(found: Across) -> str:
         return "<p>No log names an effect.</p>\n"
     words = (
         "The probability is the mean over the logs since the last change, 0 in a log that does not name the effect. "
-        "Sizes are shared estimates. “or” marks what a log does not tell from the effect that it names; – stands where no log of "
+        "Sizes are shrunken estimates. “or” marks what a log does not tell from the effect that it names; – stands where no log of "
         "the rig can tell. Rigs that are alike stand together."
     )
     rows = [(rig_link(rig, found.rigs), *(_cell(found, rig, effect) for effect in effects)) for rig in found.order]
@@ -46,7 +46,7 @@ def _cell(found: Across, rig: str, effect: str) -> str:
 
 
 def _size(its: OfRig) -> str:
-    return f"{four(its.shared.value)}{', from the class' if its.borrows else ''}"
+    return f"{four(its.shrunken.value)}{', from the class' if its.borrows else ''}"
 
 
 def numbers(found: Across) -> str:
@@ -90,14 +90,14 @@ def _of_number(found: Across, one: Number) -> str:
         (
             rig_link(rig, found.rigs),
             interval(its.own),
-            interval(its.shared),
+            interval(its.shrunken),
             percent(its.from_class),
             _borrowed(its),
         )
         for rig, its in one.rigs.items()
     ]
-    heads = ["rig", "its own estimate", "shared estimate", "from the class", "note"]
-    legend = '<p class="faint">Black: own estimate. Blue: shared estimate. Orange: mean of the class with its interval.</p>\n'
+    heads = ["rig", "its own estimate", "shrunken estimate", "from the class", "note"]
+    legend = '<p class="faint">Black: own estimate. Blue: shrunken estimate. Orange: mean of the class with its interval.</p>\n'
     name = escaped(one.name)
     return (
         f"<details><summary><code>{name}</code> of each rig</summary>\n{legend}{forest(one)}"

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from ..._diagnosis import Interval
 from .documents import Log
 from .drawn import drift
-from .effects import Standing
+from .effects import Presence
 from .markup import count, escaped, link, of, percent, table
 from .numbers import Number, OfRig
-from .stretches import FEWEST
+from .segments import FEWEST
 
 if TYPE_CHECKING:
     from .compare import Across
@@ -20,7 +20,7 @@ _MOST_PLOTS = 300
 
 
 def rig_by_rig(found: Across) -> str:
-    plots = sum(len(its.stretches) > 0 and _is_long(its) for one in found.numbers.values() for its in one.rigs.values())
+    plots = sum(len(its.segments) > 0 and _is_long(its) for one in found.numbers.values() for its in one.rigs.values())
     everything = plots <= _MOST_PLOTS
     words = (
         f"Rigs with {FEWEST} logs or more have plots over time: dots are logs with their intervals, hollow ones have none; "
@@ -33,7 +33,7 @@ def rig_by_rig(found: Across) -> str:
 
 
 def _is_long(its: OfRig) -> bool:
-    return sum(len(stretch.logs) for stretch in its.stretches) >= FEWEST
+    return sum(len(segment.logs) for segment in its.segments) >= FEWEST
 
 
 def _rig(found: Across, rig: str, index: int, everything: bool) -> str:
@@ -44,7 +44,7 @@ def _rig(found: Across, rig: str, index: int, everything: bool) -> str:
         of_rig = one.rigs.get(rig)
         if of_rig is None or not _is_long(of_rig):
             continue
-        if len(of_rig.stretches) > 1:
+        if len(of_rig.segments) > 1:
             changed += _drawn_number(one, of_rig)
         elif everything:
             steady += _drawn_number(one, of_rig)
@@ -61,15 +61,15 @@ def _named(log: Log) -> str:
 
 
 def _drawn_number(one: Number, its: OfRig) -> str:
-    stretches = [(stretch.logs[0], stretch.logs[-1], stretch.value) for stretch in its.stretches]
-    return f"<p><code>{escaped(one.name)}</code></p>\n" + drift(one.name, its.points, stretches, one.is_log)
+    segments = [(segment.logs[0], segment.logs[-1], segment.value) for segment in its.segments]
+    return f"<p><code>{escaped(one.name)}</code></p>\n" + drift(one.name, its.points, segments, one.is_log)
 
 
-def _drawn_effect(effect: str, its: Standing) -> str:
+def _drawn_effect(effect: str, its: Presence) -> str:
     points = [(log, Interval(100 * one, None, None)) for log, one in zip(its.logs, its.series, strict=True)]
-    stretches = []
+    segments = []
     for first, last in zip(its.begins, [*its.begins[1:], len(points)], strict=True):
         mean = 100 * sum(its.series[first:last]) / (last - first)
-        stretches.append((its.logs[first], its.logs[last - 1], Interval(mean, None, None)))
+        segments.append((its.logs[first], its.logs[last - 1], Interval(mean, None, None)))
     words = f"probability of {effect}, %"
-    return f"<p>Probability of <code>{escaped(effect)}</code>, %</p>\n" + drift(words, points, stretches, False, (0.0, 100.0))
+    return f"<p>Probability of <code>{escaped(effect)}</code>, %</p>\n" + drift(words, points, segments, False, (0.0, 100.0))

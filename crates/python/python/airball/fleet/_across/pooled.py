@@ -28,7 +28,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .tails import chi_square, root, student
+from scipy.special import chdtri, stdtrit
+
+from .solve import root
 
 Array = NDArray[np.float64]
 
@@ -78,9 +80,9 @@ def pooled(values: Sequence[float], variances: Sequence[float]) -> Pooled:
     between = between_rigs(y, v)
     mean, variance = _mean(y, v + between)
     error = math.sqrt(variance)
-    within = student(UPPER, rigs - 1) * error
-    new = student(UPPER, rigs - 2) * math.sqrt(between + variance) if rigs > 2 else None
-    low, high = (math.sqrt(_solved(y, v, chi_square(level, rigs - 1))) for level in (UPPER, 1 - UPPER))
+    within = float(stdtrit(rigs - 1, UPPER)) * error
+    new = float(stdtrit(rigs - 2, UPPER)) * math.sqrt(between + variance) if rigs > 2 else None
+    low, high = (math.sqrt(_solved(y, v, chdtri(rigs - 1, 1 - level))) for level in (UPPER, 1 - UPPER))
     return Pooled(
         rigs,
         mean,
@@ -122,7 +124,7 @@ def residuals(values: Sequence[float], variances: Sequence[float]) -> list[float
 def outlying(rigs: int) -> float:
     """The size from which a residual is an outlier: Student's t with k − 2, as τ² comes from the k − 1 other rigs, by
     Bonferroni over the k rigs. For three rigs or more."""
-    return student(1 - ALPHA_OF_OUTLIERS / (2 * rigs), rigs - 2)
+    return float(stdtrit(rigs - 2, 1 - ALPHA_OF_OUTLIERS / (2 * rigs)))
 
 
 def _mean(values: Array, variances: Array) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..._diagnosis import Interval
 from .documents import Log
-from .effects import Standing
+from .effects import Presence
 from .numbers import Number, OfRig
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def document(found: Across) -> dict[str, Any]:
             {"rig": rig, "number": one.name, "residual": _digits(its.residual)} for rig, one, its in found.outliers
         ],
         "effects": [
-            {"name": effect, "rigs": [_standing(rig, its[effect]) for rig, its in found.effects.items() if its]}
+            {"name": effect, "rigs": [_presence(rig, its[effect]) for rig, its in found.effects.items() if its]}
             for effect in found.effect_names
         ],
         "numbers": [_number(one) for one in found.numbers.values()],
@@ -54,7 +54,7 @@ def _rig(found: Across, rig: str, logs: list[Log]) -> dict[str, Any]:
     }
 
 
-def _standing(rig: str, its: Standing) -> dict[str, Any]:
+def _presence(rig: str, its: Presence) -> dict[str, Any]:
     return {
         "rig": rig,
         "probability": _digits(its.probability),
@@ -86,14 +86,14 @@ def _of_rig(rig: str, its: OfRig) -> dict[str, Any]:
     return {
         "rig": rig,
         "own": None if its.own is None else _interval(its.own),
-        "shared": _interval(its.shared),
+        "shrunken": _interval(its.shrunken),
         "from_class": _digits(its.from_class),
         "borrows": its.borrows,
         "residual": _digits(its.residual),
         "is_outlier": its.is_outlier,
-        "stretches": [
+        "segments": [
             {"first": one.logs[0].name, "last": one.logs[-1].name, "logs": len(one.logs), **_interval(one.value)}
-            for one in its.stretches
+            for one in its.segments
         ],
     }
 

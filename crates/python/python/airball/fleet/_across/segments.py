@@ -1,9 +1,9 @@
 """Change points of a number over the logs of a rig, and of whether an effect is named.
 
 ```text
-minimise over the change points   Σ over stretches of cost(stretch) + β · (number of change points)
+minimise over the change points   Σ over segments of cost(segment) + β · (number of change points)
 cost = Σ (y − ȳ)² / v               a number y with the known variance v, ȳ weighted by 1/v
-cost = −2 Σ ln P(named or not)      the effect of a log, P the share of the stretch
+cost = −2 Σ ln P(named or not)      the effect of a log, P the share of the segment
 β = z², z the normal quantile of 1 − α / (2 (n − 1)), n logs
 ```
 
@@ -25,7 +25,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .tails import normal, root
+from scipy.special import ndtri
+
+from .solve import root
 
 Array = NDArray[np.float64]
 
@@ -41,7 +43,7 @@ _MEDIAN = 0.454936423119572
 
 
 def of_number(values: Sequence[float], variances: Sequence[float]) -> list[int]:
-    """Where the stretches of a constant number begin; the first is 0."""
+    """Where the segments of a constant number begin; the first is 0."""
     weights = 1 / np.asarray(variances, dtype=float)
     # About the mean, so that the difference of squares below keeps its digits.
     centred = np.asarray(values, dtype=float) - np.average(values, weights=weights)
@@ -55,7 +57,7 @@ def of_number(values: Sequence[float], variances: Sequence[float]) -> list[int]:
 
 
 def of_effect(named: Sequence[bool]) -> list[int]:
-    """Where the stretches begin in which an effect is named about equally often; the first is 0."""
+    """Where the segments begin in which an effect is named about equally often; the first is 0."""
     sums = _sums(np.asarray(named, dtype=float))
 
     def cost(starts: Any, end: int) -> Array:
@@ -86,21 +88,21 @@ def scatter(series: Sequence[tuple[Sequence[float], Sequence[float]]]) -> float 
 
 
 def _penalty(logs: int, alpha: float) -> float:
-    return normal(1 - alpha / (2 * (logs - 1))) ** 2
+    return float(ndtri(1 - alpha / (2 * (logs - 1)))) ** 2
 
 
 def _partition(cost: Callable[[Any, int], Array], logs: int, penalty: float) -> list[int]:
-    """The beginnings of the stretches of the least total. `best[end]` is the least cost of the logs before `end`."""
+    """The beginnings of the segments of the least total. `best[end]` is the least cost of the logs before `end`."""
     best, begins = np.full(logs + 1, -penalty), np.zeros(logs + 1, dtype=int)
     for end in range(1, logs + 1):
         totals = best[:end] + cost(np.arange(end), end) + penalty
         begins[end] = np.argmin(totals)
         best[end] = totals[begins[end]]
-    stretches, end = [], logs
+    segments, end = [], logs
     while end > 0:
         end = int(begins[end])
-        stretches.append(end)
-    return stretches[::-1]
+        segments.append(end)
+    return segments[::-1]
 
 
 def _sums(values: Array) -> Array:

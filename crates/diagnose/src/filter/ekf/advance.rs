@@ -74,47 +74,28 @@ impl Ekf<'_> {
         self.commanded_mm_per_s2 = commanded;
         let motion = motion_of(&self.state);
         let step = Step::new(self.model, self.input(), dt, self.covariance[(1, 1)].max(0.0).sqrt());
-        let mut next = None;
+        let (mut next, mut own) = (None, None);
         let mut moved = || {
             let (after, transition) = step.moved(&self.active, &motion);
             next = Some(after);
             Propagation::of(&self.active, self.model, transition, dt)
         };
         let shared = if self.linear {
-            known.propagation(dt, || Propagation::linear(&self.active, self.model, dt))
-        } else {
-            known.propagation(dt, &mut moved)
-        };
-        let own;
-        let propagation = match shared {
-            Some(shared) if self.linear => match self.slid(&step, &motion, shared) {
-                Some((after, friction)) if friction.slope_per_s != 0.0 => {
+            let shared = known.propagation(dt, || Propagation::linear(&self.active, self.model, dt));
+            match self.slid(&step, &motion, shared) {
+                None => own = Some(moved()),
+                Some((after, friction)) => {
                     next = Some(after);
-                    own = shared.with_friction(&self.active, self.model, friction.slope_per_s, dt);
-                    &own
+                    let changes = friction.slope_per_s != 0.0;
+                    own = changes.then(|| shared.with_friction(&self.active, self.model, friction.slope_per_s, dt));
                 }
-                Some((after, _)) => {
-                    next = Some(after);
-                    shared
-                }
-                None => {
-                    own = moved();
-                    &own
-                }
-            },
-            Some(shared) => shared,
-            None => {
-                own = moved();
-                &own
             }
+            shared
+        } else {
+            known.propagation(dt, moved)
         };
+        let propagation = own.as_ref().unwrap_or(shared);
         let next = self.in_the_air(next).unwrap_or_else(|| vector(&step.after(&motion)));
-        self.predict_by(propagation, next, dt);
-    }
-
-    /// Takes the state `next` after a step of `dt` seconds, and propagates the covariance.
-    #[inline(always)]
-    fn predict_by(&mut self, propagation: &Propagation, next: State, dt: f64) {
         if let Some(back) = &mut self.back {
             back.go(&propagation.transition);
         }

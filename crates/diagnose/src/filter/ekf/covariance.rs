@@ -40,8 +40,6 @@ impl Propagation {
     }
 
     /// A step with this transition matrix.
-    // Inlined, as the matrices would be copied from call to call.
-    #[inline(always)]
     pub(super) fn of(active: &Active, model: &Model, transition: Square, dt: f64) -> Self {
         Self { transition, noise: process_noise(active, model, &transition, dt), response: None }
     }
@@ -85,20 +83,18 @@ impl PropagationCache {
         Self { linear, lengths: Vec::new(), known: Vec::new(), next: 0 }
     }
 
-    /// The propagation of a step of this length; `None` where steps of the same length differ.
-    pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> Option<&Propagation> {
-        if !self.linear {
-            return None;
-        }
-        let same = self.lengths.iter().position(|known| *known == dt);
+    pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> &Propagation {
+        let same = if self.linear { self.lengths.iter().position(|known| *known == dt) } else { None };
         let at = same.unwrap_or_else(|| self.keep(dt, compute()));
-        Some(&self.known[at])
+        &self.known[at]
     }
 
-    /// Keeps a new one in the place of the oldest, and returns its place.
+    /// Keeps a new one in the place of the oldest, and returns its place. Where the motion is not linear, none is used
+    /// again, and one place is enough.
     fn keep(&mut self, dt: f64, propagation: Propagation) -> usize {
+        let places = if self.linear { STEPS_KNOWN } else { 1 };
         let at = self.next;
-        self.next = (at + 1) % STEPS_KNOWN;
+        self.next = (at + 1) % places;
         if at < self.known.len() {
             (self.lengths[at], self.known[at]) = (dt, propagation);
         } else {
@@ -110,7 +106,6 @@ impl PropagationCache {
 }
 
 /// The process noise of a step with this transition matrix, for the active states.
-#[inline(always)]
 fn process_noise(active: &Active, model: &Model, transition: &Square, dt: f64) -> Square {
     let white = model.noise.acceleration_psd_mm2_per_s3 * dt / 6.0;
     let [first, last] = [State::from_fn(|i, _| f64::from(u8::from(i == 1))), transition.column(1).into_owned()];
@@ -195,8 +190,8 @@ mod tests {
                 let active = Active::of(&model);
                 // A velocity that is known exactly: friction is not smoothed.
                 let (_, moved) = Step::new(&model, Input::of(commanded), dt, 0.0).moved(&active, motion);
-                let of_step = || Propagation::of(&active, &model, moved, dt);
-                let Propagation { transition, .. } = cache.propagation(dt, of_step).copied().unwrap_or_else(of_step);
+                let Propagation { transition, .. } =
+                    *cache.propagation(dt, || Propagation::of(&active, &model, moved, dt));
                 let expected = by_differences(&model, commanded, motion, dt);
                 let off = (transition - expected).abs().max();
                 assert!(off < 1e-5, "{}: {off}: {transition} for {expected}", entry.name);

@@ -94,7 +94,6 @@ impl<'a> Step<'a> {
     }
 
     /// The state after a step in an endless pipe, and Φ, its derivative by the active states.
-    #[inline(always)]
     pub(super) fn moved(&self, active: &Active, motion: &Motion) -> (State, Square) {
         let (after, derivatives) = match self.smoothed.and_then(|_| self.friction(motion)) {
             Some(friction) => motion.slide_with_derivatives(self.model, self.input, friction, self.dt),
@@ -105,7 +104,6 @@ impl<'a> Step<'a> {
 }
 
 /// Φ of these derivatives.
-#[inline(always)]
 fn transition(active: &Active, derivatives: &Derivatives) -> Square {
     let Derivatives { by_position, by_velocity, by_fan, by_turbulence, by_sensed, by_own: [first, second] } =
         derivatives;

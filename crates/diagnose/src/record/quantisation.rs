@@ -139,7 +139,7 @@ impl Grid {
     }
 }
 
-/// The step of a recording for the believed noise that was asked for first: a search asks for it in each round, always
+/// The believed noise that [`coarse_step`] was first called with, mm, and what it found. A search calls it in each round,
 /// with the same noise, and a scan of a long range takes a second.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KnownStep(OnceLock<(f64, Option<CoarseStep>)>);
@@ -159,6 +159,7 @@ pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<Coarse
     if *known_mm == noise_mm { *step } else { coarser_than(recording, noise_mm) }
 }
 
+/// The scan for it.
 fn coarser_than(recording: &Recording, noise_mm: f64) -> Option<CoarseStep> {
     let levels = Levels::of(recording);
     let fine = levels.file_resolution_mm();

@@ -182,6 +182,8 @@ fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFa
             rejected.push(named.candidate.entry.name);
             continue;
         }
+        // Beside another effect it may not.
+        rejected.clear();
         // The residual tests ask for white innovations, which a search by forecasts has not.
         if !search.is_by_forecasts() {
             let left = Misfit::of(&search.problem, fit, explained(effects));

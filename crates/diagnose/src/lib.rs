@@ -101,4 +101,5 @@ pub use gap::forecast_error::{FreeRun, free_runs};
 pub use record::free_flight::in_free_flight;
 pub use record::implausible::{DutyScale, plausible};
 pub use record::prepare::prepared;
+pub use record::source_columns::{SourceColumn, SourceColumns};
 pub use residual::plots::ResidualPlots;

@@ -86,6 +86,11 @@ fn of_one(belief: &Model, recording: &Recording) -> Result<Option<LinearFit>, Fi
     if let Some(clock) = other_clock(belief, &fit, recording) {
         return Err(clock);
     }
+    let [lowest, highest] = recording.height_range();
+    // Gravity pulls a pendulum the other way beyond a quarter of a turn, which no linear plant does.
+    if belief.turn_mm.is_some_and(|turn_mm| highest - lowest > turn_mm / 4.0) {
+        return Ok(None);
+    }
     if fit.gain_in_deviations.abs() < SEEN {
         return exchanged(&fit, recording, readings).map_or(Ok(None), Err);
     }

@@ -14,7 +14,7 @@ use crate::report::first_belief;
 use crate::report::kit::page::made::Made;
 use anyhow::{Result, bail};
 use control::compensation::Compensation;
-use diagnose::{ClosedLoop, Context, Diagnosis, Document, MOST_ROWS, Options, Recording, Verdict};
+use diagnose::{ClosedLoop, Context, Diagnosis, Document, MOST_ROWS, Options, Recording, SourceColumns, Verdict};
 use plant::Model;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -31,6 +31,8 @@ pub(crate) struct Asked {
     pub(crate) config: PathBuf,
     /// Its tables.
     tables: Tables,
+    /// The columns that the logs were read from.
+    pub(crate) columns: SourceColumns,
     /// What the rig calls its position and its input.
     pub(crate) words: Words,
     /// Whether it was fitted to a record by `airball init`.
@@ -117,6 +119,7 @@ impl Asked {
             belief,
             config: config.path().to_owned(),
             words: config.words,
+            columns: config.tables.source_columns(),
             tables: config.tables,
             is_fitted,
             logs,
@@ -153,7 +156,14 @@ impl Asked {
     pub(crate) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
         let duration_s = self.recordings.iter().map(Recording::duration_s).sum();
         let belief = self.is_fitted.then_some(first_belief::MEANING);
-        Logs { names: &self.names, duration_s, upstream: &answer.upstream, belief, errors: &answer.errors }
+        Logs {
+            names: &self.names,
+            columns: &self.columns,
+            duration_s,
+            upstream: &answer.upstream,
+            belief,
+            errors: &answer.errors,
+        }
     }
 
     /// Diagnoses the logs, and reports to `progress` which of its [`STEPS`] begins.
@@ -187,6 +197,7 @@ impl Asked {
         let about = self.about(answer);
         let context = Context {
             names: self.names.clone(),
+            columns: self.columns.clone(),
             duration_s: about.duration_s,
             deviations: about.deviations(),
             findings: about.findings_of_loop().chain(advice.findings.iter().cloned()).collect(),

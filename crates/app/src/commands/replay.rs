@@ -10,7 +10,7 @@ use crate::report::replay::gap;
 use crate::report::replay::page::{Against, Report, page as html};
 use crate::report::replay::plot;
 use anyhow::Result;
-use diagnose::{Finding, FreeRun, Gap, check, free_runs};
+use diagnose::{FreeRun, Gap, check, free_runs};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,8 @@ struct Subject<'a> {
     log: LoadedLog,
     model: Model,
     words: Words,
-    findings: Vec<Finding>,
+    /// What the log cannot answer.
+    findings: Vec<String>,
     own: Replayed,
     other: Option<Replayed>,
 }
@@ -58,7 +59,8 @@ impl<'a> Subject<'a> {
         if !log.recording.has_setpoint() {
             config.refuse_setpoint(&no_setpoint(&args.log.display().to_string()), |_| false)?;
         }
-        let findings = check(&log.recording, &model);
+        let columns = config.tables.source_columns();
+        let findings = check(&log.recording, &model).iter().map(|finding| finding.in_columns(&columns)).collect();
         log.discard_implausible_readings(&model);
         let draws = args.plot.is_some() || args.html.is_some();
         let on_log = |model: &Model| Replayed {

@@ -9,6 +9,7 @@ use control::compensation::Compensation;
 use control::controller::{Controllers, Kind};
 use control::observer::Observer;
 use control::waveform::Waveform;
+use diagnose::SourceColumns;
 use plant::{DefinitionTable, Model, Unsound};
 use rows::Import;
 use serde::{Deserialize, Serialize};
@@ -204,6 +205,11 @@ impl Tables {
                 .map_err(|error| ("compensation", error))?;
         }
         Ok(())
+    }
+
+    /// The columns that a record is read from.
+    pub(crate) fn source_columns(&self) -> SourceColumns {
+        self.import.as_ref().map(Import::source_columns).unwrap_or_default()
     }
 
     /// Tells the model the length of a turn, where the unit of the imported position says that it is an angle.

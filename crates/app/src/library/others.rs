@@ -82,7 +82,7 @@ pub fn replay(belief: &Belief, log: &Log) -> Result<Made> {
         document: serde_json::to_string(&ReplayDocument::of(&gap, None))?,
         words: words.join("\n"),
         patch: String::new(),
-        notes: findings.iter().map(ToString::to_string).collect(),
+        notes: findings.iter().map(|finding| finding.in_columns(&belief.0.tables.source_columns())).collect(),
     })
 }
 

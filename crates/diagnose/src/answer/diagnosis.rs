@@ -85,7 +85,11 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
     let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| FlightFinding { flight, finding });
-    let obstacles = if can_answer { obstacles(belief, recordings.as_ref(), recording, &folds) } else { Vec::new() };
+    let obstacles = if can_answer {
+        obstacles(belief, recordings.as_ref(), recording, &folds)
+    } else {
+        reasons(belief, recordings.as_ref(), &findings)
+    };
     let mut answers = can_answer && obstacles.is_empty();
     findings.extend(obstacles);
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
@@ -174,6 +178,13 @@ fn obstacles(belief: &Model, logs: &[Recording], recording: &Recording, folds: &
     }
     let insufficiency = insufficiency(belief, recording, folds).into_iter();
     insufficiency.flat_map(|finding| (0..logs.len()).map(move |flight| FlightFinding { flight, finding })).collect()
+}
+
+/// The mistakes because of which no reading lies where the belief has its pipe; `findings`: what is known already.
+fn reasons(belief: &Model, logs: &[Recording], findings: &[FlightFinding]) -> Vec<FlightFinding> {
+    let is_outside = |noted: &FlightFinding| matches!(noted.finding, Finding::OutsidePipe { .. });
+    let is_explained = findings.iter().any(|noted| noted.finding.is_mistake());
+    if findings.iter().any(is_outside) && !is_explained { mistakes(belief, logs) } else { Vec::new() }
 }
 
 /// The finding that leaves a record without a verdict, if there is one.

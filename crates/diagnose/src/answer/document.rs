@@ -10,6 +10,7 @@ use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::Gap;
 use crate::gap::share_closed::Closed;
+use crate::record::source_columns::SourceColumns;
 use crate::residual::location::Place;
 use crate::residual::spectrum::Band;
 use crate::select::odds::Evidence;
@@ -27,6 +28,8 @@ const MOST_PLACES: usize = 8;
 pub struct Context {
     /// The names of the logs, in the order of the recordings. Messages name the log if there are several.
     pub names: Vec<String>,
+    /// The columns that they were read from.
+    pub columns: SourceColumns,
     /// Their total length, seconds.
     pub duration_s: f64,
     /// Stages before the plant (`controller`, `timing`) that deviated from the config, and the nats of that deviation.
@@ -247,7 +250,8 @@ impl Diagnosis {
         let several = context.names.len() > 1;
         let of_rows = self.findings.iter().map(|noted| {
             let name = context.names.get(noted.flight).map_or("", String::as_str);
-            if several { format!("{name}: {}", noted.finding) } else { noted.finding.to_string() }
+            let said = noted.finding.in_columns(&context.columns);
+            if several { format!("{name}: {said}") } else { said }
         });
         of_rows.chain(context.findings.iter().cloned()).chain(self.residual_in_words()).collect()
     }

@@ -73,13 +73,13 @@ fn readings_of_few_levels_are_in_no_other_unit() {
 #[test]
 fn a_distance_from_above_is_named_with_scale_and_offset() {
     let said = said(&model(), |row| row.position_mm = row.position_mm.map(|mm| 583.0 - mm));
-    assert!(said.contains("position_mm = { column = \"position_mm\", scale = -1.0, offset = 583.0 }"), "{said}");
+    assert!(said.contains("position_mm = { column = \"position_mm\", scale = -1, offset = 583 }"), "{said}");
 }
 
 #[test]
 fn a_turned_input_is_named_with_its_scale() {
     let said = said(&model(), |row| row.duty_percent = -row.duty_percent);
-    assert!(said.contains("duty_percent = { column = \"duty_percent\", scale = -1.0 }"), "{said}");
+    assert!(said.contains("duty_percent = { column = \"duty_percent\", scale = -1 }"), "{said}");
 }
 
 #[test]
@@ -179,4 +179,15 @@ fn a_gain_that_an_effect_takes_away_is_no_mistake() {
     assert_eq!(mistakes(&model(), record(&weak, 2, 60).as_ref()), []);
     let lagless = Model { effects: Effects::default(), ..model() };
     assert_eq!(mistakes(&lagless, record(&model(), 2, 60).as_ref()), []);
+}
+
+#[test]
+fn a_swinging_pendulum_whose_gravity_turns_its_gain_round_has_no_wrong_sign() {
+    let belief = Model { turn_mm: Some(500.0), ..model() };
+    let turned = spoilt(&model(), |row| row.duty_percent = 2.0 * 21.4 - row.duty_percent);
+    let [lowest, highest] = turned.height_range();
+    assert!(highest - lowest > 125.0);
+    assert_eq!(mistakes(&belief, std::slice::from_ref(&turned)), []);
+    let narrow = Model { turn_mm: Some(5e3), ..model() };
+    assert_ne!(mistakes(&narrow, std::slice::from_ref(&turned)), []);
 }

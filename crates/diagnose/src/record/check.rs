@@ -133,6 +133,7 @@ pub(crate) fn is_hopeless(findings: &[Finding], recording: &Recording, model: &M
         | Finding::SlowRows { .. }
         | Finding::RepeatedTimes { .. }
         | Finding::DutyFarBelowHover { .. }
+        | Finding::Exchanged
         | Finding::DutyBeyondPercent { .. } => true,
         Finding::FractionalDuty => model.hover_duty_percent > FRACTION_OF_HOVER,
         Finding::OutsidePipe { count, .. } => *count as f64 > ELSEWHERE * readings as f64,

@@ -107,6 +107,7 @@ impl Finding {
         matches!(
             self,
             Self::DutyBeyondPercent { .. }
+                | Self::Exchanged
                 | Self::SlowRows { .. }
                 | Self::RepeatedTimes { .. }
                 | Self::StillDuty { .. }

@@ -2,12 +2,16 @@
 
 use crate::record::check::OUTLIER;
 use crate::record::implausible::DutyScale;
-use crate::record::units::{digits, length, nearest_scale, short};
+use crate::record::source_columns::{Correction, Quantity, SourceColumns};
+use crate::record::units::{length, nearest_scale, short};
 
 /// A scale by hover is that of a usual unit within this factor; by the gain, of which an effect takes a part, within
 /// the other.
 const NEAR_BY_HOVER: f64 = 1.15;
 const NEAR_BY_GAIN: f64 = 2.0;
+
+/// Seconds.
+const MILLISECOND: f64 = 1e-3;
 
 /// A finding about a record that its reader should know.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, thiserror::Error)]
@@ -24,7 +28,8 @@ pub enum Finding {
     },
     /// The duty seems to be recorded as a fraction.
     #[error(
-        "every duty lies within 0 to 1, as fractions do; if they are fractions, say [import] duty_percent.scale = 100"
+        "every duty lies within 0 to 1, as fractions do; if they are fractions, write under [import]: {}",
+        duty(100.0)
     )]
     FractionalDuty,
     /// Duties that no fan takes.
@@ -55,16 +60,18 @@ pub enum Finding {
     /// Duties far below the believed hover.
     #[error(
         "the usual duty is {usual_percent:.4e} % where {hover_percent} % are believed to hold the ball: the column \
-         holds another unit, or the record is of another rig; say [import] duty_percent.scale, about {scale:.3e}, or \
-         mend plant.hover_duty_percent"
+         holds another unit, or the record is of another rig; write under [import]: {}, or correct \
+         plant.hover_duty_percent", duty(*scale).with_offset(*offset_percent)
     )]
     DutyFarBelowHover {
         /// Median of the duties' sizes, percent.
         usual_percent: f64,
         /// The believed hover, percent.
         hover_percent: f64,
-        /// What the duties would be multiplied by.
+        /// Percent per unit of the column, if its unit is another.
         scale: f64,
+        /// Added after scaling, percent.
+        offset_percent: f64,
     },
     /// Readings that cannot be positions of the ball.
     #[error(
@@ -140,7 +147,8 @@ pub enum Finding {
     /// The rows are too far apart.
     #[error(
         "the rows are {usual_s:.3} s apart, and nothing shorter can be seen: record at least 10 a second; if the times \
-         are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
+         are in milliseconds, write under [import]: {}",
+        time(MILLISECOND)
     )]
     SlowRows {
         /// The usual time between rows, seconds.
@@ -221,8 +229,7 @@ pub enum Finding {
     /// The position falls where the duty rises, at duties near the believed hover.
     #[error(
         "the position falls where the duty rises ({deviations:.0} deviations from 0), as the distance from a sensor \
-         above does: write [import] position_mm = {{ column = \"position_mm\", scale = -1.0, offset = {offset_mm:.1} \
-         }} with the column's own name; if it has a scale already, turn its sign"
+         above does: write under [import]: {}", position(-1.0).with_offset(*offset_mm)
     )]
     PositionReversed {
         /// The gain in its standard deviations.
@@ -233,8 +240,7 @@ pub enum Finding {
     /// The same at duties that have the other sign than hover.
     #[error(
         "the position falls where the duty rises ({deviations:.0} deviations from 0), and the duty has the other sign \
-         than plant.hover_duty_percent: write [import] duty_percent = {{ column = \"duty_percent\", scale = -1.0 }} \
-         with the column's own name; if it has a scale already, turn its sign"
+         than plant.hover_duty_percent: write under [import]: {}", duty(-1.0)
     )]
     InputReversed {
         /// The gain in its standard deviations.
@@ -243,9 +249,8 @@ pub enum Finding {
     /// The same of a rig that rests at a duty of 0.
     #[error(
         "the position falls where the duty rises ({deviations:.0} deviations from 0), so one of them has the wrong \
-         sign: write [import] duty_percent = {{ column = \"duty_percent\", scale = -1.0 }}, or position_mm = {{ column \
-         = \"position_mm\", scale = -1.0, offset = … }}, with the column's own name; if it has a scale already, turn \
-         its sign"
+         sign: write under [import]: {}; or, with an offset where it is measured from the other end: {}",
+        duty(-1.0), position(-1.0)
     )]
     SignReversed {
         /// The gain in its standard deviations.
@@ -254,9 +259,8 @@ pub enum Finding {
     /// The record hovers at another duty than believed, by a factor.
     #[error(
         "the record hovers at a duty of {hover_percent:.4}, and plant.hover_duty_percent is {believed_percent}: if the \
-         duty is in another unit, write [import] duty_percent = {{ column = \"duty_percent\", scale = {} }} with the \
-         column's own name, times the scale that is there; if the belief is, plant.hover_duty_percent = \
-         {hover_percent:.4}", digits(nearest_scale(*scale, NEAR_BY_HOVER))
+         duty is in another unit, write under [import]: {}; if the belief is, plant.hover_duty_percent = \
+         {hover_percent:.4}", by_hover(*scale)
     )]
     DutyUnit {
         /// Hover of the record, in the unit of its duty.
@@ -269,9 +273,8 @@ pub enum Finding {
     /// The gain is off by a factor, and hover is not: the position's unit.
     #[error(
         "the record fits a gain that is {ratio:.3e} times the believed one, and its hover fits: the position is in \
-         another unit{}; write [import] position_mm = {{ column = \"position_mm\", scale = {} }} with the column's own \
-         name, times the scale that is there; or, if the belief is wrong, plant.gain_mm_per_s2_per_percent = \
-         {gain:.4}", length(*ratio).0, digits(length(*ratio).1)
+         another unit{}; write under [import]: {}; or, if the belief is wrong, \
+         plant.gain_mm_per_s2_per_percent = {gain:.4}", length(*ratio).0, by_length(*ratio)
     )]
     PositionUnit {
         /// Gain of the record over that of the belief.
@@ -281,11 +284,9 @@ pub enum Finding {
     },
     /// The gain is off by a factor, of a rig that rests at a duty of 0: the unit of the duty or of the position.
     #[error(
-        "the record fits a gain that is {ratio:.3} times the believed one: if the duty is in another unit, write \
-         [import] duty_percent = {{ column = \"duty_percent\", scale = {} }}; if the position is{}, position_mm = {{ \
-         column = \"position_mm\", scale = {} }}; each with the column's own name, times the scale that is there; if \
-         the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}",
-         digits(nearest_scale(*ratio, NEAR_BY_GAIN)), length(*ratio).0, digits(length(*ratio).1)
+        "the record fits a gain that is {ratio:.3} times the believed one: if the duty is in another unit, write under \
+         [import]: {}; if the position is{}: {}; if the belief is wrong, plant.gain_mm_per_s2_per_percent = {gain:.4}",
+        by_gain(*ratio), length(*ratio).0, by_length(*ratio)
     )]
     GainUnit {
         /// Gain of the record over that of the belief.
@@ -295,9 +296,7 @@ pub enum Finding {
     },
     /// The believed plant fits with another clock.
     #[error(
-        "the record is that of the believed rig with its times in another unit: write [import] time_s = {{ column = \
-         \"time_s\", scale = {} }} with the column's own name, times the scale that is there",
-        digits(*scale)
+        "the record is that of the believed rig with its times in another unit: write under [import]: {}", time(*scale)
     )]
     TimeUnit {
         /// Seconds per unit of the times.
@@ -346,4 +345,58 @@ pub enum Finding {
         /// The longest run, rows.
         longest: usize,
     },
+}
+
+impl Finding {
+    /// The finding, with the lines of `[import]` that it asks for as they are for a record from these columns.
+    #[must_use]
+    pub fn in_columns(&self, columns: &SourceColumns) -> String {
+        let corrections = self.corrections().into_iter();
+        corrections.fold(self.to_string(), |said, one| said.replace(&one.to_string(), &one.line(columns)))
+    }
+
+    /// The corrections that its sentence asks for.
+    fn corrections(&self) -> Vec<Correction> {
+        match *self {
+            Self::FractionalDuty => vec![duty(100.0)],
+            Self::DutyBeyondPercent { scale: DutyScale(Some(scale)), .. } => vec![duty(scale)],
+            Self::DutyFarBelowHover { scale, offset_percent, .. } => vec![duty(scale).with_offset(offset_percent)],
+            Self::SlowRows { .. } => vec![time(MILLISECOND)],
+            Self::PositionReversed { offset_mm, .. } => vec![position(-1.0).with_offset(offset_mm)],
+            Self::InputReversed { .. } => vec![duty(-1.0)],
+            Self::SignReversed { .. } => vec![duty(-1.0), position(-1.0)],
+            Self::DutyUnit { scale, .. } => vec![by_hover(scale)],
+            Self::PositionUnit { ratio, .. } => vec![by_length(ratio)],
+            Self::GainUnit { ratio, .. } => vec![by_gain(ratio), by_length(ratio)],
+            Self::TimeUnit { scale } => vec![time(scale)],
+            _ => Vec::new(),
+        }
+    }
+}
+
+fn time(scale: f64) -> Correction {
+    Correction::scale(Quantity::Time, scale)
+}
+
+fn duty(scale: f64) -> Correction {
+    Correction::scale(Quantity::Duty, scale)
+}
+
+fn position(scale: f64) -> Correction {
+    Correction::scale(Quantity::Position, scale)
+}
+
+/// Of a duty whose hover is off by a factor.
+fn by_hover(scale: f64) -> Correction {
+    duty(nearest_scale(scale, NEAR_BY_HOVER))
+}
+
+/// Of a duty whose gain is off by a factor.
+fn by_gain(ratio: f64) -> Correction {
+    duty(nearest_scale(ratio, NEAR_BY_GAIN))
+}
+
+/// Of a position whose gain is off by a factor.
+fn by_length(ratio: f64) -> Correction {
+    position(length(ratio).1)
 }

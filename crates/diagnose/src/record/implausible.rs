@@ -5,6 +5,7 @@
 
 use crate::record::check::{Finding, without_codes};
 use crate::record::recording::{Recording, Sample};
+use crate::record::source_columns::{Correction, Quantity};
 use crate::record::units::nearest_scale;
 use crate::stats::median::median;
 use plant::Model;
@@ -20,6 +21,8 @@ const TIMES: f64 = 7.0;
 const UNIT: f64 = 0.1;
 /// A scale that gives the believed hover within this factor is that of the counts.
 const NEAR: f64 = 2.0;
+/// Positions that are duties lie within this factor of the believed hover.
+const EXCHANGED: f64 = 1.5;
 /// A reading further outside the pipe than this share of its length is no position of the ball. None of the same
 /// flights has one.
 const FAR: f64 = 0.5;
@@ -41,8 +44,8 @@ impl Display for DutyScale {
         match self.0 {
             Some(scale) => write!(
                 f,
-                "the column holds another unit; if it is counts, write under [import]: duty_percent = {{ column = \
-                 \"duty_percent\", scale = {scale:.4e} }}, with the column's own name"
+                "the column holds another unit; if it is counts, write under [import]: {}",
+                Correction::scale(Quantity::Duty, scale)
             ),
             None => write!(f, "remove these rows or mend the recorder"),
         }
@@ -61,6 +64,9 @@ pub(crate) fn duty_beyond_percent(samples: &[Sample], model: &Model) -> Option<F
     let is_beyond = |sample: &Sample| sample.duty_percent.abs() > limit_percent;
     let first = samples.iter().position(is_beyond)?;
     let count = samples.iter().filter(|sample| is_beyond(sample)).count();
+    if is_other_unit && looks_exchanged(samples, model) {
+        return Some(Finding::Exchanged);
+    }
     let scale = DutyScale(is_other_unit.then(|| scale(usual, model.hover_duty_percent.abs())));
     Some(Finding::DutyBeyondPercent {
         count,
@@ -71,16 +77,32 @@ pub(crate) fn duty_beyond_percent(samples: &[Sample], model: &Model) -> Option<F
     })
 }
 
+/// Whether the duties lie where positions of the ball are believed, and the positions near the believed hover.
+fn looks_exchanged(samples: &[Sample], model: &Model) -> bool {
+    let duty = median(samples.iter().map(|sample| sample.duty_percent).collect());
+    let position = median(samples.iter().filter_map(|sample| sample.position_mm).collect());
+    let is_position = duty.is_some_and(|duty| (0.0..=model.pipe_length_mm).contains(&duty));
+    let is_hover = position.map(|position| position / model.hover_duty_percent);
+    is_position && is_hover.is_some_and(|ratio| ratio > 0.0 && ratio.ln().abs() < EXCHANGED.ln())
+}
+
 /// The finding about duties far below what holds a ball, the other side of the same limit. Duties of 0 are a fan at
 /// rest.
 pub(crate) fn duty_far_below_hover(samples: &[Sample], model: &Model) -> Option<Finding> {
     let usual_percent = median(samples.iter().map(|sample| sample.duty_percent.abs()).collect())?;
     let hover_percent = model.hover_duty_percent.abs();
-    (usual_percent > 0.0 && usual_percent < hover_percent / TIMES).then(|| Finding::DutyFarBelowHover {
-        usual_percent,
-        hover_percent,
-        scale: hover_percent / usual_percent,
-    })
+    let is_far_below = usual_percent > 0.0 && usual_percent < hover_percent / TIMES;
+    let (scale, offset_percent) = symmetric(samples, model.hover_duty_percent)
+        .unwrap_or_else(|| (nearest_scale(hover_percent / usual_percent, NEAR), 0.0));
+    is_far_below.then_some(Finding::DutyFarBelowHover { usual_percent, hover_percent, scale, offset_percent })
+}
+
+/// Scale and offset of duties from −1 to 1 that stand for 0 to 100 %, if the usual one is then near the believed hover.
+fn symmetric(samples: &[Sample], hover_percent: f64) -> Option<(f64, f64)> {
+    let usual = median(samples.iter().map(|sample| sample.duty_percent).collect())?;
+    let hover = (50.0 * usual + 50.0) / hover_percent;
+    let is_symmetric = samples.iter().all(|sample| sample.duty_percent.abs() <= 1.0);
+    (is_symmetric && hover > 0.0 && hover.ln().abs() < NEAR.ln()).then_some((50.0, 50.0))
 }
 
 /// Percent per count: of the chip whose counts come nearest to the believed hover; of none, what gives that hover.
@@ -148,7 +170,7 @@ fn without_implausible_readings(recording: &Recording, model: &Model) -> Option<
 
 #[cfg(test)]
 mod tests {
-    use super::{duty_beyond_percent, scale, without_implausible_readings};
+    use super::{duty_beyond_percent, duty_far_below_hover, scale, without_implausible_readings};
     use crate::gap::forecast_error::Gap;
     use crate::record::check::Finding;
     use crate::tests_support::{model, record};
@@ -163,9 +185,7 @@ mod tests {
 
     #[test]
     fn duties_in_counts_are_found_with_the_scale_to_paste() {
-        for (counts, line) in
-            [(255.0, "3.9216e-1"), (1023.0, "9.7752e-2"), (4095.0, "2.4420e-2"), (65535.0, "1.5259e-3")]
-        {
+        for (counts, line) in [(255.0, "0.3922"), (1023.0, "0.09775"), (4095.0, "0.02442"), (65535.0, "0.001526")] {
             let record = rows_where(|_, row| row.duty_percent *= counts / 100.0);
             let finding = duty_beyond_percent(record.samples(), &model());
             // 8 bits stay within what a percent can be.
@@ -174,6 +194,37 @@ mod tests {
             assert!(counts < 1000.0 || said.contains(line), "{said}");
         }
         assert_eq!(scale(2e8, 20.0), 1e-7);
+    }
+
+    #[test]
+    fn duties_from_minus_1_to_1_are_found_with_scale_and_offset() {
+        let record = rows_where(|_, row| row.duty_percent = row.duty_percent / 50.0 - 1.0);
+        let said = duty_far_below_hover(record.samples(), &model()).map(|finding| finding.to_string());
+        assert!(said.as_ref().is_some_and(|said| said.contains("scale = 50, offset = 50 }")), "{said:?}");
+    }
+
+    #[test]
+    fn exchanged_columns_are_no_counts() {
+        let exchange = |_: usize, row: &mut Sample| {
+            let position = row.position_mm.replace(row.duty_percent);
+            row.duty_percent = position.unwrap_or_default();
+        };
+        let found = diagnose(&model(), &rows_where(exchange), &Options::default());
+        let mistakes = found.findings.iter().filter(|noted| noted.finding.is_mistake());
+        assert_eq!(mistakes.map(|noted| noted.finding).collect::<Vec<_>>(), [Finding::Exchanged]);
+    }
+
+    #[test]
+    fn readings_outside_the_pipe_in_another_unit_are_found_with_their_scale() {
+        let belief = Model { hover_duty_percent: 0.5, pipe_length_mm: 5e3, ..model() };
+        let cm = |_: usize, row: &mut Sample| {
+            row.duty_percent -= 20.9;
+            row.position_mm = row.position_mm.map(|mm| 100.0 * mm);
+        };
+        let found = diagnose(&belief, &rows_where(cm), &Options::default());
+        let said = found.findings.iter().map(|noted| noted.finding.to_string()).collect::<String>();
+        assert!(said.contains("position_mm = { column = \"position_mm\", scale = 0.0"), "{said}");
+        assert!(found.has_mistake(), "{said}");
     }
 
     #[test]

@@ -17,5 +17,6 @@ pub(crate) mod reading_variance;
 pub(crate) mod recording;
 pub(crate) mod sample_hold;
 pub(crate) mod second_sensor;
+pub(crate) mod source_columns;
 pub(crate) mod stretches;
 pub(crate) mod units;

@@ -5,6 +5,7 @@
 //! input      by a power of ten to within ±100 %; 0 to 255 is a PWM of 8 bits
 //! position   a length by its unit; what has another unit in that unit, or in thousandths or millionths of it, to a
 //!            range of 10 to 100,000; anything else by a power of ten to a range of 100 to 1000 mm
+//! speed      by a power of ten to a range of 100 to 1000 mm/s, or less where its integral would leave the longest pipe
 //! ```
 
 use super::names::Name;
@@ -43,6 +44,8 @@ pub struct Scales {
 
 /// Range of the record beside the length of a pipe whose ends it never meets.
 const ROOM: f64 = 3.0;
+/// The longest pipe that a config may have, mm.
+const LONGEST_MM: f64 = 1e6;
 
 /// The scales of the columns of a table.
 #[must_use]
@@ -65,7 +68,9 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
         let has_unit = !roles.is_speed && by_unit.is_none() && Name::of(y).unit.is_some();
         let by_unit = by_unit.filter(|scale| is_usual(scale * span(range.range)));
         let scale = asked.position_scale.or(own).or(by_unit).or_else(|| in_units().filter(|_| has_unit));
-        Scaled { scale: scale.unwrap_or_else(|| to_hundreds(span(range.range))), ..of(&values, &unit(y)) }
+        let by_range =
+            || if roles.is_speed { speed_scale(y, span(range.range)) } else { to_hundreds(span(range.range)) };
+        Scaled { scale: scale.unwrap_or_else(by_range), ..of(&values, &unit(y)) }
     });
     let (length_mm, offset) = match asked.length_mm {
         Some(length_mm) => (length_mm, 0.0),
@@ -159,10 +164,16 @@ fn to_hundreds(range: f64) -> f64 {
     if range > 0.0 { 10f64.powf(3.0 - (range * (1.0 - 1e-9)).log10().ceil()) } else { 1.0 }
 }
 
+/// The scale of a speed. A wheel that turns one way goes far; how it moves within a second shows in its speed.
+fn speed_scale(speed: &SheetColumn, range_of_integral: f64) -> f64 {
+    let longest = LONGEST_MM / (ROOM * range_of_integral.max(f64::MIN_POSITIVE));
+    to_hundreds(span(of(&speed.values, "").range)).min(10f64.powf(longest.log10().floor()))
+}
+
 /// Length and offset of a pipe in whose middle the record lies, mm, both round.
 fn around(position: &Scaled) -> (f64, f64) {
     let [low, high] = position.range;
-    let length = round(ROOM * span(position.range) * position.scale, 2).clamp(1.0, 1e6);
+    let length = round(ROOM * span(position.range) * position.scale, 2).clamp(1.0, LONGEST_MM);
     let offset = 0.5 * length - 0.5 * (low + high) * position.scale;
     let grid = 10f64.powf(length.log10().floor() - 2.0);
     (length, (offset / grid).round() * grid)
@@ -194,4 +205,30 @@ fn integral(values: &[Option<f64>], times: &[Option<f64>], scale: f64) -> Vec<Op
         Some(sum)
     };
     values.iter().zip(times).map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::roles::{Asked, roles};
+    use super::scales;
+    use rows::{Sheet, SheetColumn};
+
+    #[test]
+    fn a_wheel_that_turns_one_way_is_scaled_by_its_speed_and_stays_in_the_longest_pipe() {
+        let of = |seconds: usize| {
+            let values = |of: fn(f64) -> f64| (0..10 * seconds).map(|k| Some(of(k as f64 / 10.0))).collect();
+            let columns = [("t_s", values(|t| t)), ("u", values(|t| t.sin())), ("speed", values(|t| 2.0 + t.cos()))];
+            let columns = columns.map(|(name, values)| SheetColumn { name: name.into(), unit: None, values });
+            let sheet = Sheet { columns: columns.into(), rows: 10 * seconds };
+            let found = roles(&sheet, &Asked::default()).unwrap();
+            assert!(found.is_speed);
+            let scales = scales(&sheet, &found, &Asked::default());
+            (scales.position.scale, scales.length_mm)
+        };
+        // Its speed spans 2 units; two units a second go 1600 and 16,000 units.
+        assert_eq!(of(800).0, 100.0);
+        let (scale, length_mm) = of(8000);
+        assert_eq!(scale, 10.0);
+        assert!(length_mm <= 1e6, "{length_mm}");
+    }
 }

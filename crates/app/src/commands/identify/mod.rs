@@ -57,7 +57,10 @@ pub(crate) fn has_one_lag(model: &Model) -> Result<()> {
 
 /// The findings of the check of the logs, each with its log.
 fn said(asked: &Asked, findings: &[FlightFinding]) -> Vec<String> {
-    findings.iter().map(|noted| format!("{}: {}", asked.names[noted.flight], noted.finding)).collect()
+    findings
+        .iter()
+        .map(|noted| format!("{}: {}", asked.names[noted.flight], noted.finding.in_columns(&asked.columns)))
+        .collect()
 }
 
 /// Writes the requested patch.

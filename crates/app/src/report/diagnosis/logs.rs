@@ -3,13 +3,15 @@
 use crate::analysis::log_errors::LogErrors;
 use crate::analysis::loop_deviations::Upstream;
 use crate::analysis::next_experiment::Advice;
-use diagnose::{Diagnosis, Finding};
+use diagnose::{Diagnosis, Finding, SourceColumns};
 
 /// The logs of a diagnosis.
 #[derive(Clone, Copy, Debug)]
 pub struct Logs<'a> {
     /// Their names.
     pub names: &'a [String],
+    /// The columns that they were read from.
+    pub columns: &'a SourceColumns,
     /// Their length together, seconds.
     pub duration_s: f64,
     /// Deviations of the loop from its config, with the number of the log.
@@ -63,6 +65,6 @@ pub fn findings<'a>(found: &'a Diagnosis, logs: &Logs<'a>) -> impl Iterator<Item
 /// decides.
 #[must_use]
 pub fn sentences(found: &Diagnosis, advice: &Advice, logs: &Logs<'_>) -> Vec<String> {
-    let of_rows = findings(found, logs).map(|(name, finding)| logs.named(name, finding.to_string()));
+    let of_rows = findings(found, logs).map(|(name, finding)| logs.named(name, finding.in_columns(logs.columns)));
     of_rows.chain(logs.findings_of_loop()).chain(advice.findings.iter().cloned()).collect()
 }

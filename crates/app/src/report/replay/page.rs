@@ -8,7 +8,7 @@ use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Diagram, commanded, duty};
 use crate::report::replay::plot::{errors_of, free_runs_of};
-use diagnose::{Finding, FreeRun, Gap, Recording};
+use diagnose::{FreeRun, Gap, Recording};
 use maud::{Markup, html};
 
 /// The content of the page.
@@ -23,7 +23,7 @@ pub struct Report<'a> {
     /// The rows of the log.
     pub recording: &'a Recording,
     /// The findings of the check of the record.
-    pub findings: &'a [Finding],
+    pub findings: &'a [String],
     /// The gap.
     pub gap: &'a Gap,
     /// Free runs of the model.
@@ -53,10 +53,9 @@ pub fn page(report: &Report<'_>) -> String {
     };
     let errors = errors_of(report.recording, report.runs, report.against.map(|other| other.runs));
     let record = Record { diagrams: vec![position(), errors, duty(report.recording)] };
-    let said: Vec<String> = report.findings.iter().map(ToString::to_string).collect();
     let sections = vec![
         Section::across("horizons", "How far ahead it holds", horizons(report)),
-        Section::words("check", "What the record can answer", findings(&said)),
+        Section::words("check", "What the record can answer", findings(report.findings)),
         Section::across("record", "The whole record", whole(&record)),
     ];
     let from =

@@ -170,9 +170,9 @@ mod tests {
     use crate::record::folds::Folds;
     use crate::residual::misfit::Misfit;
     use crate::select::candidates::candidates;
+    use crate::select::random_force::is_random_force;
     use crate::select::refit::refitted;
     use crate::select::search::Search;
-    use crate::select::stepwise::is_random_force;
     use crate::tests_support::{model, record};
     use rayon::prelude::*;
 

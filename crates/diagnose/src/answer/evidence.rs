@@ -4,7 +4,8 @@ use crate::answer::diagnosis::Diagnosis;
 use crate::answer::mending::Mending;
 use crate::select::odds::Evidence;
 use crate::select::posterior::{Scored, chances};
-use crate::select::stepwise::{Change, Selection, is_of_path, is_random_force};
+use crate::select::random_force::is_random_force;
+use crate::select::stepwise::{Change, Selection, is_of_path};
 
 /// Adds the evidence for each named effect, and the probability that follows from it.
 pub(super) fn add_odds(found: &mut Selection, mending: &Mending) {

@@ -4,8 +4,9 @@ use crate::fit::estimate::Fit;
 use crate::select::candidates::{Candidate, candidates};
 use crate::select::odds::Evidence;
 use crate::select::posterior::Scored;
+use crate::select::random_force::is_random_force;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, is_random_force};
+use crate::select::stepwise::{Change, NamedEffect};
 use crate::thresholds::{INDISTINGUISHABLE, INDISTINGUISHABLE_TWINS, RANDOM_FORCE, RANDOM_FORCE_YIELDS};
 
 /// The effect that explains most beyond `so_far`, if it explains enough, and the scores of all effects.

@@ -25,9 +25,10 @@ use crate::fit::parameter::Parameter;
 use crate::record::folds::Folds;
 use crate::select::elimination::eliminate_by_forecasts;
 use crate::select::forecast::{Evaluated, deviations_at_all_horizons, with_believed_noise};
+use crate::select::random_force::is_random_force;
 use crate::select::screening::added;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, Selection, is_of_path, is_random_force, select_further};
+use crate::select::stepwise::{Change, NamedEffect, Selection, is_of_path, select_further};
 use crate::thresholds::BETTER_FORECAST;
 use plant::{Changes, Entry, Model, Noise};
 

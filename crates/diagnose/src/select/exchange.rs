@@ -6,8 +6,9 @@ use crate::fit::estimate::Fit;
 use crate::select::addition::best_addition;
 use crate::select::forecast::forecasts_worse;
 use crate::select::posterior::Scored;
+use crate::select::random_force::is_random_force;
 use crate::select::search::Search;
-use crate::select::stepwise::{NamedEffect, is_random_force};
+use crate::select::stepwise::NamedEffect;
 use crate::thresholds::{BEHIND, BEHIND_SHARE, SECOND_EFFECT};
 
 /// Searches for the effect at `at` again beside the others. Only effects that explained about as much in its round can

@@ -14,6 +14,7 @@ pub(crate) mod initial_values;
 pub(crate) mod odds;
 pub(crate) mod plausibility;
 pub(crate) mod posterior;
+pub(crate) mod random_force;
 pub(crate) mod ranking;
 pub(crate) mod refit;
 pub(crate) mod regression;

@@ -12,8 +12,9 @@
 
 use crate::fit::estimate::Fit;
 use crate::gap::forecast_error::Gap;
+use crate::select::random_force::is_random_force;
 use crate::select::search::Search;
-use crate::select::stepwise::{Change, NamedEffect, is_of_path, is_random_force};
+use crate::select::stepwise::{Change, NamedEffect, is_of_path};
 use crate::thresholds::LARGER;
 use plant::{Entry, Model};
 use rayon::prelude::*;

@@ -37,9 +37,10 @@ fn is_confirmed(search: &Search<'_>, entry: &Entry, fit: &Fit) -> bool {
 mod tests {
     use crate::options::Options;
     use crate::record::folds::Folds;
+    use crate::select::random_force::is_random_force;
     use crate::select::refit::refitted;
     use crate::select::search::Search;
-    use crate::select::stepwise::{is_random_force, select_effects};
+    use crate::select::stepwise::select_effects;
     use crate::tests_support::{model, record};
     use plant::effects::{SensorLag, Turbulence};
     use plant::{Effects, Model};

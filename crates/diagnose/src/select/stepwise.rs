@@ -11,6 +11,7 @@ use crate::select::exchange::exchange;
 use crate::select::forecast::loses_track;
 use crate::select::odds::Evidence;
 use crate::select::posterior::Scored;
+use crate::select::random_force::{is_random_force, search_from};
 use crate::select::ranking::rank;
 use crate::select::refit::with_other_sizes;
 use crate::select::search::Search;
@@ -100,34 +101,11 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
     found
 }
 
-/// The effects that are added to `refitted`. If a random force was found that is not plausible, the search is repeated
-/// without it from where it was added: it followed something else that is missing, which is better left unexplained.
-fn search_from(search: &Search<'_>, refitted: &Fit) -> Selection {
-    let start = SoFar {
-        fit: refitted.clone(),
-        effects: Vec::new(),
-        rounds: Vec::new(),
-        on_the_way: Vec::new(),
-        beaten: None,
-        misfit: None,
-    };
-    let (found, before_random_force) = stepwise_search(search, start);
-    let added = found.effects.iter().filter(|named| named.change == Change::Added);
-    let after = added.skip_while(|named| !is_random_force(named.candidate.entry)).count();
-    // No effect may follow a random force, which would have followed that effect as well.
-    match before_random_force {
-        Some(before) if after > 1 || (after == 1 && !found.misfit.allows_random_force()) => {
-            stepwise_search(&search.without(is_random_force), before).0
-        }
-        _ => found,
-    }
-}
-
 /// Adds further effects to those of a fit by forecasts, until none explains more; then removes those that are not
 /// needed. `misfit`: the residual tests of the search by likelihood, since they ask for white innovations.
 pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEffect>, misfit: &Misfit) -> Selection {
     let misfit = Some(misfit.clone());
-    let start = SoFar { fit, effects, rounds: Vec::new(), on_the_way: Vec::new(), beaten: None, misfit };
+    let start = SoFar { effects, misfit, ..SoFar::nothing(&fit) };
     let mut found = stepwise_search(search, start).0;
     let changes = found.effects.iter().take_while(|named| named.change == Change::Added).count();
     let changes = found.effects.split_off(changes);
@@ -138,11 +116,6 @@ pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEf
     found
 }
 
-/// Whether an effect can follow any missing force.
-pub(crate) fn is_random_force(entry: &Entry) -> bool {
-    entry.acts.follows_any_force()
-}
-
 /// Whether an effect changes the path of the ball or the mean of its readings. A random force changes their variance.
 pub(crate) fn is_of_path(entry: &Entry) -> bool {
     entry.acts.changes == Changes::Path
@@ -150,7 +123,7 @@ pub(crate) fn is_of_path(entry: &Entry) -> bool {
 
 /// A stepwise search between two rounds.
 #[derive(Clone)]
-struct SoFar {
+pub(super) struct SoFar {
     fit: Fit,
     effects: Vec<NamedEffect>,
     rounds: Vec<Vec<Scored>>,
@@ -161,8 +134,22 @@ struct SoFar {
     misfit: Option<Misfit>,
 }
 
+impl SoFar {
+    /// Before the first round.
+    pub(super) fn nothing(refitted: &Fit) -> Self {
+        let (effects, rounds, on_the_way) = (Vec::new(), Vec::new(), Vec::new());
+        Self { fit: refitted.clone(), effects, rounds, on_the_way, beaten: None, misfit: None }
+    }
+
+    /// What was found, with these effects and this fit in its place.
+    pub(super) fn after(found: &Selection, effects: Vec<NamedEffect>, fit: Fit) -> Self {
+        let (rounds, on_the_way) = (found.rounds.clone(), found.on_the_way.clone());
+        Self { fit, effects, rounds, on_the_way, beaten: None, misfit: None }
+    }
+}
+
 /// The effects found from `start` on, and where the last random force was added.
-fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFar>) {
+pub(super) fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, Option<SoFar>) {
     let (mut so_far, mut before_random_force) = (start, None);
     // On a long record even a small misfit gains more than chance does, because no model is exact.
     let readings = search.problem.recording.readings() as f64 * search.problem.folds.weight();

@@ -99,7 +99,7 @@ def test_a_log_that_kills_its_workers_is_given_up_and_the_others_are_not(logs, m
         made = fleet.diagnose(logs, model=model, out=tmp_path, client=client)
     assert made.failed == 7
     errors = {path.name: path.read_text() for path in tmp_path.rglob("*.error")}
-    assert errors["4.mcap.error"] == "4.mcap: its worker died 3 times; it may need more memory\n"
+    assert errors["4.mcap.error"] == "4.mcap: its worker died 3 times; it may need more memory, the log of the worker says why\n"
     assert all(text.endswith(": tried\n") for name, text in errors.items() if name != "4.mcap.error")
 
 

@@ -18,7 +18,10 @@ def _client(args: argparse.Namespace) -> Any:
         return slurm(args.slurm, **options)
     with extra("fleet"):
         from distributed import Client
-    return Client(args.scheduler)
+    try:
+        return Client(args.scheduler)
+    except (OSError, ValueError) as error:
+        raise Error(f"cannot reach the scheduler {args.scheduler}: {error}; check its address, and that it runs") from error
 
 
 def _count(word: str) -> int:

@@ -6,6 +6,11 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any, NamedTuple
 
+from ..errors import Error
+
+#: What a user is told where the scheduler does not answer any more.
+_GONE = "the connection to the scheduler is lost; what is written is kept, and the same call goes on from there"
+
 
 class Task(NamedTuple):
     """What `work(*arguments)` is called with."""
@@ -36,7 +41,7 @@ def results(client: Any, work: Callable[..., Any], tasks: Iterable[Task]) -> Ite
         return client.submit(work, *task.arguments, pure=False)
 
     def fill() -> None:
-        room = max(1, sum(client.nthreads().values())) - len(under_way)
+        room = max(1, _threads(client)) - len(under_way)
         for task in islice(waiting, max(0, room)):
             future = submit(task)
             under_way[future.key] = task
@@ -59,13 +64,23 @@ def results(client: Any, work: Callable[..., Any], tasks: Iterable[Task]) -> Ite
             yield Done(task.name, None, f"{task.name}: its worker died {deaths} times; it may need more memory, the log of the worker says why")
 
 
+def _threads(client: Any) -> int:
+    """The threads of the workers that are there now."""
+    try:
+        return sum(client.nthreads().values())
+    except OSError as error:
+        raise Error(_GONE) from error
+
+
 def _done(task: Task, future: Any) -> Done:
     """The result of a task. A fault of one task must not take the others with it."""
-    from distributed import KilledWorker
+    from distributed import CancelledError, KilledWorker
 
     try:
         return Done(task.name, future.result(), "")
     except KilledWorker:
         raise
+    except CancelledError as error:
+        raise Error(_GONE) from error
     except Exception as error:
         return Done(task.name, None, f"{task.name}: {type(error).__name__}: {error}")

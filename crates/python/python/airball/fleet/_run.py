@@ -35,7 +35,7 @@ def results(client: Any, work: Callable[..., Any], tasks: Iterable[Task]) -> Ite
 
     blamed: list[Task] = []
     under_way: dict[str, Task] = {}
-    waiting, finished = iter(tasks), as_completed()
+    waiting, finished = iter(tasks), as_completed(loop=client.loop)
 
     def submit(task: Task) -> Any:
         return client.submit(work, *task.arguments, pure=False)

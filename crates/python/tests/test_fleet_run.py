@@ -1,0 +1,63 @@
+"""How tasks are handed to workers: as many at a time as there are threads, at any moment."""
+
+import threading
+import time
+
+import pytest
+
+import airball as ab
+
+distributed = pytest.importorskip("distributed")
+from airball.fleet._run import Task, results  # noqa: E402
+
+
+#: Tasks that run now, and the most that ran at a time: the workers are threads of this process.
+BUSY = {"now": 0, "most": 0}
+LOCK = threading.Lock()
+
+
+def busy(number):
+    """A task of 50 ms."""
+    with LOCK:
+        BUSY["now"] += 1
+        BUSY["most"] = max(BUSY.values())
+    time.sleep(0.05)
+    with LOCK:
+        BUSY["now"] -= 1
+    if number == 1:
+        raise OSError("a fault of its own")
+    return number
+
+
+@pytest.fixture
+def cluster():
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as cluster, distributed.Client(cluster) as client:
+        yield cluster, client
+
+
+def test_workers_that_come_later_get_tasks_and_a_fault_of_one_is_its_own(cluster):
+    cluster, client = cluster
+    done = []
+    for result in results(client, busy, [Task(str(number), (number,)) for number in range(9)]):
+        if not done:
+            assert BUSY["most"] == 1
+            cluster.scale(3)
+            client.wait_for_workers(3)
+        done.append(result)
+    assert BUSY["most"] == 3
+    assert sorted(result.name for result in done) == [str(number) for number in range(9)], "each once"
+    assert {result.name: result.reason for result in done if result.reason} == {"1": "1: OSError: a fault of its own"}
+    assert all(result.result == int(result.name) for result in done if not result.reason)
+
+
+def test_a_scheduler_that_does_not_answer_is_told():
+    class Client:
+        loop = object()
+
+        def nthreads(self):
+            raise OSError("timed out")
+
+    with pytest.raises(ab.Error, match="^the connection to the scheduler is lost"):
+        list(results(Client(), abs, [Task("a", (1,))]))

@@ -61,3 +61,17 @@ def test_a_scheduler_that_does_not_answer_is_told():
 
     with pytest.raises(ab.Error, match="^the connection to the scheduler is lost"):
         list(results(Client(), abs, [Task("a", (1,))]))
+
+
+def test_the_table_of_many_logs_is_written_in_parts_and_read_as_one(tmp_path, monkeypatch):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    from airball import fleet
+
+    monkeypatch.setattr(fleet, "_ROWS", 2)
+    names = [f"{number}.csv" for number in range(5)]
+    for name in names:
+        (tmp_path / f"{name}.error").write_text(f"{name}: no\n")
+    fleet._table(tmp_path, [*names, "without reports.csv"])
+    assert parquet.ParquetFile(tmp_path / "results.parquet").num_row_groups == 3
+    frame = fleet.Finished(tmp_path, 0, 5).to_frame()
+    assert list(frame["log"]) == names and list(frame["error"]) == [f"{name}: no" for name in names]

@@ -13,6 +13,7 @@ import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +41,10 @@ def __getattr__(name: str) -> Any:
             from . import _across
         return getattr(_across, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+#: Rows of the table that are held in memory at a time, each with a document.
+_ROWS = 1000
 
 
 @dataclass(frozen=True)
@@ -125,13 +130,15 @@ def _table(folder: Path, names: list[str]) -> None:
     import pyarrow
     import pyarrow.parquet
 
-    rows = [row for row in (_row(folder, name) for name in names) if row is not None]
+    rows = (row for name in names if (row := _row(folder, name)) is not None)
     schema = pyarrow.schema(
         [("log", "string"), ("verdict", "string"), ("effect", "string"), ("probability", "float64")]
         + [(key, "float64") for key in ("believed_1s_mm", "mended_1s_mm", "noise_1s_mm", "closed")]
         + [("document", "string"), ("error", "string")]
     )
-    pyarrow.parquet.write_table(pyarrow.Table.from_pylist(rows, schema), folder / "results.parquet")
+    with pyarrow.parquet.ParquetWriter(folder / "results.parquet", schema) as table:
+        while some := list(islice(rows, _ROWS)):
+            table.write_table(pyarrow.Table.from_pylist(some, schema))
 
 
 def _row(folder: Path, name: str) -> dict[str, Any] | None:

@@ -7,6 +7,11 @@ import sys
 from pathlib import Path
 
 SBATCH = """#!/bin/sh
+if [ "$1" = --test-only ]; then
+    grep -q "^#SBATCH -p nowhere" || exit 0
+    echo "sbatch: error: invalid partition specified: nowhere" >&2
+    exit 1
+fi
 cd "$FAKE_SLURM"
 id=$$
 for script; do :; done

@@ -13,6 +13,7 @@ from fake_slurm import FakeSlurm
 dask = pytest.importorskip("dask")
 pytest.importorskip("dask_jobqueue")
 pytest.importorskip("pyarrow")
+import airball as ab  # noqa: E402
 from airball import fleet  # noqa: E402
 from test_fleet_inputs import STILL, reports  # noqa: E402
 
@@ -74,3 +75,10 @@ def test_a_job_that_ends_is_submitted_again_and_its_log_is_diagnosed(slurm, logs
         assert (made.diagnosed, made.failed) == (1, 0)
         assert len(slurm.running()) == 1 and first not in slurm.running()
     until(lambda: not slurm.running())
+
+
+def test_a_job_that_slurm_refuses_is_an_error_with_its_reason(slurm):
+    reason = "^Slurm refuses the job: sbatch: error: invalid partition specified: nowhere; check memory"
+    with pytest.raises(ab.Error, match=reason), fleet.slurm(1, queue="nowhere", **HERE):
+        pass
+    assert not slurm.submitted()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -54,5 +55,13 @@ def slurm(workers: int, *, memory: str | None = None, **options: Any) -> Iterato
         SLURMCluster(cores=1, processes=1, memory=memory, job_script_prologue=prologue, **options) as cluster,
         Client(cluster) as client,
     ):
+        _check_job(cluster.job_script())
         cluster.adapt(minimum_jobs=workers, maximum_jobs=workers)
         yield client
+
+
+def _check_job(script: str) -> None:
+    """Refuses a job that Slurm would refuse: it would be submitted again and again."""
+    tried = subprocess.run(["sbatch", "--test-only"], input=script, capture_output=True, text=True, check=False)
+    if tried.returncode:
+        raise Error(f"Slurm refuses the job: {tried.stderr.strip()}; check memory, walltime, partition and account")

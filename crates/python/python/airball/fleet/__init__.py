@@ -2,7 +2,7 @@
 
 The files are those of the command: for each log `NAME.json` and `NAME.html`, or `NAME.error` with the reason; then
 `summary.csv` and `index.html` of all, and beside them `results.parquet`. A log with a JSON is done, so a run that was
-stopped goes on. Workers are to have one thread each and `RAYON_NUM_THREADS=1`; `local` and `slurm` start such ones.
+stopped goes on. Workers are to have one thread each and the variables `ENVIRONMENT`; `local` and `slurm` start such ones.
 
 `across` compares the rigs of such a folder with each other and over time.
 """
@@ -23,7 +23,7 @@ from .._diagnosis import diagnose as _diagnose
 from .._model import Model, _Path
 from .._recording import Recording, model_of
 from ..errors import ArgumentError, Error
-from ._clusters import DEATHS, local, slurm
+from ._clusters import DEATHS, ENVIRONMENT, local, slurm
 from ._files import write_whole
 from ._inputs import Place, find, local_copy
 from ._run import Task, results
@@ -31,7 +31,7 @@ from ._run import Task, results
 if TYPE_CHECKING:
     from ._across import Across, across
 
-__all__ = ["DEATHS", "Across", "Finished", "across", "diagnose", "local", "report", "slurm"]
+__all__ = ["DEATHS", "ENVIRONMENT", "Across", "Finished", "across", "diagnose", "local", "report", "slurm"]
 
 
 def __getattr__(name: str) -> Any:

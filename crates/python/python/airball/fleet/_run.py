@@ -10,6 +10,8 @@ from ..errors import Error
 
 #: What a user is told where the scheduler does not answer any more.
 _GONE = "the connection to the scheduler is lost; what is written is kept, and the same call goes on from there"
+#: Tasks for each thread that are under way: one runs, and the next one is there when it ends.
+_AHEAD = 2
 
 
 class Task(NamedTuple):
@@ -28,8 +30,8 @@ class Done(NamedTuple):
 
 
 def results(client: Any, work: Callable[..., Any], tasks: Iterable[Task]) -> Iterator[Done]:
-    """The results in the order in which they are made. One task per thread of the workers is under way at a time, also of
-    workers that come later, so that the scheduler's memory does not grow with the number of tasks. Dask blames a worker's
+    """The results in the order in which they are made. A few tasks for each thread of the workers, also of workers that come
+    later, are under way at a time, so that the scheduler's memory does not grow with their number. Dask blames a worker's
     death on all that it held, so a task that is blamed is tried again when nothing else runs."""
     from distributed import KilledWorker, as_completed
 
@@ -41,7 +43,7 @@ def results(client: Any, work: Callable[..., Any], tasks: Iterable[Task]) -> Ite
         return client.submit(work, *task.arguments, pure=False)
 
     def fill() -> None:
-        room = max(1, _threads(client)) - len(under_way)
+        room = max(1, _AHEAD * _threads(client)) - len(under_way)
         for task in islice(waiting, max(0, room)):
             future = submit(task)
             under_way[future.key] = task

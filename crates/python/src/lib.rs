@@ -22,7 +22,7 @@ mod _airball {
     #[pymodule_export]
     use super::program::main;
     #[pymodule_export]
-    use super::results::{Diagnosed, design, diagnose_logs, identify, propose, replay, summarise, tell_apart};
+    use super::results::{Diagnosed, design, diagnose_logs, identify, is_log, propose, replay, summarise, tell_apart};
 
     /// The version of the package, which is that of the program.
     #[pymodule_export]

@@ -176,8 +176,14 @@ pub(crate) fn tell_apart(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Vec<(S
     interruptible(py, &Stop::default(), |_| Ok(()), move || library::tell_apart(&paths))
 }
 
-/// Writes the table and the page of the reports in a folder. Returns the numbers of diagnoses and of errors.
+/// Whether a file of this name in a folder is a log.
 #[pyfunction]
-pub(crate) fn summarise(py: Python<'_>, paths: Vec<PathBuf>, out: PathBuf) -> PyResult<(usize, usize)> {
-    interruptible(py, &Stop::default(), |_| Ok(()), move || library::summarise(&paths, &out))
+pub(crate) fn is_log(name: &str) -> bool {
+    library::is_log(name)
+}
+
+/// Writes the table and the page of the reports in a folder on logs of these names. Returns the numbers of diagnoses and of errors.
+#[pyfunction]
+pub(crate) fn summarise(py: Python<'_>, names: Vec<String>, out: PathBuf) -> PyResult<(usize, usize)> {
+    interruptible(py, &Stop::default(), |_| Ok(()), move || library::summarise(&names, &out))
 }

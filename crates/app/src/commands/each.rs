@@ -37,8 +37,13 @@ pub(crate) struct Named {
 impl Named {
     /// One of its files of the reports.
     fn file(&self, out: &Path, end: &str) -> PathBuf {
-        out.join(format!("{}.{end}", self.name))
+        file(out, &self.name, end)
     }
+}
+
+/// One of the files of the reports of a log.
+fn file(out: &Path, name: &str, end: &str) -> PathBuf {
+    out.join(format!("{name}.{end}"))
 }
 
 /// Diagnoses each log by itself; `config`: `None` where one is proposed for each.
@@ -96,11 +101,17 @@ fn gather(root: &Path, folder: &Path, logs: &mut Vec<Named>) -> Result<()> {
         let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().into_owned();
         if path.is_dir() {
             gather(root, &path, logs)?;
-        } else if LOGS.iter().any(|end| name.to_lowercase().ends_with(end)) {
+        } else if is_log(&name) {
             logs.push(Named { name, path });
         }
     }
     Ok(())
+}
+
+/// Whether a file of this name in a folder is a log.
+pub(crate) fn is_log(name: &str) -> bool {
+    let name = name.to_lowercase();
+    LOGS.iter().any(|end| name.ends_with(end))
 }
 
 /// Diagnoses one log and writes its reports; the verdict or the reason why there is none.
@@ -162,16 +173,16 @@ fn made() -> Made {
     Made::by(["diagnose", "--each"].map(String::from).into_iter())
 }
 
-/// Writes the table of all logs that have reports, whoever made them. Returns its rows.
-pub(crate) fn tables(logs: &[Named], out: &Path) -> Result<Vec<Row>> {
+/// Writes the table of all logs of these names that have reports, whoever made them. Returns its rows.
+pub(crate) fn tables(names: &[String], out: &Path) -> Result<Vec<Row>> {
     let mut before = None;
     loop {
-        let rows: Vec<Row> = logs.iter().filter_map(|log| row(log, out)).collect();
+        let rows: Vec<Row> = names.iter().filter_map(|name| row(name, out)).collect();
         if before.as_ref() == Some(&rows) {
             break;
         }
         write("table", &out.join("summary.csv"), &csv(&rows)?)?;
-        page::write(&out.join("index.html"), &summary(&rows, logs.len(), &made()))?;
+        page::write(&out.join("index.html"), &summary(&rows, names.len(), &made()))?;
         // Another process may have finished a log meanwhile, and have written its table before this one.
         before = Some(rows);
     }
@@ -180,7 +191,8 @@ pub(crate) fn tables(logs: &[Named], out: &Path) -> Result<Vec<Row>> {
 
 /// Writes the table and says where it is.
 fn tell(logs: &[Named], out: &Path) -> Result<()> {
-    let rows = tables(logs, out)?;
+    let names: Vec<String> = logs.iter().map(|log| log.name.clone()).collect();
+    let rows = tables(&names, out)?;
     let bad = rows.iter().filter(|row| row.error.is_some()).count();
     let count = rows.len() - bad;
     say(format!("{count} of {} logs are diagnosed, {bad} cannot be read or diagnosed", logs.len()))?;
@@ -188,10 +200,10 @@ fn tell(logs: &[Named], out: &Path) -> Result<()> {
 }
 
 /// The row of a log; `None` where nothing is known of it yet.
-fn row(log: &Named, out: &Path) -> Option<Row> {
-    if let Ok(json) = fs::read_to_string(log.file(out, "json")) {
-        return Some(Row::of(&log.name, &json));
+fn row(name: &str, out: &Path) -> Option<Row> {
+    if let Ok(json) = fs::read_to_string(file(out, name, "json")) {
+        return Some(Row::of(name, &json));
     }
-    let error = fs::read_to_string(log.file(out, "error")).ok()?;
-    Some(Row::without(&log.name, error.trim_end()))
+    let error = fs::read_to_string(file(out, name, "error")).ok()?;
+    Some(Row::without(name, error.trim_end()))
 }

@@ -15,7 +15,7 @@ pub use belief::Belief;
 pub use diagnosed::{Diagnosed, FreeRunPoints, Pictured};
 pub use flown::{Flown, Programme, fly};
 pub use log::Log;
-pub use others::{Made, design, export_fmu, identify, propose, replay, summarise, tell_apart};
+pub use others::{Made, design, export_fmu, identify, is_log, propose, replay, summarise, tell_apart};
 
 pub use crate::commands::{Usage, with_causes};
 pub use crate::config::ConfigError;

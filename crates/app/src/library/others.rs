@@ -115,13 +115,19 @@ pub fn tell_apart(paths: &[PathBuf]) -> Result<Vec<(String, PathBuf)>> {
     Ok(each::logs(paths)?.into_iter().map(|log| (log.name, log.path)).collect())
 }
 
-/// Writes `summary.csv` and `index.html` of the reports in `out`, as `airball diagnose --each` does. Returns how many
-/// logs have a diagnosis, and how many an error.
+/// Whether a file of this name in a folder is a log, by its end.
+#[must_use]
+pub fn is_log(name: &str) -> bool {
+    each::is_log(name)
+}
+
+/// Writes `summary.csv` and `index.html` of the reports in `out` on logs of these names, as `airball diagnose --each`
+/// does. Returns how many logs have a diagnosis, and how many an error.
 ///
 /// # Errors
-/// As [`tell_apart`], or files that cannot be written.
-pub fn summarise(paths: &[PathBuf], out: &Path) -> Result<(usize, usize)> {
-    let rows = each::tables(&each::logs(paths)?, out)?;
+/// Files that cannot be written.
+pub fn summarise(names: &[String], out: &Path) -> Result<(usize, usize)> {
+    let rows = each::tables(names, out)?;
     let errors = rows.iter().filter(|row| row.error.is_some()).count();
     Ok((rows.len() - errors, errors))
 }

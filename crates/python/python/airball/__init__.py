@@ -12,11 +12,12 @@
 from . import design, errors
 from ._airball import VERSION as __version__
 from ._diagnosis import Diagnosis, Effect, Interval, Ladder, diagnose
+from ._innovations import Innovations
 from ._linear import StateSpace
 from ._model import Model
 from ._recording import Experiment, Recording, Simulation, experiments, read, simulate
 from ._results import Result, identify, propose, replay
-from .errors import ArgumentError, ConfigError, Error, LogError, RecordingError, UsageError
+from .errors import ArgumentError, ConfigError, Error, LogError, MissingLibraryError, RecordingError, UsageError
 
 __all__ = [
     "ArgumentError",
@@ -25,9 +26,11 @@ __all__ = [
     "Effect",
     "Error",
     "Experiment",
+    "Innovations",
     "Interval",
     "Ladder",
     "LogError",
+    "MissingLibraryError",
     "Model",
     "Recording",
     "RecordingError",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _airball
+from ._innovations import Innovations, innovations
 from ._linear import StateSpace, state_space
 from .errors import ArgumentError, Error
 
@@ -177,6 +178,16 @@ class Model:
         `pade`: order of the approximation of the delay; with 0 the delay is left out, and a warning says so.
         """
         return self.to_state_space().to_control(pade)
+
+    def to_innovations(self, period: float | None = None) -> Innovations:
+        """The linear part in discrete time, its noise as the steady Kalman gain K. `period` in seconds: by default that of
+        the control loop."""
+        return innovations(self.to_state_space(), self.noise, self.hover, period)
+
+    def to_mat(self, path: _Path, period: float | None = None) -> None:
+        """Writes A, B, C, D, K and Ts as a file of MATLAB (version 5), for `idss(A, B, C, D, K, zeros(size(K)), Ts)`. A
+        file that exists is kept."""
+        self.to_innovations(period).to_mat(path)
 
     def to_fmu(self, path: _Path) -> None:
         """Writes the simulated rig as an FMU (FMI 2.0, co-simulation, 64-bit Linux), as `airball export fmu` does. A

@@ -21,5 +21,9 @@ class UsageError(Error, ValueError):
     """Options that do not exist, or that exclude each other."""
 
 
+class MissingLibraryError(Error, ImportError):
+    """A library that is not installed. The text names the extra of the package that brings it."""
+
+
 class ArgumentError(Error, ValueError):
     """Arrays that are no columns of numbers. The text names the argument."""

@@ -37,6 +37,9 @@ pub(crate) struct BlindArgs {
     /// The program to be judged [default: the airball beside this program]
     #[arg(long, value_name = "FILE")]
     pub(crate) airball: Option<PathBuf>,
+    /// Print the diagnoses that are to be made, each as a line of JSON, and make none: for --verdicts, made elsewhere
+    #[arg(long, conflicts_with_all = ["out", "verdicts", "jobs", "airball", "json"])]
+    pub(crate) plan: bool,
     /// Write the result as JSON, and nothing else, to standard output
     #[arg(long)]
     pub(crate) json: bool,

@@ -5,6 +5,7 @@ mod case;
 mod cli;
 mod folder;
 mod output;
+mod plan;
 mod sealed;
 mod work;
 
@@ -15,6 +16,7 @@ use folder::Folder;
 use output::{note, reader_is_gone, say, with_causes};
 use score::{BlindDocument, page, score};
 use sealed::Sealed;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 use work::{Done, Work};
@@ -38,6 +40,9 @@ fn main() -> ExitCode {
 fn blind(args: &BlindArgs) -> Result<()> {
     let folder = Folder::open(&args.folder)?;
     let sealed = args.truth.as_ref().map(|truth| Sealed::open(truth, args.bounds.as_deref())).transpose()?;
+    if args.plan {
+        return plan::of(args, &folder, sealed.as_ref()).iter().try_for_each(say_as_json);
+    }
     let work = Work::new(args, &folder, sealed.as_ref())?;
     let done = work.all()?;
     let unreadable = done.iter().filter(|done| done.answer.is_err()).count();
@@ -49,9 +54,13 @@ fn blind(args: &BlindArgs) -> Result<()> {
         score: sealed.map(|sealed| score(&sealed.joined(done))),
     };
     if args.json {
-        return say(serde_json::to_string(&document).context("the score could not be written as JSON")?);
+        return say_as_json(&document);
     }
     say(page(&document))
+}
+
+fn say_as_json(value: &impl Serialize) -> Result<()> {
+    say(serde_json::to_string(value).context("the result could not be written as JSON")?)
 }
 
 /// Number of answers with each verdict.

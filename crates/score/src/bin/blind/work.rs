@@ -15,7 +15,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// Subfolder of the diagnoses whose search left out the true effect.
-const LEFT_OUT: &str = "left-out";
+pub(crate) const LEFT_OUT: &str = "left-out";
 
 /// The source of the answers.
 enum Source<'a> {
@@ -59,8 +59,7 @@ pub(crate) struct Done {
 impl<'a> Work<'a> {
     /// Makes the folders and chooses the cases.
     pub(crate) fn new(args: &'a BlindArgs, folder: &'a Folder, sealed: Option<&'a Sealed>) -> Result<Self> {
-        let known = |case: &str| folder.records.contains_key(case);
-        let again = sealed.map_or_else(BTreeMap::new, |sealed| sealed.to_leave_out(args.leave_out, known));
+        let again = again(args, folder, sealed);
         if let Some(out) = &args.out {
             let made = if again.is_empty() { out.clone() } else { out.join(LEFT_OUT) };
             let context = || format!("cannot make the folder {}; check the permissions", made.display());
@@ -148,8 +147,14 @@ impl<'a> Work<'a> {
     }
 }
 
+/// Cases to be diagnosed again, each with the effect that is left out.
+pub(crate) fn again(args: &BlindArgs, folder: &Folder, sealed: Option<&Sealed>) -> BTreeMap<String, String> {
+    let known = |case: &str| folder.records.contains_key(case);
+    sealed.map_or_else(BTreeMap::new, |sealed| sealed.to_leave_out(args.leave_out, known))
+}
+
 /// The file of a case's answer.
-fn file(folder: &Path, case: &str) -> PathBuf {
+pub(crate) fn file(folder: &Path, case: &str) -> PathBuf {
     folder.join(format!("{case}.json"))
 }
 

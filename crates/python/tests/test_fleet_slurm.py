@@ -58,7 +58,7 @@ def test_the_command_diagnoses_by_jobs_and_ends_them(slurm, logs, binary, tmp_pa
     assert reports(tmp_path / "out") == reports(tmp_path / "alone")
     scripts = slurm.submitted()
     assert len(scripts) == 2
-    for line in ("#SBATCH -t 00:09:00", "#SBATCH --mem=954M", "export RAYON_NUM_THREADS=1", "--nthreads 1"):
+    for line in ("#SBATCH -t 00:09:00", "#SBATCH --mem=954M", "export RAYON_NUM_THREADS=1", "PROFILE__ENABLED=False", "--nthreads 1"):
         assert line in scripts[0], scripts[0]
     until(lambda: not slurm.running())
 

@@ -5,7 +5,7 @@ use super::Report;
 use crate::report::diagnosis::ladder;
 use crate::report::diagnosis::logs::sentences;
 use crate::report::diagnosis::plot::runs;
-use crate::report::diagnosis::words::{FLY_ANOTHER, whole_percent};
+use crate::report::diagnosis::words::{first_of_all, whole_percent};
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{self, bars, capital, chance, spoken};
 use crate::report::kit::page::stretch::worst;
@@ -14,8 +14,8 @@ use diagnose::{Closed, Rung, Series, Verdict, with_rivals};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
-    if report.found.verdict == Verdict::InsufficientData {
-        return reasons(report);
+    if let Some(advice) = first_of_all(report.found) {
+        return reasons(report, advice);
     }
     html! {
         p.lede { (lede(report)) }
@@ -27,11 +27,11 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
 }
 
 /// Why the record cannot answer, and what to do.
-fn reasons(report: &Report<'_>) -> Markup {
+fn reasons(report: &Report<'_>, first: &str) -> Markup {
     html! {
         h2.unseen { "Why the record cannot answer" }
         ul.reasons { @for reason in sentences(report.found, report.advice, report.logs) { li { (reason) } } }
-        p.lede { (FLY_ANOTHER) }
+        p.lede { (first) }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{ladder, mend};
 use crate::config::words::Words;
+use crate::report::kit::words::p_value;
 use control::compensation::Compensation;
 use diagnose::{Change, Closed, Diagnosis, NamedEffect, Place, Verdict};
 use std::fmt::Write;
@@ -37,7 +38,7 @@ pub fn words_of(found: &Diagnosis, compensation: Option<&Compensation>, rig: &Wo
         let _ = write!(words, "\n{}", effect(named, found, compensation, rig));
     }
     for place in found.regions().iter().take(3) {
-        let _ = write!(words, "\nwrong {} (p = {:.3})", place_in_words(place), place.p_value);
+        let _ = write!(words, "\nwrong {} ({})", place_in_words(place), p_value(place.p_value));
     }
     if let Some(residual) = found.residual_in_words() {
         let _ = write!(words, "\n{residual}");

@@ -5,6 +5,7 @@ mod effects;
 mod gap;
 mod location;
 mod mending;
+mod path;
 mod summary;
 
 use super::logs::{Logs, findings};
@@ -101,7 +102,7 @@ fn record(report: &Report<'_>) -> Record {
     position.lines.insert(0, commanded(&picture.recording));
     let mut diagrams = vec![position, duty(&picture.recording)];
     // Without a significant place the curve of the force is that of chance.
-    if !picture.missing.is_empty() && !found.regions().is_empty() {
+    if location::shows_force(&picture.missing, &found.regions()) {
         let mut force = over_time(&picture.missing, &found.regions());
         force.lines.iter_mut().for_each(|line| line.label = "");
         diagrams.push(force);

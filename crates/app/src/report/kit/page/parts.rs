@@ -187,15 +187,6 @@ pub fn places(value: f64) -> usize {
     if value.abs() < SMALLEST { 0 } else { places }
 }
 
-/// A probability in words that do not promise certainty.
-pub fn chance(chance: f64) -> String {
-    match 100.0 * chance {
-        percent if percent > 99.0 => "more than 99 %".into(),
-        percent if percent < 1.0 => "less than 1 %".into(),
-        percent => format!("{percent:.0} %"),
-    }
-}
-
 /// A name of the program in words: `dead_zone` is "dead zone".
 pub fn spoken(name: &str) -> String {
     name.replace('_', " ")

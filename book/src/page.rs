@@ -1,8 +1,8 @@
 //! A page of the gallery as Markdown, and the list of all.
 
 use crate::gallery::Exhibit;
-use airball::book::{advice_words, chance, number, spoken, stage, words};
-use diagnose::Verdict;
+use airball::book::{advice_words, number, spoken, stage, words};
+use diagnose::{Verdict, chance_in_words};
 use plant::{Entry, Neutral, Param, Similar};
 use std::fmt::Write;
 
@@ -44,7 +44,7 @@ fn answer(exhibit: &Exhibit) -> String {
     let names = found.effects.iter().map(|named| {
         let all = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
         let all: Vec<String> = all.map(|name| spoken(name)).collect();
-        format!("{} ({})", all.join(" or "), chance(named.probability))
+        format!("{} ({})", all.join(" or "), chance_in_words(named.probability))
     });
     let verdict = match found.verdict {
         Verdict::Effect => None,
@@ -134,7 +134,7 @@ fn competitors(exhibit: &Exhibit) -> String {
             .into();
     }
     for (one, likely) in tried.into_iter().take(COMPETITORS) {
-        let likely = likely.map_or_else(|| "–".into(), chance);
+        let likely = likely.map_or_else(|| "–".into(), chance_in_words);
         let (name, gain) = (link(one.name, exhibit.entry.name), number(Some(one.held_out_gain), 1));
         let _ = write!(text, "\n| {name} | {} | {gain} | {likely} |", stage(known(exhibit), one.name));
     }

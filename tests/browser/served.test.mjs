@@ -61,7 +61,7 @@ test("served: the stop button stops the fan and what it said goes when the ball 
   const { page, wrong } = await flying();
   await stop(page);
   await until(page, "stopped", async () => (await text(page, "mode")) === "stopped" && (await text(page, "duty")) === "0.00");
-  assert.match(await text(page, "stop-said"), /the broker has it/);
+  assert.match(await text(page, "stop-said"), /the flight has it/);
   await page.getByRole("button", { name: "Fly again" }).click();
   await until(page, "nothing said", async () => (await text(page, "stop-said")) === "" && (await text(page, "mode")) === "flying");
   assert.deepEqual(wrong, []);

@@ -256,3 +256,64 @@ fn a_dead_zone_is_found_whole_behind_a_correction_and_the_mend_is_its_new_number
     let said = bench.output(&["diagnose", "f.mcap"]);
     assert!(said.contains("[compensation.dead_zone] was on with -0.15 to 0.15 %: set lower_percent = -0."), "{said}");
 }
+
+/// A flight whose positions are in metres, as a CSV.
+fn in_metres(bench: &Bench) {
+    let _ = bench.output(&["simulate", "--duration", "40", "--log", "f.mcap"]);
+    let exported = bench.output(&["log", "export", "f.mcap"]);
+    let mut lines = exported.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let [time, duty, position] = ["time_s", "duty_percent", "position_mm"].map(at);
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let metres = cells[position].parse().map_or(String::new(), |mm: f64| format!("{}", mm / 1000.0));
+        format!("{},{},{metres}\n", cells[time], cells[duty])
+    };
+    bench.write("m.csv", format!("time_s,duty_percent,position_mm\n{}", lines.map(row).collect::<String>()));
+}
+
+#[test]
+fn page_and_terminal_ask_for_the_same_where_a_unit_is_wrong() {
+    let bench = Bench::default();
+    in_metres(&bench);
+    let ran = bench.run(&["diagnose", "m.csv", "--html", "m.html"]);
+    let (said, page) = (ran.output, bench.read("m.html"));
+    let advice = "Correct units, signs or columns as said above, and diagnose it again.";
+    assert!(said.contains(advice) && page.contains(advice), "{said}");
+    assert!(!page.contains("Fly at least 30 s") && !page.contains("No further experiment is needed"));
+    // A fit that was not judged is not ticked.
+    assert!(page.contains("not checked: </span>gain and drag within"), "{page}");
+    // Without an answer no loop is compared.
+    assert!(!said.contains("closed loop"), "{said}");
+}
+
+#[test]
+fn a_loop_without_a_gap_has_no_mended_margin_and_a_screened_search_no_empty_table() {
+    let bench = Bench::default();
+    let _ = bench.output(&["simulate", "--seed", "4", "--log", "f.mcap"]);
+    let found = diagnose(&bench, &["f.mcap", "--html", "f.html"]);
+    assert_eq!(found["verdict"], "no_gap");
+    let margin = &found["gap"]["closed_loop"]["critical_gain_ratio"];
+    assert!(margin["nominal"].is_number() && margin["mended"].is_null(), "{margin}");
+    assert!(!bench.read("f.html").contains("<tbody></tbody>"));
+}
+
+#[test]
+fn what_is_typed_nearly_right_is_answered_with_what_to_run() {
+    let bench = Bench::default();
+    std::fs::create_dir(bench.path("logs")).unwrap();
+    let said = bench.run(&["diagnose", "logs"]).errors;
+    assert!(said.contains("airball diagnose --each logs --out reports"), "{said}");
+    let ran = bench.run(&["identify", "x.csv"]);
+    assert!(ran.code == Some(2) && ran.errors.contains("airball identify grey-box x.csv"), "{}", ran.errors);
+}
+
+#[test]
+fn a_hole_in_the_time_has_no_more_digits_than_it_needs() {
+    let bench = Bench::default();
+    let rows: String = (0..500).map(|k| format!("{},21.4,300\n", 562.499_999_9 + 20_000.1 * f64::from(k))).collect();
+    bench.write("us.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
+    let said = bench.run(&["diagnose", "us.csv"]).errors;
+    assert!(said.contains("no row for 20000.1 s before row 2, from 562.5 s to 20562.6 s"), "{said}");
+}

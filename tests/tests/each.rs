@@ -19,6 +19,7 @@ fn bench() -> Bench {
     bench.write("logs/monday/b.csv", still(200));
     bench.write("logs/bad.csv", "x,y\n1,2\n");
     bench.write("logs/notes.md", "no log");
+    bench.write("logs/px4.ulg", b"ULog\x01\x12\x35\x01 and more");
     bench
 }
 
@@ -44,7 +45,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn every_log_of_a_folder_has_a_page_and_a_row_and_a_bad_one_has_its_reason() {
     let bench = bench();
     let said = bench.output(&["diagnose", "--each", "logs", "--out", "reports"]);
-    assert!(said.starts_with("2 of 3 logs are diagnosed, 1 cannot be read or diagnosed\n"), "{said}");
+    assert!(said.starts_with("0 of 4 logs are diagnosed, 2 cannot answer, 2 cannot be read or diagnosed\n"), "{said}");
     let made = files(&bench.path("reports"));
     let expected = [
         "a.csv.html",
@@ -53,6 +54,7 @@ fn every_log_of_a_folder_has_a_page_and_a_row_and_a_bad_one_has_its_reason() {
         "index.html",
         "monday/b.csv.html",
         "monday/b.csv.json",
+        "px4.ulg.error",
         "summary.csv",
     ];
     assert_eq!(made.keys().collect::<Vec<_>>(), expected);
@@ -61,6 +63,9 @@ fn every_log_of_a_folder_has_a_page_and_a_row_and_a_bad_one_has_its_reason() {
     assert!(rows[0].starts_with("a.csv,insufficient_data,") && rows[2].starts_with("monday/b.csv,"), "{table}");
     assert!(rows[1].starts_with("bad.csv,,") && rows[1].contains("no column `time_s`"), "{table}");
     assert!(bench.read("reports/index.html").contains("href=\"./monday/b.csv.html\""));
+    // Why a log cannot answer is on the page, and how a log of another program is converted.
+    let page = bench.read("reports/index.html");
+    assert!(page.contains("the duty stays within") && page.contains("ulog2csv"), "{page}");
     // One log alone gives the same document.
     let alone = bench.run(&["diagnose", "--json", "logs/a.csv"]).output;
     assert_eq!(bench.read("reports/a.csv.json"), alone.trim_end());
@@ -80,7 +85,7 @@ fn shares_and_restarts_leave_the_same_files_and_do_nothing_twice() {
     let ran = bench.run(&["diagnose", "--each", "logs", "--out", "whole"]);
     assert_eq!(bench.read("whole/a.csv.json"), "{}");
     assert_eq!(bench.read("whole/monday/b.csv.json"), bench.read("shares/monday/b.csv.json"));
-    assert!(ran.errors.contains("of 2: monday/b.csv") && !ran.errors.contains("of 2: a.csv"), "{}", ran.errors);
+    assert!(ran.errors.contains("of 3: monday/b.csv") && !ran.errors.contains("of 3: a.csv"), "{}", ran.errors);
 }
 
 #[test]

@@ -217,3 +217,18 @@ fn a_flight_of_our_own_brings_its_config() {
     let ran = bench.run(&["diagnose", "f.mcap", "--json"]);
     assert!(ran.output.contains("\"verdict\":\"no_gap\"") && ran.errors.contains("rig.toml is used"), "{}", ran.errors);
 }
+
+#[test]
+fn units_are_written_as_they_are_usual_and_a_column_without_a_name_is_told_by_its_place() {
+    let bench = Bench::default();
+    let row = |k: u32| {
+        let t = 0.01 * f64::from(k);
+        format!("{k},{t:.2},{:.4},{:.4}\n", 5.0 * (0.7 * t).sin(), 0.4 + 0.1 * (0.7 * t - 1.0).sin())
+    };
+    let rows: String = (0..4000).map(row).collect();
+    bench.write("v.csv", format!(",t,u [V],y\n{rows}"));
+    let said = bench.output(&["init", "v.csv", "--out", "v.toml"]);
+    assert!(said.contains("5 V; 1 V is read as"), "{said}");
+    assert!(said.contains("; 1 is read as") && !said.contains("unit"), "{said}");
+    assert!(said.contains("not used: column 1 (without a name)"), "{said}");
+}

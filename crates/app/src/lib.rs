@@ -65,5 +65,5 @@ pub mod book {
     /// Two flights in one picture.
     pub use crate::report::flight::plot::two_flights;
     /// Names and numbers as they are printed.
-    pub use crate::report::kit::page::parts::{chance, number, spoken, stage};
+    pub use crate::report::kit::page::parts::{number, spoken, stage};
 }

@@ -8,6 +8,7 @@ use crate::commands::{
 use crate::config::ConfigError;
 use anyhow::Result;
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
 use std::process::ExitCode;
 
 /// Exit status of wrong usage, as in clap; a config is part of the usage.
@@ -23,7 +24,8 @@ pub fn run() -> ExitCode {
 /// The same, with the exit status as a number.
 #[must_use]
 pub fn status() -> u8 {
-    match of_command(Cli::parse_from(crate::started::arguments()).command) {
+    let cli = Cli::try_parse_from(crate::started::arguments()).unwrap_or_else(|error| with_tip(error).exit());
+    match of_command(cli.command) {
         Ok(status) => status,
         Err(error) if reader_is_gone(&error) => 0,
         Err(error) => {
@@ -31,6 +33,21 @@ pub fn status() -> u8 {
             if error.is::<ConfigError>() || error.is::<Usage>() { WRONG_USAGE } else { 1 }
         }
     }
+}
+
+/// The error of a command line; where a log stands in the place of a way to identify, with what to run.
+fn with_tip(mut error: clap::Error) -> clap::Error {
+    let log = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(name)) if name.contains('.') => name.clone(),
+        _ => return error,
+    };
+    let usage = error.get(ContextKind::Usage).map(ToString::to_string).unwrap_or_default();
+    if usage.contains("identify") {
+        let tip = format!("`airball identify grey-box {log}` finds gain, drag, hover and fan lag from any flight");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+        error.remove(ContextKind::SuggestedSubcommand);
+    }
+    error
 }
 
 fn of_command(command: Command) -> Result<u8> {

@@ -72,7 +72,7 @@ pub use answer::effect_curves::{Abscissa, Binned, EffectCurve};
 pub use answer::formula::FormulaTerm;
 pub use answer::formula_curves::{FormulaCurve, Over};
 pub use answer::ladder::{Dropped, Rest, Rung, Step};
-pub use answer::sentences::{decimals, with_rivals};
+pub use answer::sentences::{chance_in_words, decimals, with_rivals};
 pub use answer::stages::StageShare;
 pub use answer::verdict::Verdict;
 pub use fit::bounds::Bounds;

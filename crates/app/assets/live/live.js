@@ -61,6 +61,7 @@
     at("rig-state").dataset.good = online && !silent;
     // What is shown is of some time ago: it must not look like now.
     document.body.dataset.stale = !fresh;
+    document.body.dataset.online = online;
     if (latest) show("mode", `${fresh ? "" : "was "}${latest.mode.replace("_", " ")}`);
     if (!online) show("fault", "");
     at("others").hidden = online || others.size === 0;
@@ -197,7 +198,7 @@
     const input = words.length > 0 ? choice() : Object.assign(document.createElement("input"), { type: "number", name, min, step: "any", inputMode: "decimal" });
     if (words.length === 0 && max !== null) input.max = max;
     label.append(Object.assign(document.createElement("span"), { textContent: unit ? `${symbol}, ${unit}` : symbol }), input);
-    const range = max === null ? `at least ${min}` : `${min} to ${max}`;
+    const range = `accepted: ${max === null ? `at least ${min}` : `${min} to ${max}`}`;
     if (words.length === 0) label.append(Object.assign(document.createElement("small"), { textContent: absent ? `${range}; off as the flight began` : range }));
     input.addEventListener("input", () => {
       input.dataset.edited = "";

@@ -21,6 +21,10 @@
   const said = document.getElementById("stop-said");
   const say = (text) => (said.textContent = text);
   const SUPPLY = "Switch off the fan's supply.";
+  // A page that a flight serves has no broker.
+  const served = document.documentElement.dataset.served !== undefined;
+  // Whether the rest of the page knows that no rig is online; it may not run.
+  const alone = () => document.body.dataset.online === "false";
 
   const dial = (left) => {
     let over = false;
@@ -43,7 +47,8 @@
           if (heard[0] === 0x20 && heard[3] === 0) socket.send(stop());
           else if (heard[0] === 0x40) {
             over = true;
-            say("Stop sent: the broker has it.");
+            const who = served ? "the flight" : "the broker";
+            say(`Stop sent: ${who} has it.`);
             socket.close();
             document.dispatchEvent(new Event("stop-sent"));
           } else {
@@ -59,7 +64,7 @@
     }
   };
   button.addEventListener("click", () => {
-    say("Stopping…");
+    say(alone() ? "Stopping, though no rig is online…" : "Stopping…");
     dial(TRIES);
   });
 })();

@@ -56,7 +56,7 @@
       show(parts.fault, fault ?? (last && !last.acknowledged ? `Last fault, ${last.at}: ${last.fault}` : ""));
     }
     const there = [...rigs.values()].filter(({ online }) => online).length;
-    show(at("count"), connected ? `${rigs.size} rigs, ${there} online, ${faults} with a fault` : `no connection to ${airball.broker()}, trying again`);
+    show(at("count"), connected ? `${rigs.size} ${rigs.size === 1 ? "rig" : "rigs"}, ${there} online, ${faults} with a fault` : `no connection to ${airball.broker()}, trying again`);
     at("none").hidden = !connected || rigs.size > 0;
   };
 

@@ -7,6 +7,7 @@ use super::{announce, may_write, note, say, warn, write};
 use crate::analysis::next_experiment::Advice;
 use crate::analysis::virtual_flight::Desk;
 use crate::cli::DiagnoseArgs;
+use crate::locked::locked;
 use crate::report::diagnosis::logs::findings;
 use crate::report::diagnosis::page::{Report, page as html};
 use crate::report::diagnosis::plot;
@@ -18,8 +19,10 @@ use crate::report::kit::patch::rounded;
 use ::diagnose::{Finding, Progress, ProgressStep, Series, Verdict};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 /// The config of a folder, and the one that is proposed where there is none.
 const CONFIG: &str = "config.toml";
@@ -27,6 +30,9 @@ const PROPOSED: &str = "rig.toml";
 
 /// Time between two frames of the progress bar's spinner.
 const TICK: Duration = Duration::from_millis(120);
+
+/// Time between two lines where there is no bar.
+const LINE: Duration = Duration::from_secs(10);
 
 /// Exit status of a diagnosis whose record cannot answer.
 const NO_ANSWER: u8 = 3;
@@ -56,10 +62,16 @@ pub fn diagnose(args: &DiagnoseArgs) -> Result<u8> {
         }
     }
     let bar = bar()?;
-    let shown = bar.clone();
-    let progress = Progress::new(move |step| match step {
-        ProgressStep::Planned(fits) => shown.inc_length(fits as u64),
-        ProgressStep::Made => shown.inc(1),
+    let (shown, lines) = (bar.clone(), Lines::of(!args.json && !stderr().is_terminal()));
+    let progress = Progress::new(move |step| {
+        match step {
+            ProgressStep::Planned(fits) => shown.inc_length(fits as u64),
+            ProgressStep::Made => shown.inc(1),
+        }
+        if let Some(after) = lines.due() {
+            let (made, all) = (shown.position(), shown.length().unwrap_or_default());
+            note(format_args!("still searching after {:.0} s: {made} of {all} fits so far", after.as_secs_f64()));
+        }
     });
     let options = args.options(progress);
     let answer = asked.diagnose(&options, &|step| bar.set_message(step));
@@ -138,7 +150,10 @@ fn tell(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     }
     let desk = asked.desk();
     say(rig.of(&words_of(&answer.found, desk.as_ref().map(Desk::compensation), rig)))?;
-    let more = closed_loop::words(&answer.looped).into_iter().chain(next::words(&answer.advice));
+    // Beside a record that cannot say what separates simulator and rig, nothing compares the two.
+    let answers = answer.found.verdict != Verdict::InsufficientData;
+    let looped = if answers { closed_loop::words(&answer.looped) } else { Vec::new() };
+    let more = looped.into_iter().chain(next::words(&answer.advice));
     more.map(|line| rig.of(&line)).try_for_each(say)
 }
 
@@ -149,6 +164,29 @@ fn bar() -> Result<ProgressBar> {
     bar.set_style(ProgressStyle::with_template("{spinner} {bar:30} {pos}/{len} fits  {wide_msg} {elapsed}")?);
     bar.enable_steady_tick(TICK);
     Ok(bar)
+}
+
+/// The lines that tell of the progress where no terminal shows a bar.
+struct Lines {
+    began: Instant,
+    said: Mutex<Option<Instant>>,
+}
+
+impl Lines {
+    fn of(is_wanted: bool) -> Self {
+        let began = Instant::now();
+        Self { began, said: Mutex::new(is_wanted.then_some(began)) }
+    }
+
+    /// The time since the beginning, where a line is due.
+    fn due(&self) -> Option<Duration> {
+        let mut said = locked(&self.said);
+        if said.is_none_or(|last| last.elapsed() < LINE) {
+            return None;
+        }
+        *said = Some(Instant::now());
+        Some(self.began.elapsed())
+    }
 }
 
 /// Draws the result and writes the missing force, where requested.

@@ -173,7 +173,9 @@ impl Asked {
         let found = diagnose::diagnose(&self.belief, &self.recordings, options);
         let mended = (found.verdict != Verdict::InsufficientData).then_some(&found.mended.model);
         progress(fly);
-        let looped = closed_loop::measure(&self.logs, &self.tables, &self.belief, mended);
+        // Without a gap nothing was mended that the loop could be flown with.
+        let corrected = mended.filter(|_| found.verdict != Verdict::NoGap);
+        let looped = closed_loop::measure(&self.logs, &self.tables, &self.belief, corrected);
         progress(choose);
         let together = Recording::together(self.seen());
         // No flight mends a unit.

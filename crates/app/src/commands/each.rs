@@ -14,7 +14,7 @@ use super::init::propose;
 use super::{Usage, note, say, write};
 use crate::cli::DiagnoseArgs;
 use crate::report::diagnosis::page::page as html;
-use crate::report::each::{Row, csv, page as summary};
+use crate::report::each::{Row, count, csv, page as summary};
 use crate::report::kit::page::{self, made::Made};
 use ::diagnose::{Progress, Series};
 use anyhow::{Context, Result, anyhow};
@@ -25,7 +25,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Ends of the names of files that are logs, where a folder is named.
-const LOGS: [&str; 7] = [".mcap", ".csv", ".csv.gz", ".csv.zst", ".tsv", ".txt", ".dat"];
+const LOGS: [&str; 8] = [".mcap", ".csv", ".csv.gz", ".csv.zst", ".tsv", ".txt", ".dat", ".parquet"];
+/// The same of logs of other programs, whose rows say how to convert them.
+const FOREIGN: [&str; 10] = [".ulg", ".bag", ".db3", ".mat", ".xlsx", ".h5", ".hdf5", ".npz", ".feather", ".csv.bz2"];
 
 /// A log, and its name in the reports.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -108,10 +110,10 @@ fn gather(root: &Path, folder: &Path, logs: &mut Vec<Named>) -> Result<()> {
     Ok(())
 }
 
-/// Whether a file of this name in a folder is a log.
+/// Whether a file of this name in a folder is a log, ours or one of a format that is refused by its name.
 pub(crate) fn is_log(name: &str) -> bool {
     let name = name.to_lowercase();
-    LOGS.iter().any(|end| name.ends_with(end))
+    LOGS.iter().chain(&FOREIGN).any(|end| name.ends_with(end))
 }
 
 /// Diagnoses one log and writes its reports; the verdict or the reason why there is none.
@@ -193,9 +195,11 @@ pub(crate) fn tables(names: &[String], out: &Path) -> Result<Vec<Row>> {
 fn tell(logs: &[Named], out: &Path) -> Result<()> {
     let names: Vec<String> = logs.iter().map(|log| log.name.clone()).collect();
     let rows = tables(&names, out)?;
-    let bad = rows.iter().filter(|row| row.error.is_some()).count();
-    let count = rows.len() - bad;
-    say(format!("{count} of {} logs are diagnosed, {bad} cannot be read or diagnosed", logs.len()))?;
+    let [diagnosed, mute, bad] = count(&rows);
+    say(format!(
+        "{diagnosed} of {} logs are diagnosed, {mute} cannot answer, {bad} cannot be read or diagnosed",
+        logs.len()
+    ))?;
     say(format!("table {} and page {}", out.join("summary.csv").display(), out.join("index.html").display()))
 }
 

@@ -82,8 +82,9 @@ fn lines(belief: &FirstBelief, sheet: &Sheet) -> Vec<String> {
     let others: Vec<String> = sheet
         .columns
         .iter()
-        .filter(|one| !is_used(&one.name))
-        .map(|one| format!("`{}`", shown(&one.name)))
+        .enumerate()
+        .filter(|(_, one)| !is_used(&one.name))
+        .map(|(at, one)| name_of(at, &one.name))
         .take(20)
         .collect();
     if !others.is_empty() {
@@ -93,6 +94,11 @@ fn lines(belief: &FirstBelief, sheet: &Sheet) -> Vec<String> {
         ));
     }
     lines
+}
+
+/// A column by its name, or by its place where it has none.
+fn name_of(at: usize, name: &str) -> String {
+    if name.trim().is_empty() { format!("column {} (without a name)", at + 1) } else { format!("`{}`", shown(name)) }
 }
 
 /// The config that a flight of our own holds.

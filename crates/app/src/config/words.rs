@@ -34,6 +34,8 @@ pub struct Words {
 
 /// Elements whose text is no sentence.
 const LITERAL: [&str; 3] = ["code", "style", "script"];
+/// Units of a position that is an angle.
+const ANGLES: [&str; 6] = ["deg", "°", "rad", "mrad", "µrad", "rev"];
 /// Longest word, letters.
 const LONGEST: usize = 24;
 
@@ -125,7 +127,13 @@ impl Words {
         let input = self.input.as_deref().unwrap_or("duty");
         let of_input = self.input_unit.as_deref();
         let mut pairs: Vec<(String, String)> = Vec::new();
-        let mut put = |old: &str, new: String| pairs.push((old.to_owned(), new));
+        let mut put = |old: &str, new: String| {
+            for (a, an) in [("a ", "an "), ("A ", "An ")] {
+                let article = if new.starts_with(['a', 'e', 'i', 'o', 'u']) { an } else { a };
+                pairs.push((format!("{a}{old}"), format!("{article}{new}")));
+            }
+            pairs.push((old.to_owned(), new));
+        };
         if let Some(of_input) = of_input {
             put("mm/s² per % of duty", format!("{unit}/s² per {of_input}"));
             put("mm/s² per percent", format!("{unit}/s² per {of_input}"));
@@ -150,6 +158,10 @@ impl Words {
             put("heights", format!("values of the {position}"));
             put("pipe", "range".into());
             put("fan", "actuator".into());
+            let turns = self.position_unit.as_deref().is_some_and(|unit| ANGLES.contains(&unit));
+            put("acceleration of the ball", if turns { "angular acceleration" } else { "acceleration" }.into());
+            put("in free flight", "between the ends".into());
+            put("free flight", "motion between the ends".into());
             put("fly", "record".into());
             put("Fly", "Record".into());
             put("flight", "record".into());
@@ -195,6 +207,8 @@ mod tests {
             cart().of("The ball drifts 3 mm at a duty of 2 % of duty: 5.1 mm/s² per percent; height, mm. Position");
         assert_eq!(said, "The angle drifts 3 deg at a voltage of 2 V: 5.1 deg/s² per V; angle, deg. Angle");
         assert_eq!(cart().of("98 % sure, the duty."), "98 % sure, the voltage.");
+        let said = cart().of("A ball and a fan: 30 s in free flight, acceleration of the ball over duty");
+        assert_eq!(said, "An angle and an actuator: 30 s between the ends, angular acceleration over voltage");
     }
 
     #[test]

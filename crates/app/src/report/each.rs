@@ -4,7 +4,7 @@ use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{number, spoken, table};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
-use diagnose::Interval;
+use diagnose::{Interval, chance_in_words};
 use maud::{Markup, html};
 use serde_json::Value;
 
@@ -40,11 +40,26 @@ pub struct Row {
     errors_mm: [Option<f64>; 4],
     closed: Estimate,
     base: [Estimate; 3],
-    /// The first finding.
+    /// The findings: the first, or of a log that cannot answer all.
     finding: String,
 }
 
+/// The verdict of a log that cannot answer.
+const CANNOT_ANSWER: &str = "insufficient_data";
+
+/// How many logs are diagnosed, cannot answer, and have an error.
+#[must_use]
+pub fn count(rows: &[Row]) -> [usize; 3] {
+    let bad = rows.iter().filter(|row| row.error.is_some()).count();
+    let mute = rows.iter().filter(|row| row.cannot_answer()).count();
+    [rows.len() - bad - mute, mute, bad]
+}
+
 impl Row {
+    fn cannot_answer(&self) -> bool {
+        self.verdict == CANNOT_ANSWER
+    }
+
     /// The row of a diagnosis' document.
     #[must_use]
     pub fn of(log: &str, json: &str) -> Self {
@@ -71,7 +86,7 @@ impl Row {
             errors_mm: ["nominal_mm", "refitted_mm", "mended_mm", "floor_mm"].map(at_1_s),
             closed: estimate(&gap["closed"]),
             base: BASE.map(|name| estimate(&document["parameters"][name])),
-            finding: words(&document["check"]["findings"][0]),
+            finding: findings(&document),
         }
     }
 
@@ -84,7 +99,7 @@ impl Row {
     fn effects_in_words(&self) -> String {
         let words = self.effects.iter().map(|EffectOf { name, probability, parameters }| {
             let parameters = parameters.iter().map(|(name, value)| format!(" {name} = {}", value.in_words()));
-            format!("{name} {:.0} %{}", 100.0 * probability, parameters.collect::<String>())
+            format!("{name} {}{}", chance_in_words(*probability), parameters.collect::<String>())
         });
         words.collect::<Vec<_>>().join("; ")
     }
@@ -100,6 +115,13 @@ impl Estimate {
 fn estimate(value: &Value) -> Estimate {
     let number = |key: &str| value[key].as_f64();
     Estimate { value: number("value"), low: number("low"), high: number("high") }
+}
+
+/// The first finding of a diagnosis, and all that leave it without an answer.
+fn findings(document: &Value) -> String {
+    let all = document["check"]["findings"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let most = if document["verdict"] == CANNOT_ANSWER { all.len() } else { 1 };
+    all.iter().take(most).filter_map(Value::as_str).collect::<Vec<_>>().join("; ")
 }
 
 /// The table as CSV.
@@ -132,13 +154,16 @@ pub fn csv(rows: &[Row]) -> Result<String, csv::Error> {
 /// The table as a page; `all`: the number of logs.
 #[must_use]
 pub fn page(rows: &[Row], all: usize, made: &Made) -> String {
-    let bad = rows.iter().filter(|row| row.error.is_some()).count();
-    let answer = format!("{} of {all} logs diagnosed, {bad} with an error", rows.len() - bad);
+    let [diagnosed, mute, bad] = count(rows);
+    let answer = format!("{diagnosed} of {all} logs diagnosed, {mute} cannot answer, {bad} with an error");
     let record = Record { diagrams: Vec::new() };
     let from = vec![format!("{all} logs")];
     let first =
         html! { p { "Each log by itself; its name leads to its page. Errors are those of forecasts 1 s ahead." } };
     let mut sections = vec![Section::across("logs", "Log by log", of_logs(rows))];
+    if mute > 0 {
+        sections.push(Section::across("mute", "Why a log cannot answer", of_mute(rows)));
+    }
     if bad > 0 {
         sections.push(Section::across("errors", "Without a diagnosis", of_errors(rows)));
     }
@@ -173,6 +198,12 @@ fn of_logs(rows: &[Row]) -> Markup {
     table("Log by log, numbers with 90 % intervals", &heads, &rows)
 }
 
+fn of_mute(rows: &[Row]) -> Markup {
+    let mute = rows.iter().filter(|row| row.cannot_answer());
+    let rows: Vec<_> = mute.map(|row| (html! { (row.log) }, vec![html! { (row.finding) }])).collect();
+    table("Logs that cannot answer", &["log", "reason"], &rows)
+}
+
 fn of_errors(rows: &[Row]) -> Markup {
     let bad = rows.iter().filter_map(|row| Some((row, row.error.as_ref()?)));
     let rows: Vec<_> = bad.map(|(row, error)| (html! { (row.log) }, vec![html! { (error) }])).collect();
@@ -189,7 +220,7 @@ fn address(log: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Row, address, csv, page};
+    use super::{Row, address, count, csv, page};
     use crate::report::kit::page::made::Made;
 
     #[test]
@@ -198,6 +229,17 @@ mod tests {
         let page = page(std::slice::from_ref(&row), 1, &Made::default());
         assert!(!page.contains("<b>") && page.contains("href=\"./javascript%3A%3Cb%3E%26.csv.html\""));
         assert_eq!(address("a/b c.mcap"), "./a/b%20c.mcap.html");
+    }
+
+    #[test]
+    fn a_log_that_cannot_answer_is_not_counted_as_diagnosed_and_its_reasons_are_on_the_page() {
+        let mute = r#"{"verdict":"insufficient_data","check":{"findings":["the duty stays","too few readings"]}}"#;
+        let rows =
+            [Row::of("a.csv", r#"{"verdict":"no_gap"}"#), Row::of("b.csv", mute), Row::without("c.csv", "empty")];
+        assert_eq!(count(&rows), [1, 1, 1]);
+        let page = page(&rows, 3, &Made::default());
+        assert!(page.contains("1 of 3 logs diagnosed, 1 cannot answer, 1 with an error"));
+        assert!(page.contains("the duty stays; too few readings"));
     }
 
     #[test]

@@ -132,7 +132,12 @@ fn time(belief: &FirstBelief) -> String {
 }
 
 fn range(scaled: &Scaled) -> String {
-    format!("{} to {} {}", number(scaled.range[0]), number(scaled.range[1]), scaled.read_as)
+    of_unit(&format!("{} to {}", number(scaled.range[0]), number(scaled.range[1])), &scaled.read_as)
+}
+
+/// Numbers with their unit, where it is known.
+fn of_unit(numbers: &str, unit: &str) -> String {
+    if unit.is_empty() { numbers.to_owned() } else { format!("{numbers} {unit}") }
 }
 
 fn input(belief: &FirstBelief) -> String {
@@ -176,15 +181,15 @@ pub fn words(belief: &FirstBelief) -> Vec<String> {
         row(
             &belief.roles.input,
             "input",
-            format!("{}; 1 {unit} is read as {} %", input(belief), number(import.duty_percent.scale)),
+            format!("{}; {} is read as {} %", input(belief), of_unit("1", unit), number(import.duty_percent.scale)),
         ),
         row(
             &belief.roles.position,
             belief.roles.output(),
             format!(
-                "{}; 1 {} is read as {} mm",
+                "{}; {} is read as {} mm",
                 position(belief),
-                scales.position.read_as,
+                of_unit("1", &scales.position.read_as),
                 number(import.position_mm.scale)
             ),
         ),

@@ -37,7 +37,8 @@ pub fn page(place: &Place<'_>) -> String {
     let style = format!("{}{CHART_STYLE}\n{STYLE}\n{LIVE_STYLE}", palette::stylesheet());
     let page = html! {
         (DOCTYPE)
-        html lang="en" data-rig=(place.rig) data-broker=[place.broker] data-fallback=(place.fallback) {
+        html lang="en" data-rig=(place.rig) data-broker=[place.broker] data-fallback=(place.fallback)
+            data-served[!place.login] {
             head { (head(&format!("{} – airball live", place.rig), &style, &policy(place, &[&first, &script]))) }
             body data-stale="true" {
                 header.bar { (bar(place.rig)) }
@@ -275,5 +276,12 @@ mod tests {
     fn a_broker_is_named_only_where_one_was_given() {
         assert!(!page(&PLACE).contains("data-broker"));
         assert!(page(&Place { broker: Some("wss://b:1"), ..PLACE }).contains("data-broker=\"wss://b:1\""));
+    }
+
+    #[test]
+    fn a_page_that_a_flight_serves_speaks_of_no_broker() {
+        assert!(!page(&PLACE).contains("data-served"));
+        assert!(page(&Place { login: false, ..PLACE }).contains(" data-served"));
+        assert!(STOP_SCRIPT.contains("the flight") && LIVE_SCRIPT.contains("accepted: "));
     }
 }

@@ -29,9 +29,10 @@ impl Diagnosis {
             Verdict::InsufficientData => "This record cannot say what separates simulator and rig".into(),
             Verdict::Unexplained => {
                 let likely = self.effects.iter().filter(|named| named.probability > LIKELIER_THAN_NOT);
-                unexplained(&likely.collect::<Vec<_>>())
+                let likely: Vec<_> = likely.collect();
+                unexplained((!likely.is_empty()).then(|| self.headline(&likely)))
             }
-            Verdict::Effect => of_effects(&self.effects.iter().collect::<Vec<_>>()),
+            Verdict::Effect => self.headline(&self.effects.iter().collect::<Vec<_>>()),
         }
     }
 
@@ -40,7 +41,7 @@ impl Diagnosis {
     #[must_use]
     pub fn effect_in_words(&self, named: &NamedEffect) -> String {
         let entry = named.candidate.entry;
-        let sure = format!("{:<22} {:.0} % sure   ", entry.name, 100.0 * named.probability);
+        let sure = format!("{:<22} {} sure   ", entry.name, chance_in_words(named.probability));
         if named.change == Change::Removed {
             return format!("{sure}believed, and not there: leave it out of the model");
         }
@@ -138,8 +139,17 @@ impl Diagnosis {
         Some(format!("the mended model is without {names}: it forecasts this record better so"))
     }
 
+    /// Effects in one sentence, first those that the mended model has.
+    fn headline(&self, effects: &[&NamedEffect]) -> String {
+        let left_out = self.left_out();
+        let is_out = |named: &&NamedEffect| left_out.contains(&named.candidate.entry.name);
+        let (out, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) = effects.iter().copied().partition(is_out);
+        headline(&kept, &out)
+    }
+
     /// The named effects that the mended model does not have.
-    fn left_out(&self) -> Vec<&'static str> {
+    #[must_use]
+    pub fn left_out(&self) -> Vec<&'static str> {
         let added = self.effects.iter().filter(|named| named.change == Change::Added);
         let names = added.map(|named| named.candidate.entry.name);
         names.filter(|name| self.mended.model.effects.values(name).is_none()).collect()
@@ -177,6 +187,16 @@ pub fn decimals(value: f64) -> usize {
     if value.abs() < SMALLEST { 0 } else { places }
 }
 
+/// A probability in words that do not promise certainty.
+#[must_use]
+pub fn chance_in_words(chance: f64) -> String {
+    match 100.0 * chance {
+        percent if percent > 99.0 => "more than 99 %".into(),
+        percent if percent < 1.0 => "less than 1 %".into(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
 /// An effect and those that are indistinguishable from it, each with its article.
 #[must_use]
 pub fn with_rivals(named: &NamedEffect) -> String {
@@ -185,11 +205,22 @@ pub fn with_rivals(named: &NamedEffect) -> String {
 }
 
 /// The headline where most of the gap has another cause than the likely effects.
-fn unexplained(likely: &[&NamedEffect]) -> String {
-    if likely.is_empty() {
-        "Something separates simulator and rig that no effect of the catalogue explains".into()
-    } else {
-        format!("{}, but most of the gap has another cause", of_effects(likely))
+fn unexplained(likely: Option<String>) -> String {
+    likely.map_or_else(
+        || "Something separates simulator and rig that no effect of the catalogue explains".into(),
+        |likely| format!("{likely}, but most of the gap has another cause"),
+    )
+}
+
+/// The headline of effects that the mended model has, and of others that it leaves out.
+fn headline(kept: &[&NamedEffect], out: &[&NamedEffect]) -> String {
+    match (kept, out) {
+        (_, []) => of_effects(kept),
+        ([], _) => format!("{}, though the mended model forecasts better without", of_effects(out)),
+        _ => {
+            let names: Vec<String> = out.iter().map(|named| with_rivals(named)).collect();
+            format!("{}; also seen, but left out of the mended model: {}", of_effects(kept), listed(&names))
+        }
     }
 }
 
@@ -238,7 +269,7 @@ fn stage_in_words(misfit: &Misfit) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{listed, unexplained, with_article};
+    use super::{chance_in_words, listed, unexplained, with_article};
 
     #[test]
     fn names_are_spoken_as_a_person_would() {
@@ -250,7 +281,13 @@ mod tests {
     }
 
     #[test]
+    fn no_probability_is_said_to_be_certain() {
+        let said = [1.0, 0.996, 0.984, 0.5, 0.004].map(chance_in_words);
+        assert_eq!(said, ["more than 99 %", "more than 99 %", "98 %", "50 %", "less than 1 %"]);
+    }
+
+    #[test]
     fn a_headline_without_a_likely_effect_asserts_none() {
-        assert_eq!(unexplained(&[]), "Something separates simulator and rig that no effect of the catalogue explains");
+        assert_eq!(unexplained(None), "Something separates simulator and rig that no effect of the catalogue explains");
     }
 }

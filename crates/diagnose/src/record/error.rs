@@ -1,5 +1,7 @@
 //! Errors for rows that cannot become a recording.
 
+use crate::record::units::short;
+
 /// Why rows cannot become a recording. Row numbers count from 1 at the first row of data.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RecordingError {
@@ -32,8 +34,8 @@ pub enum RecordingError {
     },
     /// A gap that is too long to forecast across.
     #[error(
-        "no row for {} s before row {row}, from {from_s} s to {to_s} s; cut the log there, or, if time is not in \
-         seconds, give its unit as [import] time_s.scale", to_s - from_s
+        "no row for {} s before row {row}, from {} s to {} s; cut the log there, or, if time is not in seconds, give \
+         its unit as [import] time_s.scale", short(to_s - from_s), short(*from_s), short(*to_s)
     )]
     Hole {
         /// The row after the gap.

@@ -88,9 +88,14 @@ fn is_of(name: &Name, units: &[&str]) -> bool {
     name.unit.as_deref().is_some_and(|unit| units.contains(&unit))
 }
 
+/// A unit in small letters as it is written.
+pub(super) fn written(unit: &str) -> String {
+    WRITTEN.iter().find(|(small, _)| *small == unit).map_or(unit, |(_, written)| written).to_owned()
+}
+
 /// The unit of a number that was multiplied by `scale`.
 fn scaled(unit: &str, scale: f64) -> Option<String> {
-    let written = WRITTEN.iter().find(|(small, _)| *small == unit).map_or(unit, |(_, written)| written);
+    let written = written(unit);
     let (_, prefix) = PREFIXES.iter().find(|(factor, _)| (scale.abs() / factor - 1.0).abs() < 1e-9)?;
     (prefix.is_empty() || !written.starts_with(['m', '°'])).then(|| format!("{prefix}{written}"))
 }

@@ -9,6 +9,7 @@
 //! ```
 
 use super::names::Name;
+use super::rig_words::written;
 use super::roles::{Asked, Roles};
 use rows::{Sheet, SheetColumn};
 
@@ -99,7 +100,7 @@ fn of(values: &[Option<f64>], read_as: &str) -> Scaled {
 }
 
 fn unit(column: &SheetColumn) -> String {
-    Name::of(column).unit.unwrap_or_else(|| "unit".into())
+    Name::of(column).unit.map(|unit| written(&unit)).unwrap_or_default()
 }
 
 fn span([low, high]: [f64; 2]) -> f64 {

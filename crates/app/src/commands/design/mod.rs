@@ -192,6 +192,7 @@ impl Ground {
                 not_linear: &not_linear,
                 before: before.as_ref(),
                 room: self.room(),
+                pipe_length_mm: self.model.pipe_length_mm,
             };
             page::write(path, &html(&report)?)?;
         }

@@ -11,6 +11,10 @@ pub enum Deed {
     Mode(&'static str),
     /// Move the setpoint by this distance, mm.
     Nudge(f64),
+    /// Say what the keys do.
+    Help,
+    /// A key without a meaning.
+    Unknown(char),
 }
 
 impl Deed {
@@ -22,7 +26,11 @@ impl Deed {
 const NUDGES: (f64, f64) = (5.0, 50.0);
 
 /// The keys in words, for the bottom line.
-pub const HELP: &str = "↑ ↓ 5 mm   PgUp PgDn 50 mm   space STOP   f fly   p programme   q quit";
+pub const HELP: &str = "↑ ↓ 5 mm   PgUp PgDn 50 mm   space STOP   f fly   p programme   ? keys   q quit";
+
+/// The same in sentences.
+pub const ALL: &str = "↑ and ↓ (or k and j) move the setpoint by 5 mm, PgUp and PgDn by 50 mm; space or s stops the fan; f flies again; \
+     p goes back to the programme; q quits, and the flight goes on";
 
 /// The action of a key, if any.
 #[must_use]
@@ -40,6 +48,8 @@ pub fn deed(key: KeyEvent) -> Option<Deed> {
         KeyCode::Down | KeyCode::Char('j') => Some(Deed::Nudge(-NUDGES.0)),
         KeyCode::PageUp => Some(Deed::Nudge(NUDGES.1)),
         KeyCode::PageDown => Some(Deed::Nudge(-NUDGES.1)),
+        KeyCode::Char('?' | 'h') => Some(Deed::Help),
+        KeyCode::Char(other) => Some(Deed::Unknown(other)),
         _ => None,
     }
 }
@@ -54,11 +64,13 @@ mod tests {
     }
 
     #[test]
-    fn space_stops_arrows_nudge_and_other_keys_do_nothing() {
+    fn space_stops_arrows_nudge_and_a_letter_without_a_meaning_is_told_so() {
         assert_eq!(press(KeyCode::Char(' ')), Some(Deed::STOP));
         assert_eq!(press(KeyCode::Up), Some(Deed::Nudge(5.0)));
         assert_eq!(press(KeyCode::PageDown), Some(Deed::Nudge(-50.0)));
-        assert_eq!((press(KeyCode::Char('c')), press(KeyCode::Enter), press(KeyCode::Esc)), (None, None, None));
+        assert_eq!(press(KeyCode::Char('?')), Some(Deed::Help));
+        assert_eq!(press(KeyCode::Char('c')), Some(Deed::Unknown('c')));
+        assert_eq!((press(KeyCode::Enter), press(KeyCode::Esc)), (None, None));
     }
 
     #[test]

@@ -87,6 +87,14 @@ impl Monitor {
     pub fn command(&mut self, deed: Deed) -> Option<(Quantity, String)> {
         match deed {
             Deed::Quit => None,
+            Deed::Help => {
+                self.word = keys::ALL.into();
+                None
+            }
+            Deed::Unknown(letter) => {
+                self.word = format!("the key {letter} does nothing; ? shows the keys");
+                None
+            }
             Deed::Mode(word) => Some((Quantity::Mode, word.to_owned())),
             Deed::Nudge(by_mm) => {
                 let limits = self.about.as_ref()?.setpoint_mm;

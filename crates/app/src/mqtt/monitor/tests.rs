@@ -161,3 +161,12 @@ fn a_new_flight_begins_a_new_picture() {
     monitor.hear(Heard::State(Box::new(seen(0.0, 10.0))));
     assert_eq!(monitor.past.len(), 1);
 }
+
+#[test]
+fn a_question_mark_shows_the_keys_and_an_unknown_key_is_told_so() {
+    let mut monitor = Monitor::of("rig1");
+    assert_eq!(monitor.command(Deed::Help), None);
+    assert!(monitor.word.contains("space or s stops the fan"), "{}", monitor.word);
+    assert_eq!(monitor.command(Deed::Unknown('x')), None);
+    assert_eq!(monitor.word, "the key x does nothing; ? shows the keys");
+}

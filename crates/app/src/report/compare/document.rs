@@ -7,6 +7,8 @@ use serde_json::Value;
 
 /// How the schema of a diagnosis begins.
 const DIAGNOSIS: &str = "airball.diagnosis/";
+/// What stands before a believed effect that a diagnosis did not find.
+pub const ABSENT: &str = "no ";
 /// Half of a 90 % interval, standard deviations.
 const OF_90_PERCENT: f64 = 1.645;
 
@@ -67,7 +69,10 @@ impl SideEntry {
         if !schema.starts_with(DIAGNOSIS) {
             return Err(refused(format!("its schema is {schema}")));
         }
-        let effect = |one: &Value| Some((one["name"].as_str()?.to_owned(), one["probability"].as_f64()?));
+        let effect = |one: &Value| {
+            let absent = if one["change"] == "removed" { ABSENT } else { "" };
+            Some((format!("{absent}{}", one["name"].as_str()?), one["probability"].as_f64()?))
+        };
         let effects =
             document["effects"].as_array().map_or_else(Vec::new, |all| all.iter().filter_map(effect).collect());
         let looped = &document["gap"]["closed_loop"];

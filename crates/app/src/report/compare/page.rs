@@ -54,9 +54,6 @@ fn first(report: &Report<'_>) -> Markup {
     html! {
         p.lede {
             (changed) " of " (found.numbers.len()) " numbers changed beyond chance (5 % over all of them together). "
-            @for (name, is_before) in found.only_one_side() {
-                (name.replace('_', " ")) ": named " @if is_before { "before only. " } @else { "after only. " }
-            }
         }
         h2.unseen { "The record before, and both models" }
         div.first {
@@ -68,7 +65,7 @@ fn first(report: &Report<'_>) -> Markup {
 
 fn numbers(found: &Comparison) -> Markup {
     let one = |one: &diagnose::NumberChange| {
-        let [name, before, after, difference, said] = row(one);
+        let [name, before, after, difference, said] = row(one, found.numbers.len());
         let said = if one.is_beyond_chance {
             html! { strong { (said) } }
         } else {

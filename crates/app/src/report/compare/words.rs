@@ -1,18 +1,66 @@
 //! A comparison in words, for a terminal.
 
-use super::document::{Comparison, SideEntry};
+use super::document::{ABSENT, Comparison, SideEntry};
+use crate::report::kit::page::parts::{capital, spoken};
 use crate::report::kit::table::empty;
 use crate::report::kit::words::digits;
-use diagnose::NumberChange;
+use diagnose::{NumberChange, chance_in_words, decimals};
 
 /// Half of a 90 % interval, standard deviations.
 const OF_90_PERCENT: f64 = 1.645;
+/// Ends of the keys of a config, and the units that they say; longer ends first.
+const UNITS: [(&str, &str); 13] = [
+    ("_mm_per_s2_per_percent", "mm/s² per %"),
+    ("_psd_mm2_per_s3", "mm²/s³"),
+    ("_mm_per_s2", "mm/s²"),
+    ("_percent_per_s", "% per s"),
+    ("_s_per_mm", "s/mm"),
+    ("_per_s2", "1/s²"),
+    ("_mm_per_s", "mm/s"),
+    ("_per_mm", "1/mm"),
+    ("_per_s", "1/s"),
+    ("_duty_percent", "%"),
+    ("_percent", "%"),
+    ("_mm", "mm"),
+    ("_s", "s"),
+];
 
 /// The answer in a sentence, without a full stop.
 #[must_use]
 pub fn answer(found: &Comparison) -> String {
-    let mut changed: Vec<String> =
-        found.numbers.iter().filter(|one| one.is_beyond_chance).map(|one| name(one).replace('_', " ")).collect();
+    let effects: Vec<String> =
+        found.only_one_side().map(|(name, is_before)| one_side(found, name, is_before)).collect();
+    let numbers = of_numbers(found);
+    match effects.as_slice() {
+        [] => numbers,
+        all if is_any(found) => format!("{}. {numbers}", capital(&all.join(", "))),
+        all => format!("{}; no number that both sides have changed beyond chance", capital(&all.join(", "))),
+    }
+}
+
+/// What happened to an effect that one side names. Where one model is fitted to both logs, its numbers decide.
+fn one_side(found: &Comparison, name: &str, is_before: bool) -> String {
+    let own = |one: &&NumberChange| one.table == name;
+    let is_chance = found.of_one_model && !found.numbers.iter().filter(own).any(|one| one.is_beyond_chance);
+    let (effect, vanished) = name.strip_prefix(ABSENT).map_or((name, is_before), |absent| (absent, !is_before));
+    let happened = if vanished { "vanished" } else { "appeared" };
+    let effect = spoken(effect);
+    if is_chance {
+        let side = if is_before { "before" } else { "after" };
+        return format!("{effect} is named {side} only, and its numbers differ by no more than chance");
+    }
+    format!("{effect} {happened}")
+}
+
+/// Whether anything is beyond chance.
+fn is_any(found: &Comparison) -> bool {
+    let numbers = found.numbers.iter().any(|one| one.is_beyond_chance) || found.is_together_beyond_chance == Some(true);
+    numbers || found.lateness.is_some_and(|late| late.is_beyond_chance)
+}
+
+/// What is said of the numbers.
+fn of_numbers(found: &Comparison) -> String {
+    let mut changed: Vec<String> = found.numbers.iter().filter(|one| one.is_beyond_chance).map(in_words).collect();
     changed.extend(found.lateness.filter(|late| late.is_beyond_chance).map(|_| "lateness of the cycles".into()));
     match changed.as_slice() {
         [] if found.is_together_beyond_chance == Some(true) => {
@@ -24,29 +72,54 @@ pub fn answer(found: &Comparison) -> String {
     }
 }
 
+/// A number in words, with its unit.
+fn in_words(one: &NumberChange) -> String {
+    let (key, unit) =
+        UNITS.iter().find_map(|(end, unit)| Some((one.key.strip_suffix(end)?, *unit))).unwrap_or((&one.key, ""));
+    let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+    let of = match one.table.as_str() {
+        "" | "noise" => one.table.clone(),
+        effect => format!("of the {}", spoken(effect)),
+    };
+    let words = match of.as_str() {
+        "noise" => format!("noise of the {}", spoken(key)),
+        _ => format!("{} {of}", spoken(key)),
+    };
+    format!("{}{unit}", words.trim_end())
+}
+
 /// A number, as the config below `[plant]` names it.
 #[must_use]
 pub fn name(one: &NumberChange) -> String {
     if one.table.is_empty() { one.key.clone() } else { format!("{}.{}", one.table, one.key) }
 }
 
-/// Name, before, after, difference with its 90 % interval, and the judgement.
+/// Name, before, after, difference with its 90 % interval, and the judgement of this one among `all` numbers.
 #[must_use]
-pub fn row(one: &NumberChange) -> [String; 5] {
+pub fn row(one: &NumberChange, all: usize) -> [String; 5] {
     let difference = one.after - one.before;
-    let interval = one.deviation.map_or(String::new(), |sigma| format!(" ± {}", digits(OF_90_PERCENT * sigma)));
-    let said = match (one.is_beyond_chance, one.deviation) {
-        (true, _) => "changed",
-        (false, Some(_)) => "within chance",
-        (false, None) => "not determined",
+    let reach = one.deviation.map(|sigma| OF_90_PERCENT * sigma);
+    let said = match (one.is_beyond_chance, reach) {
+        (true, _) => "changed".into(),
+        // Of many 90 % intervals some leave out 0 by chance.
+        (false, Some(reach)) if difference.abs() > reach => format!("within chance, as one of {all} numbers"),
+        (false, Some(_)) => "within chance".into(),
+        (false, None) => "not determined".into(),
     };
-    [name(one), digits(one.before), digits(one.after), digits(difference) + &interval, said.into()]
+    let difference = reach.map_or_else(
+        || digits(difference),
+        |reach| {
+            let places = decimals(reach);
+            format!("{:.places$} ± {reach:.places$}", difference + 0.0)
+        },
+    );
+    [name(one), digits(one.before), digits(one.after), difference, said]
 }
 
 /// The effects of a side.
 #[must_use]
 pub fn effects(side: &SideEntry) -> String {
-    let one = |(name, probability): &(String, f64)| format!("{name} ({:.0} %)", 100.0 * probability);
+    let one = |(name, probability): &(String, f64)| format!("{name} ({})", chance_in_words(*probability));
     let all: Vec<String> = side.effects.iter().map(one).collect();
     if all.is_empty() { "none".into() } else { all.join(", ") }
 }
@@ -60,7 +133,7 @@ pub fn lines(found: &Comparison) -> Vec<String> {
     lines.push(format!("after     {}: effects {}", after.name, effects(after)));
     let mut table = empty(["number of the rig", "before", "after", "difference, 90 %", ""]);
     found.numbers.iter().for_each(|one| {
-        table.add_row(row(one));
+        table.add_row(row(one, found.numbers.len()));
     });
     lines.push(table.to_string());
     if !found.of_one_model {
@@ -90,4 +163,47 @@ fn errors(found: &Comparison) -> Option<String> {
         table.add_row([name.to_owned(), mm(on_before[at]), mm(on_after[at])]);
     }
     Some(table.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Comparison, SideEntry, answer, in_words, row};
+    use diagnose::NumberChange;
+
+    fn compared(before: &[&str], after: &[&str]) -> Comparison {
+        let side = |effects: &[&str]| SideEntry {
+            name: "a.json".into(),
+            verdict: "effect".into(),
+            effects: effects.iter().map(|name| ((*name).to_owned(), 0.98)).collect(),
+            error_mm: None,
+            overshoot_percent: None,
+            settling_s: None,
+        };
+        Comparison::of_documents([side(before), side(after)], &[serde_json::Value::Null, serde_json::Value::Null])
+    }
+
+    #[test]
+    fn an_effect_of_one_side_is_in_the_headline() {
+        let said = answer(&compared(&["dead_zone"], &[]));
+        assert_eq!(said, "Dead zone vanished; no number that both sides have changed beyond chance");
+        let said = answer(&compared(&[], &["fan_lag", "no play"]));
+        assert!(said.starts_with("Fan lag appeared, play vanished;"), "{said}");
+        let said = answer(&Comparison { of_one_model: true, ..compared(&[], &["fan_lag"]) });
+        assert!(said.starts_with("Fan lag is named after only, and its numbers"), "{said}");
+        assert_eq!(answer(&compared(&["play"], &["play"])), "No number of the rig changed beyond chance");
+    }
+
+    #[test]
+    fn a_number_has_words_and_a_unit_and_no_more_digits_than_its_interval() {
+        let one = |table: &str, key: &str, after: f64, sigma: f64| NumberChange {
+            deviation: Some(sigma),
+            ..NumberChange::new(table, key, [0.0, after], [None, None])
+        };
+        assert_eq!(in_words(&one("", "gain_mm_per_s2_per_percent", 1.0, 1.0)), "gain (mm/s² per %)");
+        let friction = one("wall_friction", "acceleration_mm_per_s2", 43.6123, 1010.3);
+        assert_eq!(in_words(&friction), "acceleration of the wall friction (mm/s²)");
+        assert_eq!(in_words(&one("noise", "sensor_mm", 1.0, 1.0)), "noise of the sensor (mm)");
+        assert_eq!(row(&friction, 7)[3..], ["44 ± 1662", "within chance"]);
+        assert_eq!(row(&one("", "drag_per_s", -12.09, 7.3), 7)[4], "within chance, as one of 7 numbers");
+    }
 }

@@ -16,7 +16,7 @@ pub fn words(found: &ClosedLoop) -> Vec<String> {
     let critical = found.critical_gain_ratio;
     let margin = Compared { recorded: None, nominal: critical.nominal, mended: critical.mended };
     if critical.nominal.or(critical.mended).is_some() {
-        lines.push(line("gain margin", margin, margin, 1, " ×"));
+        lines.push(line("gain margin, simulated", margin, margin, 1, " ×"));
     }
     if !lines.is_empty() {
         let head = match found.steps {

@@ -49,8 +49,10 @@ pub fn words(curve: &EffectCurve) -> String {
     let name = spoken(curve.effect);
     let ends = [curve.mended.first(), curve.mended.last()].map(|end| end.map_or(0.0, |point| point[0]));
     let [from, to] = ends.map(three_digits);
+    let points =
+        if curve.bins.is_empty() { "Lines" } else { "Points: the record, in bins, with 90 % intervals; lines" };
     format!(
-        "The {name}: {what} over {signal}, {from} to {to} {unit}. Points: the record, in bins, with 90 % intervals; \
-         lines: the model as believed and as mended, with its 90 % band"
+        "The {name}: {what} over {signal}, {from} to {to} {unit}. {points}: the model as believed and as mended, with \
+         its 90 % band"
     )
 }

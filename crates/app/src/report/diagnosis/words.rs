@@ -2,15 +2,23 @@
 
 use super::{ladder, mend};
 use crate::config::words::Words;
+use crate::report::kit::words::p_value;
 use control::compensation::Compensation;
 use diagnose::{Change, Closed, Diagnosis, NamedEffect, Place, Verdict};
 use std::fmt::Write;
 
 /// The advice after a record with too little information.
-pub const FLY_ANOTHER: &str = "Fly at least 30 s in free flight with a moving setpoint.";
+const FLY_ANOTHER: &str = "Fly at least 30 s in free flight with a moving setpoint.";
 
 /// The same where units, signs or columns are wrong.
 const MEND_FIRST: &str = "Correct units, signs or columns as said above, and diagnose it again.";
+
+/// What to do before anything else after a record that cannot answer; `None` where it can. Terminal and page use it.
+#[must_use]
+pub fn first_of_all(found: &Diagnosis) -> Option<&'static str> {
+    let advice = if found.has_mistake() { MEND_FIRST } else { FLY_ANOTHER };
+    (found.verdict == Verdict::InsufficientData).then_some(advice)
+}
 
 /// The same as [`words_of`] for a ball pipe.
 #[must_use]
@@ -23,15 +31,14 @@ pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
 #[must_use]
 pub fn words_of(found: &Diagnosis, compensation: Option<&Compensation>, rig: &Words) -> String {
     let mut words = format!("{}.", found.verdict_in_words());
-    if found.verdict == Verdict::InsufficientData {
-        let advice = if found.has_mistake() { MEND_FIRST } else { FLY_ANOTHER };
+    if let Some(advice) = first_of_all(found) {
         return format!("{words} {advice}");
     }
     for named in &found.effects {
         let _ = write!(words, "\n{}", effect(named, found, compensation, rig));
     }
     for place in found.regions().iter().take(3) {
-        let _ = write!(words, "\nwrong {} (p = {:.3})", place_in_words(place), place.p_value);
+        let _ = write!(words, "\nwrong {} ({})", place_in_words(place), p_value(place.p_value));
     }
     if let Some(residual) = found.residual_in_words() {
         let _ = write!(words, "\n{residual}");

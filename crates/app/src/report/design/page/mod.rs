@@ -45,6 +45,8 @@ pub struct Report<'a> {
     pub before: Option<&'a Document>,
     /// The smaller distance of hover from the limits of the duty, control values; `None`: the config has no limits.
     pub room: Option<f64>,
+    /// Length of the pipe, mm.
+    pub pipe_length_mm: f64,
     /// Effects of the model that the design neglects.
     pub not_linear: &'a [&'a str],
 }
@@ -88,7 +90,8 @@ fn effort(report: &Report<'_>, drawn: &Diagrams) -> Markup {
     let [control, disturbed] = &drawn.effort;
     let largest = report.room.zip(largest_control_per_mm(report.of)).map(|(room, per_mm)| room / per_mm);
     html! {
-        @if let Some(mm) = largest {
+        // No step of the setpoint is longer than the pipe.
+        @if let Some(mm) = largest.filter(|mm| *mm < report.pipe_length_mm) {
             p { (format!("A step of the setpoint above {mm:.0} mm takes the duty to its limit; the step response \
                 holds for \
                  smaller ones.")) }
@@ -238,7 +241,11 @@ fn next(of: &Assessment) -> Markup {
 }
 
 const WORDS: [(&str, &str); 6] = [
-    ("gain margin", "The factor by which the gain may rise until the loop is marginally stable."),
+    (
+        "gain margin",
+        "The factor by which the gain may rise until the loop of the linear model is marginally stable. A diagnosis \
+         gives that of simulated flights instead, with every effect and the limits of the duty.",
+    ),
     (
         "phase margin",
         "The additional phase lag until the loop is marginally stable, degrees; the delay margin is the same in \

@@ -2,9 +2,9 @@
 
 use super::Report;
 use crate::report::diagnosis::mend;
-use crate::report::kit::page::parts::{chance, number, spoken, stage, table, three_digits};
+use crate::report::kit::page::parts::{number, spoken, stage, table, three_digits};
 use diagnose::thresholds::{FIRST_EFFECT, INDISTINGUISHABLE, SECOND_EFFECT, SHARE_OF_OMITTED};
-use diagnose::{Change, Interval, NamedEffect, Scored};
+use diagnose::{Change, Interval, NamedEffect, Scored, chance_in_words};
 use maud::{Markup, html};
 use plant::Effects;
 
@@ -57,7 +57,7 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
         .collect();
     html! {
         article.effect {
-            h3 { (spoken(entry.name)) span.tag { (change) } span.tag { (chance(named.probability)) " sure" } }
+            h3 { (spoken(entry.name)) span.tag { (change) } span.tag { (chance_in_words(named.probability)) " sure" } }
             div.facts {
             (table(&format!("Numbers of the {}", spoken(entry.name)), &["number", "value", "90 % interval"], &rows))
             dl {
@@ -121,7 +121,7 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
                 (_, Some(best)) => html! { "indistinguishable from " (spoken(best.candidate.entry.name)) },
                 _ => html! { "explains less" },
             };
-            let chance = likely.map_or_else(|| "–".into(), chance);
+            let chance = likely.map_or_else(|| "–".into(), chance_in_words);
             (
                 html! { (spoken(one.name)) },
                 vec![
@@ -135,7 +135,8 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
         })
         .collect();
     html! {
-        (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows))
+        @if rows.is_empty() { p { (caption) ": none was fitted in full." } }
+        @else { (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows)) }
         @if !rejected.is_empty() { p { "Rejected by the screening: " (rejected.join(", ")) "." } }
     }
 }

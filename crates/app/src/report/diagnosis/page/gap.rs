@@ -4,7 +4,7 @@ use super::Report;
 use super::effects::ends;
 use crate::analysis::log_errors::LogErrors;
 use crate::report::diagnosis::ladder;
-use crate::report::kit::page::parts::{number, table, three_digits};
+use crate::report::kit::page::parts::{command, minus, number, table, three_digits};
 use diagnose::{ClosedLoop, Compared, Diagnosis, ParameterEntry};
 use maud::{Markup, html};
 
@@ -29,7 +29,7 @@ fn forecasts(found: &Diagnosis) -> Markup {
         errors.into_iter().chain([free]).map(|mm| html! { (number(mm, 2)) })
     };
     let row = |head: String, cells: [Option<f64>; 3], free: Option<f64>, more: [String; 3]| -> Row {
-        (html! { (head) }, errors(cells, free).chain(more.map(|text| html! { (text) })).collect())
+        (html! { (head) }, errors(cells, free).chain(more.map(|text| html! { (minus(&text)) })).collect())
     };
     let none = || [const { String::new() }; 3];
     let mut rows = vec![row("the ball stays put".into(), found.gaps[0].stay_put_mm, None, none())];
@@ -88,7 +88,13 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
     let critical = found.critical_gain_ratio;
     let simulated = Compared { recorded: None, nominal: critical.nominal, mended: critical.mended };
     if critical.nominal.or(critical.mended).is_some() {
-        rows.push(row("gain margin, × the loop gain".into(), simulated, Compared::default(), 1, "–"));
+        rows.push(row(
+            "gain margin in simulated flights, × the loop gain".into(),
+            simulated,
+            Compared::default(),
+            1,
+            "–",
+        ));
     }
     html! {
         @if rows.is_empty() {
@@ -97,7 +103,9 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
             p {
                 (found.steps) " steps of the record, simulated again with the controller of the record and each model; \
                      medians. A first peak is visible if it exceeds "
-                "the setpoint by more than half of the settling band; the overshoot includes noise."
+                "the setpoint by more than half of the settling band; the overshoot includes noise. The gain margin is that of \
+                 flights with steps of an eighth of the pipe, with every effect and the limits of the duty; "
+                (command("airball design loop")) " gives that of the linear model."
             }
             (table("The loop as recorded and as simulated", &["figure", "recorded", "as believed", "mended"], &rows))
             @if let Some(words) = unexplained(found.settling_s) { p { (words) } }

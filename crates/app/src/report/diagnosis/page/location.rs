@@ -7,6 +7,7 @@ use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{capital, number, signal, table, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
+use crate::report::kit::words::p_value;
 use diagnose::thresholds::SIGNIFICANT;
 use diagnose::{Band, Diagnosis, EffectCurve, MissingForce, Omitted, Place, ResidualPlots, Verdict};
 use maud::{Markup, html};
@@ -21,7 +22,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
     let (picture, places) = (report.picture, report.found.regions());
     html! {
         div.two { (named(&picture.effects)) div { (in_words(&places)) (nothing_by_time(report)) (residual(report.found)) } }
-        @if !places.is_empty() {
+        @if is_drawn(&picture.missing, &places) {
             p {
                 "Residual force of the model with refitted parameters. Shaded: significant forecast errors (5 % over \
                  all regions together). "
@@ -38,13 +39,16 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         @if let Some(left_out) = report.found.left_out_in_words() { p { (left_out) "." } }
         @if picture.missing.is_empty() {
             p.nothing { "There is no free flight in this record, so there is no residual force." }
-        } @else if !places.is_empty() {
+        } @else {
             div.three {
-                @for diagram in over_signals(&picture.missing, &places) { (over(&diagram, &places)) }
+                @for diagram in over_signals(&picture.missing, &places) {
+                    @if !diagram.shaded.is_empty() { (over(&diagram, &places)) }
+                }
             }
-            (figure(&over_time(&picture.missing, &places), Size::WIDE, "Residual force over time with its standard \
-                 deviation",
-                &html! { "Residual force over time." (flat(&picture.missing)) }))
+            @if shows_force(&picture.missing, &places) {
+                (figure(&over_time(&picture.missing, &places), Size::WIDE, "Residual force over time with its standard \
+                     deviation", &html! { "Residual force over time." }))
+            } @else if !places.is_empty() { p { (FLAT) } }
         }
         (by_time(report, &places))
     }
@@ -122,19 +126,25 @@ fn over(diagram: &Diagram, places: &[Place]) -> Markup {
     let (name, unit) = diagram.abscissa.split_once(", ").unwrap_or((diagram.abscissa, ""));
     let own = places.iter().filter(|place| signal(place.signal).0 == name);
     let shaded: Vec<String> = own.map(|place| format!("{} {unit}", span(place))).collect();
-    let words =
-        if shaded.is_empty() { "not significant anywhere".into() } else { format!("shaded: {}", shaded.join("; ")) };
+    let words = format!("shaded: {}", shaded.join("; "));
     let alt = format!("Residual force over {name}: mean and scatter; {words}");
     figure(diagram, Size::SMALL, &alt, &html! { "Over " (name) ": " (words) "." })
 }
 
 /// The text for a missing force that is nowhere significant.
-fn flat(missing: &[MissingForce]) -> &'static str {
-    if missing.iter().any(|moment| moment.force_mm_per_s2.abs() > moment.sigma_mm_per_s2) {
-        return "";
-    }
-    " It stays within its standard deviation: what is missing is too weak or too fast to show as a slowly varying \
-     force."
+const FLAT: &str = "The residual force stays within its standard deviation over time: what is missing is too weak or too \
+     fast to show as a slowly varying force.";
+
+/// Whether the missing force shows anything over time: there is a place, and it leaves its standard deviation.
+pub(super) fn shows_force(missing: &[MissingForce], places: &[Place]) -> bool {
+    let leaves = |moment: &MissingForce| moment.force_mm_per_s2.abs() > moment.sigma_mm_per_s2;
+    !places.is_empty() && missing.iter().any(leaves)
+}
+
+/// Whether any chart of the missing force is drawn.
+fn is_drawn(missing: &[MissingForce], places: &[Place]) -> bool {
+    let over_a_signal = over_signals(missing, places).iter().any(|diagram| !diagram.shaded.is_empty());
+    !missing.is_empty() && (over_a_signal || shows_force(missing, places))
 }
 
 fn span(place: &Place) -> String {
@@ -152,7 +162,7 @@ fn in_words(places: &[Place]) -> Markup {
                     @let (name, unit) = signal(place.signal);
                     li {
                         strong { (name) " " (span(place)) " " (unit) }
-                        (format!(": p = {:.3}, {:.0} % of the misfit of all regions", place.p_value, 100.0 * place.share))
+                        (format!(": {}, {:.0} % of the misfit of all regions", p_value(place.p_value), 100.0 * place.share))
                     }
                 }
                 @if places.len() > MOST_PLACES { li { "and " (places.len() - MOST_PLACES) " more, shaded below" } }
@@ -186,11 +196,11 @@ fn frequency(report: &Report<'_>) -> Markup {
     };
     let words = band.map_or_else(String::new, |band| {
         format!(
-            "{:.0} % of the misfit above noise lies between {:.2} and {:.2} Hz (p = {:.3}).",
+            "{:.0} % of the misfit above noise lies between {:.2} and {:.2} Hz ({}).",
             100.0 * band.share,
             band.from,
             band.to,
-            band.p_value
+            p_value(band.p_value)
         )
     });
     let alt = format!("Power of the misfit over frequency, with fitted numbers and mended. {words}");
@@ -236,11 +246,11 @@ fn lag([before, after]: &[ResidualPlots; 2], places: &[Place]) -> Markup {
 
 #[cfg(test)]
 mod tests {
-    use super::flat;
-    use diagnose::MissingForce;
+    use super::{is_drawn, shows_force};
+    use diagnose::{MissingForce, Place};
 
     #[test]
-    fn a_force_that_stays_within_its_sigma_is_called_flat_and_one_that_leaves_it_once_is_not() {
+    fn a_force_is_drawn_over_time_where_it_leaves_its_sigma_and_over_a_signal_where_a_place_is_significant() {
         let at = |force_mm_per_s2| MissingForce {
             time_s: 0.0,
             duty_percent: 20.0,
@@ -249,7 +259,11 @@ mod tests {
             force_mm_per_s2,
             sigma_mm_per_s2: 2.0,
         };
-        assert!(flat(&[at(1.9), at(-1.9)]).contains("too weak or too fast"));
-        assert_eq!(flat(&[at(1.9), at(-2.1)]), "");
+        let place = |signal| [Place { signal, from: 0.0, to: 1.0, share: 1.0, p_value: 0.01 }];
+        let (weak, strong) = ([at(1.9), at(-1.9)], [at(1.9), at(-2.1)]);
+        assert!(shows_force(&strong, &place("lag_s")) && is_drawn(&strong, &place("lag_s")));
+        assert!(!shows_force(&weak, &place("lag_s")) && !is_drawn(&weak, &place("lag_s")));
+        assert!(is_drawn(&weak, &place("duty_percent")));
+        assert!(!is_drawn(&strong, &[]) && !is_drawn(&[], &place("duty_percent")));
     }
 }

@@ -3,6 +3,7 @@
 use super::Report;
 use crate::analysis::next_experiment::Advice;
 use crate::report::diagnosis::mend;
+use crate::report::diagnosis::words::first_of_all;
 use crate::report::kit::page::parts::{command, spoken, to_copy};
 use crate::report::kit::patch::rounded;
 use diagnose::{Change, Diagnosis};
@@ -47,7 +48,7 @@ pub(super) fn rig(report: &Report<'_>) -> Markup {
     }
 }
 
-pub(super) fn next(advice: &Advice) -> Markup {
+pub(super) fn next(found: &Diagnosis, advice: &Advice) -> Markup {
     html! {
         @if let Some(next) = &advice.experiment {
             p { strong { (spoken(next.name)) } ". " (next.reason) }
@@ -61,7 +62,7 @@ pub(super) fn next(advice: &Advice) -> Markup {
             p { "Fly it with " (command("airball run --experiment next.toml")) ", or first with "
                 (command("airball simulate --experiment next.toml")) "." }
         } @else {
-            p { "No further experiment is needed." }
+            p { (first_of_all(found).unwrap_or("No further experiment is needed.")) }
         }
         @for finding in &advice.findings { p { (finding) "." } }
     }

@@ -5,6 +5,7 @@ mod effects;
 mod gap;
 mod location;
 mod mending;
+mod path;
 mod summary;
 
 use super::logs::{Logs, findings};
@@ -55,7 +56,7 @@ pub fn page(report: &Report<'_>) -> String {
     let record = record(report);
     let sections = match report.found.verdict {
         Verdict::InsufficientData => vec![
-            Section::words("next", "What to fly next", mending::next(report.advice)),
+            Section::words("next", "What to fly next", mending::next(report.found, report.advice)),
             Section::words("check", "What was checked", check(report)),
             Section::across("record", "The whole record", whole(report, &record)),
         ],
@@ -88,7 +89,7 @@ fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {
         Section::across("how-far", "How much of the gap is closed", gap::body(report)),
         Section::words("simulator", "Correct the simulator", mending::simulator(report.found)),
         Section::words("rig", "Correct the rig", mending::rig(report)),
-        Section::words("next", "What to fly next", mending::next(report.advice)),
+        Section::words("next", "What to fly next", mending::next(report.found, report.advice)),
         Section::words("check", "What the record can answer", check(report)),
         Section::across("record", "The whole record", whole(report, record)),
         Section::words("words", "Words on this page", words()),
@@ -101,7 +102,7 @@ fn record(report: &Report<'_>) -> Record {
     position.lines.insert(0, commanded(&picture.recording));
     let mut diagrams = vec![position, duty(&picture.recording)];
     // Without a significant place the curve of the force is that of chance.
-    if !picture.missing.is_empty() && !found.regions().is_empty() {
+    if location::shows_force(&picture.missing, &found.regions()) {
         let mut force = over_time(&picture.missing, &found.regions());
         force.lines.iter_mut().for_each(|line| line.label = "");
         diagrams.push(force);
@@ -129,6 +130,7 @@ fn whole(report: &Report<'_>, record: &Record) -> Markup {
 fn check(report: &Report<'_>) -> Markup {
     let Report { found, advice, logs, .. } = report;
     let several = logs.names.len() > 1;
+    let answers = found.verdict != Verdict::InsufficientData;
     let found: Vec<_> = findings(found, logs).map(|(name, one)| (if several { name } else { "" }, one)).collect();
     let others: Vec<String> = logs.findings_of_loop().chain(advice.findings.iter().cloned()).collect();
     html! {
@@ -137,7 +139,7 @@ fn check(report: &Report<'_>) -> Markup {
             (format!("{:.1} s", logs.duration_s)) ", "
             (report.picture.recording.samples().iter().filter(|row| row.position_mm.is_some()).count()) " readings used."
         }
-        (checks(&found))
+        (checks(&found, answers))
         @if !others.is_empty() { ul { @for other in &others { li { (other) "." } } } }
     }
 }

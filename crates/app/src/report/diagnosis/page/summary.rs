@@ -1,37 +1,37 @@
 //! The top of the page, below the answer: the signal path with the wrong stage marked, the gap before and after, and
 //! one picture.
 
-use super::Report;
+use super::{Report, path};
 use crate::report::diagnosis::ladder;
 use crate::report::diagnosis::logs::sentences;
 use crate::report::diagnosis::plot::runs;
-use crate::report::diagnosis::words::{FLY_ANOTHER, whole_percent};
+use crate::report::diagnosis::words::{first_of_all, whole_percent};
 use crate::report::kit::page::figure::{Size, figure};
-use crate::report::kit::page::parts::{self, bars, capital, chance, spoken};
+use crate::report::kit::page::parts::{self, bars, capital};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::plot::{Diagram, commanded};
-use diagnose::{Closed, Rung, Series, Verdict, with_rivals};
+use diagnose::{Closed, Rung, Series, Verdict, chance_in_words, with_rivals};
 use maud::{Markup, html};
 
 pub(super) fn body(report: &Report<'_>) -> Markup {
-    if report.found.verdict == Verdict::InsufficientData {
-        return reasons(report);
+    if let Some(advice) = first_of_all(report.found) {
+        return reasons(report, advice);
     }
     html! {
         p.lede { (lede(report)) }
         h2.unseen { "The signal path, and the stage where simulator and rig differ" }
-        (path(report))
+        (path::body(report))
         h2.unseen { "The gap, before and after" }
         div.first { (gap(report)) (held_out(report.picture)) }
     }
 }
 
 /// Why the record cannot answer, and what to do.
-fn reasons(report: &Report<'_>) -> Markup {
+fn reasons(report: &Report<'_>, first: &str) -> Markup {
     html! {
         h2.unseen { "Why the record cannot answer" }
         ul.reasons { @for reason in sentences(report.found, report.advice, report.logs) { li { (reason) } } }
-        p.lede { (FLY_ANOTHER) }
+        p.lede { (first) }
     }
 }
 
@@ -46,73 +46,10 @@ fn lede(report: &Report<'_>) -> Markup {
             (format!("; of noise alone {floor:.1}\u{a0}mm. "))
         }
         @for named in &found.effects {
-            (capital(&with_rivals(named))) ": " (chance(named.probability)) " sure. "
+            (capital(&with_rivals(named))) ": " (chance_in_words(named.probability)) " sure. "
         }
         @for (_, stage) in report.logs.upstream() { "Before the duty reaches the fan: " (stage.finding) ". " }
     }
-}
-
-/// The elements of the signal path: name in words, and whether it is a stage, which can be wrong, or a signal.
-const PATH: [(&str, bool); 9] = [
-    ("setpoint", false),
-    ("controller", true),
-    ("compensation", true),
-    ("duty", false),
-    ("actuator", true),
-    ("air", true),
-    ("ball", true),
-    ("sensor", true),
-    ("position", false),
-];
-
-fn path(report: &Report<'_>) -> Markup {
-    let shares = report.found.stage_shares(&report.logs.deviations());
-    let share = |name: &str| shares.iter().find(|stage| stage.name == if name == "duty" { "timing" } else { name });
-    html! {
-        figure.path {
-            ol {
-                @for (name, is_stage) in PATH {
-                    @let guilty = share(name);
-                    @let suspects = suspects(report, name);
-                    @let class = if guilty.is_some() { "guilty" } else if !suspects.is_empty() { "suspect" } else { "" };
-                    li class=(format!("{} {class}", if is_stage { "stage" } else { "signal" })) {
-                        span.name { (name) }
-                        @if let Some(stage) = guilty {
-                            strong { (blame(report, name)) }
-                            span.share { (format!("{:.0} % of the evidence", 100.0 * stage.share)) }
-                        } @else if !suspects.is_empty() {
-                            strong { "or " (suspects.join(", ")) }
-                        }
-                    }
-                }
-            }
-            figcaption {
-                span { "estimate, back to the controller" }
-            }
-        }
-    }
-}
-
-/// The error at a wrong stage, in a word or two.
-fn blame(report: &Report<'_>, stage: &str) -> String {
-    let found = report.found.effects.iter().map(|named| named.candidate.entry.name);
-    let own: Vec<String> =
-        found.filter(|name| parts::stage(&report.found.mended.model.effects, name) == stage).map(spoken).collect();
-    match stage {
-        "controller" => "other controller".into(),
-        "duty" => "late".into(),
-        _ if own.is_empty() => "unexplained".into(),
-        _ => own.join(", "),
-    }
-}
-
-/// The effects of a stage that are not distinguishable from those that were selected.
-fn suspects(report: &Report<'_>, stage: &str) -> Vec<String> {
-    let others = report.found.effects.iter().flat_map(|named| &named.indistinguishable_from);
-    others
-        .filter(|name| parts::stage(&report.found.mended.model.effects, name) == stage)
-        .map(|name| spoken(name))
-        .collect()
 }
 
 /// Caption of the ladder.
@@ -144,8 +81,9 @@ fn gap(report: &Report<'_>) -> Markup {
             (bars(CAPTION, "mm", &rows, floor))
             @if let Some(Closed { value, low, high }) = found.closed {
                 p.closed {
-                    strong { (whole_percent(value)) " %" } " of the gap is closed"
-                    span { (whole_percent(low)) " to " (whole_percent(high)) " %" }
+                    @let [value, low, high] = [value, low, high].map(|share| parts::minus(&whole_percent(share)));
+                    strong { (value) " %" } " of the gap is closed"
+                    span { (low) " to " (high) " %" }
                 }
             } @else { p.closed { "The gap is too small to give a share." } }
         }

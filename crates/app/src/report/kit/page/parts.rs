@@ -99,13 +99,15 @@ pub fn findings(all: &[String]) -> Markup {
     }
 }
 
-/// The checks of a record, each with whether it passed, and what was found.
-pub fn checks(findings: &[(&str, &Finding)]) -> Markup {
+/// The checks of a record, each with whether it passed, and what was found. A record that does not answer is compared
+/// with no fitted model.
+pub fn checks(findings: &[(&str, &Finding)], answers: bool) -> Markup {
     html! {
         ul.checks {
             @for check in Check::ALL {
                 @let found: Vec<&(&str, &Finding)> = findings.iter().filter(|(_, one)| one.check() == check).collect();
                 @let (class, sign, said) = match (found.is_empty(), check) {
+                    (true, Check::Model) if !answers => ("noted", "–", "not checked: "),
                     (true, _) => ("passed", "✓", "passed: "),
                     // Rows that are left out are no fault of the record.
                     (false, Check::Rows) => ("noted", "•", "noted: "),
@@ -183,15 +185,6 @@ pub fn places(value: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
     let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
     if value.abs() < SMALLEST { 0 } else { places }
-}
-
-/// A probability in words that do not promise certainty.
-pub fn chance(chance: f64) -> String {
-    match 100.0 * chance {
-        percent if percent > 99.0 => "more than 99 %".into(),
-        percent if percent < 1.0 => "less than 1 %".into(),
-        percent => format!("{percent:.0} %"),
-    }
 }
 
 /// A name of the program in words: `dead_zone` is "dead zone".

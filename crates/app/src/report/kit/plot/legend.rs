@@ -6,8 +6,6 @@ use super::panel::{Area, Chart, FINE, LETTERS, ROW, failed, fine, is_there, lett
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Average width of a letter as a share of its height.
-const LETTER_WIDTH: f64 = 0.53;
 /// Length of a line in the key, pixels.
 const SAMPLE: u32 = 13;
 
@@ -51,7 +49,26 @@ pub(super) fn draw_key(area: &Area<'_>, lines: &[&Line], rows: u32, wide: bool) 
     Ok(())
 }
 
-/// Approximate width of words, pixels.
+/// Approximate width of words, pixels, of the wider of the usual fonts without serifs.
 pub(super) fn width(words: &str) -> f64 {
-    LETTER_WIDTH * f64::from(LETTERS) * words.chars().count() as f64
+    f64::from(LETTERS) * words.chars().map(share_of_height).sum::<f64>()
+}
+
+/// Width of a letter as a share of its height.
+const fn share_of_height(letter: char) -> f64 {
+    match letter {
+        'm' | 'w' | 'M' | 'W' | '%' => 0.9,
+        'i' | 'j' | 'l' | 't' | 'f' | 'r' | ' ' | '.' | ',' | ':' | '\'' => 0.36,
+        _ => 0.61,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::width;
+
+    #[test]
+    fn wide_letters_take_more_room() {
+        assert!(width("mmm") > 1.4 * width("nnn") && width("nnn") > 1.4 * width("iii"));
+    }
 }

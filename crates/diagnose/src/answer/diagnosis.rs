@@ -78,18 +78,15 @@ pub struct Diagnosis {
 /// Compares `belief` with one or several recordings of a rig and finds what separates them.
 #[must_use]
 pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
-    let Prepared { mut findings, recording, can_answer } =
-        Prepared::of(recordings.as_ref(), belief, Purpose::Diagnosis);
+    let logs = recordings.as_ref();
+    let Prepared { mut findings, recording, can_answer } = Prepared::of(logs, belief, Purpose::Diagnosis);
     let recording = recording.as_ref();
     let belief = &with_rounding(belief, recording);
     let folds = Folds::new(belief, recording);
     let search = Search::new(belief, recording, &folds, options);
-    let about_all = |finding| (0..recordings.as_ref().len()).map(move |flight| FlightFinding { flight, finding });
-    let obstacles = if can_answer {
-        obstacles(belief, recordings.as_ref(), recording, &folds)
-    } else {
-        reasons(belief, recordings.as_ref(), &findings)
-    };
+    let about_all = |finding| (0..logs.len()).map(move |flight| FlightFinding { flight, finding });
+    let obstacles =
+        if can_answer { obstacles(belief, logs, recording, &folds) } else { reasons(belief, logs, &findings) };
     let mut answers = can_answer && obstacles.is_empty();
     findings.extend(obstacles);
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };

@@ -173,7 +173,7 @@ def test_the_command_compares_what_is_there_without_workers(shop, tmp_path):
     assert ran.returncode == 1 and ran.stderr.startswith("error: rig_of: 'z' matches no part")
     for flags, words in [
         (["--out", tmp_path], "at least one LOG, or --across"),
-        (["log", "--out", tmp_path], "one of --scheduler and --local"),
+        (["log", "--out", tmp_path], "one of --scheduler, --local and --slurm"),
         (["log", "--local", 1, "--rig", "z", "--out", tmp_path], "--rig is for --across"),
     ]:
         ran = run(*flags)

@@ -28,6 +28,10 @@ pub(crate) const OFF_GRID: f64 = 12.0;
 const EDGE: f64 = 0.8;
 /// The same as a share of the step, so that the scan does not step over it.
 const SLACK: f64 = 0.08;
+/// No readings span more than the longest pipe that a model may have, mm, and a scan takes at most so many steps: its
+/// time must not grow with the unit of the readings. The longest scan of the records in `data` takes 5 million.
+const LONGEST_MM: f64 = 1e6;
+const MOST_STEPS: usize = 10_000_000;
 /// A step counts as quantisation if it is at least this many times the noise of a reading.
 const COARSE: f64 = 1.2;
 
@@ -161,6 +165,10 @@ pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<Coarse
 
 /// The scan for it.
 fn coarser_than(recording: &Recording, noise_mm: f64) -> Option<CoarseStep> {
+    let [lowest, highest] = recording.height_range();
+    if highest - lowest > LONGEST_MM {
+        return None;
+    }
     let levels = Levels::of(recording);
     let fine = levels.file_resolution_mm();
     let least = (COARSE * noise_mm).max(2.0 * fine);
@@ -170,7 +178,7 @@ fn coarser_than(recording: &Recording, noise_mm: f64) -> Option<CoarseStep> {
     }
     let few = levels.few();
     let passes = |step: &f64| few.share(*step, fine) >= FEW_ON_GRID && levels.share(*step, fine) >= ON_GRID;
-    let first = levels.finer(COARSEST_MM).take_while(|step| *step > least).find(passes)?;
+    let first = levels.finer(COARSEST_MM).take(MOST_STEPS).take_while(|step| *step > least).find(passes)?;
     // The first step that passes is slightly too large; the best one is where the readings lie closest.
     let near = levels.finer(first).take_while(|step| *step > NEAR * first);
     let near = near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))?;

@@ -11,6 +11,8 @@ use std::process::{Command, Stdio};
 use system_tests::{Bench, Broker, root};
 
 const FENCE: &str = "```console";
+/// How the lines begin that tell of the progress of a search.
+const PROGRESS: &str = "note: still searching";
 /// Separator between the outputs of two commands.
 const BETWEEN: char = '\u{1}';
 const ANYTHING: &str = "…";
@@ -105,7 +107,13 @@ fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item 
     let output = shell.output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{}: {said}", page.display());
-    said.split(BETWEEN).skip(1).map(|part| part.trim_end().to_owned()).collect()
+    said.split(BETWEEN).skip(1).map(without_progress).collect()
+}
+
+/// An output without the lines of a long search, whose number depends on the computer.
+fn without_progress(said: &str) -> String {
+    let lines = said.trim_end().lines().filter(|line| !line.starts_with(PROGRESS));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// Whether the shown output is the real one.

@@ -9,7 +9,7 @@ use crate::select::initial_values::{Starts, starts};
 use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
-use plant::{Entry, Model, Noise, Start};
+use plant::{Entry, Model, Start};
 use rayon::prelude::*;
 use std::{iter, ptr};
 
@@ -166,15 +166,12 @@ fn rated(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts)
 
 /// Initial base parameters: those of the model, and those of the belief if the fit is far from it. A fit that followed
 /// the record without the effect may be a bad start. For an effect that distorts the noise both have the believed
-/// noise; and the model also with the noise of the air that was fitted, since a filter with the believed one loses the
-/// ball where a force is missing.
+/// noise.
 fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &Entry) -> Vec<Model> {
     let belief = search.problem.belief;
     if !is_of_path(effect) {
         let quiet = Model { noise: belief.noise, ..model.clone() };
-        let believed = Model { effects: model.effects.clone(), ..belief.clone() };
-        let noise = Noise { sensor_mm: belief.noise.sensor_mm, ..model.noise };
-        return vec![quiet, believed, Model { noise, ..model.clone() }];
+        return vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }];
     }
     let mut believed = search.with_believed_base(model);
     for entry in model.effects.present().iter().filter(|entry| entry.name != effect.name) {

@@ -39,7 +39,7 @@ const FAR_LESS: f64 = 0.02;
 /// Or where the noise of the readings is smaller by the same factor, within this one.
 const LIKE_THE_GAIN: f64 = 2.0;
 /// A hover off by such a factor is in other units, where the believed one is not near 0, percent.
-const HOVER: f64 = 1.5;
+pub(crate) const HOVER: f64 = 1.5;
 const NEAR_ZERO_PERCENT: f64 = 2.0;
 /// With columns exchanged the gain is seen so well, and explains so much more.
 const EXCHANGED_SEEN: f64 = 15.0;

@@ -53,6 +53,8 @@ const fn base(name: &'static str, min: f64, max: f64) -> Param {
 }
 
 impl Model {
+    /// The longest pipe that a model may have, mm.
+    pub const LONGEST_PIPE_MM: f64 = 1e6;
     /// The gain, which is positive on every rig: duty upward is force upward.
     pub const GAIN: Param = base("gain_mm_per_s2_per_percent", 1e-6, 1e6);
     /// The linear drag.
@@ -73,7 +75,7 @@ impl Model {
             ] {
                 within(param.name, value, param.min, param.max)?;
             }
-            within("pipe_length_mm", self.pipe_length_mm, 1.0, 1e6)?;
+            within("pipe_length_mm", self.pipe_length_mm, 1.0, Self::LONGEST_PIPE_MM)?;
             self.turn_mm.map_or(Ok(()), |turn_mm| within("turn_mm", turn_mm, 1e-3, 1e6))
         };
         let noise = || -> Result<(), OutOfRange> {

@@ -182,7 +182,8 @@ pub(crate) fn is_log(name: &str) -> bool {
     library::is_log(name)
 }
 
-/// Writes the table and the page of the reports in a folder on logs of these names. Returns the numbers of diagnoses and of errors.
+/// Writes the table and the page of the reports in a folder on logs of these names. Returns the numbers of diagnoses
+/// and of errors.
 #[pyfunction]
 pub(crate) fn summarise(py: Python<'_>, names: Vec<String>, out: PathBuf) -> PyResult<(usize, usize)> {
     interruptible(py, &Stop::default(), |_| Ok(()), move || library::summarise(&names, &out))

@@ -11,7 +11,6 @@
 
 use crate::error::RowsError;
 use core::f64::consts::TAU;
-use diagnose::{SourceColumn, SourceColumns};
 use serde::{Deserialize, Serialize};
 
 /// The source of each quantity of a foreign CSV. An absent quantity is read from the column of its own name.
@@ -63,14 +62,6 @@ const ANGLES: [(&str, f64); 6] =
     [("rad", TAU), ("mrad", 1e3 * TAU), ("deg", 360.0), ("degrees", 360.0), ("°", 360.0), ("rev", 1.0)];
 
 impl Column {
-    /// The column, for a finding that corrects its conversion.
-    fn source(&self) -> SourceColumn {
-        let minus = self.minus.as_ref().map(|other| format!(", minus = {other:?}"));
-        let integrate = self.integrate.then(|| ", integrate = true".to_owned());
-        let further_keys = [minus, integrate].into_iter().flatten().collect();
-        SourceColumn { column: self.column.clone(), scale: self.scale, offset: self.offset, further_keys }
-    }
-
     /// One turn in our unit, if the name ends in the unit of an angle: `theta_rad`, `angle [deg]`.
     #[must_use]
     pub fn turn(&self) -> Option<f64> {
@@ -101,14 +92,6 @@ impl Default for Import {
 }
 
 impl Import {
-    /// The columns, for findings that correct their conversion.
-    #[must_use]
-    pub fn source_columns(&self) -> SourceColumns {
-        let [time_s, duty_percent, position_mm] =
-            [&self.time_s, &self.duty_percent, &self.position_mm].map(Column::source);
-        SourceColumns { time_s, duty_percent, position_mm }
-    }
-
     /// Checks the values: scales must be numbers other than zero, offsets must be numbers, and an integral is allowed
     /// only for a quantity whose derivative is a speed.
     ///

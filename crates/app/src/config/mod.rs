@@ -10,6 +10,7 @@ mod plain_words;
 mod predistorted;
 mod rig;
 mod signals;
+pub(crate) mod source_columns;
 mod tables;
 pub mod topics;
 pub mod words;

@@ -3,6 +3,7 @@
 use super::Rig;
 use super::mqtt::MqttConfig;
 use super::predistorted;
+use super::source_columns::source_columns;
 use super::topics::Topics;
 use control::check::{OutOfRange, within};
 use control::compensation::Compensation;
@@ -209,7 +210,7 @@ impl Tables {
 
     /// The columns that a record is read from.
     pub(crate) fn source_columns(&self) -> SourceColumns {
-        self.import.as_ref().map(Import::source_columns).unwrap_or_default()
+        self.import.as_ref().map(source_columns).unwrap_or_default()
     }
 
     /// Tells the model the length of a turn, where the unit of the imported position says that it is an angle.

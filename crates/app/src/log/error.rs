@@ -15,8 +15,8 @@ pub enum LogError {
         source: io::Error,
     },
     /// A folder.
-    #[error("{} is a folder, and no log; name the log in it (of a ROS 2 bag, its .mcap), or diagnose each log in it with \
-        `airball diagnose --each {} --out reports`", path.display(), path.display())]
+    #[error("{} is a folder, and no log; name the log in it (of a ROS 2 bag, its .mcap), or diagnose each log in it \
+        with `airball diagnose --each {} --out reports`", path.display(), path.display())]
     Folder {
         /// The folder.
         path: PathBuf,

@@ -1,6 +1,7 @@
 //! A first belief as a config with the origin of each number, and in words.
 
 use crate::analysis::first_belief::{FirstBelief, Named, Scaled};
+use crate::config::source_columns::quoted;
 use diagnose::decimals;
 use diagnose::identify::ParameterEstimate;
 use diagnose::linear::Order;
@@ -56,7 +57,7 @@ fn rig(text: &mut String, belief: &FirstBelief) {
     let mut word = |key: &str, word: &Option<String>, column: &str| {
         let Some(word) = word else { return };
         let why = format!("by column `{}`; what reports call it", shown(column));
-        line(text, key, &toml::Value::String(word.clone()).to_string(), &why);
+        line(text, key, &quoted(word), &why);
     };
     word("position", &words.position, position);
     word("position_unit", &words.position_unit, position);
@@ -102,9 +103,8 @@ fn line(text: &mut String, key: &str, value: &str, why: &str) {
 
 /// A column as an inline table.
 fn toml_of(column: &Column) -> String {
-    let word = |text: &str| toml::Value::String(text.into()).to_string();
-    let mut keys = vec![format!("column = {}", word(&column.column))];
-    keys.extend(column.minus.iter().map(|other| format!("minus = {}", word(other))));
+    let mut keys = vec![format!("column = {}", quoted(&column.column))];
+    keys.extend(column.minus.iter().map(|other| format!("minus = {}", quoted(other))));
     let numbers = [("scale", column.scale, 1.0), ("offset", column.offset, 0.0)];
     keys.extend(
         numbers

@@ -86,7 +86,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let search = Search::new(belief, recording, &folds, options);
     let about_all = |finding| (0..logs.len()).map(move |flight| FlightFinding { flight, finding });
     let obstacles =
-        if can_answer { obstacles(belief, logs, recording, &folds) } else { reasons(belief, logs, &findings) };
+        if can_answer { obstacles(belief, logs, recording, &folds) } else { mistakes_outside(belief, logs, &findings) };
     let mut answers = can_answer && obstacles.is_empty();
     findings.extend(obstacles);
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
@@ -178,7 +178,7 @@ fn obstacles(belief: &Model, logs: &[Recording], recording: &Recording, folds: &
 }
 
 /// The mistakes because of which no reading lies where the belief has its pipe; `findings`: what is known already.
-fn reasons(belief: &Model, logs: &[Recording], findings: &[FlightFinding]) -> Vec<FlightFinding> {
+fn mistakes_outside(belief: &Model, logs: &[Recording], findings: &[FlightFinding]) -> Vec<FlightFinding> {
     let is_outside = |noted: &FlightFinding| matches!(noted.finding, Finding::OutsidePipe { .. });
     let is_explained = findings.iter().any(|noted| noted.finding.is_mistake());
     if findings.iter().any(is_outside) && !is_explained { mistakes(belief, logs) } else { Vec::new() }

@@ -1,17 +1,9 @@
 //! Findings about a record: what its reader should know, each a sentence with its values that ends in what to do.
 
 use crate::record::check::OUTLIER;
+use crate::record::corrections::{MILLISECOND, by_gain, by_hover, by_length, duty, position, time};
 use crate::record::implausible::DutyScale;
-use crate::record::source_columns::{Correction, Quantity, SourceColumns};
-use crate::record::units::{length, nearest_scale, short};
-
-/// A scale by hover is that of a usual unit within this factor; by the gain, of which an effect takes a part, within
-/// the other.
-const NEAR_BY_HOVER: f64 = 1.15;
-const NEAR_BY_GAIN: f64 = 2.0;
-
-/// Seconds.
-const MILLISECOND: f64 = 1e-3;
+use crate::record::units::{length, short};
 
 /// A finding about a record that its reader should know.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, thiserror::Error)]
@@ -345,58 +337,4 @@ pub enum Finding {
         /// The longest run, rows.
         longest: usize,
     },
-}
-
-impl Finding {
-    /// The finding, with the lines of `[import]` that it asks for as they are for a record from these columns.
-    #[must_use]
-    pub fn in_columns(&self, columns: &SourceColumns) -> String {
-        let corrections = self.corrections().into_iter();
-        corrections.fold(self.to_string(), |said, one| said.replace(&one.to_string(), &one.line(columns)))
-    }
-
-    /// The corrections that its sentence asks for.
-    fn corrections(&self) -> Vec<Correction> {
-        match *self {
-            Self::FractionalDuty => vec![duty(100.0)],
-            Self::DutyBeyondPercent { scale: DutyScale(Some(scale)), .. } => vec![duty(scale)],
-            Self::DutyFarBelowHover { scale, offset_percent, .. } => vec![duty(scale).with_offset(offset_percent)],
-            Self::SlowRows { .. } => vec![time(MILLISECOND)],
-            Self::PositionReversed { offset_mm, .. } => vec![position(-1.0).with_offset(offset_mm)],
-            Self::InputReversed { .. } => vec![duty(-1.0)],
-            Self::SignReversed { .. } => vec![duty(-1.0), position(-1.0)],
-            Self::DutyUnit { scale, .. } => vec![by_hover(scale)],
-            Self::PositionUnit { ratio, .. } => vec![by_length(ratio)],
-            Self::GainUnit { ratio, .. } => vec![by_gain(ratio), by_length(ratio)],
-            Self::TimeUnit { scale } => vec![time(scale)],
-            _ => Vec::new(),
-        }
-    }
-}
-
-fn time(scale: f64) -> Correction {
-    Correction::scale(Quantity::Time, scale)
-}
-
-fn duty(scale: f64) -> Correction {
-    Correction::scale(Quantity::Duty, scale)
-}
-
-fn position(scale: f64) -> Correction {
-    Correction::scale(Quantity::Position, scale)
-}
-
-/// Of a duty whose hover is off by a factor.
-fn by_hover(scale: f64) -> Correction {
-    duty(nearest_scale(scale, NEAR_BY_HOVER))
-}
-
-/// Of a duty whose gain is off by a factor.
-fn by_gain(ratio: f64) -> Correction {
-    duty(nearest_scale(ratio, NEAR_BY_GAIN))
-}
-
-/// Of a position whose gain is off by a factor.
-fn by_length(ratio: f64) -> Correction {
-    position(length(ratio).1)
 }

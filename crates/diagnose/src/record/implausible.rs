@@ -3,9 +3,10 @@
 //! A duty has no neighbour that could stand in for it, so one that is implausible ends the diagnosis. A reading is only
 //! a look at the ball: without it, the filter goes on.
 
+use crate::mistakes::HOVER;
 use crate::record::check::{Finding, without_codes};
+use crate::record::corrections::duty;
 use crate::record::recording::{Recording, Sample};
-use crate::record::source_columns::{Correction, Quantity};
 use crate::record::units::nearest_scale;
 use crate::stats::median::median;
 use plant::Model;
@@ -21,8 +22,6 @@ const TIMES: f64 = 7.0;
 const UNIT: f64 = 0.1;
 /// A scale that gives the believed hover within this factor is that of the counts.
 const NEAR: f64 = 2.0;
-/// Positions that are duties lie within this factor of the believed hover.
-const EXCHANGED: f64 = 1.5;
 /// A reading further outside the pipe than this share of its length is no position of the ball. None of the same
 /// flights has one.
 const FAR: f64 = 0.5;
@@ -42,11 +41,9 @@ pub struct DutyScale(pub(crate) Option<f64>);
 impl Display for DutyScale {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.0 {
-            Some(scale) => write!(
-                f,
-                "the column holds another unit; if it is counts, write under [import]: {}",
-                Correction::scale(Quantity::Duty, scale)
-            ),
+            Some(scale) => {
+                write!(f, "the column holds another unit; if it is counts, write under [import]: {}", duty(scale))
+            }
             None => write!(f, "remove these rows or mend the recorder"),
         }
     }
@@ -83,7 +80,7 @@ fn looks_exchanged(samples: &[Sample], model: &Model) -> bool {
     let position = median(samples.iter().filter_map(|sample| sample.position_mm).collect());
     let is_position = duty.is_some_and(|duty| (0.0..=model.pipe_length_mm).contains(&duty));
     let is_hover = position.map(|position| position / model.hover_duty_percent);
-    is_position && is_hover.is_some_and(|ratio| ratio > 0.0 && ratio.ln().abs() < EXCHANGED.ln())
+    is_position && is_hover.is_some_and(|ratio| ratio > 0.0 && ratio.ln().abs() < HOVER.ln())
 }
 
 /// The finding about duties far below what holds a ball, the other side of the same limit. Duties of 0 are a fan at
@@ -91,10 +88,11 @@ fn looks_exchanged(samples: &[Sample], model: &Model) -> bool {
 pub(crate) fn duty_far_below_hover(samples: &[Sample], model: &Model) -> Option<Finding> {
     let usual_percent = median(samples.iter().map(|sample| sample.duty_percent.abs()).collect())?;
     let hover_percent = model.hover_duty_percent.abs();
-    let is_far_below = usual_percent > 0.0 && usual_percent < hover_percent / TIMES;
-    let (scale, offset_percent) = symmetric(samples, model.hover_duty_percent)
-        .unwrap_or_else(|| (nearest_scale(hover_percent / usual_percent, NEAR), 0.0));
-    is_far_below.then_some(Finding::DutyFarBelowHover { usual_percent, hover_percent, scale, offset_percent })
+    (usual_percent > 0.0 && usual_percent < hover_percent / TIMES).then(|| {
+        let counts = || (scale(usual_percent, hover_percent), 0.0);
+        let (scale, offset_percent) = symmetric(samples, model.hover_duty_percent).unwrap_or_else(counts);
+        Finding::DutyFarBelowHover { usual_percent, hover_percent, scale, offset_percent }
+    })
 }
 
 /// Scale and offset of duties from −1 to 1 that stand for 0 to 100 %, if the usual one is then near the believed hover.

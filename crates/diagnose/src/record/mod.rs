@@ -4,6 +4,7 @@ pub(crate) mod airborne;
 pub(crate) mod check;
 pub(crate) mod checks;
 pub(crate) mod commanded;
+mod corrections;
 pub(crate) mod decimate;
 mod error;
 mod finding;

@@ -28,9 +28,8 @@ pub(crate) const OFF_GRID: f64 = 12.0;
 const EDGE: f64 = 0.8;
 /// The same as a share of the step, so that the scan does not step over it.
 const SLACK: f64 = 0.08;
-/// No readings span more than the longest pipe that a model may have, mm, and a scan takes at most so many steps: its
-/// time must not grow with the unit of the readings. The longest scan of the records in `data` takes 5 million.
-const LONGEST_MM: f64 = 1e6;
+/// Largest number of steps of a scan, whose time must not grow with the unit of the readings. The longest scan of the
+/// records in `data` takes 5 million.
 const MOST_STEPS: usize = 10_000_000;
 /// A step counts as quantisation if it is at least this many times the noise of a reading.
 const COARSE: f64 = 1.2;
@@ -143,8 +142,8 @@ impl Grid {
     }
 }
 
-/// The believed noise that [`coarse_step`] was first called with, mm, and what it found. A search calls it in each round,
-/// with the same noise, and a scan of a long range takes a second.
+/// The believed noise that [`coarse_step`] was first called with, mm, and what it found. A search calls it in each
+/// round, with the same noise, and a scan of a long range takes a second.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KnownStep(OnceLock<(f64, Option<CoarseStep>)>);
 
@@ -166,7 +165,8 @@ pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<Coarse
 /// The scan for it.
 fn coarser_than(recording: &Recording, noise_mm: f64) -> Option<CoarseStep> {
     let [lowest, highest] = recording.height_range();
-    if highest - lowest > LONGEST_MM {
+    // Readings that span more are in another unit.
+    if highest - lowest > Model::LONGEST_PIPE_MM {
         return None;
     }
     let levels = Levels::of(recording);

@@ -4,7 +4,7 @@
 
 use crate::fit::estimate::Fit;
 use crate::select::addition::best_addition;
-use crate::select::forecast::forecasts_worse;
+use crate::select::forecast::is_better;
 use crate::select::posterior::Scored;
 use crate::select::random_force::is_random_force;
 use crate::select::search::Search;
@@ -33,11 +33,7 @@ pub(crate) fn exchange(
     let without = search.removed(fit, old);
     let among = search.without(|entry| !rivals.contains(&entry.name) || is_random_force(entry));
     let (again, _) = best_addition(&among, &without, SECOND_EFFECT);
-    let is_better = |again: &NamedEffect| {
-        let again = &again.candidate.fit;
-        search.held_out_total(again) > search.held_out_total(fit) && !forecasts_worse(search, again, fit)
-    };
-    if let Some(again) = again.filter(is_better) {
+    if let Some(again) = again.filter(|again| is_better(search, &again.candidate.fit, fit)) {
         *fit = again.candidate.fit.clone();
         effects[at] = again;
     }

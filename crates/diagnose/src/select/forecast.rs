@@ -86,6 +86,11 @@ pub(crate) fn forecasts_worse(search: &Search<'_>, this: &Fit, that: &Fit) -> bo
     deviations_at_all_horizons(&errors_of(search, this), &errors_of(search, that)) > BETTER_FORECAST
 }
 
+/// Whether `this` is the better fit on held-out stretches, and forecasts no worse.
+pub(crate) fn is_better(search: &Search<'_>, this: &Fit, that: &Fit) -> bool {
+    search.held_out_total(this) > search.held_out_total(that) && !forecasts_worse(search, this, that)
+}
+
 /// Held-out forecast errors of a fit, by stretch of the record, with its own noise.
 fn errors_of(search: &Search<'_>, fit: &Fit) -> Vec<Tally> {
     with_own_noise(search, &search.problem.without_each_fold(fit))

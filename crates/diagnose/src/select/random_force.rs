@@ -2,7 +2,7 @@
 
 use crate::fit::estimate::Fit;
 use crate::select::elimination::backward_eliminate;
-use crate::select::forecast::forecasts_worse;
+use crate::select::forecast::is_better;
 use crate::select::search::Search;
 use crate::select::stepwise::{Change, NamedEffect, Selection, SoFar, stepwise_search};
 use plant::Entry;
@@ -22,10 +22,10 @@ pub(super) fn search_from(search: &Search<'_>, refitted: &Fit) -> Selection {
     // No effect may follow a random force, which would have followed that effect as well.
     match before_random_force {
         Some(before) if after > 1 || (after == 1 && !found.misfit.allows_random_force()) => {
-            let quiet = search.without(is_random_force);
-            let again = stepwise_search(&quiet, before).0;
-            let beside = (after > 1).then(|| without_random_force(&quiet, &found));
-            beside.filter(|beside| explains_more(&quiet, beside, &again)).unwrap_or(again)
+            let without_random = search.without(is_random_force);
+            let again = stepwise_search(&without_random, before).0;
+            let beside = (after > 1).then(|| without_random_force(&without_random, &found));
+            beside.filter(|beside| is_better(&without_random, &beside.fit, &again.fit)).unwrap_or(again)
         }
         _ => found,
     }
@@ -33,29 +33,24 @@ pub(super) fn search_from(search: &Search<'_>, refitted: &Fit) -> Selection {
 
 /// The search that goes on from the effects of `found` without its random forces. Beside a force that follows whatever
 /// is missing, small effects are seen that the misfit of the others hides otherwise.
-fn without_random_force(quiet: &Search<'_>, found: &Selection) -> Selection {
+fn without_random_force(without_random: &Search<'_>, found: &Selection) -> Selection {
     let added = found.effects.iter().filter(|named| named.change == Change::Added);
     let (random, others): (Vec<&NamedEffect>, Vec<&NamedEffect>) =
         added.partition(|named| is_random_force(named.candidate.entry));
     let random: Vec<&Entry> = random.into_iter().map(|named| named.candidate.entry).collect();
     let mut effects: Vec<NamedEffect> = others.into_iter().cloned().collect();
-    let mut fit = quiet.without_effects(&found.fit, &random);
-    backward_eliminate(quiet, &mut effects, &mut fit);
-    stepwise_search(quiet, SoFar::after(found, effects, fit)).0
-}
-
-/// Whether `this` is the better selection on held-out stretches, and forecasts no worse.
-fn explains_more(search: &Search<'_>, this: &Selection, that: &Selection) -> bool {
-    search.held_out_total(&this.fit) > search.held_out_total(&that.fit)
-        && !forecasts_worse(search, &this.fit, &that.fit)
+    let mut fit = without_random.without_effects(&found.fit, &random);
+    backward_eliminate(without_random, &mut effects, &mut fit);
+    stepwise_search(without_random, SoFar::after(found, effects, fit)).0
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{explains_more, is_random_force, without_random_force};
+    use super::{is_random_force, without_random_force};
     use crate::Options;
     use crate::record::folds::Folds;
     use crate::select::addition::best_addition;
+    use crate::select::forecast::is_better;
     use crate::select::refit::refitted;
     use crate::select::search::Search;
     use crate::select::stepwise::{NamedEffect, Selection};
@@ -79,14 +74,16 @@ mod tests {
             found.fit = named.candidate.fit.clone();
             found.effects.push(named);
         }
-        let quiet = search.without(is_random_force);
-        let beside = without_random_force(&quiet, &found);
+        let without_random = search.without(is_random_force);
+        let beside = without_random_force(&without_random, &found);
         let names: Vec<&str> = beside.effects.iter().map(|named| named.candidate.entry.name).collect();
         assert_eq!(names, ["dead_zone", "height_dependent_flow"]);
         assert!(beside.fit.model.effects.values("turbulence").is_none());
         // It explains more than the first of them alone, which explains no more than both.
         let mut alone = Selection::nothing(&search, &search.removed(&beside.fit, beside.effects[1].candidate.entry));
         alone.effects.push(beside.effects[0].clone());
-        assert!(explains_more(&quiet, &beside, &alone) && !explains_more(&quiet, &alone, &beside));
+        assert!(
+            is_better(&without_random, &beside.fit, &alone.fit) && !is_better(&without_random, &alone.fit, &beside.fit)
+        );
     }
 }

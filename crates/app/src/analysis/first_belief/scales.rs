@@ -11,6 +11,7 @@
 use super::names::Name;
 use super::rig_words::written;
 use super::roles::{Asked, Roles};
+use plant::Model;
 use rows::{Sheet, SheetColumn};
 
 /// A scale, an offset, and what they rest on.
@@ -45,8 +46,6 @@ pub struct Scales {
 
 /// Range of the record beside the length of a pipe whose ends it never meets.
 const ROOM: f64 = 3.0;
-/// The longest pipe that a config may have, mm.
-const LONGEST_MM: f64 = 1e6;
 
 /// The scales of the columns of a table.
 #[must_use]
@@ -167,14 +166,14 @@ fn to_hundreds(range: f64) -> f64 {
 
 /// The scale of a speed. A wheel that turns one way goes far; how it moves within a second shows in its speed.
 fn speed_scale(speed: &SheetColumn, range_of_integral: f64) -> f64 {
-    let longest = LONGEST_MM / (ROOM * range_of_integral.max(f64::MIN_POSITIVE));
+    let longest = Model::LONGEST_PIPE_MM / (ROOM * range_of_integral.max(f64::MIN_POSITIVE));
     to_hundreds(span(of(&speed.values, "").range)).min(10f64.powf(longest.log10().floor()))
 }
 
 /// Length and offset of a pipe in whose middle the record lies, mm, both round.
 fn around(position: &Scaled) -> (f64, f64) {
     let [low, high] = position.range;
-    let length = round(ROOM * span(position.range) * position.scale, 2).clamp(1.0, LONGEST_MM);
+    let length = round(ROOM * span(position.range) * position.scale, 2).clamp(1.0, Model::LONGEST_PIPE_MM);
     let offset = 0.5 * length - 0.5 * (low + high) * position.scale;
     let grid = 10f64.powf(length.log10().floor() - 2.0);
     (length, (offset / grid).round() * grid)

@@ -29,8 +29,8 @@ const NUDGES: (f64, f64) = (5.0, 50.0);
 pub const HELP: &str = "↑ ↓ 5 mm   PgUp PgDn 50 mm   space STOP   f fly   p programme   ? keys   q quit";
 
 /// The same in sentences.
-pub const ALL: &str = "↑ and ↓ (or k and j) move the setpoint by 5 mm, PgUp and PgDn by 50 mm; space or s stops the fan; f flies again; \
-     p goes back to the programme; q quits, and the flight goes on";
+pub const ALL: &str = "↑ and ↓ (or k and j) move the setpoint by 5 mm, PgUp and PgDn by 50 mm; \
+     space or s stops the fan; f flies again; p goes back to the programme; q quits, and the flight goes on";
 
 /// The action of a key, if any.
 #[must_use]

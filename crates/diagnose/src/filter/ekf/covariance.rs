@@ -83,6 +83,7 @@ impl PropagationCache {
         Self { linear, lengths: Vec::new(), known: Vec::new(), next: 0 }
     }
 
+    /// The propagation of a step of this length, from the cache where the motion is linear.
     pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> &Propagation {
         let same = if self.linear { self.lengths.iter().position(|known| *known == dt) } else { None };
         let at = same.unwrap_or_else(|| self.keep(dt, compute()));

@@ -135,8 +135,11 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
         })
         .collect();
     html! {
-        @if rows.is_empty() { p { (caption) ": none was fitted in full." } }
-        @else { (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows)) }
+        @if rows.is_empty() {
+            p { (caption) ": none was fitted in full." }
+        } @else {
+            (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows))
+        }
         @if !rejected.is_empty() { p { "Rejected by the screening: " (rejected.join(", ")) "." } }
     }
 }

@@ -103,8 +103,8 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
             p {
                 (found.steps) " steps of the record, simulated again with the controller of the record and each model; \
                      medians. A first peak is visible if it exceeds "
-                "the setpoint by more than half of the settling band; the overshoot includes noise. The gain margin is that of \
-                 flights with steps of an eighth of the pipe, with every effect and the limits of the duty; "
+                "the setpoint by more than half of the settling band; the overshoot includes noise. The gain margin is \
+                 that of flights with steps of an eighth of the pipe, with every effect and the limits of the duty; "
                 (command("airball design loop")) " gives that of the linear model."
             }
             (table("The loop as recorded and as simulated", &["figure", "recorded", "as believed", "mended"], &rows))

@@ -132,8 +132,8 @@ fn over(diagram: &Diagram, places: &[Place]) -> Markup {
 }
 
 /// The text for a missing force that is nowhere significant.
-const FLAT: &str = "The residual force stays within its standard deviation over time: what is missing is too weak or too \
-     fast to show as a slowly varying force.";
+const FLAT: &str = "The residual force stays within its standard deviation over time: what is missing is too weak or \
+     too fast to show as a slowly varying force.";
 
 /// Whether the missing force shows anything over time: there is a place, and it leaves its standard deviation.
 pub(super) fn shows_force(missing: &[MissingForce], places: &[Place]) -> bool {
@@ -162,7 +162,8 @@ fn in_words(places: &[Place]) -> Markup {
                     @let (name, unit) = signal(place.signal);
                     li {
                         strong { (name) " " (span(place)) " " (unit) }
-                        (format!(": {}, {:.0} % of the misfit of all regions", p_value(place.p_value), 100.0 * place.share))
+                        @let percent = 100.0 * place.share;
+                        (format!(": {}, {percent:.0} % of the misfit of all regions", p_value(place.p_value)))
                     }
                 }
                 @if places.len() > MOST_PLACES { li { "and " (places.len() - MOST_PLACES) " more, shaded below" } }

@@ -1,5 +1,5 @@
-//! The signal path, with the stages where simulator and rig differ: each with its effects, and how much of the gap these
-//! close in the ladder.
+//! The signal path, with the stages where simulator and rig differ: each with its effects, and how much of the gap
+//! these close in the ladder.
 
 use super::Report;
 use crate::report::diagnosis::words::whole_percent;

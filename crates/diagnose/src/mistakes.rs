@@ -21,6 +21,7 @@ use crate::record::implausible::plausible;
 use crate::record::prepare::FlightFinding;
 use crate::record::quantisation::coarse_step;
 use crate::record::recording::{Recording, Sample};
+use crate::record::units::OTHER_HOVER;
 use crate::stats::median::median;
 use crate::stats::spread::spread;
 use crate::thresholds::ENOUGH_READINGS;
@@ -38,8 +39,7 @@ const LESS_EXPLAINS: f64 = 0.25;
 const FAR_LESS: f64 = 0.02;
 /// Or where the noise of the readings is smaller by the same factor, within this one.
 const LIKE_THE_GAIN: f64 = 2.0;
-/// A hover off by such a factor is in other units, where the believed one is not near 0, percent.
-pub(crate) const HOVER: f64 = 1.5;
+/// A believed hover nearer to 0 tells nothing about units, percent.
 const NEAR_ZERO_PERCENT: f64 = 2.0;
 /// With columns exchanged the gain is seen so well, and explains so much more.
 const EXCHANGED_SEEN: f64 = 15.0;
@@ -131,7 +131,7 @@ fn unit(belief: &Model, fit: &LinearFit, recording: &Recording) -> Option<Findin
     let duties = spread(recording.samples().iter().map(|row| row.duty_percent)).unwrap_or_default();
     let is_far = hover.abs().max(seen.abs()) > NEAR_ZERO_PERCENT && seen.abs() > duties;
     let has_hover = is_far && hover * seen > 0.0;
-    if has_hover && (seen / hover).ln().abs() > HOVER.ln() {
+    if has_hover && (seen / hover).ln().abs() > OTHER_HOVER.ln() {
         return Some(Finding::DutyUnit { hover_percent: seen, believed_percent: hover, scale: hover / seen });
     }
     // No effect that takes a part of the gain takes the same part of the sensor's noise.

@@ -7,10 +7,11 @@
 //! Milliseconds and the like are found by their rows (`SlowRows`); ten times too slow or too fast a clock leaves rows
 //! that could be some rig's, and then effects are named that make it sluggish or quick.
 
-use super::{HOVER, SEEN};
+use super::SEEN;
 use crate::linear::{LinearFit, linear_fit_at};
 use crate::record::check::Finding;
 use crate::record::recording::Recording;
+use crate::record::units::OTHER_HOVER;
 use plant::Model;
 
 /// Clocks that are tried: powers of ten, and minutes or hours for seconds and the other way round.
@@ -32,7 +33,7 @@ pub(super) fn other_clock(belief: &Model, fit: &LinearFit, recording: &Recording
         let at = linear_fit_at(recording, belief.drag_per_s / clock, lag_s * clock)?;
         let gain = at.gain * clock * clock / belief.gain_mm_per_s2_per_percent;
         let hover = at.hover / belief.hover_duty_percent;
-        let fits = at.gain_in_deviations > SEEN && gain.ln().abs() < GAIN.ln() && hover.ln().abs() < HOVER.ln();
+        let fits = at.gain_in_deviations > SEEN && gain.ln().abs() < GAIN.ln() && hover.ln().abs() < OTHER_HOVER.ln();
         (fits && at.log_likelihood > fit.log_likelihood + BETTER).then_some((clock, at.log_likelihood))
     });
     let (clock, _) = tried.max_by(|a, b| a.1.total_cmp(&b.1))?;

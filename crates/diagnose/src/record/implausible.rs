@@ -3,11 +3,10 @@
 //! A duty has no neighbour that could stand in for it, so one that is implausible ends the diagnosis. A reading is only
 //! a look at the ball: without it, the filter goes on.
 
-use crate::mistakes::HOVER;
 use crate::record::check::{Finding, without_codes};
 use crate::record::corrections::duty;
 use crate::record::recording::{Recording, Sample};
-use crate::record::units::nearest_scale;
+use crate::record::units::{OTHER_HOVER, nearest_scale};
 use crate::stats::median::median;
 use plant::Model;
 use std::borrow::Cow;
@@ -80,7 +79,7 @@ fn looks_exchanged(samples: &[Sample], model: &Model) -> bool {
     let position = median(samples.iter().filter_map(|sample| sample.position_mm).collect());
     let is_position = duty.is_some_and(|duty| (0.0..=model.pipe_length_mm).contains(&duty));
     let is_hover = position.map(|position| position / model.hover_duty_percent);
-    is_position && is_hover.is_some_and(|ratio| ratio > 0.0 && ratio.ln().abs() < HOVER.ln())
+    is_position && is_hover.is_some_and(|ratio| ratio > 0.0 && ratio.ln().abs() < OTHER_HOVER.ln())
 }
 
 /// The finding about duties far below what holds a ball, the other side of the same limit. Duties of 0 are a fan at

@@ -2,6 +2,8 @@
 
 /// Percent per unit of usual inputs: a fraction, and counts of PWM chips of 8, 10, 12 and 16 bits.
 const USUAL_SCALES: [f64; 5] = [100.0, 100.0 / 255.0, 100.0 / 1023.0, 100.0 / 4095.0, 100.0 / 65535.0];
+/// A hover off by more than this factor is in other units.
+pub(crate) const OTHER_HOVER: f64 = 1.5;
 /// A gain within this factor of that of a unit of length is that unit's.
 const LIKE_A_UNIT: f64 = 2.5;
 

@@ -9,7 +9,7 @@ use crate::select::initial_values::{Starts, starts};
 use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
-use plant::{Entry, Model, Start};
+use plant::{Entry, Model, Noise, Start};
 use rayon::prelude::*;
 use std::{iter, ptr};
 
@@ -22,6 +22,8 @@ const COST_OF_A_NUMBER: f64 = 1.5;
 /// A screening whose gain stays so far below 0, nats, is stuck. It is repeated with these shares of its initial values.
 const STUCK: f64 = 10.0;
 const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
+/// A reading within so many deviations of the noise is no outlier; the largest error of a step is half of it.
+const FOLLOWED: f64 = 5.0;
 /// Parameters that the screening fits besides those of the effect.
 pub(crate) fn first(search: &Search<'_>) -> [Parameter; 4] {
     let noise = if search.is_by_forecasts() { Parameter::NoiseLevel } else { Parameter::AirNoise };
@@ -166,12 +168,16 @@ fn rated(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts)
 
 /// Initial base parameters: those of the model, and those of the belief if the fit is far from it. A fit that followed
 /// the record without the effect may be a bad start. For an effect that distorts the noise both have the believed
-/// noise.
+/// noise; and the model also with the noise of the air that was fitted, since a filter with the believed one loses the
+/// ball where a force is missing.
 fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &Entry) -> Vec<Model> {
     let belief = search.problem.belief;
     if !is_of_path(effect) {
         let quiet = Model { noise: belief.noise, ..model.clone() };
-        return vec![quiet, Model { effects: model.effects.clone(), ..belief.clone() }];
+        let believed = Model { effects: model.effects.clone(), ..belief.clone() };
+        let noise = Noise { sensor_mm: belief.noise.sensor_mm, ..model.noise };
+        let loose = (!is_within_noise(effect, model, belief)).then(|| Model { noise, ..model.clone() });
+        return [quiet, believed].into_iter().chain(loose).collect();
     }
     let mut believed = search.with_believed_base(model);
     for entry in model.effects.present().iter().filter(|entry| entry.name != effect.name) {
@@ -190,6 +196,12 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
         return places.map(|model| balanced_where_it_flew(search, model)).collect();
     }
     places.collect()
+}
+
+/// Whether steps this small lie within the noise of the readings: a filter with the believed noise follows them.
+fn is_within_noise(effect: &Entry, model: &Model, belief: &Model) -> bool {
+    let steps_mm = model.effects.values(effect.name).filter(|_| effect.start == Start::ReadingStep);
+    steps_mm.is_some_and(|mm| mm.iter().all(|mm| mm / 2.0 <= FOLLOWED * belief.noise.sensor_mm))
 }
 
 /// The model, after a lift that depends on height was added, with the hover duty that balances it at the mean height.

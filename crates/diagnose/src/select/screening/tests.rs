@@ -5,8 +5,8 @@ use crate::select::initial_values::starts;
 use crate::select::refit::refitted;
 use crate::select::search::Search;
 use crate::tests_support::{flown, model, record, shaken};
-use plant::effects::{Hysteresis, Saturation, WallFriction};
-use plant::{Effects, Model};
+use plant::effects::{Hysteresis, Saturation, SensorOutliers, SensorQuantisation, TransportDelay, WallFriction};
+use plant::{Effects, Model, Noise};
 
 /// The base gain after the refit of `belief`, and the candidates, the best first.
 fn found(belief: &Model, recording: &crate::Recording) -> (f64, Vec<Candidate>) {
@@ -58,4 +58,22 @@ fn friction_is_rated_at_what_a_regression_finds_with_the_gain_beside_it() {
     let friction = best.effects.wall_friction.unwrap().acceleration_mm_per_s2;
     assert!((friction / 700.0 - 1.0).abs() < 0.25, "{friction}");
     assert!((best.gain_mm_per_s2_per_percent / 90.0 - 1.0).abs() < 0.25, "{}", best.gain_mm_per_s2_per_percent);
+}
+
+#[test]
+fn coarse_and_wild_readings_are_found_although_a_force_is_missing_as_well() {
+    let quiet = Noise { sensor_mm: 0.6, acceleration_psd_mm2_per_s3: 30.0 };
+    let belief = Model { effects: Effects::default(), noise: quiet, ..model() };
+    let late = Some(TransportDelay { delay_s: 0.25 });
+    let coarse = Some(SensorQuantisation { step_mm: 12.6 });
+    let wild = Some(SensorOutliers { probability: 0.015, size_mm: 60.0 });
+    for (name, effects) in [
+        ("sensor_quantisation", Effects { sensor_quantisation: coarse, ..Effects::default() }),
+        ("sensor_outliers", Effects { sensor_outliers: wild, ..Effects::default() }),
+    ] {
+        let rig = Model { effects: Effects { transport_delay: late, ..effects }, ..belief.clone() };
+        let best = &found(&belief, &shaken(&rig, 1, 60)).1[0];
+        assert_eq!(best.entry.name, name, "{}", best.held_out_gain);
+        assert!(best.held_out_gain > 100.0, "{name}: {}", best.held_out_gain);
+    }
 }

@@ -115,7 +115,7 @@ fn a_bad_csv_is_named_with_file_line_and_column() {
         refused(&bench, &["replay", "f.csv"], 1, words);
         refused(&bench, &["diagnose", "f.csv"], 1, words);
     }
-    bench.write("f.csv", [0x74, 0x2C, 0xB5, 0x41]);
+    bench.write("f.csv", [0x74, 0x2C, 0xB5, 0x00]);
     refused(&bench, &["replay", "f.csv"], 1, &["f.csv, line 1", "UTF-8"]);
 }
 

@@ -56,10 +56,8 @@ pub enum RowsError {
         times: usize,
     },
     /// Not text.
-    #[error(
-        "{name}, line {line}: byte {byte} is not UTF-8 text, and the file is no MCAP; save the table as CSV in UTF-8"
-    )]
-    NotUtf8 {
+    #[error("{name}, line {line}: byte {byte} is no text, and the file is no MCAP; save the table as CSV in UTF-8")]
+    NotText {
         /// The file.
         name: String,
         /// The line.
@@ -68,12 +66,10 @@ pub enum RowsError {
         byte: usize,
     },
     /// Not UTF-16 text, though it begins as such.
-    #[error("{name}, line {line}: not UTF-16 text, though it begins as such; save the table as CSV in UTF-8")]
+    #[error("{name} is not UTF-16 text, though it begins as such; save the table as CSV in UTF-8")]
     NotUtf16 {
         /// The file.
         name: String,
-        /// The line.
-        line: usize,
     },
     /// A file of another format.
     #[error("{name} is {format}, and no CSV; {advice}")]

@@ -23,7 +23,7 @@ mod tests;
 
 pub use error::{CellProblem, RowsError};
 pub use import::{Column, Import};
-pub use sheet::{Sheet, SheetColumn, sheet};
+pub use sheet::{Sheet, SheetColumn, TextCell, sheet};
 pub use shown::{printable, shown};
 
 use diagnose::{Recording, Sample};

@@ -13,7 +13,7 @@ pub struct Sheet {
 }
 
 /// A column of a table.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SheetColumn {
     /// Its name in the header.
     pub name: String,
@@ -21,6 +21,19 @@ pub struct SheetColumn {
     pub unit: Option<String>,
     /// Its numbers, `None` where there is none; empty where the column holds something else.
     pub values: Vec<Option<f64>>,
+    /// The first cell that is no number, where others are.
+    pub text: Option<TextCell>,
+    /// Line of the first number that is smaller than the one in the row before.
+    pub decreases_in: Option<usize>,
+}
+
+/// A cell that holds text amid numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextCell {
+    /// Its line in the file, from 1.
+    pub line: usize,
+    /// Its content.
+    pub content: String,
 }
 
 /// Reads a CSV without a mapping. `name` is the file's name in messages.
@@ -32,9 +45,21 @@ pub fn sheet(name: &str, bytes: &[u8]) -> Result<Sheet, RowsError> {
     let columns = table.columns().enumerate().map(|(index, name)| SheetColumn {
         name: name.into(),
         unit: table.unit(index).map(Into::into),
-        values: (0..table.len()).map(|row| value(&table, row, index)).collect::<Option<_>>().unwrap_or_default(),
+        ..column(&table, index)
     });
     Ok(Sheet { columns: columns.collect(), rows: table.len() })
+}
+
+/// The values of a column, without its name and unit.
+fn column(table: &Table, index: usize) -> SheetColumn {
+    let cells: Vec<Option<Option<f64>>> = (0..table.len()).map(|row| value(table, row, index)).collect();
+    let is_number = |cell: &Option<Option<f64>>| matches!(cell, Some(Some(_)));
+    let text = cells.iter().position(Option::is_none).filter(|_| cells.iter().any(is_number));
+    let text = text.map(|row| TextCell { line: table.line(row), content: table.cell(row, index).into() });
+    let values: Vec<Option<f64>> = cells.into_iter().collect::<Option<_>>().unwrap_or_default();
+    let decreases = values.windows(2).position(|pair| pair[1].is_some() && pair[1] < pair[0]);
+    let decreases_in = decreases.map(|row| table.line(row + 1));
+    SheetColumn { values, text, decreases_in, ..SheetColumn::default() }
 }
 
 /// The number in a cell. Outer `None`: it holds something else.

@@ -121,8 +121,8 @@ fn empty_files_are_told_apart() {
 
 #[test]
 fn bytes_that_are_no_text_are_named_by_line() {
-    let error = recording("rig.csv", b"time_s,position_mm\n0,\xff\n", &Import::default()).unwrap_err();
-    assert!(error.to_string().starts_with("rig.csv, line 2: byte 21 is not UTF-8"), "{error}");
+    let error = recording("rig.csv", b"time_s,position_mm\n0,\xff\0\n", &Import::default()).unwrap_err();
+    assert!(error.to_string().starts_with("rig.csv, line 2: byte 23 is no text"), "{error}");
 }
 
 #[test]

@@ -72,7 +72,7 @@ mod tests {
             ("s", &["s"], "", None),
             ("", &[], "", None),
         ] {
-            let found = Name::of(&SheetColumn { name: name.into(), unit: None, values: vec![] });
+            let found = Name::of(&SheetColumn { name: name.into(), ..SheetColumn::default() });
             let expected: Vec<&str> = found.words.iter().map(String::as_str).collect();
             assert_eq!((&expected[..], found.number.as_str(), found.unit.as_deref()), (words, number, unit), "{name}");
         }

@@ -115,6 +115,7 @@ mod tests {
             name: name.into(),
             unit: unit.map(str::to_owned),
             values,
+            ..SheetColumn::default()
         });
         let sheet = Sheet { columns: columns.collect(), rows: 200 };
         let found = roles(&sheet, &Asked::default()).unwrap();

@@ -1,10 +1,9 @@
 //! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
 
+use super::by_fit::by_fit;
 use super::names::Name;
 use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, TIMES};
-use diagnose::linear::{Order, linear_fit};
-use diagnose::{Recording, Sample};
-use rows::{Sheet, SheetColumn, shown};
+use rows::{Sheet, SheetColumn, TextCell, shown};
 use std::fmt::{self, Display, Formatter};
 
 /// What a user says about the columns; `None`: it is guessed.
@@ -86,20 +85,24 @@ impl Roles {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoRole {
     /// No column has the name that was given.
-    #[error("no column `{name}` for the {role}; there are {columns}")]
+    #[error("no column `{name}` for the {role}{flaw}; there are {columns}")]
     Unknown {
         /// The role.
         role: Role,
         /// The name.
         name: String,
+        /// What is wrong with a column of this name.
+        flaw: String,
         /// The columns.
         columns: String,
     },
     /// No column looks like it.
-    #[error("no column looks like the {role}; name it with {} COLUMN; there are {columns}", role.flag())]
+    #[error("no column looks like the {role}{flaw}; name it with {} COLUMN; there are {columns}", role.flag())]
     NotFound {
         /// The role.
         role: Role,
+        /// What is wrong with a column whose name says that it is this.
+        flaw: String,
         /// The columns.
         columns: String,
     },
@@ -114,6 +117,16 @@ impl Role {
             Self::Input => "--input",
             Self::Position => "--position",
             Self::Setpoint => "--setpoint",
+        }
+    }
+
+    /// The lists of words of which one is in the name of its column.
+    const fn words(self) -> &'static [&'static [&'static str]] {
+        match self {
+            Self::Time => &[TIMES],
+            Self::Input => &[INPUTS],
+            Self::Position => &[POSITIONS, SPEEDS],
+            Self::Setpoint => &[SETPOINTS],
         }
     }
 }
@@ -132,13 +145,12 @@ impl Display for Role {
 const BY_USER: &str = "as said";
 const BY_NAME: &str = "by its name";
 const BY_ORDER: &str = "it only grows";
-const BY_FIT: &str = "of the columns without a telling name, the one that fits";
 const SERVO: &str = "a servo: its command minus its position";
 
 /// A column with what is known of it.
-struct Candidate<'a> {
-    column: &'a SheetColumn,
-    name: Name,
+pub(super) struct Candidate<'a> {
+    pub(super) column: &'a SheetColumn,
+    pub(super) name: Name,
 }
 
 /// The roles of the columns of a table.
@@ -200,14 +212,19 @@ impl Columns<'_> {
     }
 
     fn not_found(&self, role: Role) -> NoRole {
-        NoRole::NotFound { role, columns: self.names() }
+        let words = || role.words().iter().copied();
+        let named = self.all.iter().filter(|one| words().any(|words| one.name.says(words)));
+        let flaw = named.filter_map(|one| flaw(role, one.column)).next().unwrap_or_default();
+        NoRole::NotFound { role, flaw, columns: self.names() }
     }
 
     /// The column that a user names.
     fn given(&self, role: Role, name: Option<&str>) -> Result<Option<Named>, NoRole> {
         let Some(name) = name else { return Ok(None) };
         let is_there = self.all.iter().any(|one| one.column.name == name && !one.column.values.is_empty());
-        let unknown = || NoRole::Unknown { role, name: shown(name), columns: self.names() };
+        let named = self.all.iter().find(|one| one.column.name == name);
+        let flaw = || named.and_then(|one| flaw(role, one.column)).unwrap_or_default();
+        let unknown = || NoRole::Unknown { role, name: shown(name), flaw: flaw(), columns: self.names() };
         is_there.then(|| Some(Named { column: name.into(), why: BY_USER })).ok_or_else(unknown)
     }
 
@@ -243,6 +260,19 @@ impl Columns<'_> {
     }
 }
 
+/// What keeps a column from its role, and the line to mend, as the middle of a message.
+fn flaw(role: Role, column: &SheetColumn) -> Option<String> {
+    let name = shown(&column.name);
+    if let Some(TextCell { line, content }) = &column.text {
+        let content = shown(content);
+        return Some(format!(
+            ": line {line} of `{name}` holds `{content}`, which is no number; mend it or remove the row"
+        ));
+    }
+    let line = column.decreases_in.filter(|_| role == Role::Time)?;
+    Some(format!(": `{name}` goes backwards in line {line}; sort the rows, or cut the file there"))
+}
+
 /// The first column with one of these words, one with this number before others.
 fn first(among: &[&Candidate<'_>], number: &str, words: &[&str]) -> Option<Named> {
     let mut named = among.iter().filter(|one| one.name.says(words)).peekable();
@@ -263,36 +293,25 @@ fn grows(one: &&Candidate<'_>) -> bool {
     whole && values.windows(2).all(|pair| pair[0] <= pair[1])
 }
 
-/// Most columns of which every pair is tried.
-const MOST_TRIED: usize = 5;
-/// Rows that a pair is tried on.
-const TRIED_ROWS: usize = 4000;
+#[cfg(test)]
+mod tests {
+    use super::{Asked, roles};
 
-/// The input and the position that fit best, of the columns whose names say nothing.
-fn by_fit(
-    time: &Candidate<'_>,
-    free: &[&Candidate<'_>],
-    input: Option<&Named>,
-    position: Option<&Named>,
-) -> Option<(Named, Named)> {
-    let allowed =
-        |given: Option<&Named>, one: &Candidate<'_>| given.is_none_or(|named| named.column == one.column.name);
-    let pairs = free.iter().take(MOST_TRIED).flat_map(|u| free.iter().take(MOST_TRIED).map(move |y| (u, y)));
-    let pairs = pairs.filter(|(u, y)| u.column.name != y.column.name && allowed(input, u) && allowed(position, y));
-    let rated = pairs.filter_map(|(u, y)| {
-        let fit = linear_fit(&recording(time, u, y)?, Order::Second)?;
-        Some((fit.of_input, u, y))
-    });
-    let (_, u, y) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let named = |one: &Candidate<'_>| Named { column: one.column.name.clone(), why: BY_FIT };
-    Some((named(u), named(y)))
-}
-
-fn recording(time: &Candidate<'_>, u: &Candidate<'_>, y: &Candidate<'_>) -> Option<Recording> {
-    let [time, u, y] = [time, u, y].map(|one| &one.column.values);
-    let rows = time.iter().zip(u).zip(y).take(TRIED_ROWS);
-    let row = |((time_s, duty), position): ((&Option<f64>, &Option<f64>), &Option<f64>)| {
-        Some(Sample { time_s: (*time_s)?, duty_percent: (*duty)?, position_mm: *position, ..Sample::default() })
-    };
-    Recording::new(rows.filter_map(row).collect()).ok()
+    #[test]
+    fn a_column_with_text_or_a_time_that_goes_backwards_is_named_with_its_line() {
+        let table = |at: usize, row: &str| {
+            let rows = (0..50).map(|k| if k == at { format!("{row}\n") } else { format!("{k},{},300\n", k % 7) });
+            format!("t,duty,position_mm\n{}", rows.collect::<String>())
+        };
+        let duty = Asked { input: Some("duty".into()), ..Asked::default() };
+        for (row, asked, said) in [
+            ("30,oops,300", Asked::default(), "the input: line 32 of `duty` holds `oops`, which is no number; mend it"),
+            ("30,oops,300", duty, "the input: line 32 of `duty` holds `oops`, which is no number; mend it"),
+            ("1,3,300", Asked::default(), "the time: `t` goes backwards in line 32; sort the rows"),
+        ] {
+            let sheet = rows::sheet("rig.csv", table(30, row).as_bytes()).unwrap();
+            let found = roles(&sheet, &asked).unwrap_err().to_string();
+            assert!(found.contains(said), "{row}: {found}");
+        }
+    }
 }

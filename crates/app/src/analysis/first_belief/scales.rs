@@ -218,7 +218,8 @@ mod tests {
         let of = |seconds: usize| {
             let values = |of: fn(f64) -> f64| (0..10 * seconds).map(|k| Some(of(k as f64 / 10.0))).collect();
             let columns = [("t_s", values(|t| t)), ("u", values(|t| t.sin())), ("speed", values(|t| 2.0 + t.cos()))];
-            let columns = columns.map(|(name, values)| SheetColumn { name: name.into(), unit: None, values });
+            let columns =
+                columns.map(|(name, values)| SheetColumn { name: name.into(), values, ..SheetColumn::default() });
             let sheet = Sheet { columns: columns.into(), rows: 10 * seconds };
             let found = roles(&sheet, &Asked::default()).unwrap();
             assert!(found.is_speed);

@@ -185,6 +185,6 @@ pub(crate) fn is_log(name: &str) -> bool {
 /// Writes the table and the page of the reports in a folder on logs of these names. Returns the numbers of diagnoses
 /// and of errors.
 #[pyfunction]
-pub(crate) fn summarise(py: Python<'_>, names: Vec<String>, out: PathBuf) -> PyResult<(usize, usize)> {
+pub(crate) fn summarise(py: Python<'_>, names: Vec<String>, out: PathBuf) -> PyResult<[usize; 3]> {
     interruptible(py, &Stop::default(), |_| Ok(()), move || library::summarise(&names, &out))
 }

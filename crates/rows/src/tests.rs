@@ -122,7 +122,7 @@ fn empty_files_are_told_apart() {
 #[test]
 fn bytes_that_are_no_text_are_named_by_line() {
     let error = recording("rig.csv", b"time_s,position_mm\n0,\xff\0\n", &Import::default()).unwrap_err();
-    assert!(error.to_string().starts_with("rig.csv, line 2: byte 23 is no text"), "{error}");
+    assert!(error.to_string().starts_with("rig.csv, line 2: byte 22 is no text"), "{error}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ use crate::commands::identify::grey_box::Found;
 use crate::commands::identify::has_one_lag;
 use crate::commands::{Usage, each, init};
 use crate::fmu::{self, ExportError};
+use crate::report::each::count;
 use crate::report::replay::gap::{ReplayDocument, sentence, table};
 use anyhow::Result;
 use diagnose::Gap;
@@ -122,12 +123,10 @@ pub fn is_log(name: &str) -> bool {
 }
 
 /// Writes `summary.csv` and `index.html` of the reports in `out` on logs of these names, as `airball diagnose --each`
-/// does. Returns how many logs have a diagnosis, and how many an error.
+/// does. Returns how many logs are diagnosed, cannot answer, and have an error.
 ///
 /// # Errors
 /// Files that cannot be written.
-pub fn summarise(names: &[String], out: &Path) -> Result<(usize, usize)> {
-    let rows = each::tables(names, out)?;
-    let errors = rows.iter().filter(|row| row.error.is_some()).count();
-    Ok((rows.len() - errors, errors))
+pub fn summarise(names: &[String], out: &Path) -> Result<[usize; 3]> {
+    Ok(count(&each::tables(names, out)?))
 }

@@ -57,8 +57,16 @@ const WRITTEN: &[(&str, &str)] = &[
 /// What a larger number of a smaller unit is called.
 const PREFIXES: [(f64, &str); 3] = [(1.0, ""), (1e3, "m"), (1e6, "µ")];
 
+/// Words of a ball in a pipe, in the name of any column. A position in mm and an input in percent are not enough.
+const BALL_PIPE: &[&str] = &["duty", "pwm", "fan", "ball", "pipe", "height", "tof"];
+/// What the input and the position of any other rig are called, where their columns say nothing.
+const NEUTRAL: [&str; 2] = ["input", "position"];
+
 /// The words that the columns of a table say. None of a ball in a pipe.
 pub(super) fn rig_words(sheet: &Sheet, roles: &Roles, scales: &Scales) -> Words {
+    let is_ball_pipe = sheet.columns.iter().any(|column| Name::of(column).says(BALL_PIPE));
+    let neutral = NEUTRAL.map(|word| (!is_ball_pipe).then(|| word.to_owned()));
+    let [neutral_input, neutral_position] = neutral;
     let name = |column: &str| sheet.columns.iter().find(|one| one.name == column).map(Name::of);
     let input = name(&roles.input.column).filter(|_| roles.minus.is_none());
     // Of a speed the position is an integral, of which the column says nothing.
@@ -73,9 +81,9 @@ pub(super) fn rig_words(sheet: &Sheet, roles: &Roles, scales: &Scales) -> Words 
         scaled(name.unit.as_deref()?, scale)
     };
     Words {
-        position: quantity(&position, POSITIONS, POSITION_UNITS).map(str::to_owned),
+        position: quantity(&position, POSITIONS, POSITION_UNITS).map(str::to_owned).or(neutral_position),
         position_unit: unit(&position, POSITION_UNITS, scales.position.scale),
-        input: quantity(&input, INPUTS, INPUT_UNITS).map(str::to_owned),
+        input: quantity(&input, INPUTS, INPUT_UNITS).map(str::to_owned).or(neutral_input),
         input_unit: unit(&input, INPUT_UNITS, scales.input.scale),
     }
 }
@@ -132,9 +140,12 @@ mod tests {
         let arm = [("t", None), ("u [V]", None), ("theta [rad]", None)];
         assert_eq!(all(words(arm, 0.5, 1.5)), of(["angle", "mrad", "voltage", ""]));
         let cart = [("t", None), ("u", Some("V")), ("y", Some("m"))];
-        assert_eq!(all(words(cart, 12.0, 0.4)), of(["", "", "voltage", "V"]));
+        assert_eq!(all(words(cart, 12.0, 0.4)), of(["position", "", "voltage", "V"]));
         let pipe = [("time_s", None), ("duty_percent", None), ("position_mm", None)];
         assert!(words(pipe, 40.0, 400.0).is_ball_pipe());
-        assert!(words([("a", None), ("b", None), ("c", None)], 1.0, 1.0).is_ball_pipe());
+        // A fan that lifts something else than a ball in a pipe is told by its words in `[rig]`.
+        assert!(words([("t", None), ("fan_pwm", None), ("y", None)], 1.0, 1.0).is_ball_pipe());
+        let nothing = words([("a", None), ("b", None), ("c", None)], 1.0, 1.0);
+        assert_eq!(all(nothing), of(["position", "", "input", ""]));
     }
 }

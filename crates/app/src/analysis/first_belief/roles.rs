@@ -1,9 +1,10 @@
 //! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
 
 use super::by_fit::by_fit;
+use super::flaw::{flaw, moves};
 use super::names::Name;
 use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, TIMES};
-use rows::{Sheet, SheetColumn, TextCell, shown};
+use rows::{Sheet, SheetColumn, shown};
 use std::fmt::{self, Display, Formatter};
 
 /// What a user says about the columns; `None`: it is guessed.
@@ -162,7 +163,8 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
         sheet.columns.iter().map(|column| Candidate { column, name: Name::of(column) }).collect();
     let columns = Columns { all: &all };
     let time = columns.time(asked)?;
-    let moving: Vec<&Candidate<'_>> = all.iter().filter(|one| one.column.name != time.column && moves(one)).collect();
+    let moving: Vec<&Candidate<'_>> =
+        all.iter().filter(|one| one.column.name != time.column && moves(one.column)).collect();
     let (position, is_speed) = columns.position(asked, &moving)?;
     let others: Vec<&Candidate<'_>> = match &position {
         Some(found) => moving.iter().filter(|one| one.column.name != found.column).copied().collect(),
@@ -260,19 +262,6 @@ impl Columns<'_> {
     }
 }
 
-/// What keeps a column from its role, and the line to mend, as the middle of a message.
-fn flaw(role: Role, column: &SheetColumn) -> Option<String> {
-    let name = shown(&column.name);
-    if let Some(TextCell { line, content }) = &column.text {
-        let content = shown(content);
-        return Some(format!(
-            ": line {line} of `{name}` holds `{content}`, which is no number; mend it or remove the row"
-        ));
-    }
-    let line = column.decreases_in.filter(|_| role == Role::Time)?;
-    Some(format!(": `{name}` goes backwards in line {line}; sort the rows, or cut the file there"))
-}
-
 /// The first column with one of these words, one with this number before others.
 fn first(among: &[&Candidate<'_>], number: &str, words: &[&str]) -> Option<Named> {
     let mut named = among.iter().filter(|one| one.name.says(words)).peekable();
@@ -280,38 +269,9 @@ fn first(among: &[&Candidate<'_>], number: &str, words: &[&str]) -> Option<Named
     Some(Named { column: one.column.name.clone(), why: BY_NAME })
 }
 
-fn moves(one: &&Candidate<'_>) -> bool {
-    let mut values = one.column.values.iter().flatten();
-    let first = values.next();
-    values.any(|value| Some(value) != first)
-}
-
 /// Whether every row has a number, and none is smaller than the one before.
 fn grows(one: &&Candidate<'_>) -> bool {
     let values = &one.column.values;
     let whole = values.len() > 1 && values.iter().all(Option::is_some) && values.first() != values.last();
     whole && values.windows(2).all(|pair| pair[0] <= pair[1])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Asked, roles};
-
-    #[test]
-    fn a_column_with_text_or_a_time_that_goes_backwards_is_named_with_its_line() {
-        let table = |at: usize, row: &str| {
-            let rows = (0..50).map(|k| if k == at { format!("{row}\n") } else { format!("{k},{},300\n", k % 7) });
-            format!("t,duty,position_mm\n{}", rows.collect::<String>())
-        };
-        let duty = Asked { input: Some("duty".into()), ..Asked::default() };
-        for (row, asked, said) in [
-            ("30,oops,300", Asked::default(), "the input: line 32 of `duty` holds `oops`, which is no number; mend it"),
-            ("30,oops,300", duty, "the input: line 32 of `duty` holds `oops`, which is no number; mend it"),
-            ("1,3,300", Asked::default(), "the time: `t` goes backwards in line 32; sort the rows"),
-        ] {
-            let sheet = rows::sheet("rig.csv", table(30, row).as_bytes()).unwrap();
-            let found = roles(&sheet, &asked).unwrap_err().to_string();
-            assert!(found.contains(said), "{row}: {found}");
-        }
-    }
 }

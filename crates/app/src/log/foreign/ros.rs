@@ -31,8 +31,13 @@ pub(super) fn value(schema: &str, data: &[u8]) -> Option<Value> {
         "geometry_msgs/PoseStamped" => decoded::<Stamped<Pose>>,
         "geometry_msgs/Twist" | "geometry_msgs/Accel" => decoded::<Twist>,
         "geometry_msgs/TwistStamped" | "geometry_msgs/AccelStamped" => decoded::<Stamped<Twist>>,
+        "geometry_msgs/PoseWithCovarianceStamped" => decoded::<Stamped<PoseWithCovariance>>,
+        "geometry_msgs/TwistWithCovarianceStamped" => decoded::<Stamped<TwistWithCovariance>>,
         "geometry_msgs/Wrench" => decoded::<Wrench>,
         "geometry_msgs/WrenchStamped" => decoded::<Stamped<Wrench>>,
+        "nav_msgs/Odometry" => decoded::<Stamped<Odometry>>,
+        "sensor_msgs/FluidPressure" => decoded::<Stamped<FluidPressure>>,
+        "sensor_msgs/Imu" => decoded::<Stamped<Imu>>,
         "sensor_msgs/JointState" => decoded::<Stamped<JointState>>,
         "sensor_msgs/Range" => decoded::<Stamped<Range>>,
         "sensor_msgs/Temperature" => decoded::<Stamped<Temperature>>,
@@ -138,6 +143,47 @@ struct Pose {
 struct Twist {
     linear: Vector3,
     angular: Vector3,
+}
+
+#[derive(Deserialize, Serialize)]
+struct PoseWithCovariance {
+    pose: Pose,
+    /// A list of fixed length; it is no signal of the rig.
+    #[serde(rename = "covariance", skip_serializing)]
+    _covariance: [[f64; 6]; 6],
+}
+
+#[derive(Deserialize, Serialize)]
+struct TwistWithCovariance {
+    twist: Twist,
+    #[serde(rename = "covariance", skip_serializing)]
+    _covariance: [[f64; 6]; 6],
+}
+
+#[derive(Deserialize, Serialize)]
+struct Odometry {
+    child_frame_id: String,
+    pose: PoseWithCovariance,
+    twist: TwistWithCovariance,
+}
+
+#[derive(Deserialize, Serialize)]
+struct Imu {
+    orientation: Quaternion,
+    #[serde(rename = "orientation_covariance", skip_serializing)]
+    _orientation_covariance: [[f64; 3]; 3],
+    angular_velocity: Vector3,
+    #[serde(rename = "angular_velocity_covariance", skip_serializing)]
+    _angular_velocity_covariance: [[f64; 3]; 3],
+    linear_acceleration: Vector3,
+    #[serde(rename = "linear_acceleration_covariance", skip_serializing)]
+    _linear_acceleration_covariance: [[f64; 3]; 3],
+}
+
+#[derive(Deserialize, Serialize)]
+struct FluidPressure {
+    fluid_pressure: f64,
+    variance: f64,
 }
 
 #[derive(Deserialize, Serialize)]

@@ -155,6 +155,20 @@ fn messages_of_ros_are_decoded_by_their_type() {
 }
 
 #[test]
+fn an_odometry_is_decoded_across_its_covariances() {
+    let numbers = |values: Vec<f64>| {
+        move |body: &mut Vec<u8>| values.iter().for_each(|value| aligned(body, &value.to_le_bytes()))
+    };
+    let pose = numbers((0..7).map(f64::from).chain([9.0; 36]).collect());
+    let twist = numbers((10..16).map(f64::from).chain([9.0; 36]).collect());
+    let message = cdr(&[&word(12), &word(0), &text("odom"), &text("base"), &pose, &twist]);
+    let found = ros::value("nav_msgs/msg/Odometry", &message).unwrap();
+    assert_eq!(found["pose"]["pose"]["position"], json!({"x": 0.0, "y": 1.0, "z": 2.0}));
+    assert_eq!(found["twist"]["twist"]["angular"], json!({"x": 13.0, "y": 14.0, "z": 15.0}));
+    assert_eq!(found["pose"].get("covariance"), None);
+}
+
+#[test]
 fn a_file_of_which_no_channel_can_be_read_says_how_they_are_written_and_which_are() {
     let bytes = file(&[("/cart", "protobuf", "Cart", vec![(0, vec![1, 2, 3])])]);
     let error = reader::parse(Path::new("p.mcap"), &bytes, None).unwrap_err();
@@ -169,7 +183,7 @@ proptest! {
         data in prop::collection::vec(any::<u8>(), 0..200), order in 0..2_u8
     ) {
         let data = [&[0, order, 0, 0][..], &data].concat();
-        for name in ["sensor_msgs/msg/JointState", "std_msgs/msg/Float64MultiArray", "geometry_msgs/msg/PoseStamped"] {
+        for name in ["sensor_msgs/msg/JointState", "std_msgs/msg/Float64MultiArray", "nav_msgs/msg/Odometry", "sensor_msgs/msg/Imu"] {
             let _ = ros::value(name, &data);
         }
     }

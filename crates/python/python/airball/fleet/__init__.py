@@ -53,7 +53,9 @@ class Finished:
 
     #: Folder of the reports.
     out: Path
+    #: Logs with an answer, logs that cannot answer (`insufficient_data`), and logs that cannot be read or diagnosed.
     diagnosed: int
+    cannot_answer: int
     failed: int
 
     def to_frame(self) -> Any:
@@ -105,9 +107,9 @@ def diagnose(
         document, page, error = made or ("", "", reason)
         _write(folder, name, document, page, error)
     names = [name for name, _ in named]
-    diagnosed, failed = _airball.summarise(names, os.fspath(folder))
+    counts = _airball.summarise(names, os.fspath(folder))
     _table(folder, names)
-    return Finished(folder, diagnosed, failed)
+    return Finished(folder, *counts)
 
 
 def _file(folder: Path, name: str, end: str) -> Path:

@@ -68,7 +68,8 @@ def _diagnosed(args: argparse.Namespace) -> str:
     with _client(args) as client:
         flags = {"without": args.without, "without_formula": args.without_formula}
         made = diagnose(args.logs, model=args.config, out=args.out, client=client, **flags)
-    return f"{made.diagnosed} logs are diagnosed, {made.failed} cannot be read or diagnosed; page {made.out / 'index.html'}"
+    counts = f"{made.diagnosed} logs are diagnosed, {made.cannot_answer} cannot answer, {made.failed} cannot be read or diagnosed"
+    return f"{counts}; page {made.out / 'index.html'}"
 
 
 def main() -> int:

@@ -4,7 +4,7 @@ use super::Report;
 use crate::report::diagnosis::mend;
 use crate::report::kit::page::parts::{number, spoken, stage, table, three_digits};
 use diagnose::thresholds::{FIRST_EFFECT, INDISTINGUISHABLE, SECOND_EFFECT, SHARE_OF_OMITTED};
-use diagnose::{Change, Interval, NamedEffect, Scored, chance_in_words};
+use diagnose::{Change, Diagnosis, Interval, NamedEffect, Scored, chance_in_words};
 use maud::{Markup, html};
 use plant::Effects;
 
@@ -36,6 +36,11 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
     }
 }
 
+/// Whether the mended model has the effect; without it, that model may forecast better.
+pub(super) fn is_mended(found: &Diagnosis, named: &NamedEffect) -> bool {
+    found.mended.model.effects.values(named.candidate.entry.name).is_some()
+}
+
 fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
     let entry = named.candidate.entry;
     let change = match named.change {
@@ -43,6 +48,7 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
         Change::Retuned => "in the config, of another size",
         Change::Removed => "in the config, and not found",
     };
+    let is_left_out = named.change != Change::Removed && !is_mended(report.found, named);
     let width = report.found.difference(entry).map(|(difference, [value, low, high])| {
         (difference.key, Interval { value, low: Some(low), high: Some(high), at_bound: None })
     });
@@ -58,6 +64,7 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
     html! {
         article.effect {
             h3 { (spoken(entry.name)) span.tag { (change) } span.tag { (chance_in_words(named.probability)) " sure" } }
+            @if is_left_out { p { "The mended model is without it: with it, forecasts are no better." } }
             div.facts {
             (table(&format!("Numbers of the {}", spoken(entry.name)), &["number", "value", "90 % interval"], &rows))
             dl {

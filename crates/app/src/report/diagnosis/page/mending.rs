@@ -1,6 +1,7 @@
 //! The actions: the patch for the simulator, the correction on the rig, and the next flight.
 
 use super::Report;
+use super::effects::is_mended;
 use crate::analysis::next_experiment::Advice;
 use crate::report::diagnosis::mend;
 use crate::report::diagnosis::words::first_of_all;
@@ -8,6 +9,7 @@ use crate::report::kit::page::parts::{command, spoken, to_copy};
 use crate::report::kit::patch::rounded;
 use diagnose::{Change, Diagnosis};
 use maud::{Markup, html};
+use plant::Entry;
 
 pub(super) fn simulator(found: &Diagnosis) -> Markup {
     let patch = rounded(&found.patch_toml());
@@ -24,17 +26,14 @@ pub(super) fn simulator(found: &Diagnosis) -> Markup {
 }
 
 pub(super) fn rig(report: &Report<'_>) -> Markup {
-    let there = report.found.effects.iter().filter(|named| named.change != Change::Removed);
-    let mends: Vec<(String, String)> = there
-        .map(|named| {
-            let entry = named.candidate.entry;
-            (spoken(entry.name), mend::words(entry, &report.found.mended.model, report.compensation, report.words))
-        })
-        .collect();
-    let entries = report.found.effects.iter().filter(|named| named.change != Change::Removed);
     let model = &report.found.mended.model;
+    let there = report.found.effects.iter().filter(|named| named.change != Change::Removed);
+    let entries: Vec<&Entry> =
+        there.filter(|named| is_mended(report.found, named)).map(|named| named.candidate.entry).collect();
+    let mend = |entry: &Entry| mend::words(entry, model, report.compensation, report.words);
+    let mends: Vec<(String, String)> = entries.iter().map(|entry| (spoken(entry.name), mend(entry))).collect();
     let blocks: Vec<String> =
-        entries.filter_map(|named| mend::patch(named.candidate.entry, model, report.compensation)).collect();
+        entries.iter().filter_map(|entry| mend::patch(entry, model, report.compensation)).collect();
     html! {
         @if mends.is_empty() {
             p { "No effect was found that could be corrected on the rig." }

@@ -19,7 +19,7 @@ use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Timeline, commanded, duty};
 use control::compensation::Compensation;
 use diagnose::ClosedLoop;
-use diagnose::{Diagnosis, Series, Verdict};
+use diagnose::{Diagnosis, Series, SourceColumn, Verdict};
 use maud::{Markup, html};
 use plant::Model;
 
@@ -79,7 +79,14 @@ fn with<'a>(report: &Report<'a>, answer: &'a str, sections: Vec<Section>, record
     let rows = report.picture.recording.samples().len();
     let rate = format!("{:.0} rows per second", rows as f64 / logs.duration_s.max(f64::MIN_POSITIVE));
     from.extend([format!("{:.1} s", logs.duration_s), rate, format!("belief: {}", report.config)]);
+    from.extend(zero(&logs.columns.position_mm));
     Page { kind: "diagnosis", from, made: report.made, answer, first: summary::body(report), sections, record }
+}
+
+/// Where the zero of the file's own column lies, if `[import]` moves it: every position on the page counts from there.
+fn zero(position: &SourceColumn) -> Option<String> {
+    let SourceColumn { column, offset, .. } = position;
+    (*offset != 0.0).then(|| format!("0 of the column {column} is at {offset} mm"))
 }
 
 fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {
@@ -169,5 +176,19 @@ fn words() -> Markup {
             }
             dt { "±, intervals" } dd { "90 % intervals: they contain the true value nine times in ten." }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::zero;
+    use diagnose::SourceColumn;
+
+    #[test]
+    fn a_zero_that_the_import_moves_is_said_where_it_lies() {
+        let column =
+            |offset| SourceColumn { column: "\"angle_rad\"".into(), scale: 100.0, offset, further_keys: String::new() };
+        assert_eq!(zero(&column(4000.0)).as_deref(), Some("0 of the column \"angle_rad\" is at 4000 mm"));
+        assert_eq!(zero(&column(0.0)), None);
     }
 }

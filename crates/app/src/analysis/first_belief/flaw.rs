@@ -1,0 +1,54 @@
+//! What keeps a column from the role that its name says: text, one value in all rows, or a time that goes backwards.
+
+use super::roles::Role;
+use rows::{SheetColumn, TextCell, shown};
+
+/// What keeps a column from its role, and the line to mend, as the middle of a message.
+pub(super) fn flaw(role: Role, column: &SheetColumn) -> Option<String> {
+    let name = shown(&column.name);
+    if let Some(TextCell { line, content }) = &column.text {
+        let content = shown(content);
+        return Some(format!(
+            ": line {line} of `{name}` holds `{content}`, which is no number; mend it or remove the row"
+        ));
+    }
+    if role != Role::Time && !column.values.is_empty() && !moves(column) {
+        return Some(format!(": `{name}` has the same value in all rows"));
+    }
+    let line = column.decreases_in.filter(|_| role == Role::Time)?;
+    Some(format!(": `{name}` goes backwards in line {line}; sort the rows, or cut the file there"))
+}
+
+/// Whether the column has more than one value.
+pub(super) fn moves(column: &SheetColumn) -> bool {
+    let mut values = column.values.iter().flatten();
+    let first = values.next();
+    values.any(|value| Some(value) != first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::roles::{Asked, roles};
+
+    #[test]
+    fn a_column_with_text_or_a_time_that_goes_backwards_is_named_with_its_line() {
+        let table = |at: usize, row: &str| {
+            let rows = (0..50).map(|k| if k == at { format!("{row}\n") } else { format!("{k},{},{}\n", k % 7, k % 9) });
+            format!("t,duty,position_mm\n{}", rows.collect::<String>())
+        };
+        let duty = Asked { input: Some("duty".into()), ..Asked::default() };
+        for (row, asked, said) in [
+            ("30,oops,300", Asked::default(), "the input: line 32 of `duty` holds `oops`, which is no number; mend it"),
+            ("30,oops,300", duty, "the input: line 32 of `duty` holds `oops`, which is no number; mend it"),
+            ("1,3,300", Asked::default(), "the time: `t` goes backwards in line 32; sort the rows"),
+        ] {
+            let sheet = rows::sheet("rig.csv", table(30, row).as_bytes()).unwrap();
+            let found = roles(&sheet, &asked).unwrap_err().to_string();
+            assert!(found.contains(said), "{row}: {found}");
+        }
+        let still: String = (0..50).map(|k| format!("{k},{},300\n", k % 7)).collect();
+        let sheet = rows::sheet("rig.csv", format!("t,duty,position_mm\n{still}").as_bytes()).unwrap();
+        let found = roles(&sheet, &Asked::default()).unwrap_err().to_string();
+        assert!(found.contains("the position: `position_mm` has the same value in all rows; name it"), "{found}");
+    }
+}

@@ -3,6 +3,7 @@ use crate::linear::linear_fit_at;
 use crate::tests_support::{flown, model, record};
 use crate::{Finding, Options, Recording, Sample, Verdict, diagnose};
 use plant::{Effects, Model};
+use std::borrow::Cow;
 
 /// A flight of a rig with a dead zone that nobody believes, its rows changed.
 fn spoilt(belief: &Model, spoil: impl Fn(&mut Sample)) -> Recording {
@@ -190,4 +191,22 @@ fn a_swinging_pendulum_whose_gravity_turns_its_gain_round_has_no_wrong_sign() {
     assert_eq!(mistakes(&belief, std::slice::from_ref(&turned)), []);
     let narrow = Model { turn_mm: Some(5e3), ..model() };
     assert_ne!(mistakes(&narrow, std::slice::from_ref(&turned)), []);
+}
+
+#[test]
+fn readings_that_a_slow_sensor_holds_do_not_look_like_another_unit() {
+    let mut rig = model();
+    rig.effects.set("stale_samples", &[0.2]);
+    let mut last = 0.0;
+    let log = flown(&rig, 3, 200, |time_s, reading| {
+        let velocity = (reading - last) / 0.02;
+        last = reading;
+        let target = if time_s % 6.0 < 3.0 { 350.0 } else { 250.0 };
+        21.4 + 0.01 * (target - reading) - 0.02 * velocity
+    });
+    // With the repeats, the gain seems to be 3.2 times the true one.
+    let weak = Model { gain_mm_per_s2_per_percent: 0.2 * model().gain_mm_per_s2_per_percent, ..model() };
+    assert_eq!(mistakes(&weak, std::slice::from_ref(&log)), []);
+    let fit = super::of_one(&model(), &super::without_repeats(Cow::Borrowed(&log))).unwrap().unwrap();
+    assert!((fit.gain / 254.6 - 1.0).abs() < 0.2, "{fit:?}");
 }

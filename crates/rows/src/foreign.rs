@@ -80,7 +80,7 @@ fn is_json_array(text: &[u8]) -> bool {
 /// code of four digits whose hundreds are 0, rows, columns, whether it is complex, and the length of the name), then the
 /// name, ended by a 0.
 fn is_matlab_4(bytes: &[u8]) -> bool {
-    let number = |at: usize| Some(bytes.get(4 * at..4 * at + 4)?.try_into().map(u32::from_le_bytes).ok()?);
+    let number = |at: usize| bytes.get(4 * at..4 * at + 4)?.try_into().map(u32::from_le_bytes).ok();
     let big_endian = number(0).is_some_and(|code| code > 0xffff);
     let number = |at: usize| number(at).map(|value| if big_endian { value.swap_bytes() } else { value });
     let (Some(code), Some(complex), Some(length)) = (number(0), number(3), number(4)) else { return false };

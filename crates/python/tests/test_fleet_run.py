@@ -73,5 +73,5 @@ def test_the_table_of_many_logs_is_written_in_parts_and_read_as_one(tmp_path, mo
         (tmp_path / f"{name}.error").write_text(f"{name}: no\n")
     fleet._table(tmp_path, [*names, "without reports.csv"])
     assert parquet.ParquetFile(tmp_path / "results.parquet").num_row_groups == 3
-    frame = fleet.Finished(tmp_path, 0, 5).to_frame()
+    frame = fleet.Finished(tmp_path, 0, 0, 5).to_frame()
     assert list(frame["log"]) == names and list(frame["error"]) == [f"{name}: no" for name in names]

@@ -58,7 +58,7 @@ const WRITTEN: &[(&str, &str)] = &[
 const PREFIXES: [(f64, &str); 3] = [(1.0, ""), (1e3, "m"), (1e6, "µ")];
 
 /// Words of a ball in a pipe, in the name of any column. A position in mm and an input in percent are not enough.
-const BALL_PIPE: &[&str] = &["duty", "pwm", "fan", "ball", "pipe", "height", "tof"];
+const BALL_PIPE: &[&str] = &["duty", "pwm", "fan", "ball", "pipe", "height", "höhe", "hoehe", "tof"];
 /// What the input and the position of any other rig are called, where their columns say nothing.
 const NEUTRAL: [&str; 2] = ["input", "position"];
 
@@ -145,6 +145,7 @@ mod tests {
         assert!(words(pipe, 40.0, 400.0).is_ball_pipe());
         // A fan that lifts something else than a ball in a pipe is told by its words in `[rig]`.
         assert!(words([("t", None), ("fan_pwm", None), ("y", None)], 1.0, 1.0).is_ball_pipe());
+        assert!(words([("t", None), ("Stellgröße [%]", None), ("Höhe [mm]", None)], 40.0, 400.0).is_ball_pipe());
         let nothing = words([("a", None), ("b", None), ("c", None)], 1.0, 1.0);
         assert_eq!(all(nothing), of(["position", "", "input", ""]));
     }

@@ -26,6 +26,9 @@ pub(super) const INPUTS: &[&str] = &[
     "valve",
     "spannung",
     "moment",
+    "stellgröße",
+    "stellgrösse",
+    "stellgroesse",
 ];
 pub(super) const POSITIONS: &[&str] = &[
     "y",
@@ -38,6 +41,8 @@ pub(super) const POSITIONS: &[&str] = &[
     "theta",
     "phi",
     "height",
+    "höhe",
+    "hoehe",
     "alt",
     "altitude",
     "distance",

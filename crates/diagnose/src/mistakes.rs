@@ -110,8 +110,8 @@ fn flown<'a>(recording: &'a Recording, belief: &Model) -> Cow<'a, Recording> {
     flies.map_or(first, |(_, flies)| Cow::Owned(flies))
 }
 
-/// A sensor that refreshes slower than the rows holds its readings: the repeats are no readings, and in closed loop they
-/// bias the gain, by a factor of 10 on a practice record that holds each for 0.11 s.
+/// The recording without the repeats of a sensor that refreshes slower than the rows. They are no readings, and in
+/// closed loop they bias the gain: by a factor of 10 on a practice record that holds each reading for 0.11 s.
 fn without_repeats(recording: Cow<'_, Recording>) -> Cow<'_, Recording> {
     if hold(&recording).is_none() {
         return recording;

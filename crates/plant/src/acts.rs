@@ -23,6 +23,15 @@ pub struct Readings {
     pub period_s: f64,
 }
 
+/// An error of a reading within so many standard deviations is a tail of the noise.
+const BEYOND_SIGMAS: f64 = 5.0;
+
+/// Whether an error of a reading, mm, is no tail of noise of this standard deviation, mm.
+#[must_use]
+pub fn is_beyond_the_noise(error_mm: f64, sigma_mm: f64) -> bool {
+    error_mm > BEYOND_SIGMAS * sigma_mm
+}
+
 /// What a force or the rate of an own state may depend on: the state of the plant at an
 /// instant, its input, and the base parameters of the model.
 #[derive(Clone, Copy, Debug)]

@@ -76,9 +76,9 @@ fn is_json_array(text: &[u8]) -> bool {
     inner.starts_with(b"{") || second.first().is_some_and(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'"'))
 }
 
-/// Whether the bytes begin as a matrix of MATLAB's format 4, which has no mark of its own: five numbers of four bytes (a
-/// code of four digits whose hundreds are 0, rows, columns, whether it is complex, and the length of the name), then the
-/// name, ended by a 0.
+/// Whether the bytes begin as a matrix of MATLAB's format 4, which has no mark of its own: five numbers of four bytes,
+/// then the name, ended by a 0. The numbers are a code of four digits whose hundreds are 0, rows, columns, whether it
+/// is complex, and the length of the name.
 fn is_matlab_4(bytes: &[u8]) -> bool {
     let number = |at: usize| bytes.get(4 * at..4 * at + 4)?.try_into().map(u32::from_le_bytes).ok();
     let big_endian = number(0).is_some_and(|code| code > 0xffff);

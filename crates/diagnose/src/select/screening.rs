@@ -9,7 +9,7 @@ use crate::select::initial_values::{Starts, starts};
 use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
-use plant::{Entry, Model, Noise, Start};
+use plant::{Entry, Model, Noise, Start, is_beyond_the_noise};
 use rayon::prelude::*;
 use std::{iter, ptr};
 
@@ -22,8 +22,6 @@ const COST_OF_A_NUMBER: f64 = 1.5;
 /// A screening whose gain stays so far below 0, nats, is stuck. It is repeated with these shares of its initial values.
 const STUCK: f64 = 10.0;
 const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
-/// A reading within so many deviations of the noise is no outlier; the largest error of a step is half of it.
-const FOLLOWED: f64 = 5.0;
 /// Parameters that the screening fits besides those of the effect.
 pub(crate) fn first(search: &Search<'_>) -> [Parameter; 4] {
     let noise = if search.is_by_forecasts() { Parameter::NoiseLevel } else { Parameter::AirNoise };
@@ -176,8 +174,8 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
         let quiet = Model { noise: belief.noise, ..model.clone() };
         let believed = Model { effects: model.effects.clone(), ..belief.clone() };
         let noise = Noise { sensor_mm: belief.noise.sensor_mm, ..model.noise };
-        let loose = (!is_within_noise(effect, model, belief)).then(|| Model { noise, ..model.clone() });
-        return [quiet, believed].into_iter().chain(loose).collect();
+        let fitted_air = (!is_within_noise(effect, model, belief)).then(|| Model { noise, ..model.clone() });
+        return [quiet, believed].into_iter().chain(fitted_air).collect();
     }
     let mut believed = search.with_believed_base(model);
     for entry in model.effects.present().iter().filter(|entry| entry.name != effect.name) {
@@ -198,10 +196,11 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
     places.collect()
 }
 
-/// Whether steps this small lie within the noise of the readings: a filter with the believed noise follows them.
+/// Whether steps this small lie within the noise of the readings, so that a filter with the believed noise follows
+/// them: the largest error of a step is half of it.
 fn is_within_noise(effect: &Entry, model: &Model, belief: &Model) -> bool {
     let steps_mm = model.effects.values(effect.name).filter(|_| effect.start == Start::ReadingStep);
-    steps_mm.is_some_and(|mm| mm.iter().all(|mm| mm / 2.0 <= FOLLOWED * belief.noise.sensor_mm))
+    steps_mm.is_some_and(|mm| !mm.iter().any(|mm| is_beyond_the_noise(mm / 2.0, belief.noise.sensor_mm)))
 }
 
 /// The model, after a lift that depends on height was added, with the hover duty that balances it at the mean height.

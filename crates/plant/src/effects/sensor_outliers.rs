@@ -8,7 +8,7 @@
 //! Independent from reading to reading, and all of one size; real ones come in runs and sizes.
 //! Source: a time-of-flight sensor sees the wall or a second path instead of the ball.
 
-use crate::acts::{Acts, Readings};
+use crate::acts::{Acts, Readings, is_beyond_the_noise};
 use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
@@ -57,14 +57,11 @@ impl Effect for SensorOutliers {
     values_in_order!(probability, size_mm);
 }
 
-/// Wild readings are so many standard deviations of the noise away: nearer ones are its tails.
-const BEYOND_SIGMAS: f64 = 5.0;
-
 impl SensorOutliers {
     /// Whether the wild readings are no tails of the noise.
     #[must_use]
     pub fn is_beyond_the_noise(&self, readings: &Readings) -> bool {
-        self.size_mm > BEYOND_SIGMAS * readings.sigma_mm
+        is_beyond_the_noise(self.size_mm, readings.sigma_mm)
     }
 
     /// What is added to a reading, mm, by a number `uniform` in [0, 1).

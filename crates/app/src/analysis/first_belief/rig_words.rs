@@ -59,14 +59,12 @@ const PREFIXES: [(f64, &str); 3] = [(1.0, ""), (1e3, "m"), (1e6, "µ")];
 
 /// Words of a ball in a pipe, in the name of any column. A position in mm and an input in percent are not enough.
 const BALL_PIPE: &[&str] = &["duty", "pwm", "fan", "ball", "pipe", "height", "höhe", "hoehe", "tof"];
-/// What the input and the position of any other rig are called, where their columns say nothing.
-const NEUTRAL: [&str; 2] = ["input", "position"];
 
 /// The words that the columns of a table say. None of a ball in a pipe.
 pub(super) fn rig_words(sheet: &Sheet, roles: &Roles, scales: &Scales) -> Words {
     let is_ball_pipe = sheet.columns.iter().any(|column| Name::of(column).says(BALL_PIPE));
-    let neutral = NEUTRAL.map(|word| (!is_ball_pipe).then(|| word.to_owned()));
-    let [neutral_input, neutral_position] = neutral;
+    // Of any other rig, where its columns say nothing.
+    let neutral = |word: &str| (!is_ball_pipe).then(|| word.to_owned());
     let name = |column: &str| sheet.columns.iter().find(|one| one.name == column).map(Name::of);
     let input = name(&roles.input.column).filter(|_| roles.minus.is_none());
     // Of a speed the position is an integral, of which the column says nothing.
@@ -81,9 +79,9 @@ pub(super) fn rig_words(sheet: &Sheet, roles: &Roles, scales: &Scales) -> Words 
         scaled(name.unit.as_deref()?, scale)
     };
     Words {
-        position: quantity(&position, POSITIONS, POSITION_UNITS).map(str::to_owned).or(neutral_position),
+        position: quantity(&position, POSITIONS, POSITION_UNITS).map(str::to_owned).or_else(|| neutral("position")),
         position_unit: unit(&position, POSITION_UNITS, scales.position.scale),
-        input: quantity(&input, INPUTS, INPUT_UNITS).map(str::to_owned).or(neutral_input),
+        input: quantity(&input, INPUTS, INPUT_UNITS).map(str::to_owned).or_else(|| neutral("input")),
         input_unit: unit(&input, INPUT_UNITS, scales.input.scale),
     }
 }

@@ -214,8 +214,7 @@ impl Columns<'_> {
     }
 
     fn not_found(&self, role: Role) -> NoRole {
-        let words = || role.words().iter().copied();
-        let named = self.all.iter().filter(|one| words().any(|words| one.name.says(words)));
+        let named = self.all.iter().filter(|one| role.words().iter().any(|words| one.name.says(words)));
         let flaw = named.filter_map(|one| flaw(role, one.column)).next().unwrap_or_default();
         NoRole::NotFound { role, flaw, columns: self.names() }
     }

@@ -183,7 +183,13 @@ proptest! {
         data in prop::collection::vec(any::<u8>(), 0..200), order in 0..2_u8
     ) {
         let data = [&[0, order, 0, 0][..], &data].concat();
-        for name in ["sensor_msgs/msg/JointState", "std_msgs/msg/Float64MultiArray", "nav_msgs/msg/Odometry", "sensor_msgs/msg/Imu"] {
+        for name in [
+            "sensor_msgs/msg/JointState",
+            "std_msgs/msg/Float64MultiArray",
+            "geometry_msgs/msg/PoseStamped",
+            "nav_msgs/msg/Odometry",
+            "sensor_msgs/msg/Imu",
+        ] {
             let _ = ros::value(name, &data);
         }
     }

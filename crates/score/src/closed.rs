@@ -8,10 +8,11 @@
 //! fitted, so that no half is held out. A rig with an effect outside the catalogue has no such share; nor has one with
 //! too small a gap.
 
-use crate::truth::CaseTruth;
+use crate::truth::{CaseTruth, TrueEffect};
 use diagnose::scoring::{is_open, share_closed};
 use diagnose::{Gap, Recording, in_free_flight};
-use plant::{Effects, Model};
+use plant::{Effects, Model, Neutral, Param};
+use serde_json::{Map, Value};
 
 /// The share of the gap at 1 s between `belief` and `recording` that the true model closes.
 #[must_use]
@@ -26,30 +27,46 @@ pub fn closed_of_truth(belief: &Model, truth: &CaseTruth, recording: &Recording)
 
 /// The rig in terms of the catalogue, if all its effects are in it.
 pub(crate) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
-    let mut model = Model {
+    let tables = truth.rig_effects.iter().map(|effect| Some((effect.name.clone(), table(belief, effect)?)));
+    let tables: Map<String, Value> = tables.collect::<Option<_>>()?;
+    let model = Model {
         gain_mm_per_s2_per_percent: *truth.base.get("gain_mm_per_s2_per_percent")?,
         drag_per_s: *truth.base.get("drag_per_s")?,
         hover_duty_percent: *truth.base.get("hover_duty_percent")?,
-        effects: Effects::default(),
+        effects: serde_json::from_value(tables.into()).ok()?,
         ..belief.clone()
     };
-    for effect in &truth.rig_effects {
-        let entry = Effects::built_in(&effect.name)?;
-        let neutral = entry.neutral(&model);
-        let own = entry.params.iter().zip(neutral);
-        let values: Vec<f64> =
-            own.map(|(param, neutral)| effect.parameters.get(param.name).copied().unwrap_or(neutral)).collect();
-        model.effects.set(&effect.name, &values);
-    }
     model.check().is_ok().then_some(model)
+}
+
+/// The table of an effect as a config has it. A parameter that is not given is neutral, or absent if no value of it is.
+fn table(belief: &Model, effect: &TrueEffect) -> Option<Value> {
+    let params = Effects::built_in(&effect.name)?.params.iter();
+    let value = |param: &Param| {
+        effect.parameters.get(param.name).copied().or(match param.neutral {
+            Neutral::At(neutral) => Some(neutral),
+            Neutral::PipeLength => Some(belief.pipe_length_mm),
+            Neutral::Any(_) => None,
+        })
+    };
+    Some(params.filter_map(|param| Some((param.name.to_owned(), value(param)?.into()))).collect::<Map<_, _>>().into())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::closed_of_truth;
+    use super::{closed_of_truth, true_model};
     use crate::tests_support::{model, record};
     use crate::truth::tests::lag_of_a_rig;
     use plant::{Effects, Model};
+
+    #[test]
+    fn a_force_over_the_height_is_linear_about_the_centre_of_the_rig() {
+        let mut truth = lag_of_a_rig("height_dependent_flow");
+        truth.rig_effects[0].parameters =
+            [("gradient_per_s2", 1.5), ("centre_mm", 250.0)].map(|(key, value)| (key.to_owned(), value)).into();
+        let flow = true_model(&model(), &truth).unwrap().effects.height_dependent_flow.unwrap();
+        assert_eq!((flow.gradient_per_s2, flow.centre_mm, flow.turn_mm), (1.5, Some(250.0), None));
+    }
 
     #[test]
     fn the_true_effects_close_the_whole_gap_of_a_rig_that_the_catalogue_can_write() {

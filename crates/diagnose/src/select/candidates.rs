@@ -14,13 +14,13 @@
 
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
+use crate::select::nested::{remove_needless, with_simpler};
 use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
 use crate::select::screening::{Screened, first, screen};
 use crate::select::search::Search;
 use crate::thresholds::{
-    BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, SECOND_EFFECT,
-    SHARE_OF_EXPLAINED, UNMOVED,
+    BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, UNMOVED,
 };
 use plant::{Entry, Model};
 use rayon::prelude::*;
@@ -59,12 +59,14 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = screened.first().map_or(0.0, |best| best.gain);
     let enough = SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
-    let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
+    let promising = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
+    let promising = with_simpler(&screened, promising);
     search.plan(promising.len());
     let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, so_far, &before));
     let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
     all.retain(|candidate| is_plausible(search, candidate));
     all.sort_by(|a, b| b.held_out_gain.total_cmp(&a.held_out_gain));
+    remove_needless(search, &mut all, so_far);
     prefer_the_simple(&mut all);
     let scored = scored(&all, &screened);
     (all, scored)
@@ -76,18 +78,6 @@ fn prefer_the_simple(all: &mut [Candidate]) {
     let Some(best) = all.first().map(|best| best.held_out_gain) else { return };
     let alike = all.partition_point(|candidate| candidate.held_out_gain > (best - EQUIVALENT).max(FIRST_EFFECT));
     all[..alike].sort_by_key(Candidate::value_count);
-    prefer_the_contained(all);
-}
-
-/// Puts the effect that the first one contains before it, unless the first gains as much more as a second effect must.
-fn prefer_the_contained(all: &mut [Candidate]) {
-    let Some(first) = all.first() else { return };
-    let needed = SECOND_EFFECT.max(SHARE_OF_EXPLAINED * first.held_out_gain);
-    let is_enough = |candidate: &Candidate| candidate.held_out_gain > (first.held_out_gain - needed).max(FIRST_EFFECT);
-    let contained = all.iter().position(|other| first.entry.contains == Some(other.entry.name) && is_enough(other));
-    if let Some(at) = contained {
-        all[..=at].rotate_right(1);
-    }
 }
 
 /// The scores of all effects: the candidates in their order, then those that were only screened.
@@ -126,7 +116,7 @@ fn full_fit(search: &Search<'_>, screened: &Screened, so_far: &Fit, before: &Log
 
 #[cfg(test)]
 mod tests {
-    use super::{Candidate, candidates as search_candidates, prefer_the_contained};
+    use super::{Candidate, candidates as search_candidates};
     use crate::options::Options;
     use crate::record::folds::Folds;
     use crate::select::refit::refitted;
@@ -216,27 +206,6 @@ mod tests {
         }
         // The limit applies at least once.
         assert!(beyond > 0);
-    }
-
-    #[test]
-    fn a_richer_effect_takes_the_place_of_the_one_it_contains_only_by_what_a_second_effect_must_gain() {
-        let (belief, recording) = (model(), record(&model(), 1, 12));
-        let folds = Folds::new(&belief, &recording);
-        let fit = refitted(&Search::new(&belief, &recording, &folds, &Options::default()));
-        let first = |richer: f64| {
-            let candidate = |(name, gain): (&str, f64)| Candidate {
-                entry: Effects::built_in(name).unwrap(),
-                fit: fit.clone(),
-                without_each_fold: Vec::new(),
-                held_out_gain: gain,
-                penalised_gain: gain,
-            };
-            let mut all = [("spin_asymmetry", richer), ("sensor_lag", 50.5), ("fan_lag", 50.0)].map(candidate);
-            prefer_the_contained(&mut all);
-            all.map(|candidate| candidate.entry.name)
-        };
-        assert_eq!(first(55.0), ["fan_lag", "spin_asymmetry", "sensor_lag"]);
-        assert_eq!(first(56.0), ["spin_asymmetry", "sensor_lag", "fan_lag"]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub(crate) mod exchange;
 pub(crate) mod forecast;
 pub(crate) mod formula;
 pub(crate) mod initial_values;
+pub(crate) mod nested;
 pub(crate) mod odds;
 pub(crate) mod plausibility;
 pub(crate) mod posterior;

@@ -53,7 +53,7 @@ fn select_first(all: &mut Vec<Candidate>, needed: f64) {
 }
 
 /// Whether `other` explains the record about as well as `best` and does not contain it.
-fn is_indistinguishable(other: &Candidate, best: &Candidate) -> bool {
+pub(crate) fn is_indistinguishable(other: &Candidate, best: &Candidate) -> bool {
     let are_twins = best.entry.twins.contains(&other.entry.name);
     let within = if are_twins { INDISTINGUISHABLE_TWINS } else { INDISTINGUISHABLE };
     !is_or_contains(other, best) && other.held_out_gain > 0.0 && other.held_out_gain > best.held_out_gain - within

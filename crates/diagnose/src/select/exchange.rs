@@ -26,7 +26,9 @@ pub(crate) fn exchange(
     let own = rounds.iter().find(is_own).map(Vec::as_slice).unwrap_or_default();
     let best = own.first().map_or(0.0, |best| best.held_out_gain);
     let is_rival = |scored: &&Scored| scored.in_full && scored.held_out_gain > best * (1.0 - BEHIND_SHARE) - BEHIND;
-    let rivals: Vec<&str> = own.iter().filter(is_rival).map(|scored| scored.name).collect();
+    let mut rivals: Vec<&str> = own.iter().filter(is_rival).map(|scored| scored.name).collect();
+    // Of two effects of which one contains the other, that of the round depends on what was missing then.
+    rivals.extend(nested_with(search, &rivals));
     if rivals.len() < 2 {
         return;
     }
@@ -37,6 +39,17 @@ pub(crate) fn exchange(
         *fit = again.candidate.fit.clone();
         effects[at] = again;
     }
+}
+
+/// The effects that contain one of `names` or are contained in one.
+fn nested_with(search: &Search<'_>, names: &[&str]) -> Vec<&'static str> {
+    let pairs = search.entries().into_iter().filter_map(|entry| Some((entry.name, entry.contains?)));
+    let other = |(rich, simple)| match [rich, simple].map(|name| names.contains(&name)) {
+        [true, false] => Some(simple),
+        [false, true] => Some(rich),
+        _ => None,
+    };
+    pairs.filter_map(other).collect()
 }
 
 #[cfg(test)]

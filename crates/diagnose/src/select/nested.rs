@@ -1,23 +1,34 @@
 //! Nested effects: one that contains a simpler one, as a fan of two time constants contains one of a single time constant.
 //!
 //! The richer effect has a parameter more, and where something else is missing, that parameter follows it. So the richer
-//! effect is named only if it gains more beyond the simpler one than the omitted terms of the score test would: otherwise
-//! these, and not the additional parameter, are what is missing.
+//! effect is a candidate only if it gains more beyond the simpler one than the omitted terms of the score test do:
+//! otherwise these, and not the additional parameter, are what is missing.
 
 use crate::fit::estimate::Fit;
 use crate::residual::misfit::Misfit;
 use crate::select::candidates::Candidate;
-use crate::select::screening::Screened;
+use crate::select::screening::{Screened, added};
 use crate::select::search::Search;
 use crate::thresholds::{SECOND_EFFECT, SHARE_OF_EXPLAINED};
+use plant::Effects;
 
-/// `promising`, and the simpler effects that these contain.
-pub(crate) fn with_simpler<'a>(screened: &'a [Screened], promising: Vec<&'a Screened>) -> Vec<&'a Screened> {
-    let is_promising = |name: &str| promising.iter().any(|one| one.entry.name == name);
-    let lacks = |one: &&Screened| !is_promising(one.entry.name);
-    let is_contained = |one: &&Screened| promising.iter().any(|rich| rich.entry.contains == Some(one.entry.name));
-    let simpler: Vec<&Screened> = screened.iter().filter(lacks).filter(is_contained).collect();
-    promising.into_iter().chain(simpler).collect()
+/// The starts of the simpler effects that promising ones contain: those of their own screening, and others at the base
+/// parameters of the richer effect, where its values are equal. Alone, the simpler one may stop at a lower maximum.
+pub(crate) fn simpler_starts(promising: &[&Screened], screened: &[Screened], so_far: &Fit) -> Vec<Screened> {
+    let richer = promising.iter().filter(|rich| rich.entry.contains.is_some());
+    let own = |rich: &Screened| screened.iter().find(|one| Some(one.entry.name) == rich.entry.contains).cloned();
+    let is_new = |one: &Screened| !promising.iter().any(|other| other.entry.name == one.entry.name);
+    richer.flat_map(|rich| own(rich).filter(is_new).into_iter().chain(simplified(rich, so_far))).collect()
+}
+
+/// The start of the simpler effect where the richer one ended; `None` if `so_far` has it.
+fn simplified(rich: &Screened, so_far: &Fit) -> Option<Screened> {
+    let entry = Effects::built_in(rich.entry.contains?)?;
+    let values = rich.model.effects.values(rich.entry.name)?;
+    let mut base = Fit { model: rich.model.clone(), ..so_far.clone() };
+    base.model.effects.remove(rich.entry.name);
+    let (model, parameters) = added(&base, entry, &[values.iter().sum::<f64>() / values.len() as f64])?;
+    Some(Screened { entry, model, parameters, rivals: Vec::new(), ..rich.clone() })
 }
 
 /// Removes each effect whose gain beyond the simpler one that it contains is too small. The simpler one is another
@@ -35,7 +46,7 @@ fn is_needless(search: &Search<'_>, rich: &Candidate, all: &[Candidate], so_far:
         None if so_far.model.effects.values(simpler).is_some() => (rich.held_out_gain, so_far),
         None => return false,
     };
-    beyond < SECOND_EFFECT || beyond < SHARE_OF_EXPLAINED * rich.held_out_gain || beyond < omitted(search, fit)
+    beyond < SECOND_EFFECT.max(SHARE_OF_EXPLAINED * rich.held_out_gain) || beyond < omitted(search, fit)
 }
 
 /// What the omitted terms of the score test gain beside `fit`, nats; 0 in a search by forecasts, whose innovations are
@@ -50,9 +61,10 @@ mod tests {
     use crate::fit::estimate::Fit;
     use crate::options::Options;
     use crate::record::folds::Folds;
-    use crate::select::candidates::{Candidate, candidates};
+    use crate::select::candidates::Candidate;
     use crate::select::refit::refitted;
     use crate::select::search::Search;
+    use crate::select::stepwise::select_effects;
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
 
@@ -118,8 +130,11 @@ mod tests {
 
     #[test]
     fn a_fan_of_two_time_constants_is_found_as_such_amid_hysteresis() {
-        on_rig(&[("spin_asymmetry", &[0.3, 0.12]), ("hysteresis", &[0.4])], |search, fit| {
-            assert_eq!(candidates(search, fit).0[0].entry.name, "spin_asymmetry");
+        on_rig(&[("spin_asymmetry", &[0.45, 0.08]), ("hysteresis", &[0.4])], |search, fit| {
+            let found = select_effects(search, fit);
+            let mut names: Vec<&str> = found.added().into_iter().map(|entry| entry.name).collect();
+            names.sort_unstable();
+            assert_eq!(names, ["hysteresis", "spin_asymmetry"]);
         });
     }
 }

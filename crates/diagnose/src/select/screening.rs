@@ -42,6 +42,7 @@ struct InitialPoint {
 }
 
 /// The result of the screening of an effect.
+#[derive(Clone)]
 pub(crate) struct Screened {
     pub(crate) entry: &'static Entry,
     pub(crate) model: Model,
@@ -51,7 +52,7 @@ pub(crate) struct Screened {
     /// Gain by chance from the choice among initial values and parameters, nats.
     pub(crate) cost: f64,
     /// Log-likelihood by fold at each of the initial values, the best first, if each is a separate local maximum.
-    rivals: Vec<LogLikByFold>,
+    pub(crate) rivals: Vec<LogLikByFold>,
 }
 
 impl Screened {

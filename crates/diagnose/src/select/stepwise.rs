@@ -4,7 +4,7 @@
 use crate::fit::estimate::Fit;
 use crate::residual::misfit::Misfit;
 use crate::select::addition::best_addition;
-use crate::select::believed::changed;
+use crate::select::believed::{BelievedChange, changed};
 use crate::select::candidates::Candidate;
 use crate::select::elimination::{backward_eliminate, eliminate_by_forecasts};
 use crate::select::exchange::exchange;
@@ -18,7 +18,7 @@ use crate::select::search::Search;
 use crate::select::smoothing::unconfirmed;
 use crate::select::twins::compare_twins;
 use crate::thresholds::{
-    BESIDE_COARSE_READINGS, CHANGED, FIRST_EFFECT, FURTHER_EFFECT, LONG, MOST_EFFECTS, MOST_SEARCHES, SECOND_EFFECT,
+    BESIDE_COARSE_READINGS, FIRST_EFFECT, FURTHER_EFFECT, LONG, MOST_EFFECTS, MOST_SEARCHES, SECOND_EFFECT,
     SHARE_OF_EXPLAINED, SHARE_OF_OMITTED,
 };
 use plant::{Changes, Entry, Model, Start};
@@ -207,15 +207,18 @@ pub(super) fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, 
 
 /// Adds the changes of the believed effects.
 fn add_changes(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fit) {
-    for (change, candidate, without) in changed(search, fit) {
-        if candidate.held_out_gain > CHANGED {
-            if let Some(without) = without {
-                *fit = without;
-            }
-            let (indistinguishable_from, rivals) = (Vec::new(), Vec::new());
-            let evidence = Evidence::default();
-            effects.push(NamedEffect { change, candidate, probability: 0.0, evidence, indistinguishable_from, rivals });
+    for BelievedChange { change, candidate, without, rivals } in changed(search, fit) {
+        if let Some(without) = without {
+            *fit = without;
         }
+        effects.push(NamedEffect {
+            change,
+            candidate,
+            probability: 0.0,
+            evidence: Evidence::default(),
+            indistinguishable_from: rivals.iter().map(|rival| rival.entry.name).collect(),
+            rivals: rivals.into_iter().map(|rival| rival.fit.model).collect(),
+        });
     }
 }
 

@@ -61,7 +61,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let best = screened.first().map_or(0.0, |best| best.gain);
     let enough = SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
-    let simpler = simpler_starts(&promising, &screened, so_far);
+    let simpler = simpler_starts(search, &promising, &screened, so_far);
     let promising: Vec<&Screened> = promising.into_iter().chain(&simpler).collect();
     search.plan(promising.len());
     let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, so_far, &before));

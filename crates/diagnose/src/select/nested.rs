@@ -10,20 +10,24 @@ use crate::select::candidates::Candidate;
 use crate::select::screening::{Screened, added};
 use crate::select::search::Search;
 use crate::thresholds::{SECOND_EFFECT, SHARE_OF_EXPLAINED};
-use plant::Effects;
 
 /// The starts of the simpler effects that promising ones contain: those of their own screening, and others at the base
 /// parameters of the richer effect, where its values are equal. Alone, the simpler one may stop at a lower maximum.
-pub(crate) fn simpler_starts(promising: &[&Screened], screened: &[Screened], so_far: &Fit) -> Vec<Screened> {
+pub(crate) fn simpler_starts(
+    search: &Search<'_>,
+    promising: &[&Screened],
+    screened: &[Screened],
+    so_far: &Fit,
+) -> Vec<Screened> {
     let richer = promising.iter().filter(|rich| rich.entry.contains.is_some());
     let own = |rich: &Screened| screened.iter().find(|one| Some(one.entry.name) == rich.entry.contains).cloned();
     let is_new = |one: &Screened| !promising.iter().any(|other| other.entry.name == one.entry.name);
-    richer.flat_map(|rich| own(rich).filter(is_new).into_iter().chain(simplified(rich, so_far))).collect()
+    richer.flat_map(|rich| own(rich).filter(is_new).into_iter().chain(simplified(search, rich, so_far))).collect()
 }
 
-/// The start of the simpler effect where the richer one ended; `None` if `so_far` has it.
-fn simplified(rich: &Screened, so_far: &Fit) -> Option<Screened> {
-    let entry = Effects::built_in(rich.entry.contains?)?;
+/// The start of the simpler effect where the richer one ended; `None` if `so_far` has it, or it may not be named.
+fn simplified(search: &Search<'_>, rich: &Screened, so_far: &Fit) -> Option<Screened> {
+    let entry = search.entries().into_iter().find(|entry| Some(entry.name) == rich.entry.contains)?;
     let values = rich.model.effects.values(rich.entry.name)?;
     let mut base = Fit { model: rich.model.clone(), ..so_far.clone() };
     base.model.effects.remove(rich.entry.name);

@@ -11,7 +11,7 @@
 use crate::truth::{CaseTruth, TrueEffect};
 use diagnose::scoring::{is_open, share_closed};
 use diagnose::{Gap, Recording, in_free_flight};
-use plant::{Effects, Model, Neutral, Param};
+use plant::{Effects, Model, Neutral};
 use serde_json::{Map, Value};
 
 /// The share of the gap at 1 s between `belief` and `recording` that the true model closes.
@@ -41,15 +41,12 @@ pub(crate) fn true_model(belief: &Model, truth: &CaseTruth) -> Option<Model> {
 
 /// The table of an effect as a config has it. A parameter that is not given is neutral, or absent if no value of it is.
 fn table(belief: &Model, effect: &TrueEffect) -> Option<Value> {
-    let params = Effects::built_in(&effect.name)?.params.iter();
-    let value = |param: &Param| {
-        effect.parameters.get(param.name).copied().or(match param.neutral {
-            Neutral::At(neutral) => Some(neutral),
-            Neutral::PipeLength => Some(belief.pipe_length_mm),
-            Neutral::Any(_) => None,
-        })
-    };
-    Some(params.filter_map(|param| Some((param.name.to_owned(), value(param)?.into()))).collect::<Map<_, _>>().into())
+    let entry = Effects::built_in(&effect.name)?;
+    let values = entry.params.iter().zip(entry.neutral(belief)).filter_map(|(param, neutral)| {
+        let neutral = (!matches!(param.neutral, Neutral::Any(_))).then_some(neutral);
+        Some((param.name.to_owned(), effect.parameters.get(param.name).copied().or(neutral)?.into()))
+    });
+    Some(values.collect::<Map<_, _>>().into())
 }
 
 #[cfg(test)]

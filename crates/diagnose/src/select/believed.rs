@@ -1,7 +1,7 @@
 //! Believed effects that the fit changed: retuned if their values differ, removed if the rig does not have them.
 //!
-//! A new value may stand for an effect that the belief lacks: a longer lag of the fan for a delay beside the believed lag.
-//! So it is compared with every effect beside the believed value.
+//! A new value may stand for an effect that the belief lacks: a longer lag of the fan for a delay beside the believed
+//! lag. So it is compared with every effect beside the believed value.
 
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;

@@ -157,7 +157,8 @@ fn of_path(found: &Selection) -> impl Iterator<Item = &NamedEffect> {
 fn with_found_effects(slow: &Search<'_>, refitted: Fit, found: &Selection) -> Fit {
     of_path(found).map(|named| named.candidate.entry).fold(refitted, |fit, entry| {
         let values = found.fit.model.effects.values(entry.name).unwrap_or_default();
-        added(&fit, entry, &values).map_or(fit, |(model, parameters)| slow.problem.fit(&model, &parameters))
+        added(&fit.model, &fit.parameters, entry, &values)
+            .map_or(fit, |(model, parameters)| slow.problem.fit(&model, &parameters))
     })
 }
 

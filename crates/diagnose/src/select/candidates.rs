@@ -2,15 +2,16 @@
 //! cross-validation.
 //!
 //! ```text
-//! gain of others = Σ over folds of ( ln p(fold | effect) − ln p(fold | without) ) + Δ ln prior
-//!                  each model fitted to the other folds
-//! gain in fit    = ln p(record | effect) − ln p(record | without) + Δ ln prior − parameters
-//! held-out gain  = min( gain of others, gain in fit )
-//! penalised gain = held-out gain − (log-prior gained by moving the base parameters back to the belief, beyond 2.5 nats)
+//! cross-validated = Σ over folds of ( ln p(fold | effect) − ln p(fold | without) ) + Δ ln prior
+//!                   each model fitted to the other folds
+//! in sample       = ln p(record | effect) − ln p(record | without) + Δ ln prior − parameters
+//! held-out gain   = min( cross-validated, in sample )
+//! penalised gain  = held-out gain − (log-prior gained by moving the base parameters back to the belief,
+//!                   beyond 2.5 nats)
 //! ```
 //!
-//! The held-out gain ranks effects; a name needs penalised gain. A gain on other folds above the gain in the fit, less
-//! Akaike's nat per parameter, is due to chance: without the effect, the fits to the other folds were unlucky.
+//! The held-out gain ranks effects; a name needs penalised gain. A cross-validated gain above the gain in sample, less
+//! Akaike's nat per parameter, is due to chance: the model without the effect happened to predict the folds badly.
 //! Every effect is screened first ([`mod@crate::select::screening`]); the most promising ones are fitted in full.
 
 use crate::fit::estimate::Fit;
@@ -36,7 +37,7 @@ pub struct Candidate {
     pub fit: Fit,
     /// The models fitted without each fold; none where they are not needed.
     pub(crate) without_each_fold: Vec<Model>,
-    /// Held-out log-likelihood gain plus the gain of log-prior, limited by the gain in the fit less its parameters, nats.
+    /// Held-out log-likelihood gain plus the gain of log-prior, at most the gain in sample less its parameters, nats.
     pub held_out_gain: f64,
     /// The same less what base parameters nearer to the belief gain beyond a small allowance, nats.
     pub penalised_gain: f64,
@@ -111,9 +112,9 @@ fn full_fit(search: &Search<'_>, screened: &Screened, so_far: &Fit, before: &Log
     let held_out = after.iter().sum::<f64>() - before.iter().sum::<f64>();
     let cost = screened.cost + cost_of_form(search, screened.entry);
     let added = fit.parameters.len().saturating_sub(so_far.parameters.len());
-    let fitted = search.problem.total_of(&fit) - search.problem.total_of(so_far);
-    let of_others = held_out + fit.log_prior - so_far.log_prior;
-    let held_out_gain = of_others.min(fitted - COST_OF_A_PARAMETER * added as f64) - cost;
+    let in_sample = search.problem.total_of(&fit) - search.problem.total_of(so_far);
+    let cross_validated = held_out + fit.log_prior - so_far.log_prior;
+    let held_out_gain = cross_validated.min(in_sample - COST_OF_A_PARAMETER * added as f64) - cost;
     let unmoved = (search.base_prior(&fit) - search.base_prior(so_far) - UNMOVED).max(0.0);
     let penalised_gain = held_out_gain - unmoved;
     Candidate { entry: screened.entry, fit, without_each_fold, held_out_gain, penalised_gain }

@@ -23,7 +23,7 @@ pub(crate) fn beside_coloured_force(search: &Search<'_>, fit: &Fit) -> Option<Fi
     let psd = fit.model.noise.acceleration_psd_mm2_per_s3;
     let started = STARTS.into_iter().filter_map(|(correlation_s, coloured)| {
         let values = [(coloured * psd / (2.0 * correlation_s)).sqrt(), correlation_s];
-        let (mut model, parameters) = added(fit, &Turbulence::ENTRY, &values)?;
+        let (mut model, parameters) = added(&fit.model, &fit.parameters, &Turbulence::ENTRY, &values)?;
         model.noise.acceleration_psd_mm2_per_s3 = (1.0 - coloured) * psd;
         let (model, total) = search.problem.fit_briefly(&model, &parameters, STEPS);
         Some((model, parameters, total))

@@ -1,8 +1,9 @@
-//! Nested effects: one that contains a simpler one, as a fan of two time constants contains one of a single time constant.
+//! Nested effects: one that contains a simpler one, as a fan of two time constants contains one of a single time
+//! constant.
 //!
-//! The richer effect has a parameter more, and where something else is missing, that parameter follows it. So the richer
-//! effect is a candidate only if it gains more beyond the simpler one than the omitted terms of the score test do:
-//! otherwise these, and not the additional parameter, are what is missing.
+//! The richer effect has a parameter more, and where something else is missing, that parameter follows it. So the
+//! richer effect is a candidate only if it gains more beyond the simpler one than the omitted terms of the score test
+//! do: otherwise these, and not the additional parameter, are what is missing.
 
 use crate::fit::estimate::Fit;
 use crate::residual::misfit::Misfit;
@@ -29,9 +30,10 @@ pub(crate) fn simpler_starts(
 fn simplified(search: &Search<'_>, rich: &Screened, so_far: &Fit) -> Option<Screened> {
     let entry = search.entries().into_iter().find(|entry| Some(entry.name) == rich.entry.contains)?;
     let values = rich.model.effects.values(rich.entry.name)?;
-    let mut base = Fit { model: rich.model.clone(), ..so_far.clone() };
-    base.model.effects.remove(rich.entry.name);
-    let (model, parameters) = added(&base, entry, &[values.iter().sum::<f64>() / values.len() as f64])?;
+    let mut base = rich.model.clone();
+    base.effects.remove(rich.entry.name);
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let (model, parameters) = added(&base, &so_far.parameters, entry, &[mean])?;
     Some(Screened { entry, model, parameters, rivals: Vec::new(), ..rich.clone() })
 }
 

@@ -65,17 +65,22 @@ impl Screened {
     }
 }
 
-/// `fit` with an effect added at these values: the model and its parameters. An effect that contains a simpler one
-/// replaces it.
-pub(crate) fn added(fit: &Fit, entry: &'static Entry, values: &[f64]) -> Option<(Model, Vec<Parameter>)> {
-    let mut model = fit.model.clone();
+/// A model with an effect added at these values, and its fitted parameters. An effect that contains a simpler one
+/// replaces it. `None`: the model has the effect, or cannot have it at these values.
+pub(crate) fn added(
+    model: &Model,
+    parameters: &[Parameter],
+    entry: &'static Entry,
+    values: &[f64],
+) -> Option<(Model, Vec<Parameter>)> {
+    let mut model = model.clone();
     if model.effects.values(entry.name).is_some() {
         return None;
     }
     let removed = entry.contains.filter(|part| model.effects.remove(part));
     model.effects.set(entry.name, values);
     model.effects.check().ok()?;
-    let kept = fit.parameters.iter().filter(|parameter| !removed.is_some_and(|part| parameter.is_of(part)));
+    let kept = parameters.iter().filter(|parameter| !removed.is_some_and(|part| parameter.is_of(part)));
     Some((model, kept.copied().chain(parameters_of_effect(entry, values)).collect()))
 }
 
@@ -151,7 +156,7 @@ fn rated(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts)
     let rated = all.values.par_iter().enumerate().flat_map_iter(|(at, values)| {
         let (scanned, as_believed) =
             ((all.usual..all.usual + all.scanned).contains(&at), at >= all.usual + all.scanned);
-        let start = added(so_far, entry, values);
+        let start = added(&so_far.model, &so_far.parameters, entry, values);
         let models =
             start.iter().flat_map(|(model, _)| places_to_start(search, so_far, model, entry)).collect::<Vec<_>>();
         let parameters = start.map(|(_, parameters)| parameters).unwrap_or_default();

@@ -50,7 +50,7 @@ fn compare(search: &Search<'_>, named: &mut NamedEffect, twin: &'static Entry, f
 pub(crate) fn in_place_of(search: &Search<'_>, entry: &Entry, twin: &'static Entry, fit: &Fit) -> Option<Fit> {
     let values = fit.model.effects.values(entry.name)?;
     let (model, parameters) = search.start_without(fit, &[entry]);
-    let (model, parameters) = added(&Fit { model, parameters, ..fit.clone() }, twin, &values)?;
+    let (model, parameters) = added(&model, &parameters, twin, &values)?;
     Some(search.problem.fit(&model, &parameters))
 }
 

@@ -237,7 +237,11 @@ struct Started {
 
 /// A few scoring steps from the best of some sizes, with the derivatives that are known.
 fn briefly(search: &Search<'_>, so_far: &Fit, known: &KnownSensitivities, one: &Promising) -> Option<Started> {
-    let starts = one.at.starts().into_iter().filter_map(|values| added(so_far, one.shape.entry(), &values));
+    let starts = one
+        .at
+        .starts()
+        .into_iter()
+        .filter_map(|values| added(&so_far.model, &so_far.parameters, one.shape.entry(), &values));
     let rated =
         starts.map(|(model, parameters)| (search.problem.by_fold(&model).iter().sum::<f64>(), model, parameters));
     let (_, model, parameters) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -197,11 +197,16 @@ impl Motion {
     pub(crate) fn until_stop(&self, flow: &Flow<'_>, direction: f64, friction: f64, dt_s: f64) -> (Self, f64) {
         let slide = |t: f64| flow.free(self, friction, t);
         let last = slide(dt_s);
-        if friction == 0.0 || last.velocity_mm_per_s * direction >= 0.0 {
+        if last.still_slides(direction, friction) {
             return (last, dt_s);
         }
         let stop = falling_zero(|t| slide(t).velocity_mm_per_s * direction, dt_s);
         (Self { velocity_mm_per_s: 0.0, ..slide(stop) }, stop)
+    }
+
+    /// Whether a slide in `direction` under this friction ends here without a stop on the way.
+    pub(crate) fn still_slides(&self, direction: f64, friction: f64) -> bool {
+        friction == 0.0 || self.velocity_mm_per_s * direction >= 0.0
     }
 
     /// What becomes of a free motion to `last` when an end of the pipe is in its way.

@@ -29,8 +29,14 @@ impl Motion {
                 direction.zip(friction).map_or(0.0, |(direction, friction)| friction.acceleration(direction));
             let phase =
                 direction.map_or(Phase::Held, |_| Phase::Sliding(Friction { mm_per_s2: friction, slope_per_s: 0.0 }));
-            let (stopped, used) = direction.map_or((now, left), |way| now.until_stop(&flow, way, friction, left));
-            let (mut after, mut own) = flow.with_derivatives(&now, phase, used);
+            let (mut after, mut own) = flow.with_derivatives(&now, phase, left);
+            let mut used = left;
+            // The stop is searched for only where there is one: most steps have none.
+            if let Some(way) = direction.filter(|way| !after.still_slides(*way, friction)) {
+                let (stopped, at) = now.until_stop(&flow, way, friction, left);
+                (after, own) = flow.with_derivatives(&now, phase, at);
+                (after.velocity_mm_per_s, used) = (stopped.velocity_mm_per_s, at);
+            }
             if let Some((acceleration, before)) = before {
                 let starts = if direction.is_some() { flow.net(&now) + friction } else { 0.0 };
                 own = own.following(&before, starts / acceleration);
@@ -39,7 +45,6 @@ impl Motion {
             if left <= 0.0 {
                 return (after, own);
             }
-            after.velocity_mm_per_s = stopped.velocity_mm_per_s;
             let at_stop = Flow { input: input.later(dt_s - left), ..flow };
             before = Some((at_stop.net(&after) + friction, own));
             now = after;

@@ -73,10 +73,10 @@ impl Refresh {
 #[cfg(test)]
 mod tests {
     use super::Refresh;
-    use crate::filter::track::Track;
+    use crate::filter::track::{Track, innovations};
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
-    use plant::effects::StaleSamples;
+    use plant::effects::{SensorQuantisation, StaleSamples};
     use plant::{Effects, Model};
 
     /// A flight whose readings are held for `rows` rows and rounded to a step.
@@ -92,6 +92,10 @@ mod tests {
         Model { effects: Effects { stale_samples: Some(StaleSamples { hold_s }), ..model().effects }, ..model() }
     }
 
+    fn nats(model: &Model, recording: &Recording) -> f64 {
+        innovations(model, recording).iter().map(|innovation| innovation.log_density).sum()
+    }
+
     #[test]
     fn held_readings_are_repeats_in_fine_and_in_coarse_files() {
         for step_mm in [0.01, 1.0] {
@@ -105,10 +109,21 @@ mod tests {
     #[test]
     fn the_hold_that_a_record_has_is_the_likeliest() {
         let recording = held(5, 1.0);
-        let nats = |hold_s: f64| {
-            crate::filter::track::innovations(&slow(hold_s), &recording).iter().map(|s| s.log_density).sum::<f64>()
+        let [nats, shorter, longer] = [0.1, 0.085, 0.115].map(|hold_s| nats(&slow(hold_s), &recording));
+        assert!(nats > shorter + 20.0 && nats > longer + 20.0);
+    }
+
+    #[test]
+    fn coarse_readings_that_are_held_are_likeliest_with_the_hold_and_their_step() {
+        let recording = held(5, 12.0);
+        let nats_of = |hold_s: f64, step_mm: f64| {
+            let mut model = slow(hold_s);
+            model.effects.sensor_quantisation = (step_mm > 0.0).then_some(SensorQuantisation { step_mm });
+            nats(&model, &recording)
         };
-        assert!(nats(0.1) > nats(0.085) + 20.0 && nats(0.1) > nats(0.115) + 20.0);
+        let [neither, step, hold, both] =
+            [(0.0, 0.0), (0.0, 12.0), (0.1, 0.0), (0.1, 12.0)].map(|(h, s)| nats_of(h, s));
+        assert!(both > step.max(hold) + 100.0 && hold > neither + 1000.0, "{neither} {step} {hold} {both} nats");
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub(crate) fn run_filter<'a>(
     let mut steps = PropagationCache::of(model);
     let mut beside = second.and_then(|seen| Some(Beside { sensor: recording.second()?, next: 0, seen }));
     let grid = model.effects.reading_step_mm().map(|step_mm| Grid::of(recording, step_mm));
+    // New and repeated readings need one unit of density: coarse readings differ by more than the file's resolution.
+    let resolution_mm = recording.resolution_mm().min(recording.file_resolution_mm());
     let outliers = model.effects.outliers().map(|o| (o.probability, o.size_mm));
     for flight in recording.flights() {
         let (rows, writes) = (&recording.samples()[flight.clone()], &recording.writes()[flight.clone()]);
@@ -46,10 +48,9 @@ pub(crate) fn run_filter<'a>(
                 beside.up_to(ekf.time_of(at), flight.start, rows, ekf, &mut steps);
             }
             ekf.advance_to_row(at, &mut steps);
-            let (new, log_density) =
-                arrival(refresh.as_ref(), sample.time_s, reading, recording.resolution_mm(), || {
-                    ekf.predict(seen).log_density - off_grid
-                });
+            let (new, log_density) = arrival(refresh.as_ref(), sample.time_s, reading, resolution_mm, || {
+                ekf.predict(seen).log_density - off_grid
+            });
             if let Some(refresh) = &mut refresh {
                 refresh.go_on(sample.time_s, reading, new);
             }

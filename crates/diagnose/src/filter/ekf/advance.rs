@@ -74,27 +74,21 @@ impl Ekf<'_> {
         self.commanded_mm_per_s2 = commanded;
         let motion = motion_of(&self.state);
         let step = Step::new(self.model, self.input(), dt, self.covariance[(1, 1)].max(0.0).sqrt());
-        let (mut next, mut own) = (None, None);
-        let mut moved = || {
-            let (after, transition) = step.moved(&self.active, &motion);
-            next = Some(after);
-            Propagation::of(&self.active, self.model, transition, dt)
-        };
-        let shared = if self.linear {
-            let shared = known.propagation(dt, || Propagation::linear(&self.active, self.model, dt));
+        let (next, propagation) = if self.linear {
+            let (shared, scratch) = known.shared(dt, |new| new.set_linear(&self.active, &step));
             match self.slid(&step, &motion, shared) {
-                None => own = Some(moved()),
+                Some((after, friction)) if friction.slope_per_s == 0.0 => (Some(after), shared),
                 Some((after, friction)) => {
-                    next = Some(after);
-                    let changes = friction.slope_per_s != 0.0;
-                    own = changes.then(|| shared.with_friction(&self.active, self.model, friction.slope_per_s, dt));
+                    scratch.set_with_friction(shared, &self.active, &step, friction.slope_per_s);
+                    (Some(after), &*scratch)
                 }
+                None => (Some(scratch.set(&self.active, &step, &motion)), &*scratch),
             }
-            shared
         } else {
-            known.propagation(dt, moved)
+            let mut next = None;
+            let propagation = known.propagation(dt, |new| next = Some(new.set(&self.active, &step, &motion)));
+            (next, propagation)
         };
-        let propagation = own.as_ref().unwrap_or(shared);
         let next = self.in_the_air(next).unwrap_or_else(|| vector(&step.after(&motion)));
         if let Some(back) = &mut self.back {
             back.go(&propagation.transition);

@@ -7,6 +7,7 @@
 //! ```
 
 use super::active::Active;
+use super::step::Step;
 use super::{Square, State};
 use plant::{Input, Model, Motion};
 
@@ -25,23 +26,30 @@ pub(super) struct Propagation {
 }
 
 impl Propagation {
-    /// The step of a model whose motion is a linear map: Φ, g and h are the motions of unit states, of a unit command
-    /// and of a unit friction.
-    pub(super) fn linear(active: &Active, model: &Model, dt: f64) -> Self {
-        let moved = |state: State, commanded: f64, friction: f64| {
-            vector(&motion_of(&state).slide(model, Input::of(commanded), friction, dt))
-        };
-        let mut transition = Square::zeros();
-        for &i in active.indices() {
-            transition.set_column(i, &moved(State::from_fn(|j, _| f64::from(u8::from(i == j))), 0.0, 0.0));
-        }
-        let response = [moved(State::zeros(), 1.0, 0.0), moved(State::zeros(), 0.0, 1.0)];
-        Self { response: Some(response), ..Self::of(active, model, transition, dt) }
+    /// All zeros: the columns of states that the model lacks are never written.
+    fn zero() -> Self {
+        Self { transition: Square::zeros(), noise: Square::zeros(), response: None }
     }
 
-    /// A step with this transition matrix.
-    pub(super) fn of(active: &Active, model: &Model, transition: Square, dt: f64) -> Self {
-        Self { transition, noise: process_noise(active, model, &transition, dt), response: None }
+    /// Sets the step of a model whose motion is a linear map: Φ, g and h are the motions of unit states, of a unit
+    /// command and of a unit friction.
+    pub(super) fn set_linear(&mut self, active: &Active, step: &Step<'_>) {
+        let moved = |state: State, commanded: f64, friction: f64| {
+            vector(&motion_of(&state).slide(step.model, Input::of(commanded), friction, step.dt))
+        };
+        for &i in active.indices() {
+            self.transition.set_column(i, &moved(State::from_fn(|j, _| f64::from(u8::from(i == j))), 0.0, 0.0));
+        }
+        self.set_noise(active, step);
+        self.response = Some([moved(State::zeros(), 1.0, 0.0), moved(State::zeros(), 0.0, 1.0)]);
+    }
+
+    /// Sets the step at this motion; returns the state after it.
+    pub(super) fn set(&mut self, active: &Active, step: &Step<'_>, motion: &Motion) -> State {
+        let after = step.moved(active, motion, &mut self.transition);
+        self.set_noise(active, step);
+        self.response = None;
+        after
     }
 
     /// The state after the step in an endless pipe. `None`: the step is no linear map.
@@ -54,17 +62,35 @@ impl Propagation {
         Some(next)
     }
 
-    /// The same step where friction changes with the velocity at its start.
-    pub(super) fn with_friction(&self, active: &Active, model: &Model, slope_per_s: f64, dt: f64) -> Self {
-        let mut transition = self.transition;
-        if let Some([_, by_friction]) = self.response {
-            transition.column_mut(1).axpy(slope_per_s, &by_friction, 1.0);
+    /// Sets the step `linear` with a friction that changes with the velocity at its start.
+    pub(super) fn set_with_friction(&mut self, linear: &Self, active: &Active, step: &Step<'_>, slope_per_s: f64) {
+        self.transition = linear.transition;
+        if let Some([_, by_friction]) = linear.response {
+            self.transition.column_mut(1).axpy(slope_per_s, &by_friction, 1.0);
         }
-        Self::of(active, model, transition, dt)
+        self.set_noise(active, step);
+        self.response = None;
+    }
+
+    /// Sets Q from Φ, for the active states.
+    fn set_noise(&mut self, active: &Active, &Step { model, dt, .. }: &Step<'_>) {
+        let Self { transition, noise, .. } = self;
+        let white = model.noise.acceleration_psd_mm2_per_s3 * dt / 6.0;
+        let [first, last] = [State::from_fn(|i, _| f64::from(u8::from(i == 1))), transition.column(1).into_owned()];
+        let middle = (first + last) / 2.0;
+        for &i in active.indices() {
+            for &j in active.indices() {
+                noise[(i, j)] = (first[i] * first[j] + 4.0 * (middle[i] * middle[j]) + last[i] * last[j]) * white;
+            }
+        }
+        if let Some(turbulence) = model.effects.coloured_force() {
+            noise[(3, 3)] += turbulence.kick(dt).powi(2);
+        }
     }
 }
 
-/// Φ and Q of the last steps by their length: where the model is linear, steps of the same length share them.
+/// Φ and Q of the last steps by their length: where the model is linear, steps of the same length share them. They are
+/// written in place: most steps of a search set new ones, and each copy is a kilobyte.
 #[derive(Debug)]
 pub(crate) struct PropagationCache {
     linear: bool,
@@ -72,6 +98,8 @@ pub(crate) struct PropagationCache {
     lengths: Vec<f64>,
     known: Vec<Propagation>,
     next: usize,
+    /// For a step that no other shares.
+    scratch: Propagation,
 }
 
 impl PropagationCache {
@@ -80,47 +108,41 @@ impl PropagationCache {
         let effects = &model.effects;
         let linear =
             effects.motion_is_linear_in_command() || effects.motion_is_linear() && effects.friction().is_none();
-        Self { linear, lengths: Vec::new(), known: Vec::new(), next: 0 }
+        Self { linear, lengths: Vec::new(), known: Vec::new(), next: 0, scratch: Propagation::zero() }
     }
 
-    /// The propagation of a step of this length, from the cache where the motion is linear.
-    pub(super) fn propagation(&mut self, dt: f64, compute: impl FnOnce() -> Propagation) -> &Propagation {
-        let same = if self.linear { self.lengths.iter().position(|known| *known == dt) } else { None };
-        let at = same.unwrap_or_else(|| self.keep(dt, compute()));
-        &self.known[at]
+    /// The propagation of a step of this length: from the cache where the motion is linear, else as `set` sets it.
+    pub(super) fn propagation(&mut self, dt: f64, set: impl FnOnce(&mut Propagation)) -> &Propagation {
+        if self.linear {
+            return self.shared(dt, set).0;
+        }
+        set(&mut self.scratch);
+        &self.scratch
     }
 
-    /// Keeps a new one in the place of the oldest, and returns its place. Where the motion is not linear, none is used
-    /// again, and one place is enough.
-    fn keep(&mut self, dt: f64, propagation: Propagation) -> usize {
-        let places = if self.linear { STEPS_KNOWN } else { 1 };
+    /// The propagation that all steps of this length share, set where it is new, and the one for a step that no other
+    /// shares.
+    pub(super) fn shared(&mut self, dt: f64, set: impl FnOnce(&mut Propagation)) -> (&Propagation, &mut Propagation) {
+        let at = self.lengths.iter().position(|known| *known == dt).unwrap_or_else(|| {
+            let at = self.replaced(dt);
+            set(&mut self.known[at]);
+            at
+        });
+        (&self.known[at], &mut self.scratch)
+    }
+
+    /// The place of a new step length: that of the oldest once all are used.
+    fn replaced(&mut self, dt: f64) -> usize {
         let at = self.next;
-        self.next = (at + 1) % places;
+        self.next = (at + 1) % STEPS_KNOWN;
         if at < self.known.len() {
-            (self.lengths[at], self.known[at]) = (dt, propagation);
+            self.lengths[at] = dt;
         } else {
             self.lengths.push(dt);
-            self.known.push(propagation);
+            self.known.push(Propagation::zero());
         }
         at
     }
-}
-
-/// The process noise of a step with this transition matrix, for the active states.
-fn process_noise(active: &Active, model: &Model, transition: &Square, dt: f64) -> Square {
-    let white = model.noise.acceleration_psd_mm2_per_s3 * dt / 6.0;
-    let [first, last] = [State::from_fn(|i, _| f64::from(u8::from(i == 1))), transition.column(1).into_owned()];
-    let middle = (first + last) / 2.0;
-    let mut noise = Square::zeros();
-    for &i in active.indices() {
-        for &j in active.indices() {
-            noise[(i, j)] = (first[i] * first[j] + 4.0 * (middle[i] * middle[j]) + last[i] * last[j]) * white;
-        }
-    }
-    if let Some(turbulence) = model.effects.coloured_force() {
-        noise[(3, 3)] += turbulence.kick(dt).powi(2);
-    }
-    noise
 }
 
 /// The state vector of a motion.
@@ -190,9 +212,8 @@ mod tests {
             for motion in &states {
                 let active = Active::of(&model);
                 // A velocity that is known exactly: friction is not smoothed.
-                let (_, moved) = Step::new(&model, Input::of(commanded), dt, 0.0).moved(&active, motion);
-                let Propagation { transition, .. } =
-                    *cache.propagation(dt, || Propagation::of(&active, &model, moved, dt));
+                let step = Step::new(&model, Input::of(commanded), dt, 0.0);
+                let transition = cache.propagation(dt, |new| _ = new.set(&active, &step, motion)).transition;
                 let expected = by_differences(&model, commanded, motion, dt);
                 let off = (transition - expected).abs().max();
                 assert!(off < 1e-5, "{}: {off}: {transition} for {expected}", entry.name);
@@ -211,7 +232,9 @@ mod tests {
             assert!(model.effects.motion_is_linear_in_command());
             let (active, motion) =
                 (Active::of(&model), motion_of(&State::from([300.0, -80.0, 90.0, 40.0, 295.0, 0.0, 0.0])));
-            let linear = Propagation::linear(&active, &model, dt).moved(&active, &vector(&motion), 250.0, 0.0).unwrap();
+            let mut linear = Propagation::zero();
+            linear.set_linear(&active, &Step::new(&model, Input::of(250.0), dt, 0.0));
+            let linear = linear.moved(&active, &vector(&motion), 250.0, 0.0).unwrap();
             let exact = vector(&motion.step_in_endless_pipe(&model, Input::of(250.0), dt));
             let off = (linear - exact).abs().max();
             assert!(off < 1e-11, "{count}: {linear} for {exact}");
@@ -230,14 +253,17 @@ mod tests {
         let mut model = model();
         assert!(model.effects.set("wall_friction", &[200.0]));
         let active = Active::of(&model);
-        let linear = Propagation::linear(&active, &model, dt);
+        let [mut linear, mut sliding] = [Propagation::zero(), Propagation::zero()];
+        linear.set_linear(&active, &Step::new(&model, Input::of(commanded), dt, 0.0));
         for (velocity, roughness) in [(80.0, 0.0), (-80.0, 0.0), (30.0, 60.0), (0.0, 60.0)] {
             let motion = motion_of(&State::from([300.0, velocity, 90.0, 0.0, 300.0, 0.0, 0.0]));
             let step = Step::new(&model, Input::of(commanded), dt, roughness);
             let friction = step.friction(&motion).unwrap();
-            let (after, transition) = step.moved(&active, &motion);
+            let mut transition = Square::zeros();
+            let after = step.moved(&active, &motion, &mut transition);
             let found = linear.moved(&active, &vector(&motion), commanded, friction.mm_per_s2).unwrap();
-            let slopes = linear.with_friction(&active, &model, friction.slope_per_s, dt).transition;
+            sliding.set_with_friction(&linear, &active, &step, friction.slope_per_s);
+            let slopes = sliding.transition;
             let own = active.indices();
             let off = |a: f64, b: f64| (a - b).abs();
             let most = own.iter().map(|&i| off(found[i], after[i])).fold(0.0, f64::max);

@@ -40,9 +40,9 @@ pub(super) fn steps_over(ahead: f64, longest_s: f64) -> f64 {
 
 /// A step of the filter.
 pub(super) struct Step<'a> {
-    model: &'a Model,
+    pub(super) model: &'a Model,
     input: Input,
-    dt: f64,
+    pub(super) dt: f64,
     friction: Option<WallFriction>,
     /// The speed over which friction is smoothed, mm/s; `None`: it is not.
     smoothed: Option<f64>,
@@ -93,26 +93,20 @@ impl<'a> Step<'a> {
         self.friction.is_none() || self.smoothed.is_some() || from.velocity_mm_per_s * to.velocity_mm_per_s >= 0.0
     }
 
-    /// The state after a step in an endless pipe, and Φ, its derivative by the active states.
-    pub(super) fn moved(&self, active: &Active, motion: &Motion) -> (State, Square) {
+    /// The state after a step in an endless pipe; writes Φ, its derivative by the active states, into their columns.
+    pub(super) fn moved(&self, active: &Active, motion: &Motion, transition: &mut Square) -> State {
         let (after, derivatives) = match self.smoothed.and_then(|_| self.friction(motion)) {
             Some(friction) => motion.slide_with_derivatives(self.model, self.input, friction, self.dt),
             None => motion.step_with_derivatives(self.model, self.input, self.dt),
         };
-        (vector(&after), transition(active, &derivatives))
+        let Derivatives { by_position, by_velocity, by_fan, by_turbulence, by_sensed, by_own: [first, second] } =
+            &derivatives;
+        let columns = [by_position, by_velocity, by_fan, by_turbulence, by_sensed, first, second];
+        for &index in active.indices() {
+            transition.set_column(index, &vector(columns[index]));
+        }
+        vector(&after)
     }
-}
-
-/// Φ of these derivatives.
-fn transition(active: &Active, derivatives: &Derivatives) -> Square {
-    let Derivatives { by_position, by_velocity, by_fan, by_turbulence, by_sensed, by_own: [first, second] } =
-        derivatives;
-    let columns = [by_position, by_velocity, by_fan, by_turbulence, by_sensed, first, second];
-    let mut transition = Square::zeros();
-    for &index in active.indices() {
-        transition.set_column(index, &vector(columns[index]));
-    }
-    transition
 }
 
 #[cfg(test)]
@@ -165,7 +159,8 @@ mod tests {
             model.effects.set(entry.name, entry.sizes[0]);
             let step = Step::new(&model, INPUT, DT, 60.0);
             let active = Active::of(&model);
-            let (_, found) = step.moved(&active, &somewhere());
+            let mut found = Square::zeros();
+            step.moved(&active, &somewhere(), &mut found);
             let expected = by_differences(&step, &active, &somewhere(), 1e-3, [-1.0, 1.0]);
             let off = (found - expected).abs().max();
             assert!(off < 1e-6, "{}: {off}: {found} for {expected}", entry.name);
@@ -222,7 +217,8 @@ mod tests {
             let active = Active::of(&model);
             let sides = if above { [0.0, 1.0] } else { [-1.0, 0.0] };
             let expected = by_differences(&step, &active, &still, 1e-3, sides);
-            let (_, found) = step.moved(&active, &still);
+            let mut found = Square::zeros();
+            step.moved(&active, &still, &mut found);
             assert!((found.column(0) - expected.column(0)).abs().max() < 1e-6, "{adds}: {found} for {expected}");
         }
     }

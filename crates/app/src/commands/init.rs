@@ -55,13 +55,14 @@ pub(crate) fn propose(
     files::may_be_made(out)
         .map_err(|error| anyhow!("cannot write the config {}: {error}; check the folder", out.display()))?;
     let Some(first) = logs.first() else { bail!("no log is named; name one") };
-    let sheet = match undescribed(first)? {
-        Undescribed::Table(sheet) => sheet,
+    let (sheet, unread) = match undescribed(first)? {
+        Undescribed::Table(sheet, unread) => (sheet, unread),
         Undescribed::Flight(held) => return held_by_log(first, held, out),
     };
     let mut asked = asked(columns);
     let name = first.display();
-    let guess = |asked: &Asked| roles(&sheet, asked).map_err(|error| Usage(format!("{name}: {error}")));
+    let beside = unread.as_ref().map(|unread| format!("; {unread}")).unwrap_or_default();
+    let guess = |asked: &Asked| roles(&sheet, asked).map_err(|error| Usage(format!("{name}: {error}{beside}")));
     let mut guessed = guess(&asked)?;
     if asks {
         ask(&sheet, &guessed, &mut asked)?;
@@ -70,7 +71,8 @@ pub(crate) fn propose(
     let belief = first_belief(logs, &sheet, &guessed, &asked)?;
     let names: Vec<String> = logs.iter().map(|log| log.display().to_string()).collect();
     write("config", out, &config(&belief, &names))?;
-    Ok(Proposed { lines: lines(&belief, &sheet), warnings: warnings(&belief) })
+    let warnings = warnings(&belief).into_iter().chain(unread).collect();
+    Ok(Proposed { lines: lines(&belief, &sheet), warnings })
 }
 
 /// What was found, and which columns were not used.

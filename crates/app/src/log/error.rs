@@ -3,6 +3,11 @@
 use diagnose::RecordingError;
 use std::{io, path::PathBuf};
 
+/// The messages of other programs that can be read, and what to do about others.
+pub(crate) const READABLE: &str = "read are JSON, and ROS 2 messages in CDR of the standard types of numbers \
+    (std_msgs, geometry_msgs, Odometry, JointState, Imu, Range, FluidPressure, Temperature): record such a topic, or \
+    export the topic as CSV";
+
 /// Why a log cannot be written or read. Lines count from 1, the header included.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
@@ -82,14 +87,23 @@ pub enum LogError {
         advice: &'static str,
     },
     /// An MCAP file of another program, of which no channel can be read.
-    #[error("{} is an MCAP file of another program, and none of its channels can be read: {channels}; read are JSON, \
-        and ROS 2 messages in CDR of the standard types of numbers (std_msgs, geometry_msgs, JointState, Range, \
-        Temperature): record such a topic, or export the topic as CSV", path.display())]
+    #[error(
+        "{} is an MCAP file of another program, and none of its channels can be read: {channels}; {READABLE}",
+        path.display()
+    )]
     Foreign {
         /// The file.
         path: PathBuf,
         /// The channels, with how they are written.
         channels: String,
+    },
+    /// The table of an MCAP file of another program is invalid, and some of its channels could not be read.
+    #[error("{source}; {unread}")]
+    UnreadChannels {
+        /// A sentence about these channels.
+        unread: String,
+        /// What is wrong with the table of the others.
+        source: rows::RowsError,
     },
     /// A Parquet file that cannot be read.
     #[error("cannot read {} as Parquet: {cause}; copy it again, or make a CSV of it: in Python, \

@@ -13,7 +13,7 @@ use super::parquet;
 use crate::flight::vocabulary::Cycle;
 use diagnose::{Recording, Sample, plausible};
 use plant::Model;
-use rows::{Import, Sheet};
+use rows::{Import, RowsError, Sheet};
 use std::{borrow::Cow, fs, path::Path};
 
 /// A log for replay and diagnosis.
@@ -80,8 +80,8 @@ fn bytes(path: &Path) -> Result<Vec<u8>, LogError> {
 pub enum Undescribed {
     /// A flight, and the config that it holds.
     Flight(Option<String>),
-    /// A table, column by column.
-    Table(Sheet),
+    /// A table, column by column, and a sentence about the channels of an MCAP file that could not be read.
+    Table(Sheet, Option<String>),
 }
 
 /// Reads what a log says about itself.
@@ -92,7 +92,10 @@ pub fn undescribed(path: &Path) -> Result<Undescribed, LogError> {
     let bytes = bytes(path)?;
     match flight_or_table(path, &bytes, None)? {
         FlightOrTable::Flight(flight) => Ok(Undescribed::Flight(flight.config_toml)),
-        FlightOrTable::Table(table) => Ok(Undescribed::Table(rows::sheet(&path.display().to_string(), &table)?)),
+        FlightOrTable::Table(table, unread) => match rows::sheet(&path.display().to_string(), &table) {
+            Ok(sheet) => Ok(Undescribed::Table(sheet, unread)),
+            Err(error) => Err(beside_unread(error, unread)),
+        },
     }
 }
 
@@ -104,7 +107,17 @@ pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<Loade
     let import = import.cloned().unwrap_or_default();
     match flight_or_table(path, bytes, Some(&import))? {
         FlightOrTable::Flight(flight) => from_flight(path, *flight),
-        FlightOrTable::Table(table) => from_table(path, &table, &import),
+        FlightOrTable::Table(table, unread) => {
+            from_table(path, &table, &import).map_err(|error| beside_unread(error, unread))
+        }
+    }
+}
+
+/// The error of a table, with the channels that it lacks.
+fn beside_unread(source: RowsError, unread: Option<String>) -> LogError {
+    match unread {
+        Some(unread) => LogError::UnreadChannels { unread, source },
+        None => source.into(),
     }
 }
 
@@ -112,28 +125,28 @@ pub fn parse(path: &Path, bytes: &[u8], import: Option<&Import>) -> Result<Loade
 enum FlightOrTable<'a> {
     /// A flight of airball.
     Flight(Box<Flight>),
-    /// Anything else, as CSV.
-    Table(Cow<'a, [u8]>),
+    /// Anything else, as CSV, and a sentence about the channels that could not be read.
+    Table(Cow<'a, [u8]>, Option<String>),
 }
 
 fn flight_or_table<'a>(path: &Path, bytes: &'a [u8], import: Option<&Import>) -> Result<FlightOrTable<'a>, LogError> {
     if parquet::is_parquet(bytes) {
-        return parquet::table(path, bytes).map(Cow::Owned).map(FlightOrTable::Table);
+        return parquet::table(path, bytes).map(|csv| FlightOrTable::Table(Cow::Owned(csv), None));
     }
     if !flight::is_mcap(bytes) {
-        return Ok(FlightOrTable::Table(Cow::Borrowed(bytes)));
+        return Ok(FlightOrTable::Table(Cow::Borrowed(bytes), None));
     }
     match flight::parse(path, bytes) {
         Ok(flight) => Ok(FlightOrTable::Flight(Box::new(flight))),
         Err(none @ LogError::NoCycles { .. }) => match foreign::table(path, bytes, import) {
-            Some(table) => table.map(Cow::Owned).map(FlightOrTable::Table),
+            Some(table) => table.map(|table| FlightOrTable::Table(Cow::Owned(table.csv), table.unread)),
             None => Err(none),
         },
         Err(error) => Err(error),
     }
 }
 
-fn from_table(path: &Path, bytes: &[u8], import: &Import) -> Result<LoadedLog, LogError> {
+fn from_table(path: &Path, bytes: &[u8], import: &Import) -> Result<LoadedLog, RowsError> {
     Ok(LoadedLog {
         recording: rows::recording(&path.display().to_string(), bytes, import)?,
         about: About::default(),

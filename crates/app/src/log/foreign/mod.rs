@@ -12,6 +12,7 @@ mod ros;
 use super::records::walk;
 use super::writer::{CYCLE, EVENT};
 use crate::log::LogError;
+use crate::log::error::READABLE;
 use mcap::records::Record;
 use rows::Import;
 use serde_json::Value;
@@ -30,6 +31,8 @@ struct Channel {
     topic: String,
     encoding: String,
     schema: u16,
+    /// Whether a message of it could not be read.
+    is_unread: bool,
 }
 
 /// A message with its numbers.
@@ -50,12 +53,19 @@ struct Gathered {
     messages: Vec<Message>,
 }
 
+/// A foreign MCAP file as a table.
+pub(super) struct ForeignTable {
+    pub(super) csv: Vec<u8>,
+    /// A sentence about the channels with messages that could not be read.
+    pub(super) unread: Option<String>,
+}
+
 /// The table of a foreign MCAP file as CSV, for an import that maps its columns, where there is one. `None`: it is a
 /// flight of airball, or has no channel at all.
 ///
 /// # Errors
 /// [`LogError::Foreign`]: none of its channels can be read.
-pub(super) fn table(path: &Path, bytes: &[u8], import: Option<&Import>) -> Option<Result<Vec<u8>, LogError>> {
+pub(super) fn table(path: &Path, bytes: &[u8], import: Option<&Import>) -> Option<Result<ForeignTable, LogError>> {
     let mut gathered = Gathered::default();
     walk(bytes, &mut |record| gathered.take(record));
     let is_ours = |channel: &Channel| [CYCLE, EVENT].contains(&channel.topic.as_str());
@@ -63,10 +73,14 @@ pub(super) fn table(path: &Path, bytes: &[u8], import: Option<&Import>) -> Optio
         return None;
     }
     if gathered.columns.is_empty() {
-        return Some(Err(LogError::Foreign { path: path.into(), channels: gathered.described() }));
+        return Some(Err(LogError::Foreign { path: path.into(), channels: gathered.described(|_| true) }));
     }
     gathered.messages.sort_by_key(|message| message.time_ns);
-    Some(Ok(gathered.csv(import)))
+    let unread = gathered.channels.values().any(|channel| channel.is_unread).then(|| {
+        let channels = gathered.described(|channel| channel.is_unread);
+        format!("messages of these channels could not be read: {channels}; {READABLE}")
+    });
+    Some(Ok(ForeignTable { csv: gathered.csv(import), unread }))
 }
 
 impl Gathered {
@@ -74,9 +88,8 @@ impl Gathered {
         match record {
             Record::Schema { header, .. } => drop(self.schemas.insert(header.id, header.name)),
             Record::Channel(channel) => {
-                let known =
-                    Channel { topic: channel.topic, encoding: channel.message_encoding, schema: channel.schema_id };
-                self.channels.insert(channel.id, known);
+                let (topic, encoding, schema) = (channel.topic, channel.message_encoding, channel.schema_id);
+                self.channels.entry(channel.id).or_insert(Channel { topic, encoding, schema, is_unread: false });
             }
             Record::Message { header, data } => self.message(header.channel_id, header.log_time, &data),
             _ => {}
@@ -84,13 +97,14 @@ impl Gathered {
     }
 
     fn message(&mut self, channel: u16, time_ns: u64, data: &[u8]) {
-        let Some(Channel { topic, encoding, schema }) = self.channels.get(&channel) else { return };
+        let Some(Channel { topic, encoding, schema, is_unread }) = self.channels.get_mut(&channel) else { return };
         let topic = topic.clone();
         let value = match encoding.as_str() {
             "json" => serde_json::from_slice(data).ok(),
             "cdr" => self.schemas.get(schema).and_then(|name| ros::value(name, data)),
             _ => None,
         };
+        *is_unread |= value.is_none();
         let mut numbers = Vec::new();
         flatten(&topic, &value.unwrap_or(Value::Null), &mut |name, number| {
             numbers.extend(self.column(name).map(|column| (column, number)));
@@ -152,13 +166,13 @@ impl Gathered {
         writer.into_inner().unwrap_or_default()
     }
 
-    /// The channels with how their messages are written.
-    fn described(&self) -> String {
+    /// Some channels with how their messages are written.
+    fn described(&self, which: impl Fn(&&Channel) -> bool) -> String {
         let one = |channel: &Channel| {
             let schema = self.schemas.get(&channel.schema).map(|name| format!(" {name}")).unwrap_or_default();
             format!("{} ({}{schema})", rows::shown(&channel.topic), rows::shown(&channel.encoding))
         };
-        self.channels.values().take(20).map(one).collect::<Vec<_>>().join(", ")
+        self.channels.values().filter(which).take(20).map(one).collect::<Vec<_>>().join(", ")
     }
 }
 

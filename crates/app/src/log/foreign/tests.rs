@@ -110,7 +110,7 @@ fn without_a_description_it_is_a_table_of_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cart.mcap");
     std::fs::write(&path, cart()).unwrap();
-    let Undescribed::Table(sheet) = reader::undescribed(&path).unwrap() else { panic!("a flight") };
+    let Undescribed::Table(sheet, None) = reader::undescribed(&path).unwrap() else { panic!("a flight") };
     let names: Vec<&str> = sheet.columns.iter().map(|column| column.name.as_str()).collect();
     assert_eq!(names, ["time_s", "/cart/state.ok", "/cart/state.y", "/cart/input.data.0", "/cart/input.data.1"]);
     assert_eq!(sheet.rows, 50);
@@ -149,7 +149,7 @@ fn messages_of_ros_are_decoded_by_their_type() {
         position_mm: Column::named("/joint_states.position.0"),
         ..Import::default()
     };
-    let csv = String::from_utf8(table(Path::new("b.mcap"), &bag, Some(&import)).unwrap().unwrap()).unwrap();
+    let csv = String::from_utf8(table(Path::new("b.mcap"), &bag, Some(&import)).unwrap().unwrap().csv).unwrap();
     assert!(csv.lines().last().unwrap().starts_with("0.02,"), "{csv}");
     assert!(csv.starts_with("time_s,/joint_states.effort.0,/joint_states.header.stamp_s,"), "{csv}");
 }
@@ -175,6 +175,28 @@ fn a_file_of_which_no_channel_can_be_read_says_how_they_are_written_and_which_ar
     assert!(matches!(error, LogError::Foreign { .. }), "{error}");
     let error = error.to_string();
     assert!(error.contains("/cart (protobuf Cart)") && error.contains("JSON") && error.contains("CSV"), "{error}");
+}
+
+#[test]
+fn channels_that_cannot_be_read_are_named_where_a_column_is_missing() {
+    let readable = |at: u64| (at * 20_000_000, br#"{"effort": 1.5, "note": "text alone is no loss"}"#.to_vec());
+    let secret = cdr(&[&|body| aligned(body, &7.5_f64.to_le_bytes())]);
+    let bytes = file(&[
+        ("/effort", "json", "Effort", (0..50).map(readable).collect()),
+        ("/arm/state", "cdr", "my_msgs/msg/ArmState", vec![(0, secret)]),
+        ("/words", "json", "Words", vec![(0, b"\"hello\"".to_vec())]),
+        ("/silent", "protobuf", "Silent", vec![]),
+    ]);
+    let error = reader::parse(Path::new("arm.mcap"), &bytes, Some(&import())).unwrap_err().to_string();
+    for words in ["/effort.effort", "/arm/state (cdr my_msgs/msg/ArmState)", "CSV"] {
+        assert!(error.contains(words), "no {words} in {error}");
+    }
+    assert!(!error.contains("/words") && !error.contains("/silent"), "{error}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.mcap");
+    std::fs::write(&path, &bytes).unwrap();
+    let Undescribed::Table(_, Some(unread)) = reader::undescribed(&path).unwrap() else { panic!("all was read") };
+    assert!(unread.contains("/arm/state"), "{unread}");
 }
 
 proptest! {

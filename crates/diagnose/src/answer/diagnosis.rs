@@ -196,11 +196,11 @@ fn too_few(recording: &Recording, folds: &Folds) -> Option<Finding> {
     (readings < ENOUGH_READINGS).then_some(Finding::TooFew { readings, needed: ENOUGH_READINGS })
 }
 
-/// The belief; without any noise, with the noise of readings rounded to the resolution of the file: step/√12.
+/// The belief; without any noise, with the noise of readings rounded to the resolution of the file.
 fn with_rounding(belief: &Model, recording: &Recording) -> Model {
     let mut belief = belief.clone();
     if belief.noise.sensor_mm == 0.0 {
-        belief.noise.sensor_mm = recording.resolution_mm() / 12f64.sqrt();
+        belief.noise.sensor_mm = recording.rounding_mm();
     }
     belief
 }

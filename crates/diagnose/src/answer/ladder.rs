@@ -94,18 +94,15 @@ impl Ladder {
     pub(crate) fn of(search: &Search<'_>, refitted: &Fit, found: &Selection) -> Self {
         let added = Added::of(search, found);
         let count = added.entries.len();
-        let mut models = vec![Evaluated::belief(search), Evaluated::of(search, refitted.clone())];
-        models.extend(found.effects.iter().any(is_removed).then(|| added.kept(|_| false)));
-        // The model without any added effect.
-        let base = models.len() - 1;
-        models.extend(added.each(1..count + 1, |count, k| k < count));
+        let Steps { models, base, before } = Steps::of(search, refitted, found, &added);
         // The first effect alone is the rung above the base.
         let others = added.each(1..count, |only, k| k == only);
         let alone = |k: usize| if k == 0 { &models[base + 1] } else { &others[k - 1] };
         let last = &models[models.len() - 1];
-        let end = last.gap_with_floor(search);
+        let end = last.gap_with_floor();
         let shares = Shares::of(&models, &end);
         let dropped = |k: usize| match count {
+            1 => shares.dropped(&models[before], last),
             _ if k + 1 == count => shares.dropped(&models[base + k], last),
             2 => shares.dropped(alone(1), last),
             _ => shares.dropped(&added.kept(|other| other != k), last),
@@ -117,11 +114,12 @@ impl Ladder {
             (_, None) => shares.rung(Step::Removed, &models[at], Some(&models[at - 1])),
             (_, Some(k)) => Rung {
                 name: Some(added.entries[k].name),
-                alone: shares.of_gap(models[base].square() - alone(k).square()),
-                ..shares.rung(Step::Effect, &models[at], Some(&models[at - 1]))
+                alone: shares.of_gap(models[before].square() - alone(k).square()),
+                ..shares.rung(Step::Effect, &models[at], Some(&models[if k == 0 { before } else { at - 1 }]))
             },
         };
-        let rungs = (0..models.len()).map(rung).collect();
+        let shown = (0..=before).chain(base + 1..models.len());
+        let rungs = shown.map(rung).collect();
         let named_share = shares.beyond_refit(models[1].square() - last.square());
         Self { rungs, dropped, named_share, end, models }
     }
@@ -129,10 +127,39 @@ impl Ladder {
 
 impl Ladder {
     /// The rung of a formula that was found on top of the model of rung `below`.
-    pub(super) fn rung_of(&self, search: &Search<'_>, below: usize, formula: &Formula) -> Rung {
+    pub(super) fn rung_of(&self, below: usize, formula: &Formula) -> Rung {
         let with = &formula.evaluated;
-        let shares = Shares::of(&self.models, &with.gap_with_floor(search));
+        let shares = Shares::of(&self.models, &with.gap_with_floor());
         shares.rung(Step::Formula, with, Some(&self.models[below]))
+    }
+}
+
+/// The models of the rungs.
+struct Steps {
+    /// The belief, its refit, that without the effects that are removed if there are any, and that with each added
+    /// effect.
+    models: Vec<Evaluated>,
+    /// The last one without any added effect.
+    base: usize,
+    /// The one below the first added effect on the ladder. Where the forecasts are worse without the effects that are
+    /// removed, the added ones take their place: then both changes are one step, above the refit.
+    before: usize,
+}
+
+impl Steps {
+    fn of(search: &Search<'_>, refitted: &Fit, found: &Selection, added: &Added<'_>) -> Self {
+        let count = added.entries.len();
+        let belief = Evaluated::belief(search);
+        let refit = Evaluated::refit(search, refitted, &belief);
+        let mut models = vec![belief, refit];
+        models.extend(found.effects.iter().any(is_removed).then(|| added.kept(|_| false)));
+        let base = models.len() - 1;
+        let in_exchange = count > 0 && models[base].square() > models[1].square();
+        let before = if in_exchange { 1 } else { base };
+        for (with, entry) in added.each(1..count + 1, |count, k| k < count).into_iter().zip(&added.entries) {
+            models.push(with.or_with_numbers_kept(search, &models[models.len() - 1], entry));
+        }
+        Self { models, base, before }
     }
 }
 
@@ -214,6 +241,7 @@ mod tests {
     use crate::options::Options;
     use crate::tests_support::{model, record};
     use crate::{Change, Diagnosis, diagnose};
+    use plant::effects::{SensorQuantisation, StaleSamples};
     use plant::{Effects, Model};
 
     /// A rig with a lag and a strong gradient, diagnosed with a belief without effects.
@@ -244,6 +272,29 @@ mod tests {
         assert!(found.ladder[2..].iter().all(|rung| rung.held_out_gain > 5.0 && rung.alone.is_some()));
         let [first, second] = [2, 3].map(|at| found.ladder[at].error_mm[2].unwrap());
         assert!(found.ladder[1].error_mm[2].unwrap() > first && first > second, "{first} and {second} mm");
+    }
+
+    #[test]
+    fn no_step_forecasts_worse_where_stale_readings_bias_the_refit() {
+        let mut rig = model();
+        rig.effects.set("stale_samples", &[0.11]);
+        let found = diagnose(&model(), &record(&rig, 4, 80), &Options::default());
+        let errors: Vec<f64> = found.ladder.iter().map(|rung| rung.error_mm[2].unwrap()).collect();
+        assert!(found.effects.iter().any(|named| named.candidate.entry.name == "stale_samples"), "{errors:?}");
+        assert!(errors.windows(2).all(|pair| pair[1] <= pair[0]), "{errors:?}");
+    }
+
+    #[test]
+    fn both_effects_of_a_coarse_and_slow_sensor_are_named_and_none_is_removed_once_they_are_believed() {
+        let mut rig = model();
+        rig.effects.stale_samples = Some(StaleSamples { hold_s: 0.1 });
+        rig.effects.sensor_quantisation = Some(SensorQuantisation { step_mm: 12.0 });
+        let recording = record(&rig, 4, 60);
+        let found = diagnose(&model(), &recording, &Options::default());
+        let names: Vec<&str> = found.effects.iter().map(|named| named.candidate.entry.name).collect();
+        assert!(names.contains(&"stale_samples") && names.contains(&"sensor_quantisation"), "{names:?}");
+        let found = diagnose(&rig, &recording, &Options::default());
+        assert!(found.effects.is_empty(), "{:?}", found.effects.iter().map(|one| one.change).collect::<Vec<_>>());
     }
 
     #[test]

@@ -56,16 +56,16 @@ impl Mending {
         let mut ladder = Ladder::of(search, refitted, found);
         let tried = if incomplete && search.formula { beyond(search, &ladder, found) } else { None };
         let matched = tried.as_ref().map(|tried| tried.matched.clone()).unwrap_or_default();
-        let formula = tried.filter(|tried| is_better(search, &ladder, tried));
+        let formula = tried.filter(|tried| is_better(&ladder, tried));
         if let Some(Formula { redundant, .. }) = formula.as_ref().filter(|formula| !formula.redundant.is_empty()) {
             found.remove(search, redundant);
             ladder = Ladder::of(search, refitted, found);
         }
-        let (last, below) = (ladder.models.len() - 1, best(search, &ladder, incomplete));
-        let rung = formula.as_ref().map(|formula| ladder.rung_of(search, below, formula));
+        let (last, below) = (ladder.models.len() - 1, best(&ladder, incomplete));
+        let rung = formula.as_ref().map(|formula| ladder.rung_of(below, formula));
         let mended = formula.as_ref().map_or(&ladder.models[below], |formula| &formula.evaluated);
         let is_last = formula.is_none() && below == last;
-        let end = if is_last { ladder.end.clone() } else { mended.gap_with_floor(search) };
+        let end = if is_last { ladder.end.clone() } else { mended.gap_with_floor() };
         let belief = &ladder.models[0].errors;
         let floor = end.floor_mm[2].map(|floor| floor * floor);
         let closed = floor.and_then(|floor| Closed::of(belief, [belief, &mended.errors], floor));
@@ -85,8 +85,8 @@ impl Mending {
 }
 
 /// The rung that forecasts best where a residual remains; otherwise the highest.
-fn best(search: &Search<'_>, ladder: &Ladder, incomplete: bool) -> usize {
-    if incomplete { best_forecast(search, &ladder.models) } else { ladder.models.len() - 1 }
+fn best(ladder: &Ladder, incomplete: bool) -> usize {
+    if incomplete { best_forecast(&ladder.models) } else { ladder.models.len() - 1 }
 }
 
 /// What shapes explain of a residual that matters.
@@ -98,7 +98,7 @@ fn beyond(search: &Search<'_>, ladder: &Ladder, found: &Selection) -> Option<For
 }
 
 /// Whether the formula has shapes, and forecasts better than every rung of the ladder.
-fn is_better(search: &Search<'_>, ladder: &Ladder, formula: &Formula) -> bool {
-    let best = &ladder.models[best(search, ladder, true)];
-    !formula.shapes.is_empty() && forecasts_better(search, &formula.evaluated, best)
+fn is_better(ladder: &Ladder, formula: &Formula) -> bool {
+    let best = &ladder.models[best(ladder, true)];
+    !formula.shapes.is_empty() && forecasts_better(&formula.evaluated, best)
 }

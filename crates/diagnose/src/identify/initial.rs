@@ -189,7 +189,9 @@ pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial,
     let gain_is_lost = fitted.gain_mm_per_s2_per_percent < LOST * start.gain_mm_per_s2_per_percent;
     let kept = if gain_is_lost { Model { noise: fitted.noise, ..start.clone() } } else { fitted.clone() };
     let shortest_s = NO_LAG * recording.flights().first().map_or(0.0, |flight| recording.reading_period_s(flight));
-    let model = within_bounds(&without_short_lag(kept, shortest_s));
+    let mut model = within_bounds(&without_short_lag(kept, shortest_s));
+    // A fit may put all noise into the force; the readings have that of their rounding at least.
+    model.noise.sensor_mm = model.noise.sensor_mm.max(recording.rounding_mm());
     model.check().map_err(|(_, unsound)| NoPlant::OutOfBounds(unsound.to_string()))?;
     let sign_is_seen = sign * form.gain_in_deviations > SEEN;
     Ok(Initial { model, is_turned, gain_is_lost, sign_is_seen, form, found })
@@ -266,6 +268,16 @@ mod tests {
         assert!(close(model.hover_duty_percent, 21.4, 0.02), "{model:?}");
         assert!(model.effects.fan_lag_s().is_some_and(|lag_s| close(lag_s, 0.2, 0.3)), "{model:?}");
         assert!(!found.is_turned && found.sign_is_seen && !found.gain_is_lost);
+    }
+
+    #[test]
+    fn the_readings_have_the_noise_of_their_rounding_at_least() {
+        let mut smooth = model();
+        smooth.noise.sensor_mm = 0.0;
+        let rounded = |mm: f64| (mm / 0.5).round() * 0.5;
+        let row = |_, row: &Sample| Sample { position_mm: row.position_mm.map(rounded), ..*row };
+        let found = of(changed(&shaken(&smooth, 2, 60), row)).unwrap();
+        assert!(found.model.noise.sensor_mm >= 0.5 / 12f64.sqrt(), "{:?}", found.model.noise);
     }
 
     #[test]

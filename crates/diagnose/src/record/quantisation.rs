@@ -56,12 +56,6 @@ impl Levels {
         std::iter::successors(Some(step), move |step| Some(step / (1.0 + SLACK * step / range).min(FINER)))
     }
 
-    /// The file's resolution, mm: the coarsest of the usual ones of which every reading is a multiple.
-    fn file_resolution_mm(&self) -> f64 {
-        let holds = |r: &&f64| self.0.iter().all(|(y, _)| (y / **r - (y / **r).round()).abs() < 1e-4);
-        [1.0, 0.5, 0.25, 0.1, 0.05].iter().find(holds).copied().unwrap_or(0.01)
-    }
-
     /// The phase at which most readings lie on a grid of `step` mm: the circular mean.
     fn phase_mm(&self, step: f64) -> f64 {
         let (sin, cos) = self.circular_sum(step);
@@ -131,7 +125,7 @@ impl Grid {
     /// The grid of `step` mm on which most readings lie.
     pub(crate) fn of(recording: &Recording, step: f64) -> Self {
         let levels = Levels::of(recording);
-        let fine = levels.file_resolution_mm();
+        let fine = recording.file_resolution_mm();
         let step = step.max(fine);
         Self { step, fine, phase: levels.phase_mm(step) }
     }
@@ -170,7 +164,7 @@ fn coarser_than(recording: &Recording, noise_mm: f64) -> Option<CoarseStep> {
         return None;
     }
     let levels = Levels::of(recording);
-    let fine = levels.file_resolution_mm();
+    let fine = recording.file_resolution_mm();
     let least = (COARSE * noise_mm).max(2.0 * fine);
     let narrow = levels.0.windows(2).filter(|pair| pair[1].0 - pair[0].0 < 0.9 * least).count();
     if narrow > levels.0.len() / 10 {

@@ -50,6 +50,7 @@ pub struct Recording {
     readings: Vec<usize>,
     has_fan_speed: bool,
     resolution_mm: f64,
+    file_resolution_mm: f64,
     /// Smallest and largest duty, percent, and position, mm.
     duty_range: [f64; 2],
     height_range: [f64; 2],
@@ -107,6 +108,7 @@ impl Recording {
             readings: (0..samples.len()).filter(|row| samples[*row].position_mm.is_some()).collect(),
             has_fan_speed: samples.iter().any(|sample| sample.fan_rpm.is_some()),
             resolution_mm: resolution(&samples),
+            file_resolution_mm: file_resolution(&samples),
             duty_range: range(samples.iter().map(|sample| sample.duty_percent)),
             height_range: range(samples.iter().filter_map(|sample| sample.position_mm)),
             second: Second::of(&samples),
@@ -210,6 +212,18 @@ impl Recording {
         self.resolution_mm
     }
 
+    /// The resolution of the file, mm: the coarsest of 1, 0.5, 0.25, 0.1 and 0.05 of which every reading is a multiple,
+    /// else 0.01. A coarse sensor has larger steps.
+    pub(crate) const fn file_resolution_mm(&self) -> f64 {
+        self.file_resolution_mm
+    }
+
+    /// Standard deviation of the rounding of the readings to the smallest difference between them: step/√12, mm.
+    #[must_use]
+    pub fn rounding_mm(&self) -> f64 {
+        self.resolution_mm() / 12f64.sqrt()
+    }
+
     /// The smallest and the largest duty, percent.
     #[must_use]
     pub const fn duty_range(&self) -> [f64; 2] {
@@ -279,6 +293,12 @@ fn resolution(samples: &[Sample]) -> f64 {
     let steps = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 1e-6);
     let smallest = steps.fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 1.0 }
+}
+
+fn file_resolution(samples: &[Sample]) -> f64 {
+    let readings: Vec<f64> = samples.iter().filter_map(|sample| sample.position_mm).collect();
+    let holds = |r: &&f64| readings.iter().all(|y| (y / **r - (y / **r).round()).abs() < 1e-4);
+    [1.0, 0.5, 0.25, 0.1, 0.05].iter().find(holds).copied().unwrap_or(0.01)
 }
 
 #[cfg(test)]

@@ -67,7 +67,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     search.plan(promising.len());
     let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, so_far, &before));
     let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
-    all.retain(|candidate| is_plausible(search, candidate));
+    all.retain(|candidate| is_plausible(search, candidate, so_far));
     all.sort_by(|a, b| b.held_out_gain.total_cmp(&a.held_out_gain));
     let mut names = HashSet::new();
     all.retain(|candidate| names.insert(candidate.entry.name));

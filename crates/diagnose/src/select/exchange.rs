@@ -10,6 +10,7 @@ use crate::select::random_force::is_random_force;
 use crate::select::search::Search;
 use crate::select::stepwise::NamedEffect;
 use crate::thresholds::{BEHIND, BEHIND_SHARE, SECOND_EFFECT};
+use plant::Entry;
 
 /// Searches for the effect at `at` again beside the others. Only effects that explained about as much in its round can
 /// take its place, and only if they forecast no worse. A random force cannot: it would follow whatever the effect
@@ -22,13 +23,7 @@ pub(crate) fn exchange(
     at: usize,
 ) {
     let old = effects[at].candidate.entry;
-    let is_own = |round: &&Vec<Scored>| round.first().is_some_and(|best| best.name == old.name);
-    let own = rounds.iter().find(is_own).map(Vec::as_slice).unwrap_or_default();
-    let best = own.first().map_or(0.0, |best| best.held_out_gain);
-    let is_rival = |scored: &&Scored| scored.in_full && scored.held_out_gain > best * (1.0 - BEHIND_SHARE) - BEHIND;
-    let mut rivals: Vec<&str> = own.iter().filter(is_rival).map(|scored| scored.name).collect();
-    // Of two effects of which one contains the other, that of the round depends on what was missing then.
-    rivals.extend(nested_with(search, &rivals));
+    let rivals = rivals_of(search, old, rounds);
     if rivals.len() < 2 {
         return;
     }
@@ -39,6 +34,20 @@ pub(crate) fn exchange(
         *fit = again.candidate.fit.clone();
         effects[at] = again;
     }
+}
+
+/// The effects that explained about as much as `entry` in its round, itself among them. If it took the place of a twin
+/// after the search, that twin's round is its own.
+pub(crate) fn rivals_of(search: &Search<'_>, entry: &Entry, rounds: &[Vec<Scored>]) -> Vec<&'static str> {
+    let round_of = |name: &str| rounds.iter().find(|round| round.first().is_some_and(|best| best.name == name));
+    let own = round_of(entry.name).or_else(|| entry.twins.iter().find_map(|twin| round_of(twin)));
+    let own = own.map(Vec::as_slice).unwrap_or_default();
+    let best = own.first().map_or(0.0, |best| best.held_out_gain);
+    let is_rival = |scored: &&Scored| scored.in_full && scored.held_out_gain > best * (1.0 - BEHIND_SHARE) - BEHIND;
+    let mut rivals: Vec<&str> = own.iter().filter(is_rival).map(|scored| scored.name).collect();
+    // Of two effects of which one contains the other, that of the round depends on what was missing then.
+    rivals.extend(nested_with(search, &rivals));
+    rivals
 }
 
 /// The effects that contain one of `names` or are contained in one.
@@ -54,7 +63,7 @@ fn nested_with(search: &Search<'_>, names: &[&str]) -> Vec<&'static str> {
 
 #[cfg(test)]
 mod tests {
-    use super::exchange;
+    use super::{exchange, rivals_of};
     use crate::fit::parameter::{BASE, Parameter, parameters_of_effect};
     use crate::options::Options;
     use crate::record::folds::Folds;
@@ -102,6 +111,22 @@ mod tests {
         exchange(&search, &mut effects, &mut fit, &rounds, 1);
         assert!(fit.model.effects.values(effects[1].candidate.entry.name).is_some());
         effects[1].candidate.entry.name
+    }
+
+    #[test]
+    fn the_rivals_of_an_effect_that_took_the_place_of_its_twin_are_those_of_the_twins_round() {
+        let (belief, recording) = (model(), record(&model(), 1, 20));
+        let folds = Folds::new(&belief, &recording);
+        let search = Search::new(&belief, &recording, &folds, &Options::default());
+        let scored = |name, gain| Scored { name, held_out_gain: gain, penalised_gain: gain, in_full: true };
+        let rounds = [
+            vec![scored("wall_friction", 300.0)],
+            vec![scored("transport_delay", 100.0), scored("dead_zone", 99.0), scored("hover_drift", 1.0)],
+        ];
+        let of = |name| rivals_of(&search, Effects::built_in(name).unwrap(), &rounds);
+        assert_eq!(of("transport_delay"), ["transport_delay", "dead_zone"]);
+        assert_eq!(of("sensor_delay"), of("transport_delay"));
+        assert!(of("height_dependent_flow").is_empty());
     }
 
     #[test]

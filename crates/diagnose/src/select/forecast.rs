@@ -11,25 +11,76 @@ use crate::record::folds::Folds;
 use crate::select::candidates::Candidate;
 use crate::select::search::Search;
 use crate::thresholds::{BETTER_FORECAST, LARGER};
-use plant::Model;
+use plant::{Entry, Model};
 use rayon::prelude::*;
 
 /// A model with its held-out forecast errors by stretch, and its held-out log-likelihood.
+#[derive(Clone)]
 pub(crate) struct Evaluated {
     pub(crate) fit: Fit,
     /// The models fitted without each fold.
     pub(crate) without_each_fold: Vec<Model>,
+    /// With the noise that was fitted, or with the believed noise, whichever forecasts better.
     pub(crate) errors: Vec<Tally>,
+    /// With the believed noise: a patch does not change the noise.
+    pub(crate) with_believed_noise: Vec<Tally>,
     /// Plus the log-prior, nats.
     pub(crate) log_likelihood: f64,
 }
 
 impl Evaluated {
     pub(crate) fn of(search: &Search<'_>, fit: Fit) -> Self {
-        let without_each_fold = search.problem.without_each_fold(&fit);
-        let errors = with_own_noise(search, &without_each_fold);
-        let log_likelihood = search.held_out_total(&fit);
-        Self { fit, without_each_fold, errors, log_likelihood }
+        let (without_each_fold, held_out) = search.problem.cross_validated(&fit);
+        Self::with(search, fit, without_each_fold, held_out.iter().sum())
+    }
+
+    /// A fit with the models fitted without each fold, and their held-out log-likelihood.
+    fn with(search: &Search<'_>, fit: Fit, without_each_fold: Vec<Model>, held_out: f64) -> Self {
+        let log_likelihood = held_out + fit.log_prior;
+        let own = with_own_noise(search, &without_each_fold);
+        let with_believed_noise = with_believed_noise(search, &without_each_fold);
+        // A fitted noise takes in what the model lacks; then the filter weighs the readings wrongly.
+        let square =
+            |errors: &[Tally]| Tally::sum(errors.iter()).squares_at_1_s().map_or(f64::INFINITY, |(square, _)| square);
+        let is_better = square(&with_believed_noise) < square(&own);
+        let errors = if is_better { with_believed_noise.clone() } else { own };
+        Self { fit, without_each_fold, errors, with_believed_noise, log_likelihood }
+    }
+
+    /// The refit of the belief. Where it forecasts worse than the belief, no number of it is taken but the noise: an
+    /// effect that the model lacks, such as stale readings, can bias the fit by the next reading so far.
+    pub(crate) fn refit(search: &Search<'_>, refitted: &Fit, belief: &Self) -> Self {
+        let refit = Self::of(search, refitted.clone());
+        if refit.square() <= belief.square() {
+            return refit;
+        }
+        let noise: Vec<Parameter> = refitted.parameters.iter().filter(|one| one.is_noise()).copied().collect();
+        Self::of(search, search.problem.fit(search.problem.belief, &noise))
+    }
+
+    /// The model with one effect more, `self`, if it forecasts no worse than the model `below` without it. Else that
+    /// model with the effect and the noise fitted and all other numbers kept, if that forecasts better: where something
+    /// is missing, a fit with an effect of the scatter can bias the other parameters.
+    pub(crate) fn or_with_numbers_kept(self, search: &Search<'_>, below: &Self, entry: &Entry) -> Self {
+        let values = self.fit.model.effects.values(entry.name).filter(|_| self.square() > below.square());
+        let Some(values) = values else { return self };
+        let own = |parameter: &&Parameter| parameter.is_noise() || parameter.is_of(entry.name);
+        let fitted: Vec<Parameter> = self.fit.parameters.iter().filter(own).copied().collect();
+        let mut start = below.fit.model.clone();
+        start.effects.set(entry.name, &values);
+        let fit = search.problem.fit(&start, &fitted);
+        let kept = |(own, below): (Model, &Model)| {
+            let mut model = Model { noise: own.noise, ..below.clone() };
+            model.effects.set(entry.name, &own.effects.values(entry.name).unwrap_or_default());
+            model
+        };
+        let own = search.problem.without_each_fold(&fit);
+        let without_each_fold: Vec<Model> = own.into_iter().zip(&below.without_each_fold).map(kept).collect();
+        let by_fold = without_each_fold.iter().enumerate().map(|(fold, model)| search.problem.by_fold(model)[fold]);
+        let held_out = by_fold.sum();
+        let fit = search.problem.at(fit.model, &self.fit.parameters);
+        let with = Self::with(search, fit, without_each_fold, held_out);
+        if with.square() < self.square() { with } else { self }
     }
 
     /// The belief, of which nothing is fitted.
@@ -41,7 +92,8 @@ impl Evaluated {
         };
         let log_likelihood = search.held_out_total(&fit);
         let without_each_fold = vec![belief.clone(); Folds::COUNT];
-        Self { errors: of_belief(search), without_each_fold, fit, log_likelihood }
+        let errors = of_belief(search);
+        Self { with_believed_noise: errors.clone(), errors, without_each_fold, fit, log_likelihood }
     }
 
     /// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
@@ -56,29 +108,20 @@ impl Evaluated {
 
     /// The same, with the errors by noise alone: of the model with the noise that was fitted, or with the believed noise,
     /// whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
-    pub(crate) fn gap_with_floor(&self, search: &Search<'_>) -> Gap {
-        let as_believed = with_believed_noise(search, &self.without_each_fold);
-        self.gap().with_floor_at_most(&Tally::sum(as_believed.iter()).gap())
+    pub(crate) fn gap_with_floor(&self) -> Gap {
+        self.gap().with_floor_at_most(&Tally::sum(self.with_believed_noise.iter()).gap())
     }
 }
 
 /// The index of the best of these models, of which the first is the belief.
-pub(crate) fn best_forecast(search: &Search<'_>, models: &[Evaluated]) -> usize {
-    let (mut least, mut best) = (models[0].errors.clone(), 0);
-    for (at, model) in models.iter().enumerate().skip(1) {
-        // A patch does not change the noise.
-        let errors = with_believed_noise(search, &model.without_each_fold);
-        if deviations(&least, &errors) > BETTER_FORECAST {
-            (least, best) = (errors, at);
-        }
-    }
-    best
+pub(crate) fn best_forecast(models: &[Evaluated]) -> usize {
+    let errors = |at: usize| &models[at].with_believed_noise;
+    (1..models.len()).fold(0, |best, at| if deviations(errors(best), errors(at)) > BETTER_FORECAST { at } else { best })
 }
 
-/// Whether `these` forecasts are better than `those` in the mean of the stretches by more than chance.
-pub(crate) fn forecasts_better(search: &Search<'_>, this: &Evaluated, that: &Evaluated) -> bool {
-    let errors = |of: &Evaluated| with_believed_noise(search, &of.without_each_fold);
-    deviations_at_all_horizons(&errors(that), &errors(this)) > BETTER_FORECAST
+/// Whether the forecasts of `this` are better than those of `that` in the mean of the stretches by more than chance.
+pub(crate) fn forecasts_better(this: &Evaluated, that: &Evaluated) -> bool {
+    deviations_at_all_horizons(&that.with_believed_noise, &this.with_believed_noise) > BETTER_FORECAST
 }
 
 /// Whether the held-out forecasts of `this` are worse than those of `that` by more than chance, each with its own noise.
@@ -158,7 +201,7 @@ pub(crate) fn deviations_at_all_horizons(these: &[Tally], those: &[Tally]) -> f6
 }
 
 /// The mean of some numbers over its standard error; 0 where that is no number.
-fn standard_errors(numbers: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn standard_errors(numbers: impl Iterator<Item = f64>) -> f64 {
     let numbers: Vec<f64> = numbers.collect();
     let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;

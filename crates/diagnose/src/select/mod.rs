@@ -23,5 +23,8 @@ pub(crate) mod screening;
 pub(crate) mod search;
 pub(crate) mod smoothing;
 pub(crate) mod stepwise;
+#[cfg(test)]
+mod tests_support;
 pub(crate) mod twins;
+pub(crate) mod vuong;
 pub(crate) mod written_scan;

@@ -1,14 +1,24 @@
 //! Whether a fitted effect is plausible, and its penalty next to a believed lag.
 
+use crate::fit::estimate::Fit;
 use crate::fit::lag_form::lags;
+use crate::record::check::other_rig;
 use crate::select::candidates::Candidate;
 use crate::select::search::Search;
 use crate::thresholds::{COST_BESIDE_A_LAG, NOTHING, SHARE_OF_A_LAG};
-use plant::{Effects, Entry, Neutral, Readings};
+use plant::{Effects, Entry, Model, Neutral, Readings};
 
-/// Whether the effect is more than noise or other base parameters under its name.
-pub(crate) fn is_plausible(search: &Search<'_>, candidate: &Candidate) -> bool {
-    does_something(search, candidate) && can_show(search, candidate) && is_more_than_form(search, candidate)
+/// Whether the effect is more than noise or other base parameters under its name, added to the fit `so_far`.
+pub(crate) fn is_plausible(search: &Search<'_>, candidate: &Candidate, so_far: &Fit) -> bool {
+    does_something(search, candidate)
+        && can_show(search, candidate)
+        && is_more_than_form(search, candidate)
+        && is_of_this_rig(search.problem.belief, &candidate.fit.model, &so_far.model)
+}
+
+/// Whether gain and drag are near those of the belief, or were far from them without the effect as well.
+fn is_of_this_rig(belief: &Model, fit: &Model, so_far: &Model) -> bool {
+    other_rig(belief, fit).is_none() || other_rig(belief, so_far).is_some()
 }
 
 /// Whether the effect is switched on in its fit. If not, only the other parameters improved.
@@ -55,8 +65,9 @@ fn is_form_of_a_lag(entry: &Entry, effects: &Effects) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::is_form_of_a_lag;
-    use plant::{Effects, Entry};
+    use super::{is_form_of_a_lag, is_of_this_rig};
+    use crate::tests_support::model;
+    use plant::{Effects, Entry, Model};
 
     fn entry(name: &str) -> &'static Entry {
         Effects::built_in(name).unwrap()
@@ -83,5 +94,20 @@ mod tests {
         assert!(is_form_of_a_lag(entry("sensor_delay"), &with(&[("sensor_delay", 0.02), ("spin_asymmetry", 0.2)])));
         assert!(!is_form_of_a_lag(entry("spin_asymmetry"), &with(&[("spin_asymmetry", 0.02)])));
         assert!(!is_form_of_a_lag(entry("dead_zone"), &with(&[lag, ("dead_zone", 0.01)])));
+    }
+
+    #[test]
+    fn an_effect_that_needs_the_gain_or_drag_of_another_rig_is_implausible_unless_the_rig_has_them_without_it() {
+        let with = |gain: f64, drag: f64| Model {
+            gain_mm_per_s2_per_percent: gain * model().gain_mm_per_s2_per_percent,
+            drag_per_s: drag * model().drag_per_s,
+            ..model()
+        };
+        for other in [with(295.0, 1.0), with(0.1, 1.0), with(1.0, 6.0)] {
+            assert!(!is_of_this_rig(&model(), &other, &with(1.1, 0.9)));
+            assert!(is_of_this_rig(&model(), &with(1.1, 0.9), &other));
+            assert!(is_of_this_rig(&model(), &other, &other));
+        }
+        assert!(is_of_this_rig(&model(), &with(4.0, 0.01), &model()), "other numbers of the same rig");
     }
 }

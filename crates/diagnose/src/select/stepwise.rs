@@ -17,6 +17,7 @@ use crate::select::refit::with_other_sizes;
 use crate::select::search::Search;
 use crate::select::smoothing::unconfirmed;
 use crate::select::twins::compare_twins;
+use crate::select::vuong::add_rivals_amid_misfit;
 use crate::thresholds::{
     BESIDE_COARSE_READINGS, FIRST_EFFECT, FURTHER_EFFECT, LONG, MOST_EFFECTS, MOST_SEARCHES, SECOND_EFFECT,
     SHARE_OF_EXPLAINED, SHARE_OF_OMITTED,
@@ -97,12 +98,16 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
         found = search_from(&search.without(|entry| unconfirmed.contains(&entry.name)), refitted);
     }
     compare_twins(search, &mut found.effects, &mut found.fit);
+    if found.is_incomplete() {
+        add_rivals_amid_misfit(search, &mut found);
+    }
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
     found
 }
 
 /// Adds further effects to those of a fit by forecasts, until none explains more; then removes those that are not
-/// needed. `misfit`: the residual tests of the search by likelihood, since they ask for white innovations.
+/// needed. `misfit`: the residual tests of the search by likelihood, since they ask for white innovations. The search
+/// by forecasts is made where something is missing: so Vuong's test compares the rivals.
 pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEffect>, misfit: &Misfit) -> Selection {
     let misfit = Some(misfit.clone());
     let start = SoFar { effects, misfit, ..SoFar::nothing(&fit) };
@@ -111,6 +116,7 @@ pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEf
     let changes = found.effects.split_off(changes);
     eliminate_by_forecasts(search, &mut found.effects, &mut found.fit);
     compare_twins(search, &mut found.effects, &mut found.fit);
+    add_rivals_amid_misfit(search, &mut found);
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
     found.effects.extend(changes);
     found

@@ -61,9 +61,7 @@ pub(crate) fn formula(
     let search = &search.believing(&belief);
     let known = |of: &Evaluated| Evaluated {
         fit: Fit { model: with_known(&of.fit.model, &all), ..of.fit.clone() },
-        without_each_fold: of.without_each_fold.clone(),
-        errors: of.errors.clone(),
-        ..*of
+        ..of.clone()
     };
     let instead = if named.is_empty() { None } else { next_shape(search, &known(refitted), &all) };
     let beats_names = |alone: &Evaluated| {

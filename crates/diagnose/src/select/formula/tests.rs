@@ -7,9 +7,10 @@ use crate::record::folds::Folds;
 use crate::select::forecast::Evaluated;
 use crate::select::refit::refitted;
 use crate::select::search::Search;
+use crate::select::tests_support::with_force;
 use crate::tests_support::{model, record};
 use crate::{Diagnosis, Options, Over, Recording, Step, Verdict, diagnose};
-use plant::{Definition, DefinitionTable, Effects, Model, ParameterTable, Stage};
+use plant::{Effects, Model, Stage};
 use std::sync::LazyLock;
 
 /// The formula beyond the refitted belief.
@@ -18,24 +19,6 @@ fn of(recording: &Recording) -> Option<Formula> {
     let search = Search::of(Problem { recording, belief: &belief, folds: &folds, prior: Prior::Belief });
     let refitted = Evaluated::of(&search, refitted(&search));
     formula(&search, &refitted, &refitted, &[])
-}
-
-/// A rig with a force of this size and form that no effect of the catalogue has.
-fn with_force(adds: &str, size: f64) -> Model {
-    let range =
-        ParameterTable { neutral: Some(0.0), value: None, scale: None, low: -500.0, high: 500.0, unit: String::new() };
-    let table = DefinitionTable {
-        stage: Stage::Air,
-        adds: adds.into(),
-        looks: String::new(),
-        mend: String::new(),
-        parameters: [("size".into(), range)].into(),
-        states: [].into(),
-    };
-    let mut rig = model();
-    rig.effects.written.define(Definition::new("strange_force", &table).unwrap());
-    rig.effects.set("strange_force", &[size]);
-    rig
 }
 
 /// The diagnosis of a rig with a force of 90 mm/s² that ripples over the height, 60 mm a wave.

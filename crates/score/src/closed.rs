@@ -1,28 +1,56 @@
 //! The share of the gap that the true effects close, to compare with the claimed share.
 //!
 //! ```text
-//! closed = (E_belief² − E_true²) / (E_belief² − F_true²)          at 1 s, over the readings in free flight
+//! closed    = (E_belief² − E_true²) / (E_belief² − F_true²)        at 1 s, over the readings in free flight
+//! closed(e) = (E_without e² − E_true²) / (E_belief² − F_true²)     with e as it is believed, and all else true
 //! ```
 //!
 //! The true model is the belief with the rig's own gain, drag, hover and effects, as the catalogue has them. Nothing is
 //! fitted, so that no half is held out. A rig with an effect outside the catalogue has no such share; nor has one with
 //! too small a gap.
 
-use crate::truth::{CaseTruth, TrueEffect};
+use crate::truth::{CaseTruth, TrueEffect, Values};
 use diagnose::scoring::{is_open, share_closed};
 use diagnose::{Gap, Recording, in_free_flight};
 use plant::{Effects, Model, Neutral};
 use serde_json::{Map, Value};
 
-/// The share of the gap at 1 s between `belief` and `recording` that the true model closes.
+/// The shares of the gap at 1 s that the true model closes.
+#[derive(Clone, Debug, Default)]
+pub struct TrueShares {
+    /// With all of its numbers and effects.
+    pub all: f64,
+    /// Each effect beside everything else that is true, by its name.
+    pub each: Values,
+}
+
+/// The shares of the gap at 1 s between `belief` and `recording` that the true model closes.
 #[must_use]
-pub fn closed_of_truth(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<f64> {
+pub fn true_shares(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<TrueShares> {
     let model = true_model(belief, truth)?;
     let counts = in_free_flight(belief, recording);
     let gap = |model: &Model| Gap::measure_where(model, recording, &|row| counts[row]);
     let (nominal, best) = (gap(belief), gap(&model));
     let [before, after, floor] = [nominal.error_mm[2]?, best.error_mm[2]?, best.floor_mm[2]?].map(|mm| mm * mm);
-    is_open(before, floor).then(|| share_closed(before, after, floor))
+    if !is_open(before, floor) {
+        return None;
+    }
+    let all = share_closed(before, after, floor);
+    let share_of = |effect: &TrueEffect| {
+        let without = gap(&without(&model, belief, &effect.name)).error_mm[2]?.powi(2);
+        Some((effect.name.clone(), all - share_closed(before, without, floor)))
+    };
+    Some(TrueShares { all, each: truth.effects.iter().filter_map(share_of).collect() })
+}
+
+/// The model with this effect as it is believed, on or off.
+fn without(model: &Model, belief: &Model, name: &str) -> Model {
+    let mut model = model.clone();
+    match belief.effects.values(name) {
+        Some(values) => model.effects.set(name, &values),
+        None => model.effects.remove(name),
+    };
+    model
 }
 
 /// The rig in terms of the catalogue, if all its effects are in it.
@@ -51,8 +79,9 @@ fn table(belief: &Model, effect: &TrueEffect) -> Option<Value> {
 
 #[cfg(test)]
 mod tests {
-    use super::{closed_of_truth, true_model};
+    use super::{true_model, true_shares};
     use crate::tests_support::{model, record};
+    use crate::truth::TrueEffect;
     use crate::truth::tests::lag_of_a_rig;
     use plant::{Effects, Model};
 
@@ -68,15 +97,38 @@ mod tests {
     #[test]
     fn the_true_effects_close_the_whole_gap_of_a_rig_that_the_catalogue_can_write() {
         let belief = Model { effects: Effects::default(), ..model() };
-        let closed = closed_of_truth(&belief, &lag_of_a_rig("fan_lag"), &record(&model(), 3, 80)).unwrap();
-        assert!((closed - 1.0).abs() < 0.1, "{closed}");
+        let closed = true_shares(&belief, &lag_of_a_rig("fan_lag"), &record(&model(), 3, 80)).unwrap();
+        assert!((closed.all - 1.0).abs() < 0.1, "{closed:?}");
+        assert!((closed.each["fan_lag"] - closed.all).abs() < 1e-9, "the lag is all that is missing: {closed:?}");
     }
 
     #[test]
     fn nothing_is_closed_where_nothing_is_open_or_the_catalogue_has_no_word() {
         let recording = record(&model(), 3, 80);
-        assert_eq!(closed_of_truth(&model(), &lag_of_a_rig("fan_lag"), &recording), None);
+        assert!(true_shares(&model(), &lag_of_a_rig("fan_lag"), &recording).is_none());
         let belief = Model { effects: Effects::default(), ..model() };
-        assert_eq!(closed_of_truth(&belief, &lag_of_a_rig("gusts"), &recording), None);
+        assert!(true_shares(&belief, &lag_of_a_rig("gusts"), &recording).is_none());
+    }
+
+    #[test]
+    fn an_effect_closes_what_is_open_without_it_beside_the_others() {
+        let lag = model().effects.fan_lag;
+        let mut rig = model();
+        rig.effects.set("wall_friction", &[40.0]);
+        let belief = Model { effects: Effects::default(), ..model() };
+        let mut truth = lag_of_a_rig("fan_lag");
+        let friction = TrueEffect {
+            name: "wall_friction".into(),
+            parameters: [("acceleration_mm_per_s2".to_owned(), 40.0)].into(),
+            ..truth.effects[0].clone()
+        };
+        truth.effects.push(friction.clone());
+        truth.rig_effects.push(friction);
+        let recording = record(&rig, 3, 80);
+        let closed = true_shares(&belief, &truth, &recording).unwrap();
+        let believing_the_lag = Model { effects: Effects { fan_lag: lag, ..Effects::default() }, ..model() };
+        let retuned = true_shares(&believing_the_lag, &truth, &recording).unwrap();
+        assert!(closed.each["wall_friction"] > 0.1 && closed.each["fan_lag"] > 0.05, "{closed:?}");
+        assert!(retuned.each["fan_lag"].abs() < 1e-9 && (retuned.each["wall_friction"] - retuned.all).abs() < 1e-9);
     }
 }

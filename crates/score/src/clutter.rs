@@ -9,6 +9,10 @@ use crate::score::{Share, is, of_kind, says, share};
 use crate::truth::{Kind, TrueEffect};
 use diagnose::Verdict;
 
+/// The share of the gap from which on an effect counts as large, chosen by hand: twice what a small piece closes at
+/// most.
+const LARGE: f64 = 0.1;
+
 /// Rigs with the small pieces that every real rig has.
 pub(crate) fn about_clutter(cases: &[Case]) -> Vec<Share> {
     let of = |kind| of_kind(cases, kind);
@@ -18,6 +22,7 @@ pub(crate) fn about_clutter(cases: &[Case]) -> Vec<Share> {
     let unexplained = |case: &Case| says(case, Verdict::Unexplained);
     let not_there = |case: &Case| case.answer.as_ref().is_some_and(|answer| !all_there(answer, case));
     let (effects, entries) = (effects_of_several(cases), entries_of_several(cases));
+    let large = effects.iter().filter(|effect| effect.share.is_some_and(|share| share >= LARGE));
     let likely = entries.iter().filter(|(entry, _)| entry.probability >= LIKELY);
     let share_of = |name, what, all: Vec<bool>| Share { name, what, proportion: Proportion::of(all) };
     vec![
@@ -34,11 +39,20 @@ pub(crate) fn about_clutter(cases: &[Case]) -> Vec<Share> {
         share("amid_unexplained", "amid: unexplained", of(Kind::Amid), unexplained),
         share("clutter_named", "clutter: a name that is not there", of(Kind::Clutter), not_there),
         share("clutter_unexplained", "clutter: unexplained", of(Kind::Clutter), unexplained),
-        share_of("several_named", "several: of the effects, named", effects.iter().map(|p| p.is_some()).collect()),
+        share_of(
+            "several_named",
+            "several: of the effects, named",
+            effects.iter().map(|one| one.named.is_some()).collect(),
+        ),
         share_of(
             "several_likely",
             "several: of the effects, named with probability 0.5 or more",
-            effects.iter().map(|p| p.is_some_and(|p| p >= LIKELY)).collect(),
+            effects.iter().map(OneOfSeveral::is_likely).collect(),
+        ),
+        share_of(
+            "several_large",
+            "several: of the effects that close 10 % of the gap, named with probability 0.5 or more",
+            large.map(OneOfSeveral::is_likely).collect(),
         ),
         share_of(
             "several_there",
@@ -51,13 +65,30 @@ pub(crate) fn about_clutter(cases: &[Case]) -> Vec<Share> {
     ]
 }
 
-/// The probability with which each effect of the rigs with several is named; `None`: it is not.
-fn effects_of_several(cases: &[Case]) -> Vec<Option<f64>> {
-    let of_case = |case: &Case| -> Vec<Option<f64>> {
+/// A true effect of a rig with several.
+struct OneOfSeveral {
+    /// The probability with which it is named; `None`: it is not.
+    named: Option<f64>,
+    /// The share of the gap that it closes beside the others.
+    share: Option<f64>,
+}
+
+impl OneOfSeveral {
+    fn is_likely(&self) -> bool {
+        self.named.is_some_and(|probability| probability >= LIKELY)
+    }
+}
+
+/// The true effects of all rigs with several.
+fn effects_of_several(cases: &[Case]) -> Vec<OneOfSeveral> {
+    let of_case = |case: &Case| -> Vec<OneOfSeveral> {
         let entries = || case.answer.iter().flat_map(|answer| &answer.effects);
-        let by =
-            |effect: &TrueEffect| entries().find(|entry| names(entry, &effect.name)).map(|entry| entry.probability);
-        case.truth.effects.iter().map(by).collect()
+        let share = |name: &str| case.true_shares.as_ref().and_then(|shares| shares.each.get(name).copied());
+        let one = |effect: &TrueEffect| OneOfSeveral {
+            named: entries().find(|entry| names(entry, &effect.name)).map(|entry| entry.probability),
+            share: share(&effect.name),
+        };
+        case.truth.effects.iter().map(one).collect()
     };
     of_kind(cases, Kind::Several).flat_map(of_case).collect()
 }

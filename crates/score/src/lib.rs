@@ -37,7 +37,7 @@ mod tests_support;
 
 pub use answer::{Answer, Interval, NamedEffect};
 pub use calibration::{Bin, Calibration};
-pub use closed::closed_of_truth;
+pub use closed::{TrueShares, true_shares};
 pub use intervals::{Numbers, ParameterScore};
 pub use outcome::Outcome;
 pub use page::{BlindDocument, page};
@@ -57,8 +57,8 @@ pub struct Case {
     pub answer: Option<Answer>,
     /// The answer of a search without the true effect. `None`: it was not requested.
     pub left_out: Option<Answer>,
-    /// The share of the gap at 1 s that the true effects close.
-    pub closed_of_truth: Option<f64>,
+    /// The shares of the gap at 1 s that the true effects close.
+    pub true_shares: Option<TrueShares>,
     /// Log-likelihood of the true model minus that of its best rival, nats, if it was computed.
     pub shown: Option<f64>,
     /// Length of the pipe, mm; an end stop at this height has no effect.

@@ -262,12 +262,12 @@ fn change_right(case: &Case) -> bool {
 /// share.
 fn closed_covered(case: &Case) -> Option<bool> {
     let claimed = case.answer.as_ref()?.gap.closed?;
-    Some((claimed.low?..=claimed.high?).contains(&case.closed_of_truth?))
+    Some((claimed.low?..=claimed.high?).contains(&case.true_shares.as_ref()?.all))
 }
 
 fn closed_difference(case: &Case) -> Option<f64> {
     let claimed = case.answer.as_ref()?.gap.closed?.value;
-    Some((claimed - case.closed_of_truth?).abs())
+    Some((claimed - case.true_shares.as_ref()?.all).abs())
 }
 
 fn losses(cases: &[Case]) -> Vec<Loss> {

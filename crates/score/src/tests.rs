@@ -3,7 +3,7 @@
 use crate::answer::{Answer, AnsweredGap, AnsweredPlace, AnsweredStage, Interval, NamedEffect};
 use crate::outcome::{outcome, outcome_left_out};
 use crate::truth::{Bounds, CaseTruth, Kind, TrueEffect};
-use crate::{Case, Outcome, Score, score};
+use crate::{Case, Outcome, Score, TrueShares, score};
 use diagnose::Verdict;
 
 fn effect(name: &str, parameters: &[(&str, f64)]) -> TrueEffect {
@@ -36,7 +36,7 @@ fn case(kind: Kind, effects: &[&str], answer: Answer) -> Case {
         clutter: Vec::new(),
     };
     let answer = Some(answer);
-    Case { truth, bounds: None, answer, left_out: None, closed_of_truth: None, shown: None, pipe_length_mm: 600.0 }
+    Case { truth, bounds: None, answer, left_out: None, true_shares: None, shown: None, pipe_length_mm: 600.0 }
 }
 
 fn single(truth: &str, entries: Vec<NamedEffect>) -> Case {
@@ -241,7 +241,7 @@ fn base_parameters_beside_a_missed_effect_are_not_judged() {
 fn a_claimed_share_and_a_blamed_stage_are_held_against_the_truth() {
     let with = |claimed, stage: &str| {
         let mut case = single("dead_zone", vec![entry("dead_zone", 0.9, &[])]);
-        case.closed_of_truth = Some(0.9);
+        case.true_shares = Some(TrueShares { all: 0.9, ..TrueShares::default() });
         let answered = case.answer.as_mut().unwrap();
         answered.gap.closed = Some(Interval { value: claimed, low: Some(claimed - 0.07), high: Some(claimed + 0.07) });
         answered.r#where.stage =
@@ -252,6 +252,19 @@ fn a_claimed_share_and_a_blamed_stage_are_held_against_the_truth() {
     assert_eq!((of(&score, "closed"), of(&score, "stage")), ((1, 3), (2, 3)));
     assert_eq!(of(&score, "closed_covered"), (1, 3));
     assert!((score.median_closed_difference.unwrap() - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn of_several_effects_those_that_close_a_tenth_of_the_gap_count_as_large() {
+    let entries = vec![entry("fan_lag", 0.9, &[]), entry("wall_friction", 0.4, &[]), entry("dead_zone", 0.8, &[])];
+    let mut several =
+        case(Kind::Several, &["fan_lag", "wall_friction", "dead_zone", "saturation"], answer(Verdict::Effect, entries));
+    let shares = [("fan_lag", 0.6), ("wall_friction", 0.1), ("dead_zone", 0.09), ("saturation", 0.2)];
+    let each = shares.map(|(name, share)| (name.to_owned(), share)).into();
+    several.true_shares = Some(TrueShares { all: 0.99, each });
+    let score = score(&[several]);
+    assert_eq!((of(&score, "several_named"), of(&score, "several_likely")), ((3, 4), (2, 4)));
+    assert_eq!(of(&score, "several_large"), (1, 3));
 }
 
 #[test]

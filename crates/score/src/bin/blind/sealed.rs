@@ -71,7 +71,7 @@ impl Sealed {
                 bounds: self.bounds.remove(&done.case),
                 answer: done.answer.ok(),
                 left_out: done.left_out,
-                closed_of_truth: done.closed_of_truth,
+                true_shares: done.true_shares,
                 shown: done.shown,
                 pipe_length_mm: done.pipe_length_mm,
             });

@@ -9,7 +9,7 @@ use crate::sealed::Sealed;
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use score::{Answer, closed_of_truth, shown};
+use score::{Answer, TrueShares, shown, true_shares};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -48,8 +48,8 @@ pub(crate) struct Done {
     pub(crate) answer: Result<Answer>,
     /// The answer of a search without the true effect, if requested.
     pub(crate) left_out: Option<Answer>,
-    /// The share of the gap that the true effects close.
-    pub(crate) closed_of_truth: Option<f64>,
+    /// The shares of the gap that the true effects close.
+    pub(crate) true_shares: Option<TrueShares>,
     /// Log-likelihood of the true model minus that of its best rival, nats.
     pub(crate) shown: Option<f64>,
     /// Believed length of the pipe, mm.
@@ -99,7 +99,7 @@ impl<'a> Work<'a> {
             case: case.to_owned(),
             answer: Err(error),
             left_out: None,
-            closed_of_truth: None,
+            true_shares: None,
             shown: None,
             pipe_length_mm: f64::INFINITY,
         })
@@ -114,7 +114,7 @@ impl<'a> Work<'a> {
             case: case.to_owned(),
             answer: Ok(answer),
             left_out,
-            closed_of_truth: truth.and_then(|truth| closed_of_truth(&belief, truth, &recording)),
+            true_shares: truth.and_then(|truth| true_shares(&belief, truth, &recording)),
             shown: truth.and_then(|truth| shown(&belief, truth, &recording)),
             pipe_length_mm: belief.pipe_length_mm,
         })

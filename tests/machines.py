@@ -3,7 +3,7 @@
     python tests/machines.py OUT TRUTH --seed TEXT --count N      OUT/case-NNN.csv and .toml, and the truth in the file TRUTH
 
 Each rig has one to four effects that its builder would name, and four to seven small unmodelled pieces: friction
-that falls with speed, cogging, a lag of the amplifier, a bend of the scale, a load on a spring. Its sensor is good, so that
+that falls with speed, cogging, a lag of the amplifier, a nonlinear scale, a load on a spring. Its sensor is good, so that
 every piece is significant. All ranges were chosen by hand, so that most effects show. Its owner believes in a linear machine,
 whose numbers are off by up to 30 %. The equations are written here, and share none with the program.
 """

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { accessSync, constants, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { after, before } from "node:test";
+import { after, afterEach, before } from "node:test";
 import { join } from "node:path";
 import { FileSystemConfigLoader, HtmlValidate } from "html-validate";
 import { chromium } from "playwright-core";
@@ -32,6 +32,8 @@ export function browserOfTests() {
   before(async () => {
     browser = await chromium.launch({ executablePath: installed(), args: ["--no-sandbox"] });
   });
+  // A page that stays open slows the tests after it.
+  afterEach(() => Promise.all(browser.contexts().map((context) => context.close())));
   after(() => browser.close());
   return () => browser;
 }

@@ -5,7 +5,8 @@ pub mod spoilt;
 
 pub use emulated::Emulated;
 
-use std::net::{TcpListener, TcpStream};
+use socket2::{Domain, Socket, Type};
+use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::LazyLock;
@@ -144,14 +145,16 @@ pub struct Broker {
     process: Child,
     /// Its port.
     pub port: u16,
+    /// Keeps its ports from the brokers and clients of other tests.
+    reserved: Vec<Socket>,
 }
 
 impl Default for Broker {
     fn default() -> Self {
-        let port = free_port();
+        let (reserved, port) = reserved_port();
         let process = mosquitto(&["-p", &port.to_string()]);
         listens(port);
-        Self { process, port }
+        Self { process, port, reserved: vec![reserved] }
     }
 }
 
@@ -191,10 +194,11 @@ impl Broker {
     /// A broker with the config that `config` makes of a free port, written to `path`.
     #[must_use]
     pub fn with_config(path: &Path, config: impl Fn(u16) -> String) -> Self {
-        let port = free_port();
+        let (reserved, port) = reserved_port();
         // Started by root it would change to another user, who cannot read a test's directory.
         std::fs::write(path, format!("user root\n{}", config(port))).expect("the broker's config is written");
-        let broker = Self { process: mosquitto(&["-c", &path.display().to_string()]), port };
+        let process = mosquitto(&["-c", &path.display().to_string()]);
+        let broker = Self { process, port, reserved: vec![reserved] };
         listens(port);
         broker
     }
@@ -202,8 +206,9 @@ impl Broker {
     /// The same with two free ports: for MQTT, and for WebSockets, which is returned.
     #[must_use]
     pub fn configured(path: &Path, config: impl Fn(u16, u16) -> String) -> (Self, u16) {
-        let sockets = free_port();
-        let broker = Self::with_config(path, |port| config(port, sockets));
+        let (reserved, sockets) = reserved_port();
+        let mut broker = Self::with_config(path, |port| config(port, sockets));
+        broker.reserved.push(reserved);
         listens(sockets);
         (broker, sockets)
     }
@@ -266,7 +271,13 @@ pub fn eventually<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-fn free_port() -> u16 {
-    let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a free port");
-    listener.local_addr().expect("its address").port()
+/// A free port, which no other program is given as long as the socket lives: it is bound and does not listen, so that a
+/// program that asks for this port with `SO_REUSEADDR`, as mosquitto does, gets it (Linux, `socket(7)`).
+fn reserved_port() -> (Socket, u16) {
+    let socket = Socket::new(Domain::IPV4, Type::STREAM, None).expect("a socket");
+    socket.set_reuse_address(true).expect("a socket's option");
+    socket.bind(&SocketAddr::from((Ipv4Addr::LOCALHOST, 0)).into()).expect("a free port");
+    let address = socket.local_addr().expect("its address");
+    let port = address.as_socket().expect("an internet address").port();
+    (socket, port)
 }

@@ -3,8 +3,9 @@
 use super::line::RETAINED;
 use crate::config::mqtt::MqttConfig;
 use rumqttc::{Client, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
+use socket2::{Domain, Socket, Type};
 use std::io::{self, ErrorKind};
-use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, channel};
@@ -20,6 +21,7 @@ pub(super) struct Broker {
     child: Child,
     pub(super) port: u16,
     dir: TempDir,
+    _port: Socket,
 }
 
 impl Broker {
@@ -39,11 +41,15 @@ impl Broker {
 
     /// A broker with more lines in its config: access, and listeners.
     pub(super) fn with_access(access: &str) -> Self {
-        let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+        // Bound and not listening: no other program is given the port, and mosquitto gets it (`socket(7)`).
+        let reserved = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
+        reserved.set_reuse_address(true).unwrap();
+        reserved.bind(&SocketAddr::from((Ipv4Addr::LOCALHOST, 0)).into()).unwrap();
+        let port = reserved.local_addr().unwrap().as_socket().unwrap().port();
         let dir = tempfile::tempdir().unwrap();
         let text = format!("user root\nlistener {port} 127.0.0.1\n{access}\n");
         std::fs::write(dir.path().join("mosquitto.conf"), text).unwrap();
-        let broker = Self { child: launch(&dir), port, dir };
+        let broker = Self { child: launch(&dir), port, dir, _port: reserved };
         broker.wait();
         broker
     }

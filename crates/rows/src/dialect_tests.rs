@@ -18,6 +18,18 @@ fn plain() -> String {
     table("time_s,duty_percent,position_mm", ",", |value| value.to_string())
 }
 
+/// A line as Arduino's serial monitor writes it.
+fn arrived((at, line): (usize, &str)) -> String {
+    format!("12:03:{:02}.{:03} -> {line}\n", at / 4, 250 * (at % 4))
+}
+
+/// A row as Arduino's plotter wants it.
+fn labelled(row: &str, separator: &str) -> String {
+    let names = ["time_s", "duty_percent", "position_mm"];
+    let cells: Vec<String> = row.split(',').zip(names).map(|(cell, name)| format!("{name}:{cell}")).collect();
+    cells.join(separator)
+}
+
 fn read(bytes: &[u8]) -> Result<Recording, RowsError> {
     recording("rig.csv", bytes, &Import::default())
 }
@@ -36,6 +48,11 @@ fn every_dialect_reads_as_the_plain_table() {
         ("a row of units", plain().replacen('\n', "\ns,%,mm\n", 1)),
         ("spaces", table("time_s  duty_percent position_mm", "   ", text)),
         ("a commented header with spaces", table("# time_s duty_percent position_mm", " ", text)),
+        ("lines above the header", format!("Motor control v1.2\nrate,100\n\n{}", plain())),
+        ("moments of arrival", plain().lines().enumerate().map(arrived).collect()),
+        ("moments of PlatformIO", plain().lines().enumerate().map(|line| arrived(line).replace("->", ">")).collect()),
+        ("labels", plain().lines().skip(1).map(|row| labelled(row, ",") + "\n").collect()),
+        ("labels and spaces", plain().lines().skip(1).map(|row| labelled(row, "  ") + "\n").collect()),
         ("spaces before each row", table("time_s duty_percent position_mm", " ", text).replace('\n', "\n  ")),
     ] {
         assert_eq!(read(table.as_bytes()).unwrap_or_else(|error| panic!("{dialect}: {error}")), expected, "{dialect}");
@@ -79,6 +96,26 @@ fn columns_without_a_header_have_numbers_for_names() {
     assert_eq!(recording("rig.csv", text.as_bytes(), &import).unwrap(), read(plain().as_bytes()).unwrap());
     let said = read(text.as_bytes()).unwrap_err().to_string();
     assert!(said.contains("`column1`, `column2`, `column3`"), "{said}");
+}
+
+#[test]
+fn moments_of_arrival_are_a_column_of_their_own() {
+    let import = Import { time_s: Column::named("stamp"), ..Import::default() };
+    let rows: String = plain().lines().enumerate().map(arrived).collect();
+    let log = recording("rig.txt", rows.as_bytes(), &import).unwrap();
+    assert!((log.samples()[39].time_s - log.samples()[0].time_s - 9.75).abs() < 1e-6);
+    // One row of the flood was lost in the middle of its moment.
+    let said = recording("rig.txt", rows.replace("12:03:05.000 -> ", "12:0").as_bytes(), &import).unwrap_err();
+    assert!(said.to_string().contains("rig.txt, line 21"), "{said}");
+}
+
+#[test]
+fn a_row_with_other_labels_or_a_header_of_another_width_is_no_data() {
+    let rows: String = plain().lines().skip(1).map(|row| labelled(row, ",") + "\n").collect();
+    let said = read(rows.replace("duty_percent:21.5,position_mm:205\n", "duty:21.5,position_mm:205\n").as_bytes());
+    assert!(said.unwrap_err().to_string().contains("line 11"));
+    let said = read(plain().replace("time_s,", "").as_bytes()).unwrap_err();
+    assert!(matches!(said, RowsError::Ragged { line: 2, expected: 2, found: 3, .. }), "{said}");
 }
 
 #[test]

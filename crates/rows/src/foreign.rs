@@ -16,7 +16,11 @@ const MATLAB: Format = format(
     "a MATLAB file",
     "in MATLAB: writetable(table(t, u, y), 'log.csv') with its variables",
 );
-const JSON: Format = format(b"{", "JSON", "in Python: pandas.read_json(FILE).to_csv('log.csv', index=False)");
+const JSON: Format = format(
+    b"{",
+    "JSON",
+    "in Python: pandas.read_json(FILE).to_csv('log.csv', index=False), with lines=True if each line is an object",
+);
 
 /// In pandas, every reader ends alike.
 const FORMATS: [Format; 19] = [

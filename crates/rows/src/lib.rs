@@ -11,6 +11,8 @@ mod error;
 mod foreign;
 mod import;
 mod number;
+mod plain;
+mod serial;
 mod sheet;
 mod shown;
 mod table;

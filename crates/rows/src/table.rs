@@ -1,15 +1,15 @@
 //! A CSV file as rows of cells with their line.
 //!
-//! The separator is a comma, semicolon, tab or spaces, whichever the header has most of. A byte order mark, CRLF, empty
-//! lines, lines of comment (`#`, `%`, `//`), a row of units under the header and `sep=;` are accepted. A comment right
-//! above rows of numbers is their header, as numpy writes it; without any header the columns are called `column1`, ….
+//! A row of units under the header is accepted. What is read off the lines before they are parsed, the separator among
+//! it, is in [`plain`](mod@crate::plain). Without any header the columns are called `column1`, ….
 
 use crate::error::RowsError;
 use crate::foreign::foreign;
 use crate::number::{Decimal, clock_s};
+use crate::plain::{Plain, plain};
+use crate::serial::STAMP;
 use crate::text::decoded;
 use csv::{ReaderBuilder, StringRecord, Trim};
-use std::fmt::Write;
 
 /// A header and its rows, all of the header's width.
 pub(crate) struct Table {
@@ -55,7 +55,7 @@ impl Table {
         if decoded.trim().is_empty() {
             return Err(RowsError::Empty { name: name.into() });
         }
-        let Plain { text, delimiter, comment } = plain(&decoded);
+        let Plain { text, delimiter, names, stamp } = plain(&decoded);
         drop(decoded);
         let mut rows = Rows::of(name, &text, delimiter)?;
         let decimal = if delimiter == b',' { Decimal::Point } else { Decimal::of(rows.all_cells()) };
@@ -63,12 +63,13 @@ impl Table {
         let first = rows.record(0).ok_or_else(|| RowsError::HeaderOnly { name: name.into() })?;
         let header_line = rows.line(&text, 0);
         let header = if first.iter().all(is_number) {
-            let named = comment.filter(|names| names.len() == first.len());
+            let named = names.filter(|names| names.len() == first.len());
             named.unwrap_or_else(|| (1..=first.len()).map(|number| format!("column{number}")).collect())
         } else {
             rows.before += 1;
             first
         };
+        let header = if stamp { with_stamp(&header) } else { header };
         let has = |row: usize| rows.record(row).is_some_and(|cells| cells.iter().any(is_number));
         let units = rows.record(0).filter(|units| !has(0) && has(1) && units.len() == header.len());
         rows.before += usize::from(units.is_some());
@@ -184,6 +185,11 @@ impl Rows {
     }
 }
 
+/// A header whose last column is the moments of arrival.
+fn with_stamp(header: &StringRecord) -> StringRecord {
+    header.iter().take(header.len().saturating_sub(1)).chain([STAMP]).collect()
+}
+
 /// Where a record begins in the text.
 fn byte_of(record: &StringRecord) -> usize {
     record.position().map_or(0, |position| usize::try_from(position.byte()).unwrap_or(usize::MAX))
@@ -198,58 +204,4 @@ fn line_of(text: &str, byte: usize) -> usize {
 
 fn newlines(bytes: &[u8]) -> usize {
     bytes.iter().filter(|byte| **byte == b'\n').count()
-}
-
-/// A text without its comments, and how its cells are separated.
-struct Plain {
-    text: String,
-    delimiter: u8,
-    /// The cells of the comment right above the rows.
-    comment: Option<StringRecord>,
-}
-
-fn plain(text: &str) -> Plain {
-    let mut lines: Vec<&str> = text.split('\n').collect();
-    let mut delimiter = None;
-    if let Some(named) = lines.first().and_then(|first| first.trim().strip_prefix("sep=")) {
-        delimiter = named.bytes().next();
-        lines[0] = "";
-    }
-    let first = lines.iter().position(|line| !line.trim().is_empty() && of_comment(line).is_none());
-    let above = first.and_then(|first| lines[..first].iter().rev().find_map(|line| of_comment(line)));
-    let head = first.and_then(|first| lines.get(first)).copied().unwrap_or_default();
-    let delimiter = delimiter.unwrap_or_else(|| separator(head));
-    let spaces = delimiter == b' ';
-    let separated = |line: &str| line.split_whitespace().collect::<Vec<_>>().join("\t");
-    let mut plain = String::with_capacity(text.len());
-    for line in &lines {
-        match line {
-            line if of_comment(line).is_some() => {}
-            // Writing to a string cannot fail.
-            line if spaces => drop(write!(plain, "{}", separated(line))),
-            line => plain.push_str(line),
-        }
-        plain.push('\n');
-    }
-    let delimiter = if spaces { b'\t' } else { delimiter };
-    let cells = |names: &str| {
-        let names = if spaces { separated(names) } else { names.into() };
-        names.split(char::from(delimiter)).map(str::trim).collect::<StringRecord>()
-    };
-    Plain { text: plain, delimiter, comment: above.map(cells) }
-}
-
-/// What stands behind the mark of a line of comment.
-fn of_comment(line: &str) -> Option<&str> {
-    let line = line.trim();
-    let names = ["#", "%", "//"].iter().find_map(|mark| line.strip_prefix(mark))?;
-    // A spreadsheet's error in the first cell is no comment.
-    (!line.starts_with("#N/A")).then(|| names.trim_start_matches(['#', '%', '/']).trim())
-}
-
-/// The separator of a line: the most frequent of tab, semicolon and comma; spaces where there is none of them.
-fn separator(line: &str) -> u8 {
-    let count = |delimiter: &u8| line.bytes().filter(|byte| byte == delimiter).count();
-    let usual = [b'\t', b';', b','].into_iter().max_by_key(count).filter(|delimiter| count(delimiter) > 0);
-    usual.unwrap_or_else(|| if line.split_whitespace().count() > 1 { b' ' } else { b',' })
 }

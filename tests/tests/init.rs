@@ -161,6 +161,41 @@ fn columns_are_found_by_their_names_their_numbers_or_as_they_are_said() {
 }
 
 #[test]
+fn columns_are_found_by_a_unit_or_by_a_name_in_another_language() {
+    let bench = bare();
+    for (header, position) in [
+        ("tempo_s,tensao_V,posicao_m", "by its name"),
+        ("tiempo,entrada,ángulo", "by its name"),
+        ("t,u,arm_m", "by its unit"),
+        ("t,u,shaft [rad]", "by its unit"),
+    ] {
+        bench.write("log.csv", csv(header, &cart()));
+        let found = bench.output(&["init", "log.csv", "--force"]);
+        let last = header.split(',').next_back().unwrap();
+        let of_position = found.lines().find(|line| line.starts_with(&format!("`{last}`"))).unwrap();
+        assert!(of_position.contains("→ position") && of_position.contains(position), "{found}");
+    }
+}
+
+#[test]
+fn a_log_of_distances_from_above_without_a_time_needs_its_period_and_a_scale_below_0() {
+    let bench = bare();
+    let rows = cart();
+    let rows: String = rows.iter().map(|[_, u, y]| format!("{u:.3}\t{:.5}\n", 0.8 - y)).collect();
+    bench.write("log.txt", format!("u\ty\n{rows}"));
+    let refused = bench.run(&["init", "log.txt"]);
+    assert!(refused.code == Some(2) && refused.errors.contains("--period SECONDS"), "{}", refused.errors);
+    let wrong = bench.run(&["init", "log.txt", "--period", "-0.01"]);
+    assert!(wrong.code == Some(2) && wrong.errors.contains("above 0"), "{}", wrong.errors);
+    let _ = bench.output(&["init", "log.txt", "--period", "0.01", "--position-scale", "-1000"]);
+    let config: toml::Table = toml::from_str(&bench.read("rig.toml")).unwrap();
+    // The cart has 800 mm/s² per V.
+    let gain = value(&config, &["plant", "gain_mm_per_s2_per_percent"]);
+    let scale = value(&config, &["import", "duty_percent", "scale"]);
+    assert!((gain * scale / 800.0 - 1.0).abs() < 0.3, "{gain} times {scale}");
+}
+
+#[test]
 fn a_heater_is_refused_as_of_first_order() {
     let mut random = Random(3);
     let (mut level, mut power, mut rows) = (20.0, 0.0, Vec::new());

@@ -4,6 +4,7 @@
 
 use crate::error::{CellProblem, RowsError};
 use crate::import::{Column, Import};
+use crate::sheet::Sheet;
 use crate::shown::{listed, shown};
 use crate::table::Table;
 use diagnose::Sample;
@@ -95,7 +96,9 @@ impl<'a> Found<'a> {
             let (file, line) = (table.name.clone(), table.header_line());
             return Err(RowsError::RepeatedColumn { name: file, line, column: name.into(), times });
         }
-        Ok(table.columns().position(|column| column == name))
+        // The number of the row is beside the columns.
+        let row = (name == Sheet::ROW).then(|| table.columns().count());
+        Ok(table.columns().position(|column| column == name).or(row))
     }
 
     /// The column in our units, every cell a number.
@@ -124,6 +127,9 @@ impl<'a> Found<'a> {
 
     /// The number in a cell; `None` where it is empty or says that there is none.
     fn in_column(&self, table: &Table, row: usize, column: usize) -> Result<Option<f64>, RowsError> {
+        if column == table.columns().count() {
+            return Ok(Some(row as f64));
+        }
         let cell = table.cell(row, column);
         if cell.is_empty() {
             return Ok(None);

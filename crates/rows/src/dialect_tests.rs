@@ -110,6 +110,17 @@ fn moments_of_arrival_are_a_column_of_their_own() {
 }
 
 #[test]
+fn a_table_without_a_time_has_the_number_of_the_row() {
+    let import = Import { time_s: Column { scale: 0.25, ..Column::named("row") }, ..Import::default() };
+    let rows: String = plain().lines().map(|line| line.split_once(',').unwrap().1.to_owned() + "\n").collect();
+    assert_eq!(recording("rig.csv", rows.as_bytes(), &import).unwrap(), read(plain().as_bytes()).unwrap());
+    // A column of this name comes first.
+    let own = plain().replace("time_s", "row");
+    let import = Import { time_s: Column::named("row"), ..Import::default() };
+    assert_eq!(recording("rig.csv", own.as_bytes(), &import).unwrap(), read(plain().as_bytes()).unwrap());
+}
+
+#[test]
 fn a_row_with_other_labels_or_a_header_of_another_width_is_no_data() {
     let rows: String = plain().lines().skip(1).map(|row| labelled(row, ",") + "\n").collect();
     let said = read(rows.replace("duty_percent:21.5,position_mm:205\n", "duty:21.5,position_mm:205\n").as_bytes());

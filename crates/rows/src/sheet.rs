@@ -12,6 +12,19 @@ pub struct Sheet {
     pub rows: usize,
 }
 
+impl Sheet {
+    /// The name by which `[import]` asks for the number of a row, from 0, in a table without a column of this name.
+    pub const ROW: &str = "row";
+
+    /// Adds the numbers of the rows as a column, if there is none of this name.
+    pub fn number_rows(&mut self) {
+        if self.columns.iter().all(|column| column.name != Self::ROW) {
+            let values = (0..self.rows).map(|row| Some(row as f64)).collect();
+            self.columns.push(SheetColumn { name: Self::ROW.into(), values, ..SheetColumn::default() });
+        }
+    }
+}
+
 /// A column of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SheetColumn {

@@ -29,6 +29,9 @@ pub struct ColumnArgs {
     /// Column of the time
     #[arg(long, value_name = "COLUMN")]
     pub time: Option<String>,
+    /// Seconds between two rows, where no column holds the time
+    #[arg(long, value_name = "SECONDS", conflicts_with = "time", allow_negative_numbers = true, value_parser = period)]
+    pub period: Option<f64>,
     /// Column of what drives the rig: a voltage, a torque, a duty
     #[arg(long, value_name = "COLUMN")]
     pub input: Option<String>,
@@ -50,6 +53,11 @@ pub struct ColumnArgs {
     /// Length of the way between two ends where the rig stops, from 0 to here [default: no ends]
     #[arg(long, value_name = "MM", value_parser = scale)]
     pub length: Option<f64>,
+}
+
+/// A number above 0.
+fn period(text: &str) -> Result<f64, String> {
+    scale(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("give a number above 0".into()) })
 }
 
 /// A number other than 0.

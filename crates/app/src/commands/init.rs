@@ -55,11 +55,15 @@ pub(crate) fn propose(
     files::may_be_made(out)
         .map_err(|error| anyhow!("cannot write the config {}: {error}; check the folder", out.display()))?;
     let Some(first) = logs.first() else { bail!("no log is named; name one") };
-    let (sheet, unread) = match undescribed(first)? {
+    let mut asked = asked(columns);
+    let (mut sheet, unread) = match undescribed(first)? {
         Undescribed::Table(sheet, unread) => (sheet, unread),
         Undescribed::Flight(held) => return held_by_log(first, held, out),
     };
-    let mut asked = asked(columns);
+    if asked.period_s.is_some() {
+        sheet.number_rows();
+        asked.time = Some(Sheet::ROW.into());
+    }
     let name = first.display();
     let beside = unread.as_ref().map(|unread| format!("; {unread}")).unwrap_or_default();
     let guess = |asked: &Asked| roles(&sheet, asked).map_err(|error| Usage(format!("{name}: {error}{beside}")));
@@ -112,8 +116,9 @@ fn held_by_log(log: &Path, held: Option<String>, out: &Path) -> Result<Proposed>
 }
 
 fn asked(columns: &ColumnArgs) -> Asked {
-    let ColumnArgs { time, input, position, speed, setpoint, input_scale, position_scale, length } = columns.clone();
-    Asked { time, input, position, speed, setpoint, input_scale, position_scale, length_mm: length }
+    let ColumnArgs { time, period, input, position, speed, setpoint, input_scale, position_scale, length } =
+        columns.clone();
+    Asked { time, period_s: period, input, position, speed, setpoint, input_scale, position_scale, length_mm: length }
 }
 
 /// Asks on the terminal for each role; an empty line takes what is proposed.

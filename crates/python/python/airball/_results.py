@@ -109,8 +109,8 @@ def propose(
 ) -> Model:
     """Proposes a config for a CSV of a rig that has none, writes it to `out`, and returns it, as `airball init` does.
 
-    `columns` are the flags of the command: `time`, `input`, `position`, `speed`, `setpoint`, `input_scale`,
-    `position_scale`, `length`. Prints what was found, and what to look at before it is believed.
+    `columns` are the flags of the command: `time`, `period`, `input`, `position`, `speed`, `setpoint`,
+    `input_scale`, `position_scale`, `length`. Prints what was found, and what to look at before it is believed.
     """
     import os
 

@@ -18,6 +18,9 @@ const UNITS: [&str; 36] = [
     "nm", "mnm", "pct", "percent", "%", "norm", "rpm", "counts", "hz", "w", "pwm", "°", "°c", "c", "k", "pa", "bar",
 ];
 
+/// Those of a length or an angle.
+const PLACES: [&str; 9] = ["m", "cm", "mm", "um", "in", "rad", "deg", "rev", "°"];
+
 impl Name {
     pub(super) fn of(column: &SheetColumn) -> Self {
         let mut words = words(&column.name);
@@ -30,6 +33,11 @@ impl Name {
             words.pop();
         }
         Self { words, number, unit: of_row.or(behind) }
+    }
+
+    /// Whether its unit is one of length or angle.
+    pub(super) fn is_of_place(&self) -> bool {
+        self.unit.as_deref().is_some_and(|unit| PLACES.contains(&unit))
     }
 
     /// Whether any of its words is one of these.

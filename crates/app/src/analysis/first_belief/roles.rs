@@ -12,6 +12,8 @@ use std::fmt::{self, Display, Formatter};
 pub struct Asked {
     /// The column of the time.
     pub time: Option<String>,
+    /// Seconds between two rows, where no column holds the time.
+    pub period_s: Option<f64>,
     /// The column of the input.
     pub input: Option<String>,
     /// The column of the position.
@@ -98,7 +100,7 @@ pub enum NoRole {
         columns: String,
     },
     /// No column looks like it.
-    #[error("no column looks like the {role}{flaw}; name it with {} COLUMN; there are {columns}", role.flag())]
+    #[error("no column looks like the {role}{flaw}; name it with {}; there are {columns}", role.advice())]
     NotFound {
         /// The role.
         role: Role,
@@ -119,6 +121,12 @@ impl Role {
             Self::Position => "--position",
             Self::Setpoint => "--setpoint",
         }
+    }
+
+    /// How to say which column it is.
+    fn advice(self) -> String {
+        let without = if self == Self::Time { ", or give the time between two rows with --period SECONDS" } else { "" };
+        format!("{} COLUMN{without}", self.flag())
     }
 
     /// The lists of words of which one is in the name of its column.
@@ -145,6 +153,7 @@ impl Display for Role {
 
 const BY_USER: &str = "as said";
 const BY_NAME: &str = "by its name";
+const BY_UNIT: &str = "by its unit";
 const BY_ORDER: &str = "it only grows";
 const SERVO: &str = "a servo: its command minus its position";
 
@@ -254,6 +263,11 @@ impl Columns<'_> {
         let slow: Vec<&Candidate<'_>> = free.iter().filter(speeds).copied().collect();
         if let Some(found) = first(&slow, "", POSITIONS) {
             return Ok((Some(found), false));
+        }
+        let of_place =
+            |one: &&&Candidate<'_>| one.name.is_of_place() && !one.name.says(INPUTS) && !one.name.says(COMMANDS);
+        if let [found] = slow.iter().filter(of_place).collect::<Vec<_>>()[..] {
+            return Ok((Some(Named { column: found.column.name.clone(), why: BY_UNIT }), false));
         }
         let found = first(&free, "", SPEEDS);
         let is_speed = found.is_some();

@@ -51,7 +51,9 @@ const ROOM: f64 = 3.0;
 #[must_use]
 pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
     let column = |name: &str| sheet.columns.iter().find(|column| column.name == name);
-    let time = column(&roles.time.column).map_or_else(nothing, time);
+    let rows = |period_s: f64, time: &SheetColumn| Scaled { scale: period_s, ..of(&time.values, "rows") };
+    let time_of = |one: &SheetColumn| asked.period_s.map_or_else(|| time(one), |period_s| rows(period_s, one));
+    let time = column(&roles.time.column).map_or_else(nothing, time_of);
     let step_s = column(&roles.time.column).map_or(0.0, |column| step(column) * time.scale);
     let times = column(&roles.time.column).map(|column| &column.values[..]).unwrap_or_default();
     let input = column(&roles.input.column).map_or_else(nothing, |u| {
@@ -173,7 +175,8 @@ fn speed_scale(speed: &SheetColumn, range_of_integral: f64) -> f64 {
 /// Length and offset of a pipe in whose middle the record lies, mm, both round.
 fn around(position: &Scaled) -> (f64, f64) {
     let [low, high] = position.range;
-    let length = round(ROOM * span(position.range) * position.scale, 2).clamp(1.0, Model::LONGEST_PIPE_MM);
+    // A distance from above has a scale below 0.
+    let length = round(ROOM * span(position.range) * position.scale.abs(), 2).clamp(1.0, Model::LONGEST_PIPE_MM);
     let offset = 0.5 * length - 0.5 * (low + high) * position.scale;
     let grid = 10f64.powf(length.log10().floor() - 2.0);
     (length, (offset / grid).round() * grid)
@@ -212,6 +215,21 @@ mod tests {
     use super::super::roles::{Asked, roles};
     use super::scales;
     use rows::{Sheet, SheetColumn};
+
+    #[test]
+    fn a_record_of_a_distance_from_above_lies_in_the_middle_of_its_pipe() {
+        let columns = [("t_s", [0.0, 1.0, 2.0]), ("u", [1.0, 2.0, 1.5]), ("y", [12.0, 14.0, 13.0])];
+        let columns = columns.map(|(name, values)| {
+            let values = values.map(Some).into();
+            SheetColumn { name: name.into(), values, ..SheetColumn::default() }
+        });
+        let sheet = Sheet { columns: columns.into(), rows: 3 };
+        let found = roles(&sheet, &Asked::default()).unwrap();
+        let asked = Asked { position_scale: Some(-100.0), ..Asked::default() };
+        let scales = scales(&sheet, &found, &asked);
+        assert_eq!((scales.length_mm, scales.position.scale), (600.0, -100.0));
+        assert_eq!(-100.0 * 13.0 + scales.position.offset, 300.0);
+    }
 
     #[test]
     fn a_wheel_that_turns_one_way_is_scaled_by_its_speed_and_stays_in_the_longest_pipe() {

@@ -1,7 +1,8 @@
-//! Words in the names of columns, by what they say, in English, German and French; lower case.
+//! Words in the names of columns, by what they say, in English, German, French, Spanish, Portuguese and
+//! Italian; lower case.
 
 pub(super) const TIMES: &[&str] =
-    &["t", "time", "timestamp", "stamp", "zeit", "seconds", "sec", "elapsed", "clock", "temps"];
+    &["t", "time", "timestamp", "stamp", "zeit", "seconds", "sec", "elapsed", "clock", "temps", "tiempo", "tempo"];
 pub(super) const INPUTS: &[&str] = &[
     "u",
     "input",
@@ -29,6 +30,15 @@ pub(super) const INPUTS: &[&str] = &[
     "stellgröße",
     "stellgrösse",
     "stellgroesse",
+    "tension",
+    "tensión",
+    "tensao",
+    "tensão",
+    "tensione",
+    "voltaje",
+    "commande",
+    "entrada",
+    "ingresso",
 ];
 pub(super) const POSITIONS: &[&str] = &[
     "y",
@@ -58,10 +68,60 @@ pub(super) const POSITIONS: &[&str] = &[
     "pitch",
     "roll",
     "yaw",
+    "hauteur",
+    "posicion",
+    "posición",
+    "posicao",
+    "posição",
+    "posizione",
+    "angulo",
+    "ángulo",
+    "ângulo",
+    "angolo",
+    "altura",
+    "altezza",
+    "distancia",
+    "distância",
+    "distanza",
+    "sortie",
+    "salida",
+    "saida",
+    "saída",
+    "uscita",
 ];
-pub(super) const SPEEDS: &[&str] =
-    &["speed", "velocity", "vel", "omega", "rpm", "rate", "tacho", "tachometer", "geschwindigkeit", "drehzahl"];
-pub(super) const SETPOINTS: &[&str] =
-    &["r", "ref", "reference", "setpoint", "sp", "target", "desired", "goal", "soll", "sollwert"];
+pub(super) const SPEEDS: &[&str] = &[
+    "speed",
+    "velocity",
+    "vel",
+    "omega",
+    "rpm",
+    "rate",
+    "tacho",
+    "tachometer",
+    "geschwindigkeit",
+    "drehzahl",
+    "vitesse",
+    "velocidad",
+    "velocidade",
+    "velocita",
+    "velocità",
+];
+pub(super) const SETPOINTS: &[&str] = &[
+    "r",
+    "ref",
+    "reference",
+    "setpoint",
+    "sp",
+    "target",
+    "desired",
+    "goal",
+    "soll",
+    "sollwert",
+    "consigne",
+    "consigna",
+    "referencia",
+    "referência",
+    "riferimento",
+];
 /// Setpoint beside another input or of a servo, and else the input.
-pub(super) const COMMANDS: &[&str] = &["command", "cmd", "commanded"];
+pub(super) const COMMANDS: &[&str] = &["command", "cmd", "commanded", "comando"];

@@ -1,4 +1,4 @@
-//! The lines of a table, before they are parsed: which of them are its header and rows, and how their cells are separated.
+//! The lines of a table before they are parsed: which of them are its header and rows, and what separates their cells.
 //!
 //! The separator is a comma, semicolon, tab or spaces, whichever the header has most of. A byte order mark, CRLF, empty
 //! lines, lines of comment (`#`, `%`, `//`), `sep=;` and what a serial monitor adds ([`crate::serial`]) are accepted. A

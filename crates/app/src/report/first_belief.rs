@@ -4,7 +4,6 @@ use crate::analysis::first_belief::{FirstBelief, Named, Scaled};
 use crate::config::source_columns::quoted;
 use diagnose::decimals;
 use diagnose::identify::ParameterEstimate;
-use diagnose::linear::Order;
 use plant::Effect;
 use plant::effects::HeightDependentFlow;
 use rows::{Column, shown};
@@ -89,8 +88,17 @@ fn plant(text: &mut String, belief: &FirstBelief) {
     }
     if let Some(values) = model.effects.values(HeightDependentFlow::ENTRY.name) {
         text.push_str("\n[plant.effects.height_dependent_flow]\n");
-        let why = "a force returns it to one place, as gravity or a spring does: without one the input shows nothing";
-        values.iter().for_each(|value| line(text, "gradient_per_s2", &number(*value), why));
+        let why = |gradient: f64| format!("a force {}: without one the input shows nothing", of_place(gradient));
+        values.iter().for_each(|value| line(text, "gradient_per_s2", &number(*value), &why(*value)));
+    }
+}
+
+/// What a force with this gradient over the place does.
+fn of_place(gradient_per_s2: f64) -> &'static str {
+    if gradient_per_s2 < 0.0 {
+        "drives the rig away from one place, as gravity does where a pendulum is upright, or a magnet"
+    } else {
+        "returns the rig to one place, as a spring does, or gravity where a pendulum hangs"
     }
 }
 
@@ -210,8 +218,9 @@ fn fitted(belief: &FirstBelief) -> String {
     let model = &belief.plant.model;
     let lag = model.effects.fan_lag_s().map_or_else(String::new, |lag_s| format!(", lag {} s", number(lag_s)));
     let spring = model.effects.values(HeightDependentFlow::ENTRY.name).and_then(|values| values.first().copied());
-    let spring =
-        spring.map_or_else(String::new, |k| format!(", a force of {} /s² that returns it to one place", number(k)));
+    let does = |k: f64| if k < 0.0 { "drives it away from" } else { "returns it to" };
+    let of_place = |k: f64| format!(", a force of {} /s² that {} one place", number(k.abs()), does(k));
+    let spring = spring.map_or_else(String::new, of_place);
     format!(
         "linear model of the record: gain {} mm/s² per %, drag {} /s, hover {} %{lag}{spring}; noise of a reading {} \
          mm",
@@ -246,7 +255,7 @@ pub fn warnings(belief: &FirstBelief) -> Vec<String> {
          you diagnose"
             .into()
     });
-    let spring = (plant.form.order == Order::Spring)
-        .then(|| "a force returns the rig to one place; about one angle, gravity is such a force".into());
+    let spring = plant.form.spring_per_s2;
+    let spring = (spring != 0.0).then(|| format!("a force {}", of_place(spring)));
     turned.into_iter().chain(unseen).chain(lost).chain(spring).collect()
 }

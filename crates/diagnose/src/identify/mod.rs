@@ -1,6 +1,7 @@
 //! Identification of a plant of two or three poles from a record: by the likelihood, by the overshoot of the loop, by a
 //! relay.
 
+mod forms;
 pub(crate) mod grey_box;
 mod initial;
 mod input_outlier;

@@ -81,7 +81,7 @@ impl Regression {
 fn noise_psd(point: Point, period_s: f64) -> f64 {
     let power = match point.order {
         Order::First => 1,
-        Order::Second | Order::Spring => 3,
+        Order::Second | Order::Spring | Order::Unstable => 3,
         Order::Drifting => 5,
     };
     point.noise_ratio / period_s.powi(power)

@@ -30,6 +30,8 @@ pub enum Order {
     Second,
     /// The same, with a force that returns it to one place.
     Spring,
+    /// The same, with a force that drives it away from one place: a spring below 0.
+    Unstable,
     /// The input drives its acceleration, beside a force that wanders: w is the rate of that force.
     Drifting,
 }
@@ -47,7 +49,7 @@ pub struct LinearFit {
     pub hover: f64,
     /// a, 1/s.
     pub drag_per_s: f64,
-    /// k, 1/s²; 0 without a spring.
+    /// k, 1/s²; 0 without a spring, below 0 where the force drives it away.
     pub spring_per_s2: f64,
     /// Time constant of a lag before the plant, seconds.
     pub lag_s: f64,
@@ -83,6 +85,8 @@ pub(crate) fn beginning(flight: &Recording) -> Cow<'_, Recording> {
 const DRAGS_PER_S: [f64; 8] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 /// Springs of the grid, 1/s².
 const SPRINGS_PER_S2: [f64; 7] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
+/// Those of an unstable plant: g/l of a pendulum held upright, twice g over the gap below a magnet.
+const UNSTABLE_PER_S2: [f64; 6] = [-10.0, -30.0, -100.0, -300.0, -1000.0, -3000.0];
 /// Lags of the grid, seconds.
 const LAGS_S: [f64; 3] = [0.05, 0.15, 0.4];
 /// Ratios of the noises of the grid: variance that w adds in one period, over that of a reading.
@@ -105,7 +109,11 @@ struct Point {
 #[must_use]
 pub fn linear_fit(recording: &Recording, order: Order) -> Option<LinearFit> {
     let input = Input::of(recording)?;
-    let springs = if order == Order::Spring { &SPRINGS_PER_S2[..] } else { &[0.0] };
+    let springs = match order {
+        Order::Spring => &SPRINGS_PER_S2[..],
+        Order::Unstable => &UNSTABLE_PER_S2,
+        Order::First | Order::Second | Order::Drifting => &[0.0],
+    };
     let mut grid = Vec::new();
     for &drag_per_s in &DRAGS_PER_S {
         for &spring_per_s2 in springs {
@@ -132,12 +140,15 @@ pub fn linear_fit_at(recording: &Recording, drag_per_s: f64, lag_s: f64) -> Opti
     Some(found.fit(point, input.period_s))
 }
 
-/// Points around one, in drag and noise.
+/// Points around one, in drag, noise and spring.
 fn refined(point: Point, factors: [f64; 5]) -> Vec<Point> {
     let drags = factors.map(|by| Point { drag_per_s: point.drag_per_s * by, ..point });
     let both =
         drags.iter().flat_map(|near| factors.map(|by| Point { noise_ratio: near.noise_ratio * by * by, ..*near }));
-    both.collect()
+    let springs = if point.spring_per_s2 == 0.0 { &[1.0][..] } else { &factors };
+    let all =
+        both.flat_map(|near| springs.iter().map(move |by| Point { spring_per_s2: near.spring_per_s2 * by, ..near }));
+    all.collect()
 }
 
 /// The most likely of some points.

@@ -19,7 +19,7 @@ impl Step {
         let Point { order, drag_per_s, spring_per_s2, .. } = point;
         let (transition, response) = match order {
             Order::First => ([[(-drag_per_s * dt).exp(), 0.0], [0.0, 0.0]], [integral(drag_per_s, dt), 0.0]),
-            Order::Second | Order::Spring | Order::Drifting => second(drag_per_s, spring_per_s2, dt),
+            Order::Second | Order::Spring | Order::Unstable | Order::Drifting => second(drag_per_s, spring_per_s2, dt),
         };
         Self { transition, response, drifts: order == Order::Drifting, noise: noise(dt, point) }
     }
@@ -57,7 +57,7 @@ impl Step {
 fn noise(dt: f64, point: Point) -> [f64; 6] {
     let impulse = |s: f64| match point.order {
         Order::First => [(-point.drag_per_s * s).exp(), 0.0, 0.0],
-        Order::Second | Order::Spring => {
+        Order::Second | Order::Spring | Order::Unstable => {
             let (phi, _) = second(point.drag_per_s, point.spring_per_s2, s);
             [phi[0][1], phi[1][1], 0.0]
         }
@@ -117,6 +117,7 @@ mod tests {
             (Order::Spring, 3.0, 40.0),
             (Order::Spring, 30.0, 40.0),
             (Order::Spring, 2.0, 1.0),
+            (Order::Unstable, 2.0, -40.0),
         ] {
             let point = Point { order, drag_per_s, spring_per_s2, lag_s: 0.0, noise_ratio: 1.0 };
             let (whole, tenth) = (Step::over(0.3, point), Step::over(0.03, point));

@@ -97,7 +97,7 @@ impl<'a> Found<'a> {
             return Err(RowsError::RepeatedColumn { name: file, line, column: name.into(), times });
         }
         // The number of the row is beside the columns.
-        let row = (name == Sheet::ROW).then(|| table.columns().count());
+        let row = (name == Sheet::ROW).then(|| table.width());
         Ok(table.columns().position(|column| column == name).or(row))
     }
 
@@ -127,7 +127,7 @@ impl<'a> Found<'a> {
 
     /// The number in a cell; `None` where it is empty or says that there is none.
     fn in_column(&self, table: &Table, row: usize, column: usize) -> Result<Option<f64>, RowsError> {
-        if column == table.columns().count() {
+        if column == table.width() {
             return Ok(Some(row as f64));
         }
         let cell = table.cell(row, column);

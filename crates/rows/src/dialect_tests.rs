@@ -49,8 +49,11 @@ fn every_dialect_reads_as_the_plain_table() {
         ("spaces", table("time_s  duty_percent position_mm", "   ", text)),
         ("a commented header with spaces", table("# time_s duty_percent position_mm", " ", text)),
         ("lines above the header", format!("Motor control v1.2\nrate,100\n\n{}", plain())),
-        ("moments of arrival", plain().lines().enumerate().map(arrived).collect()),
-        ("moments of PlatformIO", plain().lines().enumerate().map(|line| arrived(line).replace("->", ">")).collect()),
+        ("timestamps of Arduino", plain().lines().enumerate().map(arrived).collect()),
+        (
+            "timestamps of PlatformIO",
+            plain().lines().enumerate().map(|line| arrived(line).replace("->", ">")).collect(),
+        ),
         ("labels", plain().lines().skip(1).map(|row| labelled(row, ",") + "\n").collect()),
         ("labels and spaces", plain().lines().skip(1).map(|row| labelled(row, "  ") + "\n").collect()),
         ("spaces before each row", table("time_s duty_percent position_mm", " ", text).replace('\n', "\n  ")),
@@ -99,12 +102,12 @@ fn columns_without_a_header_have_numbers_for_names() {
 }
 
 #[test]
-fn moments_of_arrival_are_a_column_of_their_own() {
+fn timestamps_of_a_serial_monitor_are_a_column_of_their_own() {
     let import = Import { time_s: Column::named("stamp"), ..Import::default() };
     let rows: String = plain().lines().enumerate().map(arrived).collect();
     let log = recording("rig.txt", rows.as_bytes(), &import).unwrap();
     assert!((log.samples()[39].time_s - log.samples()[0].time_s - 9.75).abs() < 1e-6);
-    // One row of the flood was lost in the middle of its moment.
+    // A line is cut inside its timestamp.
     let said = recording("rig.txt", rows.replace("12:03:05.000 -> ", "12:0").as_bytes(), &import).unwrap_err();
     assert!(said.to_string().contains("rig.txt, line 21"), "{said}");
 }

@@ -9,9 +9,10 @@ use crate::number::{Decimal, clock_s};
 use crate::serial::{labels, take_stamps, without_labels};
 use csv::StringRecord;
 
-/// Lines of a file that are looked at for its header.
+/// Lines of a file that are looked at for its header, chosen by hand: instruments write some twenty lines above it.
 const LOOKED_AT: usize = 100;
-/// Rows under a header that show that it is one.
+/// Rows under a header that show that it is one. A row of another width further down is an error of its own, and does
+/// not make the header one of the lines that are left out.
 const ROWS: usize = 10;
 
 /// The text of a table, line for line as in the file, and how its cells are separated.
@@ -20,7 +21,7 @@ pub(crate) struct Plain {
     pub(crate) delimiter: u8,
     /// The names of the columns that are no row of the text: of the comment right above the rows, or of their labels.
     pub(crate) names: Option<StringRecord>,
-    /// Whether the last cell of each row is the moment of its arrival.
+    /// Whether the last cell of each row is the timestamp of a serial monitor.
     pub(crate) stamp: bool,
 }
 
@@ -41,16 +42,17 @@ pub(crate) fn plain(text: &str) -> Plain {
     let labels = labels(&cells(head, separator));
     // Any number of spaces separates two cells.
     let delimiter = if separator == b' ' { b'\t' } else { separator };
+    let between = char::from(delimiter).to_string();
     let mut plain = String::with_capacity(text.len());
     for (at, line) in lines.iter().enumerate() {
         if !is_blank(line) {
             let unlabelled = labels.as_ref().and_then(|labels| without_labels(&cells(line, separator), labels));
             match unlabelled.or_else(|| (separator == b' ').then(|| cells(line, separator))) {
-                Some(cells) => plain.push_str(&cells.join(&char::from(delimiter).to_string())),
+                Some(cells) => plain.push_str(&cells.join(&between)),
                 None => plain.push_str(line),
             }
             if let Some(stamp) = stamps.get(at) {
-                plain.push(char::from(delimiter));
+                plain.push_str(&between);
                 plain.push_str(stamp);
             }
         }

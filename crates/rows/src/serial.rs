@@ -1,17 +1,17 @@
 //! Lines of a microcontroller, as the programs at the other end of its serial line write and want them.
 //!
 //! ```text
-//! 12:03:07.001 -> 0.02,21.5,204     a moment of arrival before each line (Arduino; `>` in PlatformIO)
+//! 12:03:07.001 -> 0.02,21.5,204     a timestamp before each line (Arduino; `>` in PlatformIO)
 //! u:21.5,y:204                      a label before each number, for Arduino's plotter
 //! ```
 
 use crate::number::clock_s;
 
-/// The name of the column of the moments of arrival.
+/// The name of the column of the timestamps.
 pub(crate) const STAMP: &str = "stamp";
 
-/// Takes the moments of arrival off the lines, one for each line; none where the first line that holds something has
-/// none. A line without one has an empty moment.
+/// Takes the timestamps off the lines, one for each line; none where the first line that holds something has none. A
+/// line without one has an empty timestamp.
 pub(crate) fn take_stamps<'a>(lines: &mut [&'a str]) -> Vec<&'a str> {
     if lines.iter().find(|line| !line.trim().is_empty()).is_none_or(|line| stamped(line).is_none()) {
         return Vec::new();
@@ -24,7 +24,7 @@ pub(crate) fn take_stamps<'a>(lines: &mut [&'a str]) -> Vec<&'a str> {
     lines.iter_mut().map(take).collect()
 }
 
-/// The moment of arrival of a line, and the line.
+/// The timestamp of a line, and the rest of the line.
 fn stamped(line: &str) -> Option<(&str, &str)> {
     let (stamp, rest) = line.split_once("->").or_else(|| line.split_once('>'))?;
     clock_s(stamp.trim()).map(|_| (stamp.trim(), rest.trim()))

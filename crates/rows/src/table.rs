@@ -87,6 +87,11 @@ impl Table {
         self.rows.len()
     }
 
+    /// Number of columns.
+    pub(crate) fn width(&self) -> usize {
+        self.header.len()
+    }
+
     /// The names of the columns.
     pub(crate) fn columns(&self) -> impl Iterator<Item = &str> {
         self.header.iter()
@@ -185,7 +190,7 @@ impl Rows {
     }
 }
 
-/// A header whose last column is the moments of arrival.
+/// A header whose last column is the timestamps.
 fn with_stamp(header: &StringRecord) -> StringRecord {
     header.iter().take(header.len().saturating_sub(1)).chain([STAMP]).collect()
 }

@@ -88,13 +88,13 @@ fn plant(text: &mut String, belief: &FirstBelief) {
     }
     if let Some(values) = model.effects.values(HeightDependentFlow::ENTRY.name) {
         text.push_str("\n[plant.effects.height_dependent_flow]\n");
-        let why = |gradient: f64| format!("a force {}: without one the input shows nothing", of_place(gradient));
+        let why = |gradient: f64| format!("a force {}: without one the input shows nothing", by_stiffness(gradient));
         values.iter().for_each(|value| line(text, "gradient_per_s2", &number(*value), &why(*value)));
     }
 }
 
-/// What a force with this gradient over the place does.
-fn of_place(gradient_per_s2: f64) -> &'static str {
+/// What a force does that changes with the position by this.
+fn by_stiffness(gradient_per_s2: f64) -> &'static str {
     if gradient_per_s2 < 0.0 {
         "drives the rig away from one place, as gravity does where a pendulum is upright, or a magnet"
     } else {
@@ -256,6 +256,6 @@ pub fn warnings(belief: &FirstBelief) -> Vec<String> {
             .into()
     });
     let spring = plant.form.spring_per_s2;
-    let spring = (spring != 0.0).then(|| format!("a force {}", of_place(spring)));
+    let spring = (spring != 0.0).then(|| format!("a force {}", by_stiffness(spring)));
     turned.into_iter().chain(unseen).chain(lost).chain(spring).collect()
 }

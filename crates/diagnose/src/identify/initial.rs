@@ -82,8 +82,8 @@ pub enum NoPlant {
     /// The position returns too stiffly.
     #[error(
         "the position follows the input as a servo does (it returns by {per_s2:.0} per s², and at most \
-         {STIFFEST_PER_S2} is read as gravity or a spring); if the input is a commanded position, name it as the setpoint: the input is then setpoint \
-         minus position"
+         {STIFFEST_PER_S2} is read as gravity or a spring); if the input is a commanded position, name it as the \
+         setpoint: the input is then setpoint minus position"
     )]
     Servo {
         /// k, 1/s².

@@ -30,7 +30,7 @@ pub enum Order {
     Second,
     /// The same, with a force that returns it to one place.
     Spring,
-    /// The same, with a force that drives it away from one place: a spring below 0.
+    /// The same, with a force that drives it away from one place: negative stiffness, unstable in open loop.
     Unstable,
     /// The input drives its acceleration, beside a force that wanders: w is the rate of that force.
     Drifting,
@@ -85,7 +85,7 @@ pub(crate) fn beginning(flight: &Recording) -> Cow<'_, Recording> {
 const DRAGS_PER_S: [f64; 8] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 /// Springs of the grid, 1/s².
 const SPRINGS_PER_S2: [f64; 7] = [0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
-/// Those of an unstable plant: g/l of a pendulum held upright, twice g over the gap below a magnet.
+/// Negative stiffnesses: from −g/l of an upright pendulum of 1 m to −2g/gap of a ball 7 mm below a magnet.
 const UNSTABLE_PER_S2: [f64; 6] = [-10.0, -30.0, -100.0, -300.0, -1000.0, -3000.0];
 /// Lags of the grid, seconds.
 const LAGS_S: [f64; 3] = [0.05, 0.15, 0.4];

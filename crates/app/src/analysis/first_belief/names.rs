@@ -19,7 +19,7 @@ const UNITS: [&str; 36] = [
 ];
 
 /// Those of a length or an angle.
-const PLACES: [&str; 9] = ["m", "cm", "mm", "um", "in", "rad", "deg", "rev", "°"];
+const LENGTHS_AND_ANGLES: [&str; 9] = ["m", "cm", "mm", "um", "in", "rad", "deg", "rev", "°"];
 
 impl Name {
     pub(super) fn of(column: &SheetColumn) -> Self {
@@ -36,8 +36,8 @@ impl Name {
     }
 
     /// Whether its unit is one of length or angle.
-    pub(super) fn is_of_place(&self) -> bool {
-        self.unit.as_deref().is_some_and(|unit| PLACES.contains(&unit))
+    pub(super) fn is_length_or_angle(&self) -> bool {
+        self.unit.as_deref().is_some_and(|unit| LENGTHS_AND_ANGLES.contains(&unit))
     }
 
     /// Whether any of its words is one of these.

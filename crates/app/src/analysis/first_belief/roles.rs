@@ -264,9 +264,9 @@ impl Columns<'_> {
         if let Some(found) = first(&slow, "", POSITIONS) {
             return Ok((Some(found), false));
         }
-        let of_place =
-            |one: &&&Candidate<'_>| one.name.is_of_place() && !one.name.says(INPUTS) && !one.name.says(COMMANDS);
-        if let [found] = slow.iter().filter(of_place).collect::<Vec<_>>()[..] {
+        let is_position =
+            |one: &&&Candidate<'_>| one.name.is_length_or_angle() && !one.name.says(INPUTS) && !one.name.says(COMMANDS);
+        if let [found] = slow.iter().filter(is_position).collect::<Vec<_>>()[..] {
             return Ok((Some(Named { column: found.column.name.clone(), why: BY_UNIT }), false));
         }
         let found = first(&free, "", SPEEDS);

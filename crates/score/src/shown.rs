@@ -11,16 +11,16 @@
 
 use crate::closed::true_model;
 use crate::names::imitators;
-use crate::truth::CaseTruth;
+use crate::truth::{CaseTruth, Kind};
 use diagnose::Recording;
 use diagnose::scoring::{Departure, nats_above_rivals};
 use plant::Model;
 
-/// Log-likelihood of the true model minus that of its best rival, nats; of two effects, the smaller gain. `None`: no
-/// effect, or one outside the catalogue.
+/// Log-likelihood of the true model minus that of its best rival, nats; of two effects, the smaller gain. `None`: an
+/// effect outside the catalogue, or a kind of which no row of the score asks it: every effect of a rig costs a search.
 #[must_use]
 pub fn shown(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<f64> {
-    if truth.effects.is_empty() {
+    if !matches!(truth.kind, Kind::Single | Kind::Pair) {
         return None;
     }
     let model = true_model(belief, truth)?;
@@ -35,6 +35,7 @@ mod tests {
     use super::shown;
     use crate::tests_support::{model, shaken};
     use crate::truth::tests::lag_of_a_rig;
+    use crate::truth::{CaseTruth, Kind};
     use plant::{Effects, Model};
 
     #[test]
@@ -46,10 +47,12 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_act_is_not_shown_and_what_the_catalogue_cannot_write_has_no_number() {
+    fn what_does_not_act_is_not_shown_and_what_is_not_asked_or_not_in_the_catalogue_has_no_number() {
         let rig = Model { effects: Effects::default(), ..model() };
         let recording = shaken(&rig, 3, 40);
         assert!(shown(&rig, &lag_of_a_rig("fan_lag"), &recording).unwrap() < -5.0);
         assert_eq!(shown(&rig, &lag_of_a_rig("gusts"), &recording), None);
+        let amid = CaseTruth { kind: Kind::Amid, ..lag_of_a_rig("fan_lag") };
+        assert_eq!(shown(&rig, &amid, &recording), None);
     }
 }

@@ -23,6 +23,17 @@ fn single_wild_readings_are_counted() {
 }
 
 #[test]
+fn a_ball_that_swings_within_a_few_readings_and_rests_otherwise_gives_no_wild_reading() {
+    let found = findings(|rows| {
+        for (k, row) in rows.iter_mut().enumerate() {
+            let swing = if (500..560).contains(&k) { (k as f64 * std::f64::consts::TAU / 6.0).sin() } else { 0.0 };
+            row.position_mm = row.position_mm.map(|mm| 0.1 * mm + 250.0 + 60.0 * swing);
+        }
+    });
+    assert_eq!(found, []);
+}
+
+#[test]
 fn codes_of_the_sensor_are_told_from_positions() {
     assert_eq!(findings(|rows| rows[700].position_mm = Some(8190.0)), [Finding::NoTarget { count: 1 }]);
 }

@@ -222,7 +222,7 @@ fn records_that_cannot_answer_are_refused_with_the_next_thing_to_fly() {
     assert!(ran.errors.contains("experiments/gain-pulses.toml"), "{}", ran.errors);
     let ran = bench.run(&["identify", "grey-box", "f.mcap", "--open-loop"]);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.errors.contains("300 are needed") && ran.errors.contains("open-loop.toml"), "{}", ran.errors);
+    assert!(ran.errors.contains("150 are needed") && ran.errors.contains("open-loop.toml"), "{}", ran.errors);
     let ran = bench.run(&["identify", "third-pole", "--critical-gain", "5", "--sampled"]);
     assert_eq!(ran.code, Some(1));
     assert!(ran.errors.contains("no third pole"), "{}", ran.errors);

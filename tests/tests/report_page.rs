@@ -36,7 +36,7 @@ fn diagnosis(bench: &Bench) {
             && !page.contains("in a third of an octave")
     );
     // The checks with their limits, and the seed and the command in the head.
-    assert!(page.contains("at least 300 readings in free flight") && page.contains("seed 1"));
+    assert!(page.contains("at least 150 readings in free flight") && page.contains("seed 1"));
     assert!(page.contains("<span>diagnose</span>"));
     // The text to copy on the page is the patch.
     assert!(bench.read("report.html").contains(bench.read("mended.toml").trim()));

@@ -76,8 +76,8 @@ pub struct GreyBox {
 pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
-        "{readings} readings in free flight, {ENOUGH_READINGS} are needed; fly experiments/identify.toml, which takes \
-         100 s"
+        "{readings} readings in free flight, {ENOUGH_READINGS} are needed: record longer, as experiments/identify.toml \
+         does in 100 s"
     )]
     Readings {
         /// Number of readings found.

@@ -2,6 +2,7 @@
 //!
 //! Equations and units are those of [`import`](crate::import).
 
+use crate::clock::spread;
 use crate::error::{CellProblem, RowsError};
 use crate::import::{Column, Import};
 use crate::sheet::Sheet;
@@ -21,8 +22,11 @@ pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsErr
     let position2 = Found::optional(table, "position2_mm", import.position2_mm.as_ref())?;
     let fresh = Found::optional(table, "fresh", None)?;
 
-    let time_s = time.all(table)?;
+    let mut time_s = time.all(table)?;
     check_order(table, &time_s)?;
+    if import.time_s.spread {
+        spread(&mut time_s);
+    }
     let duty_percent = duty.all(table)?;
     let position_mm = position.converted(table, &time_s)?;
     let convert = |found: Option<Found<'_>>| found.map_or(Ok(Vec::new()), |found| found.converted(table, &time_s));

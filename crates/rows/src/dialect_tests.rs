@@ -129,7 +129,7 @@ fn a_row_with_other_labels_or_a_header_of_another_width_is_no_data() {
     let said = read(rows.replace("duty_percent:21.5,position_mm:205\n", "duty:21.5,position_mm:205\n").as_bytes());
     assert!(said.unwrap_err().to_string().contains("line 11"));
     let said = read(plain().replace("time_s,", "").as_bytes()).unwrap_err();
-    assert!(matches!(said, RowsError::Ragged { line: 2, expected: 2, found: 3, .. }), "{said}");
+    assert!(matches!(said, RowsError::OtherHeader { line: 1, expected: 2, found: 3, .. }), "{said}");
 }
 
 #[test]
@@ -180,4 +180,25 @@ fn a_sheet_holds_every_column_of_numbers_and_its_unit() {
     let values: Vec<_> = found.columns.iter().map(|column| column.values.clone()).collect();
     assert_eq!(values, [vec![Some(0.0), Some(1.0)], vec![Some(1.5), None], vec![], vec![Some(0.1), None]]);
     assert_eq!((found.columns[3].unit.as_deref(), found.columns[2].unit.as_deref()), (Some("m"), None));
+}
+
+#[test]
+fn the_names_of_columns_stand_in_a_comment_also_behind_a_label_and_above_other_comments() {
+    for text in [
+        "# levitator\n# 2025-12-17T20:59\n# Columns: t u y\n#\n0\t1\t2\n0.1\t1\t2\n",
+        "# t u y\n0 1 2\n0.1 1 2\n",
+        "# log of a step\n# columns: t, u, y\n0,1,2\n0.1,1,2\n",
+    ] {
+        let found = sheet("rig.txt", text.as_bytes()).unwrap();
+        let names: Vec<&str> = found.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!((names.as_slice(), found.rows), (&["t", "u", "y"][..], 2), "{text}");
+    }
+}
+
+#[test]
+fn a_header_of_other_width_than_all_rows_is_the_line_to_mend() {
+    let error = sheet("rig.csv", b"time,data\n0,1,2,3\n1,1,2,3\n").unwrap_err().to_string();
+    assert!(error.starts_with("rig.csv, line 1: the header has 2 names, and every row has 4 cells;"), "{error}");
+    let error = sheet("rig.csv", b"time,data\n0,1\n1,1,2,3\n").unwrap_err().to_string();
+    assert!(error.starts_with("rig.csv, line 3: 4 cells where the header has 2;"), "{error}");
 }

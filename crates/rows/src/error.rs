@@ -101,6 +101,21 @@ pub enum RowsError {
         /// Cells in the row.
         found: usize,
     },
+    /// A header with fewer or more names than every row has cells.
+    #[error(
+        "{name}, line {line}: the header has {expected} names, and every row has {found} cells; give each column its \
+         name, or remove the header: the columns are then called column1, column2, …"
+    )]
+    OtherHeader {
+        /// The file.
+        name: String,
+        /// Line of the header.
+        line: usize,
+        /// Names in the header.
+        expected: usize,
+        /// Cells in each row.
+        found: usize,
+    },
     /// A cell that cannot be used.
     #[error("{name}, line {line}, column `{column}`: {problem}")]
     Cell {

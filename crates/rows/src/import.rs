@@ -55,6 +55,9 @@ pub struct Column {
     /// The column holds a speed; integrate it over time.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub integrate: bool,
+    /// The column is a time coarser than the rows; spread the rows of each stamp evenly up to the next one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub spread: bool,
 }
 
 /// Units of an angle, in lower case, and how many of each one turn has.
@@ -74,7 +77,7 @@ impl Column {
     /// A column whose numbers are already in our unit.
     #[must_use]
     pub fn named(name: &str) -> Self {
-        Self { column: name.into(), scale: one(), offset: 0.0, minus: None, integrate: false }
+        Self { column: name.into(), scale: one(), offset: 0.0, minus: None, integrate: false, spread: false }
     }
 }
 
@@ -120,6 +123,9 @@ fn check_column(quantity: &'static str, column: &Column) -> Result<(), RowsError
     }
     if let Some(other) = column.minus.as_ref().filter(|_| quantity == "time_s") {
         return wrong("minus", format!("{other:?}"), "times are not subtracted; give the column of the time alone");
+    }
+    if column.spread && quantity != "time_s" {
+        return wrong("spread", true.to_string(), "only times are spread, between one stamp of the clock and the next");
     }
     if column.integrate && !matches!(quantity, "position_mm" | "position2_mm") {
         return wrong("integrate", true.to_string(), "only the speed of the ball can be integrated, to a position");
@@ -187,6 +193,8 @@ mod tests {
         assert!(zero.check().unwrap_err().to_string().starts_with("[import] duty_percent: scale = 0;"));
         let integral = Import { time_s: Column { integrate: true, ..Column::named("t") }, ..Import::default() };
         assert!(integral.check().unwrap_err().to_string().starts_with("[import] time_s: integrate = true;"));
+        let spread = Import { duty_percent: Column { spread: true, ..Column::named("u") }, ..Import::default() };
+        assert!(spread.check().unwrap_err().to_string().starts_with("[import] duty_percent: spread = true;"));
         let endless = Import { time_s: Column { offset: f64::NAN, ..Column::named("t") }, ..Import::default() };
         assert!(endless.check().unwrap_err().to_string().starts_with("[import] time_s: offset = NaN;"));
         Import::default().check().unwrap();

@@ -6,6 +6,7 @@
 //!
 //! No file and no network access: the caller passes the bytes, and their name for messages.
 
+mod clock;
 mod columns;
 mod error;
 mod foreign;
@@ -23,6 +24,7 @@ mod dialect_tests;
 #[cfg(test)]
 mod tests;
 
+pub use clock::{is_coarse, spread};
 pub use error::{CellProblem, RowsError};
 pub use import::{Column, Import};
 pub use sheet::{Sheet, SheetColumn, TextCell, sheet};

@@ -2,8 +2,9 @@
 //!
 //! The separator is a comma, semicolon, tab or spaces, whichever the header has most of. A byte order mark, CRLF, empty
 //! lines, lines of comment (`#`, `%`, `//`), `sep=;` and what a serial monitor adds ([`crate::serial`]) are accepted. A
-//! comment right above rows of numbers is their header, as numpy writes it. Lines above the header, such as those of an
-//! oscilloscope or the first words of a microcontroller, are left out.
+//! comment above rows of numbers with as many words as these have cells is their header, as numpy writes it, also behind
+//! a label: `# columns: t u y`. Lines above the header, such as those of an oscilloscope or the first words of a
+//! microcontroller, are left out.
 
 use crate::number::{Decimal, clock_s};
 use crate::serial::{labels, take_stamps, without_labels};
@@ -35,10 +36,12 @@ pub(crate) fn plain(text: &str) -> Plain {
     }
     let stamps = take_stamps(&mut lines);
     let first = header(&lines).unwrap_or(lines.len());
-    let comment = lines[..first].iter().rev().find_map(|line| of_comment(line));
-    lines[..first].fill("");
     let head = lines.get(first).copied().unwrap_or_default();
     let separator = delimiter.unwrap_or_else(|| separator(head));
+    let width = cells(head, separator).len();
+    let comments = lines[..first].iter().rev().filter_map(|line| of_comment(line));
+    let named = comments.filter_map(|comment| names_of(comment, separator, width)).next();
+    lines[..first].fill("");
     let labels = labels(&cells(head, separator));
     // Any number of spaces separates two cells.
     let delimiter = if separator == b' ' { b'\t' } else { separator };
@@ -58,8 +61,7 @@ pub(crate) fn plain(text: &str) -> Plain {
         }
         plain.push('\n');
     }
-    let of_comment = || comment.map(|names| cells(names, separator));
-    let names = labels.or_else(of_comment).map(|names| {
+    let names = labels.or(named).map(|names| {
         let stamp = stamps.first().map(|_| "");
         names.into_iter().chain(stamp).collect::<StringRecord>()
     });
@@ -115,6 +117,18 @@ fn of_comment(line: &str) -> Option<&str> {
     let names = ["#", "%", "//"].iter().find_map(|mark| line.strip_prefix(mark))?;
     // A spreadsheet's error in the first cell is no comment.
     (!line.starts_with("#N/A")).then(|| names.trim_start_matches(['#', '%', '/']).trim())
+}
+
+/// The names of so many columns in a comment, also behind a label. Spaces or tabs separate them where these separate
+/// the cells.
+fn names_of(comment: &str, separator: u8, width: usize) -> Option<Vec<&str>> {
+    let separator = if separator == b'\t' { b' ' } else { separator };
+    let behind_label = comment.split_once(':').map(|(_, names)| names);
+    [behind_label, Some(comment)]
+        .into_iter()
+        .flatten()
+        .map(|text| cells(text, separator))
+        .find(|names| width > 1 && names.len() == width && !names.iter().any(|name| name.is_empty() || is_number(name)))
 }
 
 /// The separator of a line: the most frequent of tab, semicolon and comma; spaces where there is none of them.

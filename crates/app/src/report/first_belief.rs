@@ -1,6 +1,6 @@
 //! A first belief as a config with the origin of each number, and in words.
 
-use crate::analysis::first_belief::{FirstBelief, Named, Scaled};
+use crate::analysis::first_belief::{FirstBelief, Named, Scaled, Scales};
 use crate::config::source_columns::quoted;
 use diagnose::decimals;
 use diagnose::identify::ParameterEstimate;
@@ -121,6 +121,7 @@ fn toml_of(column: &Column) -> String {
             .map(|(key, value, _)| format!("{key} = {}", number(*value))),
     );
     keys.extend(column.integrate.then(|| "integrate = true".into()));
+    keys.extend(column.spread.then(|| "spread = true".into()));
     format!("{{ {} }}", keys.join(", "))
 }
 
@@ -136,7 +137,13 @@ fn number(value: f64) -> String {
 
 fn time(belief: &FirstBelief) -> String {
     let scales = &belief.scales;
-    format!("{}; rows are {} s apart, read as {}", belief.roles.time.why, number(scales.step_s), scales.time.read_as)
+    format!("{}; rows are {}, read as {}", belief.roles.time.why, apart(scales), scales.time.read_as)
+}
+
+/// How far apart the rows are.
+fn apart(scales: &Scales) -> String {
+    let coarse = if scales.is_coarse { ", spread between the stamps of a coarse clock" } else { "" };
+    format!("{} s apart{coarse}", number(scales.step_s))
 }
 
 fn range(scaled: &Scaled) -> String {
@@ -184,7 +191,7 @@ pub fn words(belief: &FirstBelief) -> Vec<String> {
         row(
             &belief.roles.time,
             "time",
-            format!("{}; in {}, rows {} s apart", belief.roles.time.why, scales.time.read_as, number(scales.step_s)),
+            format!("{}; in {}, rows {}", belief.roles.time.why, scales.time.read_as, apart(scales)),
         ),
         row(
             &belief.roles.input,

@@ -128,7 +128,8 @@ pub enum Finding {
     /// Rows at the time of the row before them.
     #[error(
         "{percent:.0} % of the rows repeat the time of the row before, the first is row {row}: the clock is coarser \
-         than the rows; name a finer one as [import] time_s, or keep one row of each time"
+         than the rows; name a finer one as [import] time_s, write spread = true there, which spreads the rows of each \
+         time up to the next, or keep one row of each time"
     )]
     RepeatedTimes {
         /// Share of all rows, percent.

@@ -3,6 +3,7 @@
 use super::roles::{Candidate, Named};
 use diagnose::linear::{Order, linear_fit};
 use diagnose::{Recording, Sample};
+use rows::{is_coarse, spread};
 
 const BY_FIT: &str = "of the columns without a telling name, the one that fits";
 /// Most columns of which every pair is tried.
@@ -36,5 +37,11 @@ fn recording(time: &Candidate<'_>, u: &Candidate<'_>, y: &Candidate<'_>) -> Opti
     let row = |((time_s, duty), position): ((&Option<f64>, &Option<f64>), &Option<f64>)| {
         Some(Sample { time_s: (*time_s)?, duty_percent: (*duty)?, position_mm: *position, ..Sample::default() })
     };
-    Recording::new(rows.filter_map(row).collect()).ok()
+    let mut samples: Vec<Sample> = rows.filter_map(row).collect();
+    let mut times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
+    if is_coarse(&times) {
+        spread(&mut times);
+        samples.iter_mut().zip(times).for_each(|(sample, time_s)| sample.time_s = time_s);
+    }
+    Recording::new(samples).ok()
 }

@@ -12,7 +12,7 @@ use super::names::Name;
 use super::rig_words::written;
 use super::roles::{Asked, Roles};
 use plant::Model;
-use rows::{Sheet, SheetColumn};
+use rows::{Sheet, SheetColumn, is_coarse, spread};
 
 /// A scale, an offset, and what they rest on.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +34,8 @@ pub struct Scales {
     pub time: Scaled,
     /// The usual time between rows, seconds.
     pub step_s: f64,
+    /// Whether the clock is coarser than the rows, so that these are spread between its stamps.
+    pub is_coarse: bool,
     /// To percent.
     pub input: Scaled,
     /// To millimetres.
@@ -51,11 +53,11 @@ const ROOM: f64 = 3.0;
 #[must_use]
 pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
     let column = |name: &str| sheet.columns.iter().find(|column| column.name == name);
-    let rows = |period_s: f64, time: &SheetColumn| Scaled { scale: period_s, ..of(&time.values, "rows") };
-    let time_of = |one: &SheetColumn| asked.period_s.map_or_else(|| time(one), |period_s| rows(period_s, one));
-    let time = column(&roles.time.column).map_or_else(nothing, time_of);
-    let step_s = column(&roles.time.column).map_or(0.0, |column| step(column) * time.scale);
-    let times = column(&roles.time.column).map(|column| &column.values[..]).unwrap_or_default();
+    let (clock, is_coarse) = column(&roles.time.column).map(spread_column).unwrap_or_default();
+    let rows = |period_s: f64| Scaled { scale: period_s, ..of(&clock.values, "rows") };
+    let time = asked.period_s.map_or_else(|| time(&clock), rows);
+    let step_s = step(&clock) * time.scale;
+    let times = &clock.values[..];
     let input = column(&roles.input.column).map_or_else(nothing, |u| {
         let minus = roles.minus.as_deref().and_then(column);
         let values = difference(u, minus);
@@ -81,6 +83,7 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
     Scales {
         time,
         step_s,
+        is_coarse,
         input,
         position: Scaled { offset, ..position },
         length_mm,
@@ -106,6 +109,15 @@ fn unit(column: &SheetColumn) -> String {
 
 fn span([low, high]: [f64; 2]) -> f64 {
     high - low
+}
+
+/// The column of the time, the rows of each stamp spread up to the next where the clock is coarser than the rows; and
+/// whether it is.
+fn spread_column(column: &SheetColumn) -> (SheetColumn, bool) {
+    let times: Option<Vec<f64>> = column.values.iter().copied().collect();
+    let Some(mut times) = times.filter(|times| is_coarse(times)) else { return (column.clone(), false) };
+    spread(&mut times);
+    (SheetColumn { values: times.into_iter().map(Some).collect(), ..column.clone() }, true)
 }
 
 /// The usual step of a column that grows.

@@ -196,6 +196,50 @@ fn a_log_of_distances_from_above_without_a_time_needs_its_period_and_a_scale_bel
 }
 
 #[test]
+fn rows_that_share_the_stamps_of_a_coarse_clock_are_spread_between_them() {
+    let bench = bare();
+    let rows = cart();
+    let stamped = rows.iter().map(|[t, u, y]| {
+        let seconds = (t + 0.35).floor() as u32;
+        format!("2025-05-15 22:{:02}:{:02},{u:.3},{y:.5}\n", 10 + seconds / 60, seconds % 60)
+    });
+    bench.write("log.csv", format!("Timestamp,voltage_V,position_m\n{}", stamped.collect::<String>()));
+    let said = bench.output(&["init", "log.csv"]);
+    assert!(said.contains("rows 0.01 s apart, spread between the stamps of a coarse clock"), "{said}");
+    let config: toml::Table = toml::from_str(&bench.read("rig.toml")).unwrap();
+    assert_eq!(config["import"]["time_s"]["spread"].as_bool(), Some(true));
+    names_the_friction(&bench.output(&["diagnose", "log.csv", "--config", "rig.toml", "--json"]));
+    // Without the spread, the log says what to write.
+    bench.write("raw.toml", bench.read("rig.toml").replace(", spread = true", ""));
+    let raw = bench.run(&["diagnose", "log.csv", "--config", "raw.toml"]);
+    assert!(raw.errors.contains("spread = true"), "{}", raw.errors);
+}
+
+#[test]
+fn a_time_that_goes_backwards_once_is_named_though_no_name_says_that_it_is_the_time() {
+    let bench = bare();
+    let mut rows = cart();
+    rows.rotate_left(2000);
+    let rows: String = rows.iter().map(|[t, u, y]| format!("{t:.2},{u:.3},{y:.5}\n")).collect();
+    bench.write("log.csv", rows);
+    let refused = bench.run(&["init", "log.csv"]);
+    assert!(refused.errors.contains("`column1` goes backwards in line 4001"), "{}", refused.errors);
+}
+
+#[test]
+fn a_servo_is_one_also_where_it_measures_a_current_that_its_position_does_not_answer() {
+    let bench = bare();
+    let mut random = Random(5);
+    let log = std::fs::read_to_string(root().join("data/so101_servo/step_response.csv")).unwrap();
+    let rows = log.lines().skip(1).map(|row| format!("{row},{:.3}\n", random.next()));
+    bench.write("log.csv", format!("t_s,target pos (5),pos (5),current (5)\n{}", rows.collect::<String>()));
+    let said = bench.output(&["init", "log.csv"]);
+    assert!(said.contains("`target pos (5)` → input: a servo: its command minus its position"), "{said}");
+    let config: toml::Table = toml::from_str(&bench.read("rig.toml")).unwrap();
+    assert_eq!(config["import"]["duty_percent"]["minus"].as_str(), Some("pos (5)"));
+}
+
+#[test]
 fn a_heater_is_refused_as_of_first_order() {
     let mut random = Random(3);
     let (mut level, mut power, mut rows) = (20.0, 0.0, Vec::new());

@@ -26,12 +26,20 @@ impl Name {
         let mut words = words(&column.name);
         let number = column.name.chars().filter(char::is_ascii_digit).collect();
         let bracketed = column.name.split_once(['[', '(']).and_then(|(_, rest)| rest.split([']', ')']).next());
-        let of_row = column.unit.as_deref().or(bracketed).map(|unit| unit.trim().to_lowercase());
+        let is_word = |unit: &&str| unit.contains(|letter: char| letter.is_alphabetic() || matches!(letter, '%' | '°'));
+        let of_row = column.unit.as_deref().or(bracketed.filter(is_word)).map(|unit| unit.trim().to_lowercase());
         let is_unit = |word: &String| UNITS.contains(&word.as_str());
         let behind = (words.len() > 1).then(|| words.last().filter(|word| is_unit(word)).cloned()).flatten();
         if behind.is_some() {
             words.pop();
         }
+        // A speed: `omega_rad_s`.
+        let per_s = behind.as_deref() == Some("s") && words.len() > 1;
+        let of_speed = words.last().filter(|word| per_s && LENGTHS_AND_ANGLES.contains(&word.as_str())).cloned();
+        if of_speed.is_some() {
+            words.pop();
+        }
+        let behind = of_speed.map(|unit| unit + "/s").or(behind);
         Self { words, number, unit: of_row.or(behind) }
     }
 
@@ -74,8 +82,11 @@ mod tests {
         for (name, words, number, unit) in [
             ("command0_rad", &["command"][..], "0", Some("rad")),
             ("hoop_speed_V", &["hoop", "speed"], "", Some("v")),
+            ("omega_rad_s", &["omega"], "", Some("rad/s")),
+            ("rest_s", &["rest"], "", Some("s")),
             ("motorVoltage", &["motor", "voltage"], "", None),
             ("Angle [deg]", &["angle"], "", Some("deg")),
+            ("pos (5)", &["pos"], "5", None),
             ("y", &["y"], "", None),
             ("s", &["s"], "", None),
             ("", &[], "", None),

@@ -58,7 +58,8 @@ const WRITTEN: &[(&str, &str)] = &[
 const PREFIXES: [(f64, &str); 3] = [(1.0, ""), (1e3, "m"), (1e6, "µ")];
 
 /// Words of a ball in a pipe, in the name of any column. A position in mm and an input in percent are not enough.
-const BALL_PIPE: &[&str] = &["duty", "pwm", "fan", "ball", "pipe", "height", "höhe", "hoehe", "tof"];
+const BALL_PIPE: &[&str] =
+    &["duty", "fan", "ball", "pipe", "height", "höhe", "hoehe", "altura", "altezza", "hauteur", "tof"];
 
 /// The words that the columns of a table say. None of a ball in a pipe.
 pub(super) fn rig_words(sheet: &Sheet, roles: &Roles, scales: &Scales) -> Words {

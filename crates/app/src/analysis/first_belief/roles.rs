@@ -152,10 +152,10 @@ impl Display for Role {
 }
 
 const BY_USER: &str = "as said";
-const BY_NAME: &str = "by its name";
+pub(super) const BY_NAME: &str = "by its name";
 const BY_UNIT: &str = "by its unit";
 const BY_ORDER: &str = "it only grows";
-const SERVO: &str = "a servo: its command minus its position";
+pub(super) const SERVO: &str = "a servo: its command minus its position";
 
 /// A column with what is known of it.
 pub(super) struct Candidate<'a> {
@@ -224,7 +224,8 @@ impl Columns<'_> {
 
     fn not_found(&self, role: Role) -> NoRole {
         let named = self.all.iter().filter(|one| role.words().iter().any(|words| one.name.says(words)));
-        let flaw = named.filter_map(|one| flaw(role, one.column)).next().unwrap_or_default();
+        let nearly = self.all.iter().filter(|one| role == Role::Time && nearly_grows(one.column));
+        let flaw = named.chain(nearly).find_map(|one| flaw(role, one.column)).unwrap_or_default();
         NoRole::NotFound { role, flaw, columns: self.names() }
     }
 
@@ -287,4 +288,12 @@ fn grows(one: &&Candidate<'_>) -> bool {
     let values = &one.column.values;
     let whole = values.len() > 1 && values.iter().all(Option::is_some) && values.first() != values.last();
     whole && values.windows(2).all(|pair| pair[0] <= pair[1])
+}
+
+/// Whether every row has a number, and fewer than one of a hundred is smaller than the one before, as where a ring
+/// buffer was saved or a microcontroller restarted.
+fn nearly_grows(column: &SheetColumn) -> bool {
+    let values = &column.values;
+    let falls = values.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    values.iter().all(Option::is_some) && (1..values.len() / 100).contains(&falls)
 }

@@ -40,6 +40,8 @@ pub(super) const INPUTS: &[&str] = &[
     "entrada",
     "ingresso",
 ];
+/// Inputs that a servo, whose command is a position, measures.
+pub(super) const MEASURED: &[&str] = &["current", "torque", "effort"];
 pub(super) const POSITIONS: &[&str] = &[
     "y",
     "x",

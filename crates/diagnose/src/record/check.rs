@@ -111,7 +111,8 @@ fn outliers(readings: &[f64], model: &Model) -> Option<Finding> {
     let deviation = 1.4826 * median(odd.iter().map(|value| value.abs()).collect())?;
     // At least what the believed noise gives: the standard deviation of this difference is σ·√1.5.
     let limit_mm = OUTLIER * deviation.max(1.5_f64.sqrt() * model.noise.sensor_mm);
-    // An error at one reading gives −½, 1, −½ of itself; a turn of the ball, differences of one sign.
+    // An error at one reading gives −½, 1, −½ of itself, whose sum is 0. A turn of the ball gives differences of one
+    // sign, whose sum is up to 3 times the middle one. The limit between the two, ½, was chosen by hand.
     let single = |w: &[f64]| w[1].abs() > limit_mm && (w[0] + w[1] + w[2]).abs() < w[1].abs() / 2.0;
     let count = odd.windows(3).filter(|w| single(w)).count();
     let percent = 100.0 * count as f64 / readings.len() as f64;

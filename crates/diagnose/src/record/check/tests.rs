@@ -23,7 +23,7 @@ fn single_wild_readings_are_counted() {
 }
 
 #[test]
-fn a_ball_that_swings_within_a_few_readings_and_rests_otherwise_gives_no_wild_reading() {
+fn a_ball_that_swings_within_a_few_readings_and_rests_otherwise_gives_no_outlier() {
     let found = findings(|rows| {
         for (k, row) in rows.iter_mut().enumerate() {
             let swing = if (500..560).contains(&k) { (k as f64 * std::f64::consts::TAU / 6.0).sin() } else { 0.0 };

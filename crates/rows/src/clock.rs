@@ -1,36 +1,47 @@
-//! Times of a clock that is coarser than the rows: several rows share a stamp.
+//! Times of a clock that is coarser than the rows: several rows share a timestamp.
 //!
 //! ```text
-//! row j of the n rows at the stamp T_k:   t = T_k + j·min(T_k+1 − T_k, tick)/n      tick: the usual T_k+1 − T_k
+//! row j of the n rows at the timestamp T_k:   t = T_k + j·min(T_k+1 − T_k, tick)/n      tick: the usual T_k+1 − T_k
 //! ```
 //!
-//! The first stamp may begin within a tick, so its rows end at the second one; the last may end within one, so its rows
-//! are as far apart as those before it.
+//! The record may begin within the tick of the first timestamp, so its rows end at the second one. It may end within
+//! the tick of the last, so its rows are as far apart as those before it.
 
-/// Whether more than half of the rows repeat the time of the row before.
+/// The column of times with the rows of each timestamp spread evenly up to the next one, in the column's own unit.
+/// `None`: not every row has a time, or no more than half of the rows repeat the time of the row before.
 #[must_use]
-pub fn is_coarse(time_s: &[f64]) -> bool {
-    let repeats = time_s.windows(2).filter(|pair| pair[0] == pair[1]).count();
-    2 * repeats > time_s.len()
+pub fn spread_if_coarse(times: &[Option<f64>]) -> Option<Vec<Option<f64>>> {
+    let mut times: Vec<f64> = times.iter().copied().collect::<Option<_>>()?;
+    if !is_coarse(&times) {
+        return None;
+    }
+    spread(&mut times);
+    Some(times.into_iter().map(Some).collect())
 }
 
-/// Spreads the rows of each stamp evenly up to the next stamp. The times must not decrease.
-pub fn spread(time_s: &mut [f64]) {
-    let stamps: Vec<(f64, usize)> = time_s.chunk_by(|a, b| a == b).map(|rows| (rows[0], rows.len())).collect();
-    let mut ticks: Vec<f64> = stamps.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-    ticks.sort_by(f64::total_cmp);
-    let Some(&tick) = ticks.get(ticks.len() / 2) else { return };
+fn is_coarse(times: &[f64]) -> bool {
+    let repeats = times.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    2 * repeats > times.len()
+}
+
+/// Spreads the rows of each timestamp evenly up to the next one. The times must not decrease.
+pub(crate) fn spread(times: &mut [f64]) {
+    let mut stamps: Vec<(f64, usize)> = times.chunk_by(|a, b| a == b).map(|rows| (rows[0], rows.len())).collect();
+    let mut lengths: Vec<f64> = stamps.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    lengths.sort_by(f64::total_cmp);
+    let Some(&tick) = lengths.get(lengths.len() / 2) else { return };
     let own_step = |pair: &[(f64, usize)]| (pair[1].0 - pair[0].0).min(tick) / pair[0].1 as f64;
     let mut steps: Vec<f64> = stamps.windows(2).map(own_step).collect();
     if let [first, second, ..] = &mut steps[..] {
-        *first = first.min(*second);
+        let own = *first;
+        *first = own.min(*second);
+        let (start, count) = &mut stamps[0];
+        *start += *count as f64 * (own - *first);
     }
     steps.extend(steps.last().copied());
-    let late = stamps.get(1).map_or(0.0, |second| (second.0 - stamps[0].0).min(tick) - steps[0] * stamps[0].1 as f64);
-    let mut rows = time_s.iter_mut();
-    for (at, ((stamp, count), step)) in stamps.iter().zip(&steps).enumerate() {
-        let start = if at == 0 { stamp + late } else { *stamp };
-        rows.by_ref().take(*count).enumerate().for_each(|(row, time)| *time = start + row as f64 * step);
+    let mut rows = times.iter_mut();
+    for ((start, count), step) in stamps.into_iter().zip(steps) {
+        rows.by_ref().take(count).enumerate().for_each(|(row, time)| *time = start + row as f64 * step);
     }
 }
 
@@ -61,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn one_stamp_alone_is_left_as_it_is() {
+    fn one_timestamp_alone_is_left_as_it_is() {
         let mut times = vec![3.0; 5];
         spread(&mut times);
         assert_eq!(times, [3.0; 5]);

@@ -129,7 +129,7 @@ fn a_row_with_other_labels_or_a_header_of_another_width_is_no_data() {
     let said = read(rows.replace("duty_percent:21.5,position_mm:205\n", "duty:21.5,position_mm:205\n").as_bytes());
     assert!(said.unwrap_err().to_string().contains("line 11"));
     let said = read(plain().replace("time_s,", "").as_bytes()).unwrap_err();
-    assert!(matches!(said, RowsError::OtherHeader { line: 1, expected: 2, found: 3, .. }), "{said}");
+    assert!(matches!(said, RowsError::HeaderMismatch { line: 1, expected: 2, found: 3, .. }), "{said}");
 }
 
 #[test]

@@ -106,7 +106,7 @@ pub enum RowsError {
         "{name}, line {line}: the header has {expected} names, and every row has {found} cells; give each column its \
          name, or remove the header: the columns are then called column1, column2, …"
     )]
-    OtherHeader {
+    HeaderMismatch {
         /// The file.
         name: String,
         /// Line of the header.

@@ -55,7 +55,7 @@ pub struct Column {
     /// The column holds a speed; integrate it over time.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub integrate: bool,
-    /// The column is a time coarser than the rows; spread the rows of each stamp evenly up to the next one.
+    /// The column is a time coarser than the rows; spread the rows of each timestamp evenly up to the next one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub spread: bool,
 }
@@ -125,7 +125,7 @@ fn check_column(quantity: &'static str, column: &Column) -> Result<(), RowsError
         return wrong("minus", format!("{other:?}"), "times are not subtracted; give the column of the time alone");
     }
     if column.spread && quantity != "time_s" {
-        return wrong("spread", true.to_string(), "only times are spread, between one stamp of the clock and the next");
+        return wrong("spread", true.to_string(), "only times are spread, between one timestamp and the next");
     }
     if column.integrate && !matches!(quantity, "position_mm" | "position2_mm") {
         return wrong("integrate", true.to_string(), "only the speed of the ball can be integrated, to a position");

@@ -24,7 +24,7 @@ mod dialect_tests;
 #[cfg(test)]
 mod tests;
 
-pub use clock::{is_coarse, spread};
+pub use clock::spread_if_coarse;
 pub use error::{CellProblem, RowsError};
 pub use import::{Column, Import};
 pub use sheet::{Sheet, SheetColumn, TextCell, sheet};

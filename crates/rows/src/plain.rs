@@ -39,8 +39,8 @@ pub(crate) fn plain(text: &str) -> Plain {
     let head = lines.get(first).copied().unwrap_or_default();
     let separator = delimiter.unwrap_or_else(|| separator(head));
     let width = cells(head, separator).len();
-    let comments = lines[..first].iter().rev().filter_map(|line| of_comment(line));
-    let named = comments.filter_map(|comment| names_of(comment, separator, width)).next();
+    let mut comments = lines[..first].iter().rev().filter_map(|line| of_comment(line));
+    let named = comments.find_map(|comment| names_of(comment, separator, width));
     lines[..first].fill("");
     let labels = labels(&cells(head, separator));
     // Any number of spaces separates two cells.

@@ -125,11 +125,11 @@ impl Table {
 
     fn ragged(&self, row: usize) -> RowsError {
         let (name, found) = (self.name.clone(), self.rows.width(row));
-        let line = self.header_line();
+        let expected = self.header.len();
         if self.len() > 1 && (0..self.len()).all(|other| self.rows.width(other) == found) {
-            return RowsError::OtherHeader { name, line, expected: self.header.len(), found };
+            return RowsError::HeaderMismatch { name, line: self.header_line(), expected, found };
         }
-        RowsError::Ragged { name, line: self.line(row), expected: self.header.len(), found }
+        RowsError::Ragged { name, line: self.line(row), expected, found }
     }
 }
 

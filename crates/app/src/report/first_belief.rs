@@ -142,7 +142,7 @@ fn time(belief: &FirstBelief) -> String {
 
 /// How far apart the rows are.
 fn apart(scales: &Scales) -> String {
-    let coarse = if scales.is_coarse { ", spread between the stamps of a coarse clock" } else { "" };
+    let coarse = if scales.has_coarse_clock { ", spread between the stamps of a coarse clock" } else { "" };
     format!("{} s apart{coarse}", number(scales.step_s))
 }
 

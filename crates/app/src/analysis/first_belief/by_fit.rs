@@ -3,7 +3,7 @@
 use super::roles::{Candidate, Named};
 use diagnose::linear::{Order, linear_fit};
 use diagnose::{Recording, Sample};
-use rows::{is_coarse, spread};
+use rows::spread_if_coarse;
 
 const BY_FIT: &str = "of the columns without a telling name, the one that fits";
 /// Most columns of which every pair is tried.
@@ -18,12 +18,14 @@ pub(super) fn by_fit(
     input: Option<&Named>,
     position: Option<&Named>,
 ) -> Option<(Named, Named)> {
+    let spread = spread_if_coarse(&time.column.values);
+    let times = spread.as_deref().unwrap_or(&time.column.values);
     let allowed =
         |given: Option<&Named>, one: &Candidate<'_>| given.is_none_or(|named| named.column == one.column.name);
     let pairs = free.iter().take(MOST_TRIED).flat_map(|u| free.iter().take(MOST_TRIED).map(move |y| (u, y)));
     let pairs = pairs.filter(|(u, y)| u.column.name != y.column.name && allowed(input, u) && allowed(position, y));
     let rated = pairs.filter_map(|(u, y)| {
-        let fit = linear_fit(&recording(time, u, y)?, Order::Second)?;
+        let fit = linear_fit(&recording(times, u, y)?, Order::Second)?;
         Some((fit.of_input, u, y))
     });
     let (_, u, y) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -31,17 +33,11 @@ pub(super) fn by_fit(
     Some((named(u), named(y)))
 }
 
-fn recording(time: &Candidate<'_>, u: &Candidate<'_>, y: &Candidate<'_>) -> Option<Recording> {
-    let [time, u, y] = [time, u, y].map(|one| &one.column.values);
-    let rows = time.iter().zip(u).zip(y).take(TRIED_ROWS);
+fn recording(times: &[Option<f64>], u: &Candidate<'_>, y: &Candidate<'_>) -> Option<Recording> {
+    let [u, y] = [u, y].map(|one| &one.column.values);
+    let rows = times.iter().zip(u).zip(y).take(TRIED_ROWS);
     let row = |((time_s, duty), position): ((&Option<f64>, &Option<f64>), &Option<f64>)| {
         Some(Sample { time_s: (*time_s)?, duty_percent: (*duty)?, position_mm: *position, ..Sample::default() })
     };
-    let mut samples: Vec<Sample> = rows.filter_map(row).collect();
-    let mut times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
-    if is_coarse(&times) {
-        spread(&mut times);
-        samples.iter_mut().zip(times).for_each(|(sample, time_s)| sample.time_s = time_s);
-    }
-    Recording::new(samples).ok()
+    Recording::new(rows.filter_map(row).collect()).ok()
 }

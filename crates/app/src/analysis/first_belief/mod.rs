@@ -15,7 +15,6 @@ mod scales;
 mod words;
 
 use names::Name;
-use roles::{BY_NAME, SERVO};
 use words::MEASURED;
 
 pub use roles::{Asked, Named, Role, Roles, roles};
@@ -74,17 +73,15 @@ pub enum NoBelief {
 pub fn first_belief(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Asked) -> Result<FirstBelief, NoBelief> {
     let found = of_roles(logs, sheet, roles, asked);
     let Err(NoBelief::Plant { source: NoPlant::NoAnswer { .. }, .. }) = &found else { return found };
-    as_servo(sheet, roles).and_then(|servo| of_roles(logs, sheet, &servo, asked).ok()).map_or(found, Ok)
+    as_servo(sheet, roles, asked).and_then(|servo| of_roles(logs, sheet, &servo, asked).ok()).map_or(found, Ok)
 }
 
-/// The same rig as a servo, whose input is its command minus its position. `None`: there is no command, or the input is
-/// none that a servo measures.
-fn as_servo(sheet: &Sheet, roles: &Roles) -> Option<Roles> {
+/// The same rig as a servo. `None`: there is no command, or the input is as said, or none that a servo measures.
+fn as_servo(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Option<Roles> {
     let setpoint = roles.setpoint.clone().filter(|_| !roles.is_speed && roles.minus.is_none())?;
     let input = sheet.columns.iter().find(|column| column.name == roles.input.column)?;
-    let is_measured = roles.input.why == BY_NAME && Name::of(input).says(MEASURED);
-    let minus = Some(roles.position.column.clone());
-    is_measured.then(|| Roles { input: Named { why: SERVO, ..setpoint }, minus, ..roles.clone() })
+    let is_measured = asked.input.is_none() && Name::of(input).says(MEASURED);
+    is_measured.then(|| Roles::servo(roles.time.clone(), roles.position.clone(), setpoint))
 }
 
 fn of_roles(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Asked) -> Result<FirstBelief, NoBelief> {
@@ -118,7 +115,7 @@ fn import(roles: &Roles, scales: &Scales) -> Import {
     };
     let position = column(&roles.position, &scales.position);
     Import {
-        time_s: Column { spread: scales.is_coarse, ..column(&roles.time, &scales.time) },
+        time_s: Column { spread: scales.has_coarse_clock, ..column(&roles.time, &scales.time) },
         setpoint_mm: roles.setpoint.as_ref().filter(|_| !roles.is_speed).map(|named| column(named, &scales.position)),
         duty_percent: Column { minus: roles.minus.clone(), ..column(&roles.input, &scales.input) },
         position_mm: Column { integrate: roles.is_speed, ..position },

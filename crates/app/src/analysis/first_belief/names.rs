@@ -26,7 +26,7 @@ impl Name {
         let mut words = words(&column.name);
         let number = column.name.chars().filter(char::is_ascii_digit).collect();
         let bracketed = column.name.split_once(['[', '(']).and_then(|(_, rest)| rest.split([']', ')']).next());
-        let is_word = |unit: &&str| unit.contains(|letter: char| letter.is_alphabetic() || matches!(letter, '%' | '°'));
+        let is_word = |unit: &&str| unit.contains(is_of_word);
         let of_row = column.unit.as_deref().or(bracketed.filter(is_word)).map(|unit| unit.trim().to_lowercase());
         let is_unit = |word: &String| UNITS.contains(&word.as_str());
         let behind = (words.len() > 1).then(|| words.last().filter(|word| is_unit(word)).cloned()).flatten();
@@ -54,16 +54,21 @@ impl Name {
     }
 }
 
+/// Whether a word or a unit has this character.
+fn is_of_word(letter: char) -> bool {
+    letter.is_alphabetic() || matches!(letter, '%' | '°')
+}
+
 /// The words of a name in lower case: parted by what is no letter, and where a capital follows a small letter.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
     for letter in name.chars() {
         let parts = before.is_lowercase() && letter.is_uppercase();
-        if parts || !(letter.is_alphabetic() || matches!(letter, '%' | '°')) {
+        if parts || !is_of_word(letter) {
             words.push(String::new());
         }
-        if letter.is_alphabetic() || matches!(letter, '%' | '°') {
+        if is_of_word(letter) {
             words.last_mut().into_iter().for_each(|word| word.extend(letter.to_lowercase()));
         }
         before = letter;

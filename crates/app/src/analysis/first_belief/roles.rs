@@ -70,6 +70,13 @@ pub struct Roles {
 }
 
 impl Roles {
+    /// The roles of a servo: its input is its command minus its position.
+    pub(super) fn servo(time: Named, position: Named, command: Named) -> Self {
+        let input = Named { why: SERVO, ..command.clone() };
+        let minus = Some(position.column.clone());
+        Self { time, input, minus, position, is_speed: false, setpoint: Some(command) }
+    }
+
     /// The input in words.
     #[must_use]
     pub fn input(&self) -> String {
@@ -152,10 +159,10 @@ impl Display for Role {
 }
 
 const BY_USER: &str = "as said";
-pub(super) const BY_NAME: &str = "by its name";
+const BY_NAME: &str = "by its name";
 const BY_UNIT: &str = "by its unit";
 const BY_ORDER: &str = "it only grows";
-pub(super) const SERVO: &str = "a servo: its command minus its position";
+const SERVO: &str = "a servo: its command minus its position";
 
 /// A column with what is known of it.
 pub(super) struct Candidate<'a> {
@@ -193,11 +200,7 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
     let setpoint = setpoint.filter(|found| input.as_ref().is_none_or(|input| input.column != found.column));
     match (input, position, setpoint) {
         (Some(input), Some(position), setpoint) => Ok(Roles { time, input, minus: None, position, is_speed, setpoint }),
-        (None, Some(position), Some(setpoint)) if !is_speed => {
-            let input = Named { why: SERVO, ..setpoint.clone() };
-            let minus = Some(position.column.clone());
-            Ok(Roles { time, input, minus, position, is_speed, setpoint: Some(setpoint) })
-        }
+        (None, Some(position), Some(setpoint)) if !is_speed => Ok(Roles::servo(time, position, setpoint)),
         (input, position, setpoint) => {
             let free = moving.iter().filter(|one| setpoint.as_ref().is_none_or(|set| set.column != one.column.name));
             let free: Vec<&Candidate<'_>> = free.copied().collect();
@@ -291,7 +294,7 @@ fn grows(one: &&Candidate<'_>) -> bool {
 }
 
 /// Whether every row has a number, and fewer than one of a hundred is smaller than the one before, as where a ring
-/// buffer was saved or a microcontroller restarted.
+/// buffer was saved or a microcontroller restarted. The share was chosen by hand; it only words an error.
 fn nearly_grows(column: &SheetColumn) -> bool {
     let values = &column.values;
     let falls = values.windows(2).filter(|pair| pair[1] < pair[0]).count();

@@ -12,7 +12,7 @@ use super::names::Name;
 use super::rig_words::written;
 use super::roles::{Asked, Roles};
 use plant::Model;
-use rows::{Sheet, SheetColumn, is_coarse, spread};
+use rows::{Sheet, SheetColumn, spread_if_coarse};
 
 /// A scale, an offset, and what they rest on.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,8 +34,8 @@ pub struct Scales {
     pub time: Scaled,
     /// The usual time between rows, seconds.
     pub step_s: f64,
-    /// Whether the clock is coarser than the rows, so that these are spread between its stamps.
-    pub is_coarse: bool,
+    /// Whether the clock is coarser than the rows, so that these are spread between its timestamps.
+    pub has_coarse_clock: bool,
     /// To percent.
     pub input: Scaled,
     /// To millimetres.
@@ -53,7 +53,10 @@ const ROOM: f64 = 3.0;
 #[must_use]
 pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
     let column = |name: &str| sheet.columns.iter().find(|column| column.name == name);
-    let (clock, is_coarse) = column(&roles.time.column).map(spread_column).unwrap_or_default();
+    let mut clock = column(&roles.time.column).cloned().unwrap_or_default();
+    let spread = spread_if_coarse(&clock.values);
+    let has_coarse_clock = spread.is_some();
+    clock.values = spread.unwrap_or(clock.values);
     let rows = |period_s: f64| Scaled { scale: period_s, ..of(&clock.values, "rows") };
     let time = asked.period_s.map_or_else(|| time(&clock), rows);
     let step_s = step(&clock) * time.scale;
@@ -83,7 +86,7 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
     Scales {
         time,
         step_s,
-        is_coarse,
+        has_coarse_clock,
         input,
         position: Scaled { offset, ..position },
         length_mm,
@@ -109,15 +112,6 @@ fn unit(column: &SheetColumn) -> String {
 
 fn span([low, high]: [f64; 2]) -> f64 {
     high - low
-}
-
-/// The column of the time, the rows of each stamp spread up to the next where the clock is coarser than the rows; and
-/// whether it is.
-fn spread_column(column: &SheetColumn) -> (SheetColumn, bool) {
-    let times: Option<Vec<f64>> = column.values.iter().copied().collect();
-    let Some(mut times) = times.filter(|times| is_coarse(times)) else { return (column.clone(), false) };
-    spread(&mut times);
-    (SheetColumn { values: times.into_iter().map(Some).collect(), ..column.clone() }, true)
 }
 
 /// The usual step of a column that grows.

@@ -17,7 +17,7 @@ use diagnose::scoring::{Departure, nats_above_rivals};
 use plant::Model;
 
 /// Log-likelihood of the true model minus that of its best rival, nats; of two effects, the smaller gain. `None`: an
-/// effect outside the catalogue, or a kind of which no row of the score asks it: every effect of a rig costs a search.
+/// effect outside the catalogue, or a kind for which no row of the score needs it. Each effect of a rig takes a search.
 #[must_use]
 pub fn shown(belief: &Model, truth: &CaseTruth, recording: &Recording) -> Option<f64> {
     if !matches!(truth.kind, Kind::Single | Kind::Pair) {

@@ -28,6 +28,12 @@ async function login(page) {
   await page.getByText("rig online", { exact: true }).waitFor();
 }
 
+/** Clicks a link to rig1 and waits for its page: a click alone returns before the page has changed. */
+async function follow(page, link) {
+  await link.click();
+  await page.waitForURL((url) => url.searchParams.get("rig") === "rig1");
+}
+
 async function flying(options) {
   const opened = await open(options);
   await login(opened.page);
@@ -244,7 +250,7 @@ test("live: a stop that the broker took for a rig that is offline is not said to
 test("live: a page of a rig that is not there leads to those that are", async () => {
   const { page } = await open({ url: `${SERVED}?rig=nobody` });
   await connect(page);
-  await page.locator("#others").getByRole("link", { name: "rig1" }).click();
+  await follow(page, page.locator("#others").getByRole("link", { name: "rig1" }));
   await login(page);
   assert.equal(new URL(page.url()).searchParams.get("rig"), "rig1");
 });
@@ -275,7 +281,7 @@ test("live: the wall shows every rig with its state, and leads to its page", asy
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), PHONE.width);
   await shoot(page, "live-wall");
   wrong.length = 0;
-  await tile("rig1").getByRole("link").click();
+  await follow(page, tile("rig1").getByRole("link"));
   await login(page);
   assert.match(await text(page, "rig-state"), /online/);
 });

@@ -133,6 +133,6 @@ fn the_fit_in_percent_of_a_right_model_is_what_its_noise_allows() {
 
 #[test]
 fn a_short_record_is_refused_with_the_number_that_it_needs() {
-    let refused = GreyBox::identify(&guess(), &fly(&rig(None), 1, 5, |_| true), Poles::Two).unwrap_err();
+    let refused = GreyBox::identify(&guess(), &fly(&rig(None), 1, 3, |_| true), Poles::Two).unwrap_err();
     assert!(refused.to_string().contains("150 are needed"), "{refused}");
 }

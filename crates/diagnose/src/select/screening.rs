@@ -173,16 +173,15 @@ fn rated(search: &Search<'_>, so_far: &Fit, entry: &'static Entry, all: &Starts)
 /// Initial base parameters: those of the model, and those of the belief if the fit is far from it. A fit that followed
 /// the record without the effect may be a bad start. For an effect that distorts the noise both have the believed
 /// noise; and the model also with the noise of the air that was fitted, since a filter with the believed one loses the
-/// ball where a force is missing, and with all noise that was fitted, where readings are noisier than believed.
+/// ball where a force is missing, and with the larger noise of the readings, since they may be noisier than believed.
 fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &Entry) -> Vec<Model> {
     let belief = search.problem.belief;
     if !is_of_path(effect) {
         let quiet = Model { noise: belief.noise, ..model.clone() };
         let believed = Model { effects: model.effects.clone(), ..belief.clone() };
-        let noise = Noise { sensor_mm: belief.noise.sensor_mm, ..model.noise };
-        let fitted = [Model { noise, ..model.clone() }, model.clone()];
-        let is_felt = !is_within_noise(effect, model, belief);
-        return [quiet, believed].into_iter().chain(fitted.into_iter().filter(|_| is_felt)).collect();
+        let noise = Noise { sensor_mm: model.noise.sensor_mm.max(belief.noise.sensor_mm), ..model.noise };
+        let fitted = (!is_within_noise(effect, model, belief)).then(|| Model { noise, ..model.clone() });
+        return [quiet, believed].into_iter().chain(fitted).collect();
     }
     let mut believed = search.with_believed_base(model);
     for entry in model.effects.present().iter().filter(|entry| entry.name != effect.name) {

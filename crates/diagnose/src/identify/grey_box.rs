@@ -106,16 +106,24 @@ pub enum TooLittle {
     },
 }
 
+impl TooLittle {
+    /// Refuses a record whose rows are too far apart on the average.
+    ///
+    /// # Errors
+    /// [`TooLittle::SlowRows`].
+    pub(crate) fn of_clock(recording: &Recording) -> Result<(), Self> {
+        let apart_s = recording.duration_s() / recording.samples().len().max(1) as f64;
+        if apart_s > SLOWEST_S { Err(Self::SlowRows { apart_s }) } else { Ok(()) }
+    }
+}
+
 impl GreyBox {
     /// Identifies a plant with this number of poles from `recording`; `start`: initial values.
     ///
     /// # Errors
     /// [`TooLittle`]: the record is too short, or its rows are too far apart.
     pub fn identify(start: &Model, recording: &Recording, poles: Poles) -> Result<Self, TooLittle> {
-        let apart_s = recording.duration_s() / recording.samples().len() as f64;
-        if apart_s > SLOWEST_S {
-            return Err(TooLittle::SlowRows { apart_s });
-        }
+        TooLittle::of_clock(recording)?;
         let folds = Folds::new(start, recording);
         let readings = folds.readings(recording);
         if readings < ENOUGH_READINGS {

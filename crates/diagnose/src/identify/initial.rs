@@ -73,7 +73,7 @@ pub enum NoPlant {
     #[error(
         "the reading follows the input as a plant of first order, with a time constant of {time_constant_s:.3} s, as a \
          temperature or a speed does: ẏ = K·u − a·y. A plant here is of second order, ÿ = K·(u − hover) − a·ẏ: the \
-         input is a force. If the column holds a speed, say so, and it is integrated"
+         input is a force. If the column holds a speed, name it with --speed, and it is integrated"
     )]
     FirstOrder {
         /// 1/a, seconds.
@@ -110,6 +110,7 @@ pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial,
     if let Some(time_constant_s) = forms.first_order_s() {
         return Err(NoPlant::FirstOrder { time_constant_s });
     }
+    TooLittle::of_clock(flight)?;
     if forms.best_deviations() < SEEN {
         return Err(NoPlant::NoAnswer { deviations: forms.best_deviations() });
     }

@@ -34,15 +34,15 @@ pub enum RecordingError {
     },
     /// A gap that is too long to forecast across.
     #[error(
-        "no row for {} s before row {row}, from {} s to {} s; cut the log there, or, if time is not in seconds, give \
-         its unit as [import] time_s.scale", short(to_s - from_s), short(*from_s), short(*to_s)
+        "no row for {} s before row {row}, {} s after the first row; cut the log there, or, if time is not in seconds, \
+         give its unit as [import] time_s.scale", short(to_s - from_s), short(*from_s)
     )]
     Hole {
         /// The row after the gap.
         row: usize,
-        /// Time of the row before.
+        /// Time of the row before, from that of the first row.
         from_s: f64,
-        /// Time of the row.
+        /// Time of the row, from the same.
         to_s: f64,
     },
     /// A value that is not finite.

@@ -88,7 +88,8 @@ impl Recording {
                 return Err(RecordingError::TimeBackwards { row, from_s: last_s, to_s: sample.time_s });
             }
             if last_s.is_finite() && sample.time_s - last_s > Self::LONGEST_HOLE_S {
-                return Err(RecordingError::Hole { row, from_s: last_s, to_s: sample.time_s });
+                let [from_s, to_s] = [last_s, sample.time_s].map(|time_s| time_s - samples[0].time_s);
+                return Err(RecordingError::Hole { row, from_s, to_s });
             }
             last_s = sample.time_s;
         }

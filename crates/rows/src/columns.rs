@@ -4,6 +4,7 @@
 
 use crate::clock::spread;
 use crate::error::{CellProblem, RowsError};
+use crate::hold::held;
 use crate::import::{Column, Import};
 use crate::sheet::Sheet;
 use crate::shown::{listed, shown};
@@ -27,13 +28,18 @@ pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsErr
     if import.time_s.spread {
         spread(&mut time_s);
     }
-    let duty_percent = duty.all(table)?;
+    let duty_percent = duty.input(table)?;
     let position_mm = position.converted(table, &time_s)?;
     let convert = |found: Option<Found<'_>>| found.map_or(Ok(Vec::new()), |found| found.converted(table, &time_s));
     let (setpoint_mm, control_percent) = (convert(setpoint)?, convert(control)?);
     let (fan_rpm, position2_mm) = (convert(fan_rpm)?, convert(position2)?);
     let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
-    let samples = time_s.iter().zip(&duty_percent).enumerate().map(|(row, (&time_s, &duty_percent))| {
+    let known = time_s.iter().zip(&duty_percent).enumerate().filter_map(|(row, (&time_s, duty))| {
+        let Input { percent, is_written } = (*duty)?;
+        let is_new = is_written || [&position_mm, &fan_rpm, &position2_mm].iter().any(|of| at(of, row).is_some());
+        is_new.then_some((row, time_s, percent))
+    });
+    let samples = known.map(|(row, time_s, duty_percent)| {
         let read = fresh.as_ref().map_or(Ok(true), |fresh| fresh.flag(table, row))?;
         Ok(Sample {
             time_s,
@@ -48,6 +54,14 @@ pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsErr
     samples.collect()
 }
 
+/// The input in a row.
+#[derive(Clone, Copy)]
+struct Input {
+    percent: f64,
+    /// Whether the row has a cell of it, and does not repeat the last one.
+    is_written: bool,
+}
+
 /// A column of the table, and the conversion of its numbers to our units.
 struct Found<'a> {
     index: usize,
@@ -57,6 +71,7 @@ struct Found<'a> {
     scale: f64,
     offset: f64,
     integrate: bool,
+    hold: bool,
 }
 
 impl<'a> Found<'a> {
@@ -84,14 +99,15 @@ impl<'a> Found<'a> {
                 scale: 1.0,
                 offset: 0.0,
                 integrate: false,
+                hold: false,
             }));
         };
         Self::required(table, quantity, column).map(Some)
     }
 
     fn at(index: usize, column: &'a Column) -> Self {
-        let Column { column: name, scale, offset, integrate, .. } = column;
-        Self { index, minus: None, name, scale: *scale, offset: *offset, integrate: *integrate }
+        let Column { column: name, scale, offset, integrate, hold, .. } = column;
+        Self { index, minus: None, name, scale: *scale, offset: *offset, integrate: *integrate, hold: *hold }
     }
 
     fn look_up(table: &Table, name: &str) -> Result<Option<usize>, RowsError> {
@@ -113,6 +129,25 @@ impl<'a> Found<'a> {
             .enumerate()
             .map(|(row, value)| self.finite(table, row, value?))
             .collect()
+    }
+
+    /// The input in our units. `None`: it is held, and the row lies before its first value.
+    fn input(&self, table: &Table) -> Result<Vec<Option<Input>>, RowsError> {
+        if !self.hold {
+            let all = self.all(table)?;
+            return Ok(all.into_iter().map(|percent| Some(Input { percent, is_written: true })).collect());
+        }
+        let cells = |column: usize| (0..table.len()).map(move |row| self.in_column(table, row, column));
+        let written = cells(self.index).collect::<Result<Vec<_>, _>>()?;
+        let other = self.minus.map(|minus| Ok(held(cells(minus).collect::<Result<Vec<_>, _>>()?.into_iter())));
+        let other = other.transpose()?.unwrap_or_else(|| vec![Some(0.0); table.len()]);
+        let both = held(written.iter().copied()).into_iter().zip(other).zip(&written).enumerate();
+        let input = |(row, ((value, other), written)): (usize, ((Option<f64>, Option<f64>), &Option<f64>))| {
+            let (Some(value), Some(other)) = (value, other) else { return Ok(None) };
+            let percent = self.finite(table, row, (value - other) * self.scale + self.offset)?;
+            Ok(Some(Input { percent, is_written: written.is_some() }))
+        };
+        both.map(input).collect()
     }
 
     /// The column in our units; a cell without a reading, empty or NaN, is `None`.

@@ -4,6 +4,7 @@
 //! quantity = value·scale + offset
 //! quantity = scale·∫ value dt + offset      with integrate = true, for a column that holds a speed
 //! value = column − other                    with minus = "other", for a servo whose input is the error of its position
+//! value = the last one                      with hold = true, in a row whose cell is empty
 //! ```
 //!
 //! The integral is by trapezoids over the file's own time, from 0 at the first reading; `offset` is then the initial
@@ -58,6 +59,10 @@ pub struct Column {
     /// The column is a time coarser than the rows; spread the rows of each timestamp evenly up to the next one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub spread: bool,
+    /// The log fills the column in some rows only; an empty cell repeats the last value, and rows before the first one
+    /// are left out.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub hold: bool,
 }
 
 /// Units of an angle, in lower case, and how many of each one turn has.
@@ -77,7 +82,8 @@ impl Column {
     /// A column whose numbers are already in our unit.
     #[must_use]
     pub fn named(name: &str) -> Self {
-        Self { column: name.into(), scale: one(), offset: 0.0, minus: None, integrate: false, spread: false }
+        let (integrate, spread, hold) = (false, false, false);
+        Self { column: name.into(), scale: one(), offset: 0.0, minus: None, integrate, spread, hold }
     }
 }
 
@@ -126,6 +132,9 @@ fn check_column(quantity: &'static str, column: &Column) -> Result<(), RowsError
     }
     if column.spread && quantity != "time_s" {
         return wrong("spread", true.to_string(), "only times are spread, between one timestamp and the next");
+    }
+    if column.hold && quantity != "duty_percent" {
+        return wrong("hold", true.to_string(), "only the input is held between its values; another cell may be empty");
     }
     if column.integrate && !matches!(quantity, "position_mm" | "position2_mm") {
         return wrong("integrate", true.to_string(), "only the speed of the ball can be integrated, to a position");
@@ -195,6 +204,8 @@ mod tests {
         assert!(integral.check().unwrap_err().to_string().starts_with("[import] time_s: integrate = true;"));
         let spread = Import { duty_percent: Column { spread: true, ..Column::named("u") }, ..Import::default() };
         assert!(spread.check().unwrap_err().to_string().starts_with("[import] duty_percent: spread = true;"));
+        let held = Import { position_mm: Column { hold: true, ..Column::named("y") }, ..Import::default() };
+        assert!(held.check().unwrap_err().to_string().starts_with("[import] position_mm: hold = true;"));
         let endless = Import { time_s: Column { offset: f64::NAN, ..Column::named("t") }, ..Import::default() };
         assert!(endless.check().unwrap_err().to_string().starts_with("[import] time_s: offset = NaN;"));
         Import::default().check().unwrap();

@@ -10,6 +10,7 @@ mod clock;
 mod columns;
 mod error;
 mod foreign;
+mod hold;
 mod import;
 mod number;
 mod plain;
@@ -26,6 +27,7 @@ mod tests;
 
 pub use clock::spread_if_coarse;
 pub use error::{CellProblem, RowsError};
+pub use hold::held_if_sparse;
 pub use import::{Column, Import};
 pub use sheet::{Sheet, SheetColumn, TextCell, sheet};
 pub use shown::{printable, shown};

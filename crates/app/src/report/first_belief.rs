@@ -122,6 +122,7 @@ fn toml_of(column: &Column) -> String {
     );
     keys.extend(column.integrate.then(|| "integrate = true".into()));
     keys.extend(column.spread.then(|| "spread = true".into()));
+    keys.extend(column.hold.then(|| "hold = true".into()));
     format!("{{ {} }}", keys.join(", "))
 }
 
@@ -157,7 +158,8 @@ fn of_unit(numbers: &str, unit: &str) -> String {
 
 fn input(belief: &FirstBelief) -> String {
     let turned = if belief.plant.is_turned { ", turned: the position falls where it rises" } else { "" };
-    format!("{}; {}{turned}", belief.roles.input.why, range(&belief.scales.input))
+    let held = if belief.scales.is_input_held { ", held where its cell is empty" } else { "" };
+    format!("{}; {}{held}{turned}", belief.roles.input.why, range(&belief.scales.input))
 }
 
 fn position(belief: &FirstBelief) -> String {

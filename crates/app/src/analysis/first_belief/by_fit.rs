@@ -3,7 +3,7 @@
 use super::roles::{Candidate, Named};
 use diagnose::linear::{Order, linear_fit};
 use diagnose::{Recording, Sample};
-use rows::spread_if_coarse;
+use rows::{held_if_sparse, spread_if_coarse};
 
 const BY_FIT: &str = "of the columns without a telling name, the one that fits";
 /// Most columns of which every pair is tried.
@@ -25,8 +25,10 @@ pub(super) fn by_fit(
     let pairs = free.iter().take(MOST_TRIED).flat_map(|u| free.iter().take(MOST_TRIED).map(move |y| (u, y)));
     let pairs = pairs.filter(|(u, y)| u.column.name != y.column.name && allowed(input, u) && allowed(position, y));
     let rated = pairs.filter_map(|(u, y)| {
-        let fit = linear_fit(&recording(times, u, y)?, Order::Second)?;
-        Some((fit.of_input, u, y))
+        let rows = recording(times, u, y)?;
+        // The output may be a speed.
+        let gains = [Order::First, Order::Second].map(|order| linear_fit(&rows, order).map(|fit| fit.of_input));
+        Some((gains.into_iter().flatten().reduce(f64::max)?, u, y))
     });
     let (_, u, y) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let named = |one: &Candidate<'_>| Named { column: one.column.name.clone(), why: BY_FIT };
@@ -35,7 +37,8 @@ pub(super) fn by_fit(
 
 fn recording(times: &[Option<f64>], u: &Candidate<'_>, y: &Candidate<'_>) -> Option<Recording> {
     let [u, y] = [u, y].map(|one| &one.column.values);
-    let rows = times.iter().zip(u).zip(y).take(TRIED_ROWS);
+    let held = held_if_sparse(u);
+    let rows = times.iter().zip(held.as_ref().unwrap_or(u)).zip(y).take(TRIED_ROWS);
     let row = |((time_s, duty), position): ((&Option<f64>, &Option<f64>), &Option<f64>)| {
         Some(Sample { time_s: (*time_s)?, duty_percent: (*duty)?, position_mm: *position, ..Sample::default() })
     };

@@ -117,7 +117,11 @@ fn import(roles: &Roles, scales: &Scales) -> Import {
     Import {
         time_s: Column { spread: scales.has_coarse_clock, ..column(&roles.time, &scales.time) },
         setpoint_mm: roles.setpoint.as_ref().filter(|_| !roles.is_speed).map(|named| column(named, &scales.position)),
-        duty_percent: Column { minus: roles.minus.clone(), ..column(&roles.input, &scales.input) },
+        duty_percent: Column {
+            minus: roles.minus.clone(),
+            hold: scales.is_input_held,
+            ..column(&roles.input, &scales.input)
+        },
         position_mm: Column { integrate: roles.is_speed, ..position },
         ..Import::default()
     }

@@ -12,7 +12,7 @@ use super::names::Name;
 use super::rig_words::written;
 use super::roles::{Asked, Roles};
 use plant::Model;
-use rows::{Sheet, SheetColumn, spread_if_coarse};
+use rows::{Sheet, SheetColumn, held_if_sparse, spread_if_coarse};
 
 /// A scale, an offset, and what they rest on.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,8 @@ pub struct Scales {
     pub step_s: f64,
     /// Whether the clock is coarser than the rows, so that these are spread between its timestamps.
     pub has_coarse_clock: bool,
+    /// Whether most cells of the input are empty, so that they repeat its last value.
+    pub is_input_held: bool,
     /// To percent.
     pub input: Scaled,
     /// To millimetres.
@@ -48,6 +50,9 @@ pub struct Scales {
 
 /// Range of the record beside the length of a pipe whose ends it never meets.
 const ROOM: f64 = 3.0;
+
+/// A record of fewer seconds shows nothing: readings count from 1.5 s after its start.
+const SHORTEST_S: f64 = 1.5;
 
 /// The scales of the columns of a table.
 #[must_use]
@@ -87,6 +92,7 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
         time,
         step_s,
         has_coarse_clock,
+        is_input_held: column(&roles.input.column).is_some_and(|u| held_if_sparse(&u.values).is_some()),
         input,
         position: Scaled { offset, ..position },
         length_mm,
@@ -128,16 +134,14 @@ fn time(column: &SheetColumn) -> Scaled {
         let known = [("s", 1.0), ("sec", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)];
         known.into_iter().find(|(name, _)| *name == unit)
     });
-    // Rows are 0.1 ms to 1 s apart.
-    let step = step(column);
-    let by_step = match step {
-        step if step < 1.0 => ("s", 1.0),
-        step if step < 1e3 => ("ms", 1e-3),
-        step if step < 1e6 => ("us", 1e-6),
-        _ => ("ns", 1e-9),
-    };
-    let (read_as, scale) = by_unit.unwrap_or(by_step);
-    Scaled { scale, ..of(&column.values, read_as) }
+    let as_read = of(&column.values, "");
+    // Rows are 0.1 ms to 1 s apart, and a record is no shorter than the time that its filter takes to settle.
+    let (step, long) = (step(column), span(as_read.range));
+    let known = [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    let slowest = known.into_iter().rev().find(|(_, scale)| step * scale < 1.0).unwrap_or(known[0]);
+    let by_step = known.into_iter().find(|(_, scale)| *scale >= slowest.1 && long * scale > SHORTEST_S);
+    let (read_as, scale) = by_unit.or(by_step).unwrap_or(slowest);
+    Scaled { scale, read_as: read_as.into(), ..as_read }
 }
 
 fn input_scale(column: &SheetColumn, values: &[Option<f64>]) -> f64 {
@@ -199,8 +203,10 @@ fn round(value: f64, digits: i32) -> f64 {
 }
 
 fn difference(u: &SheetColumn, minus: Option<&SheetColumn>) -> Vec<Option<f64>> {
+    let held = |column: &SheetColumn| held_if_sparse(&column.values).unwrap_or_else(|| column.values.clone());
     let Some(minus) = minus else { return u.values.clone() };
-    u.values.iter().zip(&minus.values).map(|(a, b)| Some((*a)? - (*b)?)).collect()
+    let (u, minus) = (held(u), held(minus));
+    u.iter().zip(&minus).map(|(a, b)| Some((*a)? - (*b)?)).collect()
 }
 
 /// The integral of a speed by trapezoids.

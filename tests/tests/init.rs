@@ -216,6 +216,80 @@ fn rows_that_share_the_stamps_of_a_coarse_clock_are_spread_between_them() {
 }
 
 #[test]
+fn an_input_on_a_clock_of_its_own_is_held_between_its_values_and_is_that_of_the_positions_part_of_the_rig() {
+    let bench = bare();
+    let mut random = Random(5);
+    let topics = cart().into_iter().map(|[t, u, y]| {
+        let (hoist, sway) = (random.normal(), 0.1 * random.normal());
+        format!("{t:.4},,,{sway:.4},{u:.3},\n{:.4},{hoist:.3},,,,\n{:.4},,1.2,,,{y:.5}\n", t + 0.001, t + 0.002)
+    });
+    let names =
+        ["/hoist_voltage/data", "/cable_length/data", "/sway_angle/data", "/cart_voltage/data", "/cart_position/data"];
+    bench.write("log.csv", format!("__time,{}\n{}", names.join(","), topics.collect::<String>()));
+    let said = bench.output(&["init", "log.csv"]);
+    assert!(said.contains("held where its cell is empty"), "{said}");
+    let config: toml::Table = toml::from_str(&bench.read("rig.toml")).unwrap();
+    let import = &config["import"];
+    assert_eq!(import["duty_percent"]["column"].as_str(), Some("/cart_voltage/data"), "{import}");
+    assert_eq!(import["duty_percent"]["hold"].as_bool(), Some(true), "{import}");
+    assert_eq!(import["position_mm"]["column"].as_str(), Some("/cart_position/data"), "{import}");
+    names_the_friction(&bench.output(&["diagnose", "log.csv", "--config", "rig.toml", "--json"]));
+    // Without it the log says what to write.
+    bench.write("raw.toml", bench.read("rig.toml").replace(", hold = true", ""));
+    let raw = bench.run(&["diagnose", "log.csv", "--config", "raw.toml"]);
+    assert!(raw.errors.contains("hold = true"), "{}", raw.errors);
+}
+
+#[test]
+fn of_two_columns_of_one_name_the_one_with_a_unit_is_read() {
+    let bench = bare();
+    let rows = cart().into_iter().map(|[t, u, y]| {
+        let [ms, pwm, mm] = [1e3 * t, 255.0 / 12.0 * u, (1e3 * y).round()];
+        format!("{ms:.0};{mm};{pwm:.0};{t:.2};{y:.5};{u:.3}\n")
+    });
+    bench.write("log.csv", format!("Time;Pos;PWM;Time(s);Pos(m);PWM(V)\n{}", rows.collect::<String>()));
+    let said = bench.output(&["init", "log.csv"]);
+    for line in ["`Time(s)`", "`Pos(m)`", "`PWM(V)`"] {
+        assert!(said.lines().any(|found| found.starts_with(line) && found.contains('→')), "no {line} in {said}");
+    }
+}
+
+/// A reading that follows 50 times the input as a plant of first order does, in ten of its steps.
+fn motor(step_s: f64) -> Vec<[f64; 3]> {
+    let (mut random, mut speed, mut u) = (Random(11), 0.0, 0.0);
+    let row = |k: u32| {
+        if k.is_multiple_of(40) {
+            u = (200.0 * random.next()).round() - 100.0;
+        }
+        speed += (1.0 - (-step_s / (10.0 * step_s)).exp()) * (50.0 * u - speed);
+        [step_s * f64::from(k), u, (speed + 20.0 * random.normal()).round()]
+    };
+    (0..600).map(row).collect()
+}
+
+#[test]
+fn a_speed_among_columns_without_names_is_told_from_its_input_with_the_flag_to_give() {
+    let bench = bare();
+    let rows = motor(0.018).into_iter().map(|[t, u, speed]| format!("{u},{speed},{:.0}\n", 1e3 * t));
+    bench.write("log.csv", rows.collect::<String>());
+    let refused = bench.run(&["init", "log.csv"]).errors;
+    for words in ["`column1` as the input and column2 as the position", "first order", "--speed"] {
+        assert!(refused.contains(words), "no {words} in {refused}");
+    }
+    let said = bench.output(&["init", "log.csv", "--speed", "column2"]);
+    assert!(said.lines().any(|line| line.starts_with("`column1`") && line.contains("→ input")), "{said}");
+}
+
+#[test]
+fn whole_seconds_are_no_milliseconds_though_their_steps_are_1() {
+    let bench = bare();
+    let rows = motor(1.0).into_iter().map(|[t, u, temperature]| format!("{t},{u},{temperature}\n"));
+    bench.write("log.csv", format!("t,heater,temperature\n{}", rows.collect::<String>()));
+    let refused = bench.run(&["init", "log.csv"]).errors;
+    assert!(refused.contains("first order, with a time constant of 10."), "{refused}");
+}
+
+#[test]
 fn a_time_that_goes_backwards_once_is_named_though_no_name_says_that_it_is_the_time() {
     let bench = bare();
     let mut rows = cart();

@@ -26,6 +26,21 @@ pub(super) fn moves(column: &SheetColumn) -> bool {
     values.any(|value| Some(value) != first)
 }
 
+/// Whether every row has a number, and none is smaller than the one before.
+pub(super) fn grows(column: &SheetColumn) -> bool {
+    let values = &column.values;
+    let whole = values.len() > 1 && values.iter().all(Option::is_some) && values.first() != values.last();
+    whole && values.windows(2).all(|pair| pair[0] <= pair[1])
+}
+
+/// Whether every row has a number, and fewer than one of a hundred is smaller than the one before, as where a ring
+/// buffer was saved or a microcontroller restarted. The share was chosen by hand; it only words an error.
+pub(super) fn nearly_grows(column: &SheetColumn) -> bool {
+    let values = &column.values;
+    let falls = values.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    values.iter().all(Option::is_some) && (1..values.len() / 100).contains(&falls)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::roles::{Asked, roles};

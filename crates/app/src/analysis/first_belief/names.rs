@@ -48,6 +48,16 @@ impl Name {
         self.unit.as_deref().is_some_and(|unit| LENGTHS_AND_ANGLES.contains(&unit))
     }
 
+    /// Whether the other name says the same and a unit beside, which this one lacks: `theta` and `theta(rad)`.
+    pub(super) fn is_without_unit_of(&self, other: &Self) -> bool {
+        self.unit.is_none() && other.unit.is_some() && self.words == other.words && self.number == other.number
+    }
+
+    /// The words that are in both names.
+    pub(super) fn shared<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = &'a str> {
+        self.words.iter().filter(|word| other.words.contains(word)).map(String::as_str)
+    }
+
     /// Whether any of its words is one of these.
     pub(super) fn says(&self, known: &[&str]) -> bool {
         self.words.iter().any(|word| known.contains(&word.as_str()))

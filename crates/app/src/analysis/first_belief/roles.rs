@@ -1,7 +1,7 @@
 //! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
 
 use super::by_fit::by_fit;
-use super::flaw::{flaw, moves};
+use super::flaw::{flaw, grows, moves, nearly_grows};
 use super::names::Name;
 use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, TIMES};
 use rows::{Sheet, SheetColumn, shown};
@@ -186,9 +186,10 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
         Some(found) => moving.iter().filter(|one| one.column.name != found.column).copied().collect(),
         None => moving.clone(),
     };
-    let number = position.as_ref().and_then(|found| all.iter().find(|one| one.column.name == found.column));
-    let number = number.map(|one| one.name.number.clone()).unwrap_or_default();
-    let said = |words: &[&str]| first(&others, &number, words);
+    let is_position = |one: &&Candidate<'_>| position.as_ref().is_some_and(|found| found.column == one.column.name);
+    let beside: Vec<&Candidate<'_>> = all.iter().filter(is_position).take(1).collect();
+    let number = beside.first().map(|one| one.name.number.clone()).unwrap_or_default();
+    let said = |words: &[&str]| columns.named(&others, &number, words, &beside);
     let input = match columns.given(Role::Input, asked.input.as_deref())? {
         Some(found) => Some(found),
         None => said(INPUTS),
@@ -246,8 +247,8 @@ impl Columns<'_> {
         if let Some(given) = self.given(Role::Time, asked.time.as_deref())? {
             return Ok(given);
         }
-        let grows: Vec<&Candidate<'_>> = self.all.iter().filter(|one| grows(one)).collect();
-        let named = first(&grows, "", TIMES);
+        let grows: Vec<&Candidate<'_>> = self.all.iter().filter(|one| grows(one.column)).collect();
+        let named = self.named(&grows, "", TIMES, &[]);
         let unnamed = || grows.iter().rev().find(|one| !one.column.name.is_empty());
         let by_order = || unnamed().map(|one| Named { column: one.column.name.clone(), why: BY_ORDER });
         named.or_else(by_order).ok_or_else(|| self.not_found(Role::Time))
@@ -265,7 +266,8 @@ impl Columns<'_> {
         let free: Vec<&Candidate<'_>> = moving.iter().filter(|one| !is_input(one)).copied().collect();
         let speeds = |one: &&&Candidate<'_>| !one.name.says(SPEEDS) && !one.name.says(SETPOINTS);
         let slow: Vec<&Candidate<'_>> = free.iter().filter(speeds).copied().collect();
-        if let Some(found) = first(&slow, "", POSITIONS) {
+        let inputs: Vec<&Candidate<'_>> = moving.iter().filter(|one| one.name.says(INPUTS)).copied().collect();
+        if let Some(found) = self.named(&slow, "", POSITIONS, &inputs) {
             return Ok((Some(found), false));
         }
         let is_position =
@@ -273,30 +275,31 @@ impl Columns<'_> {
         if let [found] = slow.iter().filter(is_position).collect::<Vec<_>>()[..] {
             return Ok((Some(Named { column: found.column.name.clone(), why: BY_UNIT }), false));
         }
-        let found = first(&free, "", SPEEDS);
+        let found = self.named(&free, "", SPEEDS, &inputs);
         let is_speed = found.is_some();
         Ok((found, is_speed))
     }
-}
 
-/// The first column with one of these words, one with this number before others.
-fn first(among: &[&Candidate<'_>], number: &str, words: &[&str]) -> Option<Named> {
-    let mut named = among.iter().filter(|one| one.name.says(words)).peekable();
-    let one = named.clone().find(|one| one.name.number == number).or_else(|| named.peek().copied())?;
-    Some(Named { column: one.column.name.clone(), why: BY_NAME })
-}
+    /// The first column with one of these words; before others one with this number, then one of the same part of the
+    /// rig as one `beside`. Of columns with the same name it is one with a unit.
+    fn named(
+        &self,
+        among: &[&Candidate<'_>],
+        number: &str,
+        words: &[&str],
+        beside: &[&Candidate<'_>],
+    ) -> Option<Named> {
+        let is_beside = |one: &Candidate<'_>| beside.iter().any(|other| self.are_of_one_part(one, other));
+        let rank = |one: &&&Candidate<'_>| (one.name.number == number, is_beside(one));
+        // Of several with the highest rank `max_by_key` takes the last one.
+        let one = among.iter().rev().filter(|one| one.name.says(words)).max_by_key(rank)?;
+        let with_unit = among.iter().find(|other| one.name.is_without_unit_of(&other.name)).unwrap_or(one);
+        Some(Named { column: with_unit.column.name.clone(), why: BY_NAME })
+    }
 
-/// Whether every row has a number, and none is smaller than the one before.
-fn grows(one: &&Candidate<'_>) -> bool {
-    let values = &one.column.values;
-    let whole = values.len() > 1 && values.iter().all(Option::is_some) && values.first() != values.last();
-    whole && values.windows(2).all(|pair| pair[0] <= pair[1])
-}
-
-/// Whether every row has a number, and fewer than one of a hundred is smaller than the one before, as where a ring
-/// buffer was saved or a microcontroller restarted. The share was chosen by hand; it only words an error.
-fn nearly_grows(column: &SheetColumn) -> bool {
-    let values = &column.values;
-    let falls = values.windows(2).filter(|pair| pair[1] < pair[0]).count();
-    values.iter().all(Option::is_some) && (1..values.len() / 100).contains(&falls)
+    /// Whether two names share a word that most columns do not have: `trolley_position` and `trolley_voltage`.
+    fn are_of_one_part(&self, one: &Candidate<'_>, other: &Candidate<'_>) -> bool {
+        let is_rare = |word: &str| 2 * self.all.iter().filter(|any| any.name.says(&[word])).count() <= self.all.len();
+        one.column.name != other.column.name && one.name.shared(&other.name).any(is_rare)
+    }
 }

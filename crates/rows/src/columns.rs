@@ -137,17 +137,22 @@ impl<'a> Found<'a> {
             let all = self.all(table)?;
             return Ok(all.into_iter().map(|percent| Some(Input { percent, is_written: true })).collect());
         }
-        let cells = |column: usize| (0..table.len()).map(move |row| self.in_column(table, row, column));
-        let written = cells(self.index).collect::<Result<Vec<_>, _>>()?;
-        let other = self.minus.map(|minus| Ok(held(cells(minus).collect::<Result<Vec<_>, _>>()?.into_iter())));
-        let other = other.transpose()?.unwrap_or_else(|| vec![Some(0.0); table.len()]);
-        let both = held(written.iter().copied()).into_iter().zip(other).zip(&written).enumerate();
-        let input = |(row, ((value, other), written)): (usize, ((Option<f64>, Option<f64>), &Option<f64>))| {
-            let (Some(value), Some(other)) = (value, other) else { return Ok(None) };
-            let percent = self.finite(table, row, (value - other) * self.scale + self.offset)?;
-            Ok(Some(Input { percent, is_written: written.is_some() }))
+        let cells = |column: usize| {
+            let cells = (0..table.len()).map(|row| self.in_column(table, row, column));
+            cells.collect::<Result<Vec<_>, _>>()
         };
-        both.map(input).collect()
+        let written = cells(self.index)?;
+        let last = held(&written);
+        let other = match self.minus {
+            Some(minus) => held(&cells(minus)?),
+            None => vec![Some(0.0); table.len()],
+        };
+        let input = |row: usize| {
+            let (Some(value), Some(other)) = (last[row], other[row]) else { return Ok(None) };
+            let percent = self.finite(table, row, (value - other) * self.scale + self.offset)?;
+            Ok(Some(Input { percent, is_written: written[row].is_some() }))
+        };
+        (0..table.len()).map(input).collect()
     }
 
     /// The column in our units; a cell without a reading, empty or NaN, is `None`.

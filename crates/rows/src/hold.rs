@@ -2,19 +2,19 @@
 //! repeats the last value.
 
 /// The values, where an empty one repeats the last before it. Those before the first value stay empty.
-pub(crate) fn held(values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
-    let repeat = |last: &mut Option<f64>, value: Option<f64>| {
+pub(crate) fn held(values: &[Option<f64>]) -> Vec<Option<f64>> {
+    let repeat = |last: &mut Option<f64>, value: &Option<f64>| {
         *last = value.or(*last);
         Some(*last)
     };
-    values.scan(None, repeat).collect()
+    values.iter().scan(None, repeat).collect()
 }
 
 /// The column with its last value in each empty cell. `None`: no more than half of its cells are empty.
 #[must_use]
 pub fn held_if_sparse(values: &[Option<f64>]) -> Option<Vec<Option<f64>>> {
     let empty = values.iter().filter(|value| value.is_none()).count();
-    (2 * empty > values.len()).then(|| held(values.iter().copied()))
+    (2 * empty > values.len()).then(|| held(values))
 }
 
 #[cfg(test)]

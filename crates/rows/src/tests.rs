@@ -70,6 +70,21 @@ fn a_cell_of_nan_is_no_reading_wherever_an_empty_one_is_none() {
 }
 
 #[test]
+fn a_held_input_and_what_is_subtracted_repeat_their_last_values_and_rows_that_bring_nothing_are_left_out() {
+    let command = Column { minus: Some("offset".into()), hold: true, ..Column::named("u") };
+    let import = Import { duty_percent: command, ..Import::default() };
+    // At 0.01 s the input is not known; at 0.04 s there is the other topic alone.
+    let whole = (5..60).map(|k| format!("{:.2},{},,{}\n", 0.01 * f64::from(k), 20 + k, 300 + k));
+    let rows =
+        "0.00,,2,\n0.01,,,300\n0.02,30,,\n0.03,,,301\n0.04,,1,\n0.045,,,302\n".to_owned() + &whole.collect::<String>();
+    let found = recording("rig.csv", format!("time_s,u,offset,position_mm\n{rows}").as_bytes(), &import).unwrap();
+    let first = found.samples()[..4].iter().map(|row| (row.time_s, row.duty_percent, row.position_mm));
+    let expected =
+        [(0.02, 28.0, None), (0.03, 28.0, Some(301.0)), (0.045, 29.0, Some(302.0)), (0.05, 24.0, Some(305.0))];
+    assert_eq!(first.collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn text_of_a_file_is_shown_short_and_cannot_act_on_a_terminal() {
     let cell = format!("\u{1b}]0;title\u{7}\u{202e}{}", "x".repeat(10_000_000));
     let said = complaint(&with_line(7, &format!("0.10,300,0.5,{cell},205")));

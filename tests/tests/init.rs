@@ -277,6 +277,15 @@ fn a_speed_among_columns_without_names_is_told_from_its_input_with_the_flag_to_g
         assert!(refused.contains(words), "no {words} in {refused}");
     }
     let said = bench.output(&["init", "log.csv", "--speed", "column2"]);
+    // The range is that of the speed, not of its integral.
+    let of_speed = said.lines().find(|line| line.starts_with("`column2`")).unwrap();
+    let lowest: f64 = of_speed.split("as said; ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let speeds = bench
+        .read("log.csv")
+        .lines()
+        .map(|line| line.split(',').nth(1).unwrap().parse().unwrap())
+        .collect::<Vec<f64>>();
+    assert_eq!(lowest, speeds.into_iter().fold(f64::INFINITY, f64::min), "{of_speed}");
     assert!(said.lines().any(|line| line.starts_with("`column1`") && line.contains("→ input")), "{said}");
 }
 

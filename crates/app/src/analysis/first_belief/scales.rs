@@ -88,13 +88,15 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
         Some(length_mm) => (length_mm, 0.0),
         None => around(&position),
     };
+    // That of an integral is no range of values in the file.
+    let range = column(&roles.position.column).map_or(position.range, |y| of(&y.values, "").range);
     Scales {
         time,
         step_s,
         has_coarse_clock,
         is_input_held: column(&roles.input.column).is_some_and(|u| held_if_sparse(&u.values).is_some()),
         input,
-        position: Scaled { offset, ..position },
+        position: Scaled { offset, range, ..position },
         length_mm,
         has_ends: asked.length_mm.is_some(),
     }

@@ -98,7 +98,7 @@ pub use filter::missing_force::MissingForce;
 pub use filter::track::Forecast;
 pub use gap::divergence::kl_divergence;
 pub use gap::forecast_error::{FreeRun, free_runs};
-pub use record::free_flight::in_free_flight;
+pub use record::free_flight::{SETTLING_S, in_free_flight};
 pub use record::implausible::{DutyScale, plausible};
 pub use record::prepare::prepared;
 pub use record::source_columns::{SourceColumn, SourceColumns};

@@ -28,16 +28,18 @@ pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsErr
     if import.time_s.spread {
         spread(&mut time_s);
     }
-    let duty_percent = duty.input(table)?;
+    let duty_percent = match duty.hold {
+        true => duty.converted(table, &time_s)?,
+        false => duty.all(table)?.into_iter().map(Some).collect(),
+    };
     let position_mm = position.converted(table, &time_s)?;
     let convert = |found: Option<Found<'_>>| found.map_or(Ok(Vec::new()), |found| found.converted(table, &time_s));
     let (setpoint_mm, control_percent) = (convert(setpoint)?, convert(control)?);
     let (fan_rpm, position2_mm) = (convert(fan_rpm)?, convert(position2)?);
     let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
-    let known = time_s.iter().zip(&duty_percent).enumerate().filter_map(|(row, (&time_s, duty))| {
-        let Input { percent, is_written } = (*duty)?;
-        let is_new = is_written || [&position_mm, &fan_rpm, &position2_mm].iter().any(|of| at(of, row).is_some());
-        is_new.then_some((row, time_s, percent))
+    let known = time_s.iter().zip(&duty_percent).enumerate().filter_map(|(row, (&time_s, duty_percent))| {
+        let has_reading = [&position_mm, &fan_rpm, &position2_mm].iter().any(|of| at(of, row).is_some());
+        (has_reading || duty.is_written(table, row)).then_some((row, time_s, (*duty_percent)?))
     });
     let samples = known.map(|(row, time_s, duty_percent)| {
         let read = fresh.as_ref().map_or(Ok(true), |fresh| fresh.flag(table, row))?;
@@ -52,14 +54,6 @@ pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsErr
         })
     });
     samples.collect()
-}
-
-/// The input in a row.
-#[derive(Clone, Copy)]
-struct Input {
-    percent: f64,
-    /// Whether the row has a cell of it, and does not repeat the last one.
-    is_written: bool,
 }
 
 /// A column of the table, and the conversion of its numbers to our units.
@@ -131,36 +125,31 @@ impl<'a> Found<'a> {
             .collect()
     }
 
-    /// The input in our units. `None`: it is held, and the row lies before its first value.
-    fn input(&self, table: &Table) -> Result<Vec<Option<Input>>, RowsError> {
-        if !self.hold {
-            let all = self.all(table)?;
-            return Ok(all.into_iter().map(|percent| Some(Input { percent, is_written: true })).collect());
-        }
-        let cells = |column: usize| {
-            let cells = (0..table.len()).map(|row| self.in_column(table, row, column));
-            cells.collect::<Result<Vec<_>, _>>()
-        };
-        let written = cells(self.index)?;
-        let last = held(&written);
-        let other = match self.minus {
-            Some(minus) => held(&cells(minus)?),
-            None => vec![Some(0.0); table.len()],
-        };
-        let input = |row: usize| {
-            let (Some(value), Some(other)) = (last[row], other[row]) else { return Ok(None) };
-            let percent = self.finite(table, row, (value - other) * self.scale + self.offset)?;
-            Ok(Some(Input { percent, is_written: written[row].is_some() }))
-        };
-        (0..table.len()).map(input).collect()
-    }
-
     /// The column in our units; a cell without a reading, empty or NaN, is `None`.
     fn converted(&self, table: &Table, time_s: &[f64]) -> Result<Vec<Option<f64>>, RowsError> {
-        let raw = (0..table.len()).map(|row| self.number(table, row)).collect::<Result<Vec<_>, _>>()?;
+        let raw = self.raw(table)?;
         let raw = if self.integrate { integral(&raw, time_s) } else { raw };
         let ours = raw.into_iter().map(|value| value.map(|value| value * self.scale + self.offset));
         ours.enumerate().map(|(row, value)| value.map(|value| self.finite(table, row, value)).transpose()).collect()
+    }
+
+    /// The numbers of the column, less those of the other one. Where it is held, each of both repeats its last value.
+    fn raw(&self, table: &Table) -> Result<Vec<Option<f64>>, RowsError> {
+        if !self.hold {
+            return (0..table.len()).map(|row| self.number(table, row)).collect();
+        }
+        let held_of = |column: usize| {
+            let cells = (0..table.len()).map(|row| self.in_column(table, row, column));
+            cells.collect::<Result<Vec<_>, _>>().map(|cells| held(&cells))
+        };
+        let values = held_of(self.index)?;
+        let Some(minus) = self.minus else { return Ok(values) };
+        Ok(values.into_iter().zip(held_of(minus)?).map(|(value, other)| Some(value? - other?)).collect())
+    }
+
+    /// Whether the row has a value of its own, and does not repeat an earlier one.
+    fn is_written(&self, table: &Table, row: usize) -> bool {
+        !self.hold || matches!(self.in_column(table, row, self.index), Ok(Some(_)))
     }
 
     fn number(&self, table: &Table, row: usize) -> Result<Option<f64>, RowsError> {

@@ -70,7 +70,7 @@ fn a_cell_of_nan_is_no_reading_wherever_an_empty_one_is_none() {
 }
 
 #[test]
-fn a_held_input_and_what_is_subtracted_repeat_their_last_values_and_rows_that_bring_nothing_are_left_out() {
+fn a_held_input_and_what_is_subtracted_repeat_their_last_values_and_rows_without_a_new_value_are_left_out() {
     let command = Column { minus: Some("offset".into()), hold: true, ..Column::named("u") };
     let import = Import { duty_percent: command, ..Import::default() };
     // At 0.01 s the input is not known; at 0.04 s there is the other topic alone.

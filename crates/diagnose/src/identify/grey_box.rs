@@ -107,11 +107,11 @@ pub enum TooLittle {
 }
 
 impl TooLittle {
-    /// Refuses a record whose rows are too far apart on the average.
+    /// Refuses a record whose rows are too far apart on average.
     ///
     /// # Errors
     /// [`TooLittle::SlowRows`].
-    pub(crate) fn of_clock(recording: &Recording) -> Result<(), Self> {
+    pub(crate) fn check_row_period(recording: &Recording) -> Result<(), Self> {
         let apart_s = recording.duration_s() / recording.samples().len().max(1) as f64;
         if apart_s > SLOWEST_S { Err(Self::SlowRows { apart_s }) } else { Ok(()) }
     }
@@ -123,7 +123,7 @@ impl GreyBox {
     /// # Errors
     /// [`TooLittle`]: the record is too short, or its rows are too far apart.
     pub fn identify(start: &Model, recording: &Recording, poles: Poles) -> Result<Self, TooLittle> {
-        TooLittle::of_clock(recording)?;
+        TooLittle::check_row_period(recording)?;
         let folds = Folds::new(start, recording);
         let readings = folds.readings(recording);
         if readings < ENOUGH_READINGS {

@@ -110,7 +110,7 @@ pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial,
     if let Some(time_constant_s) = forms.first_order_s() {
         return Err(NoPlant::FirstOrder { time_constant_s });
     }
-    TooLittle::of_clock(flight)?;
+    TooLittle::check_row_period(flight)?;
     if forms.best_deviations() < SEEN {
         return Err(NoPlant::NoAnswer { deviations: forms.best_deviations() });
     }

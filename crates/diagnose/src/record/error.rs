@@ -40,9 +40,9 @@ pub enum RecordingError {
     Hole {
         /// The row after the gap.
         row: usize,
-        /// Time of the row before, from that of the first row.
+        /// Time of the row before, seconds after the first row.
         from_s: f64,
-        /// Time of the row, from the same.
+        /// Time of the row, seconds after the first row.
         to_s: f64,
     },
     /// A value that is not finite.

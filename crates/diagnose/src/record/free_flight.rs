@@ -5,7 +5,7 @@ use plant::Model;
 use std::ops::Range;
 
 /// Time after the start, or after the ball rested at an end of the pipe, until the filter has settled, seconds.
-const FORGET_S: f64 = 1.5;
+pub const SETTLING_S: f64 = 1.5;
 /// A ball nearer to an end than this share of the pipe, 10 mm of 600, or than so many standard deviations of its sensor,
 /// may touch it.
 const NEAR: f64 = 1.0 / 60.0;
@@ -28,10 +28,10 @@ pub(crate) fn is_at_end(model: &Model, mm: f64) -> bool {
 pub fn in_free_flight(model: &Model, recording: &Recording) -> Vec<bool> {
     let of_flight = |flight: &Range<usize>| {
         let rows = &recording.samples()[flight.clone()];
-        let mut quiet_from_s = rows.first().map_or(0.0, |first| first.time_s) + FORGET_S;
+        let mut quiet_from_s = rows.first().map_or(0.0, |first| first.time_s) + SETTLING_S;
         let counts = rows.iter().map(move |sample| {
             if sample.position_mm.is_some_and(|mm| is_at_end(model, mm)) {
-                quiet_from_s = sample.time_s + FORGET_S;
+                quiet_from_s = sample.time_s + SETTLING_S;
             }
             sample.time_s >= quiet_from_s
         });

@@ -26,7 +26,7 @@ impl Name {
         let mut words = words(&column.name);
         let number = column.name.chars().filter(char::is_ascii_digit).collect();
         let bracketed = column.name.split_once(['[', '(']).and_then(|(_, rest)| rest.split([']', ')']).next());
-        let is_word = |unit: &&str| unit.contains(is_of_word);
+        let is_word = |unit: &&str| unit.contains(is_word_character);
         let of_row = column.unit.as_deref().or(bracketed.filter(is_word)).map(|unit| unit.trim().to_lowercase());
         let is_unit = |word: &String| UNITS.contains(&word.as_str());
         let behind = (words.len() > 1).then(|| words.last().filter(|word| is_unit(word)).cloned()).flatten();
@@ -48,7 +48,7 @@ impl Name {
         self.unit.as_deref().is_some_and(|unit| LENGTHS_AND_ANGLES.contains(&unit))
     }
 
-    /// Whether the other name says the same and a unit beside, which this one lacks: `theta` and `theta(rad)`.
+    /// Whether `other` has the same words and number, and a unit, which this name lacks: `theta` and `theta(rad)`.
     pub(super) fn is_without_unit_of(&self, other: &Self) -> bool {
         self.unit.is_none() && other.unit.is_some() && self.words == other.words && self.number == other.number
     }
@@ -64,8 +64,8 @@ impl Name {
     }
 }
 
-/// Whether a word or a unit has this character.
-fn is_of_word(letter: char) -> bool {
+/// Whether words and units may contain this character.
+fn is_word_character(letter: char) -> bool {
     letter.is_alphabetic() || matches!(letter, '%' | '°')
 }
 
@@ -75,10 +75,10 @@ fn words(name: &str) -> Vec<String> {
     let mut before = ' ';
     for letter in name.chars() {
         let parts = before.is_lowercase() && letter.is_uppercase();
-        if parts || !is_of_word(letter) {
+        if parts || !is_word_character(letter) {
             words.push(String::new());
         }
-        if is_of_word(letter) {
+        if is_word_character(letter) {
             words.last_mut().into_iter().for_each(|word| word.extend(letter.to_lowercase()));
         }
         before = letter;

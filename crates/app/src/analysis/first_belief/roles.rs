@@ -187,9 +187,9 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
         None => moving.clone(),
     };
     let is_position = |one: &&Candidate<'_>| position.as_ref().is_some_and(|found| found.column == one.column.name);
-    let beside: Vec<&Candidate<'_>> = all.iter().filter(is_position).take(1).collect();
-    let number = beside.first().map(|one| one.name.number.clone()).unwrap_or_default();
-    let said = |words: &[&str]| columns.named(&others, &number, words, &beside);
+    let found = all.iter().find(is_position);
+    let number = found.map(|one| one.name.number.as_str()).unwrap_or_default();
+    let said = |words: &[&str]| columns.named(&others, number, words, found.as_slice());
     let input = match columns.given(Role::Input, asked.input.as_deref())? {
         Some(found) => Some(found),
         None => said(INPUTS),

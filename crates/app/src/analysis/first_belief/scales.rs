@@ -11,6 +11,7 @@
 use super::names::Name;
 use super::rig_words::written;
 use super::roles::{Asked, Roles};
+use diagnose::SETTLING_S;
 use plant::Model;
 use rows::{Sheet, SheetColumn, held_if_sparse, spread_if_coarse};
 
@@ -51,9 +52,6 @@ pub struct Scales {
 /// Range of the record beside the length of a pipe whose ends it never meets.
 const ROOM: f64 = 3.0;
 
-/// A record of fewer seconds shows nothing: readings count from 1.5 s after its start.
-const SHORTEST_S: f64 = 1.5;
-
 /// The scales of the columns of a table.
 #[must_use]
 pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
@@ -88,7 +86,7 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
         Some(length_mm) => (length_mm, 0.0),
         None => around(&position),
     };
-    // That of an integral is no range of values in the file.
+    // The range of the values in the file, also of a speed, of which the position is the integral.
     let range = column(&roles.position.column).map_or(position.range, |y| of(&y.values, "").range);
     Scales {
         time,
@@ -137,11 +135,11 @@ fn time(column: &SheetColumn) -> Scaled {
         known.into_iter().find(|(name, _)| *name == unit)
     });
     let as_read = of(&column.values, "");
-    // Rows are 0.1 ms to 1 s apart, and a record is no shorter than the time that its filter takes to settle.
+    // Rows are 0.1 ms to 1 s apart, and a record is longer than its filter takes to settle.
     let (step, long) = (step(column), span(as_read.range));
     let known = [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
     let slowest = known.into_iter().rev().find(|(_, scale)| step * scale < 1.0).unwrap_or(known[0]);
-    let by_step = known.into_iter().find(|(_, scale)| *scale >= slowest.1 && long * scale > SHORTEST_S);
+    let by_step = known.into_iter().find(|(_, scale)| *scale >= slowest.1 && long * scale > SETTLING_S);
     let (read_as, scale) = by_unit.or(by_step).unwrap_or(slowest);
     Scaled { scale, read_as: read_as.into(), ..as_read }
 }

@@ -10,17 +10,30 @@
 
 use crate::number::Number;
 
-/// A value and its derivative in the direction of interest.
+/// A value and its derivatives along `N` directions.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Dual {
+pub(crate) struct Dual<const N: usize> {
     pub(crate) value: f64,
-    pub(crate) slope: f64,
+    pub(crate) slopes: [f64; N],
 }
 
-impl Number for Dual {
+impl<const N: usize> Dual<N> {
+    /// The derivatives of a result, from those of its two operands.
+    #[inline(always)]
+    fn slopes(self, other: Self, of: impl Fn(f64, f64) -> f64) -> [f64; N] {
+        // A loop: a closure for `from_fn` is a call of its own here.
+        let mut slopes = [0.0; N];
+        for (slope, (a, b)) in slopes.iter_mut().zip(self.slopes.iter().zip(&other.slopes)) {
+            *slope = of(*a, *b);
+        }
+        slopes
+    }
+}
+
+impl<const N: usize> Number for Dual<N> {
     #[inline(always)]
     fn constant(value: f64) -> Self {
-        Self { value, slope: 0.0 }
+        Self { value, slopes: [0.0; N] }
     }
 
     #[inline(always)]
@@ -30,41 +43,47 @@ impl Number for Dual {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: -self.value, slope: -self.slope }
+        Self { value: -self.value, slopes: self.slopes.map(|slope| -slope) }
     }
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, slope: self.slope + other.slope }
+        Self { value: self.value + other.value, slopes: self.slopes(other, |a, b| a + b) }
     }
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, slope: self.slope - other.slope }
+        Self { value: self.value - other.value, slopes: self.slopes(other, |a, b| a - b) }
     }
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self { value: self.value * other.value, slope: self.slope * other.value + self.value * other.slope }
+        let slopes = self.slopes(other, |a, b| a * other.value + self.value * b);
+        Self { value: self.value * other.value, slopes }
     }
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
-        Self { value, slope: (self.slope - value * other.slope) / other.value }
+        Self { value, slopes: self.slopes(other, |a, b| (a - value * b) / other.value) }
     }
 
     fn pow(self, exponent: Self) -> Self {
         let value = libm::pow(self.value, exponent.value);
         // The logarithm and the power less one may be infinite where the factor before them is zero: the limit is zero.
-        let of_base = times(exponent.value, || times(self.slope, || libm::pow(self.value, exponent.value - 1.0)));
-        let of_exponent = times(exponent.slope, || times(value, || libm::log(self.value)));
-        Self { value, slope: of_base + of_exponent }
+        let of_base =
+            |slope: f64| times(exponent.value, || times(slope, || libm::pow(self.value, exponent.value - 1.0)));
+        let of_exponent = |slope: f64| times(slope, || times(value, || libm::log(self.value)));
+        Self { value, slopes: self.slopes(exponent, |a, b| of_base(a) + of_exponent(b)) }
     }
 
     #[inline(always)]
     fn chain(self, value: f64, derivative: impl FnOnce() -> f64) -> Self {
-        Self { value, slope: times(self.slope, derivative) }
+        if self.slopes == [0.0; N] {
+            return Self::constant(value);
+        }
+        let derivative = derivative();
+        Self { value, slopes: self.slopes.map(|slope| times(slope, || derivative)) }
     }
 }
 

@@ -49,11 +49,21 @@ impl Formula {
     /// is the left one, and of `abs(0)` the positive one. `sign` and comparisons have none: zero.
     #[must_use]
     pub fn dual(&self, variables: &[f64], towards: &[f64]) -> (f64, f64) {
-        let Dual { value, slope } = self.program.run(|k| Dual {
-            value: variables.get(k).copied().unwrap_or(f64::NAN),
-            slope: towards.get(k).copied().unwrap_or(0.0),
-        });
-        (one_nan(value), one_nan(slope))
+        let (value, [slope]) = self.along(variables, |k| [towards.get(k).copied().unwrap_or(0.0)]);
+        (value, slope)
+    }
+
+    /// The same along `N` directions at once; `towards`: the speeds of each variable along them.
+    #[must_use]
+    pub fn duals<const N: usize>(&self, variables: &[f64], towards: &[[f64; N]]) -> (f64, [f64; N]) {
+        self.along(variables, |k| towards.get(k).copied().unwrap_or([0.0; N]))
+    }
+
+    #[inline(always)]
+    fn along<const N: usize>(&self, variables: &[f64], towards: impl Fn(usize) -> [f64; N]) -> (f64, [f64; N]) {
+        let Dual { value, slopes } =
+            self.program.run(|k| Dual { value: variables.get(k).copied().unwrap_or(f64::NAN), slopes: towards(k) });
+        (one_nan(value), slopes.map(one_nan))
     }
 
     /// The text that was parsed.

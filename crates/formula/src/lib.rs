@@ -1,7 +1,7 @@
 //! Expressions that a user writes for an effect, such as `-k * max(x - start, 0)`: text in, numbers out.
 //!
 //! ```text
-//! text ─ token ─→ tokens ─ parse ─→ Tree ─ program ─→ Program ─→ value, dual
+//! text ─ token ─→ tokens ─ parse ─→ Tree ─ program ─→ Program ─→ value, dual, duals
 //!                                     ├─ range ─→ interval of the value, or where it is not defined
 //!                                     └─ affine ─→ whether it is affine in some variables
 //! ```

@@ -24,9 +24,9 @@ impl Motion {
         let fan = self.fan_mm_per_s2;
         let drive = Drive { force: fan + self.turbulence_mm_per_s2, fan, time_s: input.time_s };
         let conditions = flow.conditions([self.position_mm, self.velocity_mm_per_s], self.own, drive);
-        let [by_position, by_velocity, ..] = flow.force_slopes(&conditions);
-        let own = if model.effects.has_own_states() { flow.own_slopes(&conditions) } else { Default::default() };
-        let of_own = (0..OWN_STATES).map(|state| own[state][3 + state].abs());
+        let (_, [by_position, by_velocity, ..]) = flow.force_with_slopes(0.0, &conditions);
+        let own = flow.own_rates_with_slopes(&conditions);
+        let of_own = (0..OWN_STATES).map(|state| own[state].1[3 + state].abs());
         let of_ball =
             [(model.drag_per_s - by_velocity).abs(), by_position.abs().sqrt(), model.effects.fastest_lag_per_s()];
         Some(of_own.chain(of_ball).fold(0.0, f64::max))

@@ -139,16 +139,21 @@ const fn name<E: Effect>(_: &E) -> &'static str {
 
 /// Air and ball.
 impl Effects {
-    /// The acceleration, mm/s², of a ball that is `acceleration` without these effects: what acts on the ball, then the
-    /// air.
+    /// The acceleration, mm/s², of a ball that is `acceleration` without these effects.
     #[inline(always)]
     pub(crate) fn accelerated(&self, acceleration: f64, conditions: &Conditions) -> f64 {
+        self.accelerated_by_catalogue(acceleration, conditions) + self.written.force(conditions)
+    }
+
+    /// The same without the effects that users write: what acts on the ball, then the air.
+    #[inline(always)]
+    pub(crate) fn accelerated_by_catalogue(&self, acceleration: f64, conditions: &Conditions) -> f64 {
         let sum = fold!(self, force, acceleration, |sum, act, effect| {
             if matches!(stage(effect), Stage::Air) { sum } else { sum + act(effect, conditions) }
         });
         fold!(self, force, sum, |sum, act, effect| {
             if matches!(stage(effect), Stage::Air) { sum + act(effect, conditions) } else { sum }
-        }) + self.written.force(conditions)
+        })
     }
 
     /// The derivatives of the part of it by the effects of the catalogue, by position, velocity and the fan's

@@ -12,10 +12,11 @@
 //! [`crate::Acts::force_slopes`]; that of the fan's lag is a difference, exact where the lag is linear.
 //! Source: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, section I.14.
 
-use crate::acts::{Conditions, Direction, NUDGE};
+use crate::acts::{Conditions, NUDGE};
 use crate::flow::{Drive, Flow};
 use crate::motion::{Motion, OWN_STATES};
 use crate::rk4;
+use crate::written::STATES;
 
 /// What moves the ball between two events.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,15 +159,17 @@ impl Flow<'_> {
         let own = if ROWS > 2 { [x[2], x[3]] } else { [0.0; OWN_STATES] };
         let conditions = self.conditions([x[0], x[1]], own, drive);
         let mut rates = [0.0; ALL];
-        let (mut of_force, mut friction_slope_per_s) = ([0.0; 3 + OWN_STATES], 0.0);
+        let (mut of_force, mut friction_slope_per_s) = ([0.0; STATES], 0.0);
         if let Phase::Sliding(friction) = phase {
-            (rates[0], rates[1]) = (x[1], self.acceleration([x[0], x[1]], own, drive));
-            (of_force, friction_slope_per_s) = (self.force_slopes(&conditions), friction.slope_per_s);
+            let linear = drive.force - self.model.drag_per_s * x[1];
+            (rates[0], friction_slope_per_s) = (x[1], friction.slope_per_s);
+            (rates[1], of_force) = self.force_with_slopes(linear, &conditions);
         }
-        let mut of_own = [[0.0; 3 + OWN_STATES]; OWN_STATES];
+        let mut of_own = [[0.0; STATES]; OWN_STATES];
         if ROWS > 2 {
-            rates[2..ROWS].copy_from_slice(&self.model.effects.own_rates(&conditions));
-            of_own = self.own_slopes(&conditions);
+            let own = self.own_rates_with_slopes(&conditions);
+            rates[2..ROWS].copy_from_slice(&own.map(|(rate, _)| rate));
+            of_own = own.map(|(_, slopes)| slopes);
         }
         let columns = x[ROWS..].chunks_exact(ROWS).zip(rates[ROWS..].chunks_exact_mut(ROWS)).enumerate();
         for (column, (x, rate)) in columns {
@@ -187,43 +190,37 @@ impl Flow<'_> {
         rates
     }
 
-    /// The derivatives of the force of the effects by y, v, the fan and the own states.
+    /// The acceleration of a ball that is `linear` without the effects, and the derivatives of their force by position,
+    /// velocity, the fan and the own states.
     #[inline(always)]
-    pub(crate) fn force_slopes(&self, conditions: &Conditions) -> [f64; 3 + OWN_STATES] {
+    pub(crate) fn force_with_slopes(&self, linear: f64, conditions: &Conditions) -> (f64, [f64; STATES]) {
         let effects = &self.model.effects;
-        let mut slopes = [0.0; 3 + OWN_STATES];
-        slopes[..3].copy_from_slice(&effects.built_in_slopes(conditions));
-        if effects.written.has_force() {
-            for (slope, along) in slopes.iter_mut().zip(self.directions()) {
-                *slope += along.map_or(0.0, |along| effects.written.force_along(conditions, &along));
-            }
+        let acceleration = effects.accelerated_by_catalogue(linear, conditions);
+        let [by_position, by_velocity, by_fan] = effects.built_in_slopes(conditions);
+        let mut slopes = [by_position, by_velocity, by_fan, 0.0, 0.0];
+        if !effects.written.has_force() {
+            return (acceleration, slopes);
+        }
+        let (force, written) = effects.written.force_with_slopes(conditions);
+        for (slope, own) in slopes.iter_mut().zip(self.of_states(written)) {
+            *slope += own;
+        }
+        (acceleration + force, slopes)
+    }
+
+    /// The rate of each own state, and its derivatives by the states.
+    pub(crate) fn own_rates_with_slopes(&self, conditions: &Conditions) -> [(f64, [f64; STATES]); OWN_STATES] {
+        let rates = self.model.effects.written.own_rates_with_slopes(conditions);
+        rates.map(|(rate, slopes)| (rate, self.of_states(slopes)))
+    }
+
+    /// The derivatives without that by the fan's acceleration where it is no state of the model.
+    #[inline(always)]
+    fn of_states(&self, mut slopes: [f64; STATES]) -> [f64; STATES] {
+        if !self.model.effects.has_fan_state() {
+            slopes[2] = 0.0;
         }
         slopes
-    }
-
-    /// The derivatives of the rate of each own state by the same.
-    pub(crate) fn own_slopes(&self, conditions: &Conditions) -> [[f64; 3 + OWN_STATES]; OWN_STATES] {
-        let along = |along: Direction| self.model.effects.written.own_rates_along(conditions, &along);
-        let columns = self.directions().map(|direction| direction.map_or([0.0; OWN_STATES], along));
-        std::array::from_fn(|state| columns.map(|column| column[state]))
-    }
-
-    /// y, v, the fan and the own states as directions; `None`: it is no state of the model.
-    #[inline(always)]
-    fn directions(&self) -> [Option<Direction>; 3 + OWN_STATES] {
-        let (effects, none) = (&self.model.effects, Direction::default());
-        let own = |state: usize| {
-            let mut own = [0.0; OWN_STATES];
-            own[state] = 1.0;
-            (state < effects.own_states()).then_some(Direction { own, ..none })
-        };
-        [
-            Some(Direction { position: 1.0, ..none }),
-            Some(Direction { velocity: 1.0, ..none }),
-            effects.has_fan_state().then_some(Direction { fan: 1.0, ..none }),
-            own(0),
-            own(1),
-        ]
     }
 
     /// The derivatives of the fan's acceleration at the start, the middle and the end of `dt_s`, where it is `fan`, by
@@ -240,7 +237,7 @@ impl Flow<'_> {
 
 /// The rate of a column: slopes by y, v, the fan and the own states, times the column's y, v, own states and fan.
 #[inline(always)]
-fn along(slopes: &[f64; 3 + OWN_STATES], column: &[f64], fan: f64) -> f64 {
+fn along(slopes: &[f64; STATES], column: &[f64], fan: f64) -> f64 {
     let own: f64 = slopes[3..].iter().zip(&column[2..]).map(|(slope, own)| slope * own).sum();
     slopes[0] * column[0] + slopes[1] * column[1] + slopes[2] * fan + own
 }

@@ -6,6 +6,7 @@
 mod apart;
 mod definition;
 mod entry;
+mod gradient;
 mod intern;
 mod names;
 mod scope;
@@ -21,6 +22,7 @@ use crate::unsound::Unsound;
 use control::check::within;
 pub use definition::Definition;
 use scope::MOST_PARAMETERS;
+pub(crate) use scope::STATES;
 pub use table::{DefinitionError, DefinitionTable, ParameterTable, StateTable};
 
 /// An effect that is on.
@@ -131,9 +133,12 @@ impl WrittenEffects {
         self.forces().map(|on| on.adds(&conditions)).sum()
     }
 
-    /// The directional derivative of [`Self::force`] by the state.
-    pub(crate) fn force_along(&self, conditions: &Conditions, along: &Direction) -> f64 {
-        self.forces().map(|on| on.adds_along(conditions, along)).sum()
+    /// [`Self::force`], and its derivatives by position, velocity, the fan's acceleration and the own states.
+    pub(crate) fn force_with_slopes(&self, conditions: &Conditions) -> (f64, [f64; STATES]) {
+        let each = self.forces().map(|on| on.definition.adds_with_slopes(&scope::of_force(conditions, &on.values)));
+        each.fold((0.0, [0.0; STATES]), |(force, slopes), (own, own_slopes)| {
+            (force + own, std::array::from_fn(|state| slopes[state] + own_slopes[state]))
+        })
     }
 
     /// The effects that are a force.
@@ -189,10 +194,10 @@ impl WrittenEffects {
         self.with_states().map(|on| on.definition.rates(&scope::of_force(conditions, &on.values)))
     }
 
-    /// The directional derivatives of the rates of the own states.
-    pub(crate) fn own_rates_along(&self, conditions: &Conditions, along: &Direction) -> [f64; OWN_STATES] {
-        let (Some(on), direction) = (self.with_states(), scope::of_direction(along)) else { return [0.0; OWN_STATES] };
-        on.definition.rates_along(&scope::of_force(conditions, &on.values), &direction)
+    /// The rates of the own states, each with its derivatives as those of [`Self::force_with_slopes`].
+    pub(crate) fn own_rates_with_slopes(&self, conditions: &Conditions) -> [(f64, [f64; STATES]); OWN_STATES] {
+        let rates = |on: &On| on.definition.rates_with_slopes(&scope::of_force(conditions, &on.values));
+        self.with_states().map_or_else(Default::default, rates)
     }
 
     pub(crate) fn own_settled(&self, conditions: &Conditions) -> Option<[f64; OWN_STATES]> {

@@ -1,9 +1,10 @@
 //! A written effect that was read: its entry and its formulas.
 
 use super::entry::entry;
+use super::gradient;
 use super::intern;
 use super::names::Names;
-use super::scope::{ALL_BUT_PARAMETERS, SETPOINT};
+use super::scope::{ALL_BUT_PARAMETERS, SETPOINT, STATES};
 use super::table::{DefinitionError, DefinitionTable, check_name, check_parameters};
 use super::text::shown;
 use crate::effect::{Entry, Stage};
@@ -97,7 +98,12 @@ impl Definition {
 
     /// The directional derivative of what it adds, along `towards`.
     pub(super) fn adds_along(&self, values: &[f64], towards: &[f64]) -> f64 {
-        along(&self.adds, values, towards)
+        self.adds.dual(values, towards).1
+    }
+
+    /// What it adds, and the derivatives of that by the states.
+    pub(super) fn adds_with_slopes(&self, values: &[f64]) -> (f64, [f64; STATES]) {
+        gradient::of(&self.adds, values)
     }
 
     pub(super) const fn uses_time(&self) -> bool {
@@ -122,9 +128,11 @@ impl Definition {
         std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| rate.value(values)))
     }
 
-    /// The directional derivatives of the rates, along `towards`.
-    pub(super) fn rates_along(&self, values: &[f64], towards: &[f64]) -> [f64; OWN_STATES] {
-        std::array::from_fn(|state| self.states.get(state).map_or(0.0, |[rate, _]| along(rate, values, towards)))
+    /// The rates, and the derivatives of each by the states.
+    pub(super) fn rates_with_slopes(&self, values: &[f64]) -> [(f64, [f64; STATES]); OWN_STATES] {
+        std::array::from_fn(|state| {
+            self.states.get(state).map_or_else(Default::default, |[rate, _]| gradient::of(rate, values))
+        })
     }
 
     pub(super) fn start(&self, values: &[f64]) -> [f64; OWN_STATES] {
@@ -158,13 +166,6 @@ impl Definition {
         }
         Ok(())
     }
-}
-
-/// The directional derivative of a formula along `towards`.
-fn along(formula: &Formula, values: &[f64], towards: &[f64]) -> f64 {
-    // To find that none of the variables that move occurs takes less time than to evaluate the formula.
-    let moves = towards.iter().enumerate().any(|(variable, speed)| *speed != 0.0 && formula.uses(variable));
-    if moves { formula.dual(values, towards).1 } else { 0.0 }
 }
 
 /// Key, text and column of the first use of the setpoint.

@@ -45,10 +45,16 @@ pub(super) fn is_variable(name: &str) -> bool {
 }
 
 /// The number of the variables of a stage with states, and of the states.
-const MOVING: usize = OF_FORCE.len() + OWN_STATES;
+pub(super) const MOVING: usize = OF_FORCE.len() + OWN_STATES;
 
 /// The indices of what a force may be linear in.
 pub(super) const ALL_BUT_PARAMETERS: [usize; MOVING] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+
+/// The number of the states that a force depends on: position, velocity, the fan's acceleration, and the own states.
+pub(crate) const STATES: usize = 3 + OWN_STATES;
+
+/// The indices of these states among the variables.
+pub(super) const OF_STATE: [usize; STATES] = [0, 1, 5, 7, 8];
 
 /// The values of the names of a formula in the actuator: u, then duty, time and setpoint, then the parameters.
 pub(super) fn of_duty(

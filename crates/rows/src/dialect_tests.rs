@@ -196,6 +196,15 @@ fn the_names_of_columns_stand_in_a_comment_also_behind_a_label_and_above_other_c
 }
 
 #[test]
+fn names_with_single_spaces_within_them_stand_two_spaces_apart() {
+    for text in ["Time (s)   arm angle (deg)  u\n0\t1\t2\n0.1\t1\t2\n", "t of run  y 1   u\r\n0 1 2\r\n0.1 1 2\r\n"] {
+        let found = sheet("rig.txt", text.as_bytes()).unwrap();
+        assert_eq!((found.columns.len(), found.rows, found.columns[2].values[1]), (3, 2, Some(2.0)), "{text}");
+        assert!(found.columns[1].name.contains(' '), "{text}: {:?}", found.columns[1]);
+    }
+}
+
+#[test]
 fn a_header_of_other_width_than_all_rows_is_the_line_to_mend() {
     let error = sheet("rig.csv", b"time,data\n0,1,2,3\n1,1,2,3\n").unwrap_err().to_string();
     assert!(error.starts_with("rig.csv, line 1: the header has 2 names, and every row has 4 cells;"), "{error}");

@@ -3,7 +3,7 @@
 //! The separator is a comma, semicolon, tab or spaces, whichever the header has most of. A byte order mark, CRLF, empty
 //! lines, lines of comment (`#`, `%`, `//`), `sep=;` and what a serial monitor adds ([`crate::serial`]) are accepted. A
 //! comment above rows of numbers with as many words as these have cells is their header, as numpy writes it, also behind
-//! a label: `# columns: t u y`. Lines above the header, such as those of an oscilloscope or the first words of a
+//! a label: `# columns: t u y`. Names with single spaces within them may stand two spaces apart. Lines above the header, such as those of an oscilloscope or the first words of a
 //! microcontroller, are left out.
 
 use crate::number::{Decimal, clock_s};
@@ -35,7 +35,11 @@ pub(crate) fn plain(text: &str) -> Plain {
         lines[0] = "";
     }
     let stamps = take_stamps(&mut lines);
-    let first = header(&lines).unwrap_or(lines.len());
+    let mut first = header(&lines).unwrap_or(lines.len());
+    let spaced = names_with_spaces(&lines, first);
+    if spaced.is_some() {
+        first += 1;
+    }
     let head = lines.get(first).copied().unwrap_or_default();
     let separator = delimiter.unwrap_or_else(|| separator(head));
     let width = cells(head, separator).len();
@@ -61,7 +65,7 @@ pub(crate) fn plain(text: &str) -> Plain {
         }
         plain.push('\n');
     }
-    let names = labels.or(named).map(|names| {
+    let names = labels.or(spaced).or(named).map(|names| {
         let stamp = stamps.first().map(|_| "");
         names.into_iter().chain(stamp).collect::<StringRecord>()
     });
@@ -129,6 +133,16 @@ fn names_of(comment: &str, separator: u8, width: usize) -> Option<Vec<&str>> {
         .flatten()
         .map(|text| cells(text, separator))
         .find(|names| width > 1 && names.len() == width && !names.iter().any(|name| name.is_empty() || is_number(name)))
+}
+
+/// The names of a header that two spaces or more separate, since single ones stand within the names, if the line below
+/// has as many cells and the header has another number of words.
+fn names_with_spaces<'a>(lines: &[&'a str], header: usize) -> Option<Vec<&'a str>> {
+    let (head, row) = (lines.get(header)?, lines.get(header + 1)?);
+    let names: Vec<&str> = head.split("  ").map(str::trim).filter(|name| !name.is_empty()).collect();
+    let width = cells(row, separator(row)).len();
+    let is_by_spaces = separator(head) == b' ' && cells(head, b' ').len() != width && names.len() == width;
+    (is_by_spaces && width > 1 && !names.iter().any(|name| is_number(name))).then_some(names)
 }
 
 /// The separator of a line: the most frequent of tab, semicolon and comma; spaces where there is none of them.

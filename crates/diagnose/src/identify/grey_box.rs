@@ -18,6 +18,7 @@ use crate::identify::residual_tests::ResidualTests;
 use crate::identify::validation::HeldOut;
 use crate::record::check::SLOWEST_S;
 use crate::record::folds::Folds;
+use crate::record::free_flight::SETTLING_S;
 use crate::record::recording::Recording;
 use crate::select::refit::with_noise_that_fits;
 use crate::thresholds::ENOUGH_READINGS;
@@ -76,8 +77,8 @@ pub struct GreyBox {
 pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
-        "{readings} readings in free flight, {ENOUGH_READINGS} are needed: record longer, as experiments/identify.toml \
-         does in 100 s"
+        "{readings} readings in free flight after the first {SETTLING_S} s, in which the filter settles; \
+         {ENOUGH_READINGS} are needed: record longer (experiments/identify.toml takes 100 s)"
     )]
     Readings {
         /// Number of readings found.

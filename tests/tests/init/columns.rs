@@ -30,6 +30,16 @@ fn columns_are_found_by_their_names_their_numbers_or_as_they_are_said() {
     let column = |found: &toml::Value, key: &str| found[key]["column"].as_str().unwrap().to_owned();
     let three = |found: &toml::Value| ["time_s", "duty_percent", "position_mm"].map(|key| column(found, key));
     assert_eq!(three(&found), ["a", "b", "c"]);
+    // The speed and the control error beside them fit better than any input, and drive nothing.
+    let derived: String = rows
+        .windows(11)
+        .map(|around| {
+            let ([t, u, y], speed) = (around[5], (around[10][2] - around[0][2]) / 0.1);
+            format!("{t:.2},{speed:.4},{u:.3},{y:.5},{:.5}\n", 0.4 - y)
+        })
+        .collect();
+    let found = import(&format!("a,b,c,d,e\n{derived}"), &[]);
+    assert_eq!(three(&found), ["a", "c", "d"]);
     // Milliseconds, a row number before them and a decimal comma.
     let german: String = rows
         .iter()

@@ -7,6 +7,7 @@
 //! What a user says comes before what is guessed, and every guess says what it rests on.
 
 mod by_fit;
+mod derived;
 mod flaw;
 mod names;
 mod rig_words;

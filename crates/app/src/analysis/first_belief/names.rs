@@ -83,8 +83,12 @@ fn words(name: &str) -> Vec<String> {
         }
         before = letter;
     }
-    words.retain(|word| !word.is_empty());
-    words
+    // The derivative of a symbol by time: `xdot`, `thetadot`.
+    let parted = |word: String| match word.strip_suffix("dot") {
+        Some(symbol) => vec![symbol.to_owned(), "dot".to_owned()],
+        None => vec![word],
+    };
+    words.into_iter().flat_map(parted).filter(|word| !word.is_empty()).collect()
 }
 
 #[cfg(test)]
@@ -103,6 +107,8 @@ mod tests {
             ("Angle [deg]", &["angle"], "", Some("deg")),
             ("pos (5)", &["pos"], "5", None),
             ("y", &["y"], "", None),
+            ("theta_dot", &["theta", "dot"], "", None),
+            ("xdot", &["x", "dot"], "", None),
             ("s", &["s"], "", None),
             ("", &[], "", None),
         ] {

@@ -110,6 +110,7 @@ pub(super) const SPEEDS: &[&str] = &[
     "speed",
     "velocity",
     "vel",
+    "dot",
     "omega",
     "rpm",
     "rate",

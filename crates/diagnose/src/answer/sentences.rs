@@ -136,7 +136,7 @@ impl Diagnosis {
     pub fn left_out_in_words(&self) -> Option<String> {
         let names: Vec<String> = self.left_out().into_iter().map(str::to_owned).collect();
         let names = (!names.is_empty()).then(|| listed(&names))?;
-        Some(format!("the mended model is without {names}: it forecasts this record better so"))
+        Some(format!("the mended model is without {names}, with which forecasts are no better"))
     }
 
     /// Effects in one sentence, first those that the mended model has.
@@ -216,7 +216,7 @@ fn unexplained(likely: Option<String>) -> String {
 fn headline(kept: &[&NamedEffect], out: &[&NamedEffect]) -> String {
     match (kept, out) {
         (_, []) => of_effects(kept),
-        ([], _) => format!("{}, though the mended model forecasts better without", of_effects(out)),
+        ([], _) => format!("{}; with that, forecasts are no better", of_effects(out)),
         _ => {
             let names: Vec<String> = out.iter().map(|named| with_rivals(named)).collect();
             format!("{}; also seen, but left out of the mended model: {}", of_effects(kept), listed(&names))

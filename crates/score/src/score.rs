@@ -134,7 +134,11 @@ fn about_all(cases: &[Case]) -> Vec<Share> {
     let placed = cases.iter().filter(|c| !c.truth.effects.is_empty() && stage_right(c).is_some());
     let claimed: Vec<&Case> = cases.iter().filter(|case| closed_difference(case).is_some()).collect();
     let close = |case: &Case| closed_difference(case).is_some_and(|difference| difference <= CLOSE);
-    let reaching = cases.iter().filter(|case| closed_covered(case).is_some());
+    let reaching = |clutter: bool| {
+        let with_interval = cases.iter().filter(|case| closed_covered(case).is_some());
+        with_interval.filter(move |case| case.truth.kind.has_clutter() == clutter)
+    };
+    let covered = |case: &Case| closed_covered(case) == Some(true);
     vec![
         share("read", "all: the case could be read", cases, |case| case.answer.is_some()),
         share("answered", "all: an answer, not insufficient_data", cases, |case| {
@@ -144,9 +148,13 @@ fn about_all(cases: &[Case]) -> Vec<Share> {
             stage_right(case) == Some(true)
         }),
         share("closed", "closed share within 5 points of the true effects'", claimed, close),
-        share("closed_covered", "closed share: its 90 % interval holds the true effects'", reaching, |case| {
-            closed_covered(case) == Some(true)
-        }),
+        share("closed_covered", "closed share: its 90 % interval holds the true effects'", reaching(false), covered),
+        share(
+            "closed_covered_amid",
+            "closed share amid clutter: its 90 % interval holds the true effects'",
+            reaching(true),
+            covered,
+        ),
     ]
 }
 

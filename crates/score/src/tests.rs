@@ -248,6 +248,11 @@ fn a_claimed_share_and_a_blamed_stage_are_held_against_the_truth() {
             vec![AnsweredStage { name: "ball".into(), share: 0.4 }, AnsweredStage { name: stage.into(), share: 0.6 }];
         case
     };
+    // The true model lacks clutter.
+    let mut amid = with(0.94, "actuator");
+    amid.truth.kind = Kind::Amid;
+    let amid = score(&[amid]);
+    assert_eq!((of(&amid, "closed_covered"), of(&amid, "closed_covered_amid")), ((0, 0), (1, 1)));
     let score = score(&[with(0.94, "actuator"), with(0.8, "air"), with(1.0, "actuator")]);
     assert_eq!((of(&score, "closed"), of(&score, "stage")), ((1, 3), (2, 3)));
     assert_eq!(of(&score, "closed_covered"), (1, 3));

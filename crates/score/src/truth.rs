@@ -43,6 +43,13 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Whether the rig has clutter, which the true model of [`crate::true_shares`] lacks: a fit that follows it closes
+    /// more than the true effects with their true numbers do.
+    #[must_use]
+    pub const fn has_clutter(self) -> bool {
+        matches!(self, Self::Clutter | Self::Amid | Self::Several)
+    }
+
     /// Every kind, in the order of reports.
     pub const ALL: [Self; 8] = [
         Self::None,

@@ -24,7 +24,7 @@ impl Motion {
         let fan = self.fan_mm_per_s2;
         let drive = Drive { force: fan + self.turbulence_mm_per_s2, fan, time_s: input.time_s };
         let conditions = flow.conditions([self.position_mm, self.velocity_mm_per_s], self.own, drive);
-        let (_, [by_position, by_velocity, ..]) = flow.force_with_slopes(0.0, &conditions);
+        let (_, [by_position, by_velocity, ..]) = flow.acceleration_with_slopes(0.0, &conditions);
         let own = flow.own_rates_with_slopes(&conditions);
         let of_own = (0..OWN_STATES).map(|state| own[state].1[3 + state].abs());
         let of_ball =

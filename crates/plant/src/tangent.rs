@@ -163,7 +163,7 @@ impl Flow<'_> {
         if let Phase::Sliding(friction) = phase {
             let linear = drive.force - self.model.drag_per_s * x[1];
             (rates[0], friction_slope_per_s) = (x[1], friction.slope_per_s);
-            (rates[1], of_force) = self.force_with_slopes(linear, &conditions);
+            (rates[1], of_force) = self.acceleration_with_slopes(linear, &conditions);
         }
         let mut of_own = [[0.0; STATES]; OWN_STATES];
         if ROWS > 2 {
@@ -193,7 +193,7 @@ impl Flow<'_> {
     /// The acceleration of a ball that is `linear` without the effects, and the derivatives of their force by position,
     /// velocity, the fan and the own states.
     #[inline(always)]
-    pub(crate) fn force_with_slopes(&self, linear: f64, conditions: &Conditions) -> (f64, [f64; STATES]) {
+    pub(crate) fn acceleration_with_slopes(&self, linear: f64, conditions: &Conditions) -> (f64, [f64; STATES]) {
         let effects = &self.model.effects;
         let acceleration = effects.accelerated_by_catalogue(linear, conditions);
         let [by_position, by_velocity, by_fan] = effects.built_in_slopes(conditions);

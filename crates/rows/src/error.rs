@@ -164,8 +164,8 @@ pub enum CellProblem {
     /// It is empty or NaN.
     #[error(
         "the cell holds no reading, it is empty or NaN; only position, setpoint, control and the optional sensors may \
-         be missing: fill it or remove the row, or, where the log writes the input in some rows only, add hold = true to \
-         [import] duty_percent, and it is held between them"
+         be missing: fill it or remove the row, or, where the log writes the input in some rows only, add hold = true \
+         to [import] duty_percent, and it is held between them"
     )]
     Empty,
     /// It is not a number.

@@ -2,9 +2,9 @@
 //!
 //! The separator is a comma, semicolon, tab or spaces, whichever the header has most of. A byte order mark, CRLF, empty
 //! lines, lines of comment (`#`, `%`, `//`), `sep=;` and what a serial monitor adds ([`crate::serial`]) are accepted. A
-//! comment above rows of numbers with as many words as these have cells is their header, as numpy writes it, also behind
-//! a label: `# columns: t u y`. Names with single spaces within them may stand two spaces apart. Lines above the header, such as those of an oscilloscope or the first words of a
-//! microcontroller, are left out.
+//! comment above rows of numbers with as many words as these have cells is their header, as numpy writes it, also
+//! behind a label: `# columns: t u y`. Names with single spaces within them may stand two spaces apart. Lines above the
+//! header, such as those of an oscilloscope or the first words of a microcontroller, are left out.
 
 use crate::number::{Decimal, clock_s};
 use crate::serial::{labels, take_stamps, without_labels};

@@ -1,8 +1,8 @@
 //! Input and position among columns whose names say nothing: the pair that a linear plant fits best. Columns that are
-//! derived from the position, such as its speed, fit better than any input, and come last. A column whose speed is another
-//! one is the position.
+//! derived from the position, such as its speed, fit better than any input, and come last. A column whose speed is
+//! another one is the position.
 
-use super::derived::{is_by_rate, is_derived};
+use super::derived::{input_is_rate, is_derived};
 use super::roles::{Candidate, Named};
 use super::words::SPEEDS;
 use diagnose::linear::{Order, linear_fit};
@@ -26,19 +26,22 @@ pub(super) fn by_fit(
     let times = spread.as_deref().unwrap_or(&time.column.values);
     let allowed =
         |given: Option<&Named>, one: &Candidate<'_>| given.is_none_or(|named| named.column == one.column.name);
-    let pairs = free.iter().take(MOST_TRIED).flat_map(|u| free.iter().take(MOST_TRIED).map(move |y| (u, y)));
-    let pairs = pairs.filter(|(u, y)| u.column.name != y.column.name && allowed(input, u) && allowed(position, y));
     let has_rate = |y: &Candidate<'_>| {
         let others = free.iter().take(MOST_TRIED).filter(|other| other.column.name != y.column.name);
-        others.filter_map(|rate| recording(times, rate, y)).any(|rows| is_by_rate(&rows))
+        others.filter_map(|rate| recording(times, rate, y)).any(|rows| input_is_rate(&rows))
     };
-    let rated = pairs.filter_map(|(u, y)| {
+    let positions = free.iter().take(MOST_TRIED).filter(|y| allowed(position, y)).map(|y| (y, has_rate(y)));
+    let positions: Vec<(&&Candidate<'_>, bool)> = positions.collect();
+    let pairs =
+        free.iter().take(MOST_TRIED).flat_map(|u| positions.iter().map(move |(y, has_rate)| (u, *y, *has_rate)));
+    let pairs = pairs.filter(|(u, y, _)| u.column.name != y.column.name && allowed(input, u));
+    let rated = pairs.filter_map(|(u, y, has_rate)| {
         let rows = recording(times, u, y)?;
         // The output may be a speed.
         let gains = [Order::First, Order::Second].map(|order| linear_fit(&rows, order).map(|fit| fit.of_input));
         let of_input = gains.into_iter().flatten().reduce(f64::max)?;
         let is_driven = !u.name.says(SPEEDS) && !is_derived(&rows);
-        Some(((is_driven, has_rate(y)), of_input, u, y))
+        Some(((is_driven, has_rate), of_input, u, y))
     });
     let (.., u, y) = rated.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
     let named = |one: &Candidate<'_>| Named { column: one.column.name.clone(), why: BY_FIT };

@@ -3,33 +3,35 @@
 //!
 //! ```text
 //! copy       y = a + c·u + e               Var e < 0.1 % of Var y
-//! rate       y = a + b·t + c·∫u dt + e     Var e < 10 % of Var (y − a − b·t): a speed is filtered, and sampled coarsely
+//! rate       y = a + b·t + c·∫u dt + e     Var e < 10 % of Var (y − a − b·t)
 //!            c = 10ᵏ times a ratio of units of angle, within 3 %, above 0
 //! integral   the same with u and y exchanged
 //! ```
 //!
 //! Without its last line the second form is also that of a motor, whose speed follows its voltage.
 
+use super::scales::integral;
 use diagnose::{Recording, Sample};
-use std::f64::consts::PI;
+use std::f64::consts::{LN_10, PI};
 
-/// The largest share of the variance that a copy and a rate leave.
+/// The largest share of the variance that a copy leaves, by its rounding; chosen by hand.
 const OF_COPY: f64 = 1e-3;
+/// The same of a rate: a filter of the speed with a lag τ leaves (ωτ)² of a motion at ω, which allows 50 ms at 1 Hz.
 const OF_RATE: f64 = 0.1;
 /// Ratios of units of angle, up to a power of ten: the same, degrees and radians, turns per minute and radians, degrees
 /// or turns per second.
 const RATIOS: [f64; 6] = [1.0, 180.0 / PI, PI / 180.0, PI / 30.0, 6.0, 1.0 / 60.0];
-/// Largest relative distance from such a ratio.
+/// Largest relative distance from such a ratio: less than the 4.7 % between the nearest two, 1 and 10·π/30.
 const NEAR: f64 = 0.03;
 
 /// Whether the input of a record is derived from its position, or the position from the input.
 pub(super) fn is_derived(recording: &Recording) -> bool {
     let [t, u, y] = columns(recording);
-    left_over(&centred(&y), &centred(&u)) < OF_COPY || is_rate(&t, &u, &y) || is_rate(&t, &y, &u)
+    unexplained_share(&centred(&y), &centred(&u)) < OF_COPY || is_rate(&t, &u, &y) || is_rate(&t, &y, &u)
 }
 
 /// Whether the input of a record is the rate of its position.
-pub(super) fn is_by_rate(recording: &Recording) -> bool {
+pub(super) fn input_is_rate(recording: &Recording) -> bool {
     let [t, u, y] = columns(recording);
     is_rate(&t, &u, &y)
 }
@@ -43,21 +45,17 @@ fn columns(recording: &Recording) -> [Vec<f64>; 3] {
 
 /// Whether `u` is the rate of `y`.
 fn is_rate(t: &[f64], u: &[f64], y: &[f64]) -> bool {
-    let mut sum = 0.0;
-    let steps = t.windows(2).zip(u.windows(2));
-    let area = steps.map(|(t, u)| {
-        sum += 0.5 * (u[0] + u[1]) * (t[1] - t[0]);
-        sum
-    });
-    let integral: Vec<f64> = std::iter::once(0.0).chain(area).collect();
+    let [times, rates] = [t, u].map(|values| values.iter().copied().map(Some).collect::<Vec<_>>());
+    let integral: Vec<f64> = integral(&rates, &times, 1.0).into_iter().flatten().collect();
     let [t, integral, y] = [centred(t), centred(&integral), centred(y)];
-    let (integral, y) = (without(&integral, &t), without(&y, &t));
-    left_over(&y, &integral) < OF_RATE && is_ratio_of_units(slope(&y, &integral))
+    let (integral, y) = (residual(&integral, &t), residual(&y, &t));
+    unexplained_share(&y, &integral) < OF_RATE && is_ratio_of_units(slope(&y, &integral))
 }
 
+/// Whether a number is the ratio of two units of length or angle, up to a power of ten.
 fn is_ratio_of_units(ratio: f64) -> bool {
     let decades = |known: &f64| (ratio / known).log10();
-    RATIOS.iter().map(decades).any(|decades| (decades - decades.round()).abs() < NEAR.ln_1p() / std::f64::consts::LN_10)
+    RATIOS.iter().map(decades).any(|decades| (decades - decades.round()).abs() < NEAR.ln_1p() / LN_10)
 }
 
 fn centred(values: &[f64]) -> Vec<f64> {
@@ -73,21 +71,21 @@ fn slope(y: &[f64], x: &[f64]) -> f64 {
     dot(y, x) / dot(x, x)
 }
 
-/// What a straight line through the origin leaves of `y`.
-fn without(y: &[f64], x: &[f64]) -> Vec<f64> {
+/// The residual of the least-squares line through the origin.
+fn residual(y: &[f64], x: &[f64]) -> Vec<f64> {
     let slope = slope(y, x);
     y.iter().zip(x).map(|(y, x)| y - slope * x).collect()
 }
 
-/// The share of the sum of squares that it leaves. NaN where one of them is constant.
-fn left_over(y: &[f64], x: &[f64]) -> f64 {
-    let left = without(y, x);
-    dot(&left, &left) / dot(y, y)
+/// The share of the sum of squares of `y` in that residual. NaN where one of them is constant.
+fn unexplained_share(y: &[f64], x: &[f64]) -> f64 {
+    let residual = residual(y, x);
+    dot(&residual, &residual) / dot(y, y)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{is_by_rate, is_derived};
+    use super::{input_is_rate, is_derived};
     use diagnose::{Recording, Sample};
 
     fn record(input: impl Fn(f64) -> f64, position: impl Fn(f64) -> f64) -> Recording {
@@ -103,10 +101,10 @@ mod tests {
         let y = |t: f64| 3.0 * (2.0 * t).sin() + (5.0 * t).cos();
         let speed = |t: f64| 6.0 * (2.0 * t).cos() - 5.0 * (5.0 * t).sin();
         let force = |t: f64| -12.0 * (2.0 * t).sin() - 25.0 * (5.0 * t).cos();
-        assert!(is_derived(&record(speed, y)) && is_by_rate(&record(speed, y)));
+        assert!(is_derived(&record(speed, y)) && input_is_rate(&record(speed, y)));
         assert!(is_derived(&record(|t| speed(t - 0.03), y)), "filtered");
         assert!(is_derived(&record(|t| speed(t).to_degrees(), y)), "in degrees per second");
-        assert!(is_derived(&record(y, speed)) && !is_by_rate(&record(y, speed)), "the other way round");
+        assert!(is_derived(&record(y, speed)) && !input_is_rate(&record(y, speed)), "the other way round");
         assert!(is_derived(&record(|t| 4.0 - 0.1 * y(t), y)), "a control error");
         assert!(!is_derived(&record(force, y)));
         assert!(!is_derived(&record(|t| 0.42 * speed(t), y)), "a voltage of a fast motor");

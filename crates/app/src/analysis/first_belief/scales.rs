@@ -210,7 +210,7 @@ fn difference(u: &SheetColumn, minus: Option<&SheetColumn>) -> Vec<Option<f64>> 
 }
 
 /// The integral of a speed by trapezoids.
-fn integral(values: &[Option<f64>], times: &[Option<f64>], scale: f64) -> Vec<Option<f64>> {
+pub(super) fn integral(values: &[Option<f64>], times: &[Option<f64>], scale: f64) -> Vec<Option<f64>> {
     let (mut sum, mut last) = (0.0, None);
     let one = |(value, time): (&Option<f64>, &Option<f64>)| {
         let (value, time) = ((*value)?, (*time)? * scale);

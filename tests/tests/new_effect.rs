@@ -221,6 +221,9 @@ fn cargo(folder: &Path, arguments: &[&str]) -> String {
     said
 }
 
+/// A single quick test needs no optimised build of all tests of the diagnosis, which takes minutes.
+const UNOPTIMISED: &str = "profile.dev.package.diagnose.opt-level=0";
+
 /// Slow: it builds the diagnosis once more.
 #[test]
 fn an_effect_made_for_the_test_in_one_module_and_one_line_is_simulated_filtered_fitted_found_and_scored() {
@@ -231,7 +234,16 @@ fn an_effect_made_for_the_test_in_one_module_and_one_line_is_simulated_filtered_
     // The filter's derivatives of every effect of that catalogue agree with its motion.
     let said = cargo(
         folder.path(),
-        &["test", "--offline", "--package", "diagnose", "--lib", "the_transition_of_every_effect"],
+        &[
+            "test",
+            "--offline",
+            "--config",
+            UNOPTIMISED,
+            "--package",
+            "diagnose",
+            "--lib",
+            "the_transition_of_every_effect",
+        ],
     );
     assert!(said.contains("1 passed"), "{said}");
 }

@@ -83,6 +83,20 @@ fn columns_are_found_by_a_unit_or_by_a_name_in_another_language() {
 }
 
 #[test]
+fn a_commanded_position_is_the_setpoint_beside_the_one_that_is_read() {
+    let bench = bare();
+    let rows: String =
+        cart().iter().map(|[t, u, y]| format!("{t:.3},{},{y:.5},{u:.3}\n", f64::from(*t > 3.0))).collect();
+    for read in ["Encoder 1 Pos", "arm_m"] {
+        bench.write("log.csv", format!("Time,Commanded Pos,{read},Control Effort\n{rows}"));
+        let found = bench.output(&["init", "log.csv", "--force"]);
+        let role = |column: &str| found.lines().find(|line| line.starts_with(&format!("`{column}`"))).unwrap_or("");
+        assert!(role(read).contains("→ position"), "{found}");
+        assert!(role("Commanded Pos").contains("→ setpoint"), "{found}");
+    }
+}
+
+#[test]
 fn a_log_of_distances_from_above_without_a_time_needs_its_period_and_a_scale_below_0() {
     let bench = bare();
     let rows = cart();

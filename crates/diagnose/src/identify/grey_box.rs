@@ -113,7 +113,7 @@ impl TooLittle {
     /// # Errors
     /// [`TooLittle::SlowRows`].
     pub(crate) fn check_row_period(recording: &Recording) -> Result<(), Self> {
-        let apart_s = recording.duration_s() / recording.samples().len().max(1) as f64;
+        let apart_s = recording.duration_s() / recording.samples().len().saturating_sub(1).max(1) as f64;
         if apart_s > SLOWEST_S { Err(Self::SlowRows { apart_s }) } else { Ok(()) }
     }
 }

@@ -267,13 +267,16 @@ impl Columns<'_> {
         let speeds = |one: &&&Candidate<'_>| !one.name.says(SPEEDS) && !one.name.says(SETPOINTS);
         let slow: Vec<&Candidate<'_>> = free.iter().filter(speeds).copied().collect();
         let inputs: Vec<&Candidate<'_>> = moving.iter().filter(|one| one.name.says(INPUTS)).copied().collect();
-        if let Some(found) = self.named(&slow, "", POSITIONS, &inputs) {
+        // `commanded position` beside `encoder position` is where the rig shall be.
+        let read: Vec<&Candidate<'_>> = slow.iter().filter(|one| !one.name.says(COMMANDS)).copied().collect();
+        let is_position = |one: &&&Candidate<'_>| one.name.is_length_or_angle() && !one.name.says(INPUTS);
+        let by_unit = || match read.iter().filter(is_position).collect::<Vec<_>>()[..] {
+            [found] => Some(Named { column: found.column.name.clone(), why: BY_UNIT }),
+            _ => None,
+        };
+        let by_name = |among| self.named(among, "", POSITIONS, &inputs);
+        if let Some(found) = by_name(&read).or_else(by_unit).or_else(|| by_name(&slow)) {
             return Ok((Some(found), false));
-        }
-        let is_position =
-            |one: &&&Candidate<'_>| one.name.is_length_or_angle() && !one.name.says(INPUTS) && !one.name.says(COMMANDS);
-        if let [found] = slow.iter().filter(is_position).collect::<Vec<_>>()[..] {
-            return Ok((Some(Named { column: found.column.name.clone(), why: BY_UNIT }), false));
         }
         let found = self.named(&free, "", SPEEDS, &inputs);
         let is_speed = found.is_some();

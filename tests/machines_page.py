@@ -12,14 +12,15 @@ HEAD = """# Machines: practice rigs that are no ball in a pipe
 
 Made by `scripts/machines`; do not edit. Carts, axes, pendulums and lifts with one degree of freedom and a good sensor, drawn by chance by
 `tests/machines.py`, which shares no equation with the diagnosis. Each has one to four effects of the catalogue that its builder would name, and four to
-seven small unmodelled pieces: friction that falls with speed, cogging, a load on a spring, a nonlinear scale, a slow amplifier, a tilt. Its
+seven small unmodelled pieces: friction that falls with speed, cogging, a load on a spring, a nonlinear scale, a slow amplifier, a tilt, uneven noise; and gusts. Its
 owner believes in a linear machine without any of them, and is off by up to 30 % in its numbers. No effect was held back because it is too small to be
 seen. Unless a seed is given, it is the sha256 over the sources of the diagnosis (`scripts/seed`), so that nobody can choose the rigs. The odds of a name
 were fitted to other rigs, balls in pipes (see [the blind proof](blind.md)).
 """
 
 EXPLAINED = """A name is right where the rig has that effect, or one that the answer says cannot be told from it, or a piece that may rightly be
-called so: slight friction is friction, gusts are turbulence. Intervals are Wilson's, 95 %.
+called so: slight friction is `wall_friction`, gusts are `turbulence`, and noise that is uneven or well above the believed one is
+`sensor_noise`. Intervals are Wilson's, 95 %.
 """
 
 

@@ -97,7 +97,7 @@ def page(rows):
     of = {kind: [one for one in rows if one["kind"] == kind] for kind in ("outside", "single")}
     print("# Proof on a second flight\n")
     print("Made by `scripts/second-flight`; do not edit. Rigs are drawn by `world`; `outside` rigs have an effect that the catalogue lacks, and")
-    print("for `left out` ones their effect is left out of the search. A rig is diagnosed from one log, and its patch is tried on a second log")
+    print("for `left out` ones their effect is left out of the search. `shapes` is the number of terms of the formula. A rig is diagnosed from one log, and its patch is tried on a second log")
     print("with other setpoints and noise. Share: of the mean square error at 1 s beyond noise alone, what the patch closes on the second log.")
     print("The last row leaves out effects that depend on time or on chance, and those that change the scatter of the readings and not the path.\n")
     print("| rigs | number | with a gap | median share closed | median distance from the claimed share | worse by over 2 % |")

@@ -7,7 +7,8 @@ use plant::{Entry, Neutral, Param, Similar};
 use std::fmt::Write;
 
 /// The first line of every page: only a page with it may be replaced.
-pub(crate) const MARK: &str = "<!-- Made by `airball gallery` from the catalogue of effects; change it there. -->";
+pub(crate) const MARK: &str =
+    "<!-- Made by `scripts/book --update` from the catalogue of effects; change it there. -->";
 /// Largest number of other candidates that are shown.
 const COMPETITORS: usize = 4;
 

@@ -167,13 +167,13 @@ impl<'a> Found<'a> {
         if cell.is_empty() {
             return Ok(None);
         }
-        let not_a_number = || self.wrong(table, row, CellProblem::NotANumber(shown(cell)));
-        let value = table.number(row, column).ok_or_else(not_a_number)?;
+        let wrong = |problem| Err(self.wrong_in(table, row, column, problem));
+        let Some(value) = table.number(row, column) else { return wrong(CellProblem::NotANumber(shown(cell))) };
         // MATLAB, numpy and C write "no reading" as NaN.
         if value.is_nan() {
             return Ok(None);
         }
-        self.finite(table, row, value).map(Some)
+        if value.is_finite() { Ok(Some(value)) } else { wrong(CellProblem::NotFinite(shown(cell))) }
     }
 
     fn finite(&self, table: &Table, row: usize, value: f64) -> Result<f64, RowsError> {
@@ -190,7 +190,13 @@ impl<'a> Found<'a> {
     }
 
     fn wrong(&self, table: &Table, row: usize, problem: CellProblem) -> RowsError {
-        RowsError::Cell { name: table.name.clone(), line: table.line(row), column: self.name.into(), problem }
+        self.wrong_in(table, row, self.index, problem)
+    }
+
+    /// The error of a cell, which may be of the column that is subtracted.
+    fn wrong_in(&self, table: &Table, row: usize, column: usize, problem: CellProblem) -> RowsError {
+        let column = table.columns().nth(column).filter(|_| column != self.index).unwrap_or(self.name);
+        RowsError::Cell { name: table.name.clone(), line: table.line(row), column: column.into(), problem }
     }
 }
 

@@ -98,12 +98,21 @@ fn is_matlab_4(bytes: &[u8]) -> bool {
     is_code && complex <= 1 && name.is_some_and(is_name)
 }
 
-/// Whether the first line that is not a comment is the head of a table of TOML, or a key with its value.
+/// Whether the first line that is not a comment is the head of a table of TOML, or a key with its value before another
+/// such line: instruments write one key above their tables.
 fn is_config(text: &[u8]) -> bool {
-    let mut lines = text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
-    let Some(line) = lines.find(|line| !line.is_empty() && !line.starts_with(b"#")) else { return false };
-    let head = line.starts_with(b"[") && line.contains(&b']') && !line.contains(&b',');
-    head || line.split(|byte| *byte == b'=').next().is_some_and(|key| {
+    let lines = text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut lines = lines.filter(|line| !line.is_empty() && !line.starts_with(b"#"));
+    let Some(first) = lines.next() else { return false };
+    is_head(first) || is_key(first) && lines.next().is_none_or(|next| is_head(next) || is_key(next))
+}
+
+fn is_head(line: &[u8]) -> bool {
+    line.starts_with(b"[") && line.contains(&b']') && !line.contains(&b',')
+}
+
+fn is_key(line: &[u8]) -> bool {
+    line.split(|byte| *byte == b'=').next().is_some_and(|key| {
         key.len() < line.len()
             && key.ends_with(b" ")
             && key.trim_ascii().iter().all(|b| b.is_ascii_alphanumeric() || *b == b'_')

@@ -62,7 +62,8 @@ impl Table {
         let is_number = |cell: &str| decimal.number(cell).is_some() || clock_s(cell).is_some();
         let first = rows.record(0).ok_or_else(|| RowsError::HeaderOnly { name: name.into() })?;
         let header_line = rows.line(&text, 0);
-        let header = if first.iter().all(is_number) {
+        let is_row = first.iter().all(|cell| cell.is_empty() || is_number(cell)) && first.iter().any(is_number);
+        let header = if is_row {
             let named = names.filter(|names| names.len() == first.len());
             named.unwrap_or_else(|| (1..=first.len()).map(|number| format!("column{number}")).collect())
         } else {

@@ -85,6 +85,37 @@ fn a_held_input_and_what_is_subtracted_repeat_their_last_values_and_rows_without
 }
 
 #[test]
+fn a_wrong_cell_of_the_column_that_is_subtracted_is_named_by_that_column() {
+    let error = Column { minus: Some("position_mm".into()), ..Column::named("setpoint_mm") };
+    let import = Import { duty_percent: error, ..Import::default() };
+    for cell in ["abc", "inf"] {
+        let text = with_line(7, &format!("0.10,300,0.5,21.5,{cell}"));
+        let said = recording("rig.csv", text.as_bytes(), &import).unwrap_err().to_string();
+        assert!(said.contains("line 7, column `position_mm`") && said.contains(&format!("`{cell}`")), "{said}");
+    }
+}
+
+#[test]
+fn a_first_row_without_a_reading_is_a_row_and_no_header() {
+    let rows: String = (1..60).map(|k| format!("{:.2},50,{}\n", 0.02 * f64::from(k), 100 + k)).collect();
+    let sheet = crate::sheet("rig.csv", format!("0.00,50,\n{rows}").as_bytes()).unwrap();
+    assert_eq!(
+        sheet.columns.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(),
+        ["column1", "column2", "column3"]
+    );
+    assert_eq!((sheet.columns[0].values.len(), sheet.columns[2].values[0]), (60, None));
+}
+
+#[test]
+fn a_line_of_an_instrument_above_a_table_is_no_config_and_two_keys_are() {
+    let table = table().join("\n");
+    assert_eq!(parse(&format!("Model = TDS2024\n{table}")).unwrap(), parse(&table).unwrap());
+    for config in ["a_key = 1\nanother = 2\n", "a_key = 1\n[table]\n", "# words\n[table]\na = 1\n"] {
+        assert!(complaint(config).contains("a config (TOML)"), "{}", complaint(config));
+    }
+}
+
+#[test]
 fn text_of_a_file_is_shown_short_and_cannot_act_on_a_terminal() {
     let cell = format!("\u{1b}]0;title\u{7}\u{202e}{}", "x".repeat(10_000_000));
     let said = complaint(&with_line(7, &format!("0.10,300,0.5,{cell},205")));

@@ -9,7 +9,7 @@
 //! | `clutter` | not `unexplained`, no entry but of a piece that may be called so | |
 //! | `amid` | the first entry names the effect | a later entry does |
 //! | `several` | an entry names each | one effect is named |
-//! | effect left out of the search | the same, or the first entry names what imitates the effect | |
+//! | effect left out of the search | `unexplained`, or the first entry names what imitates the effect | |
 //!
 //! Names count whatever the verdict: a misfit may remain beside a right one. All other answers are wrong (a name with
 //! probability 0.5 or more that is not there), `unexplained` (or names that are not likely), silent (`no_gap`,

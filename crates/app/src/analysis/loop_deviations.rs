@@ -21,7 +21,7 @@ use diagnose::thresholds::FIRST_EFFECT;
 use diagnose::{Recording, Sample, kl_divergence};
 use plant::Model;
 
-/// Duties that differ by less are equal, percent: a 400th of the chip's resolution.
+/// Duties that differ by less are equal, percent: far less than the chip's resolution, 100/4096.
 const EQUAL_PERCENT: f64 = 1e-4;
 
 /// A stage before the plant where the loop deviated.
@@ -68,8 +68,7 @@ fn controller(log: &LoadedLog, tables: &Tables, model: &Model) -> Option<Upstrea
 
 /// The cycles from the first to the last one under the law of the config.
 fn under_the_law(log: &LoadedLog) -> &[Cycle] {
-    let retuned = log.events.iter().find(|event| event.text.starts_with("gains ") && event.text.ends_with("accepted"));
-    let until_s = retuned.map_or(f64::INFINITY, |event| event.time_s);
+    let until_s = log.law_changes_at_s();
     let goes_on = |k: usize, cycle: &Cycle| {
         let follows = k.checked_sub(1).is_none_or(|before| {
             let step_s = cycle.time_s - log.cycles[before].time_s;
@@ -133,7 +132,7 @@ fn punctual(cycles: &[Cycle]) -> Vec<Sample> {
         let read = sample(cycle);
         let deadline_s = (read.time_s - cycle.lateness_s).max(last_s);
         last_s = read.time_s;
-        [Sample { time_s: deadline_s, position_mm: None, ..read }, read]
+        [Sample { time_s: deadline_s, position_mm: None, position2_mm: None, fan_rpm: None, ..read }, read]
     });
     rows.collect()
 }

@@ -148,7 +148,8 @@ impl Steps {
             .iter()
             .map(|row| Moment { time_s: row.time_s, setpoint_mm: row.setpoint_mm, position_mm: row.position_mm })
             .collect();
-        let start_s = rows.first().map_or(0.0, |row| row.time_s);
+        // A ball takes off once there is a setpoint.
+        let start_s = rows.iter().find(|row| row.setpoint_mm.is_some()).map_or(0.0, |row| row.time_s);
         let each: Vec<Step> = steps_of(&moments).into_iter().filter(|s| s.time_s - start_s > TAKE_OFF_S).collect();
         if each.is_empty() {
             return Err(anyhow!(

@@ -42,6 +42,15 @@ impl LoadedLog {
         }
     }
 
+    /// When a command first changed the controller, its numbers or the experiment, s; infinite if none did.
+    #[must_use]
+    pub fn law_changes_at_s(&self) -> f64 {
+        let changes =
+            |text: &str| ["gains ", "controller ", "numbers ", "experiment "].iter().any(|kind| text.starts_with(kind));
+        let change = self.events.iter().find(|event| changes(&event.text) && event.text.ends_with("accepted"));
+        change.map_or(f64::INFINITY, |event| event.time_s)
+    }
+
     /// Keeps the `rows` in the middle, and what happened during them, of a log that has more.
     pub fn keep_middle(&mut self, rows: usize) {
         let all = self.recording.samples();

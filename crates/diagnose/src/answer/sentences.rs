@@ -7,15 +7,13 @@ use crate::answer::verdict::Verdict;
 use crate::residual::misfit::Misfit;
 use crate::residual::score_test::Omitted;
 use crate::select::stepwise::{Change, NamedEffect};
-use crate::thresholds::AIR_RATIO;
+use crate::thresholds::{AIR_RATIO, LIKELY};
 use plant::{Effects, Stage};
 
 /// Largest number of terms in a sentence.
 const MOST_TERMS: usize = 3;
 /// Explanation of the letters in terms.
 const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
-/// A headline does not assert an effect that is less probable.
-pub(crate) const LIKELIER_THAN_NOT: f64 = 0.5;
 
 impl Diagnosis {
     /// The verdict in one sentence, without a full stop.
@@ -28,7 +26,7 @@ impl Diagnosis {
             }
             Verdict::InsufficientData => "This record cannot say what separates simulator and rig".into(),
             Verdict::Unexplained => {
-                let likely = self.effects.iter().filter(|named| named.probability > LIKELIER_THAN_NOT);
+                let likely = self.effects.iter().filter(|named| named.probability >= LIKELY);
                 let likely: Vec<_> = likely.collect();
                 unexplained((!likely.is_empty()).then(|| self.headline(&likely)))
             }

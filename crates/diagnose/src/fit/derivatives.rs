@@ -112,7 +112,8 @@ impl Problem<'_> {
             let Some(fold) = self.folds.of(s.row).filter(|_| !s.repeat) else { continue };
             let deviation = s.variance_mm2.sqrt();
             for i in 0..n {
-                let [first, second] = known.by_parameter[i][k];
+                // A step of a parameter can add innovations, such as those of a fan speed that was constant before.
+                let [first, second] = known.by_parameter[i].get(k).copied().unwrap_or_default();
                 (shift[i], spread[i], density[i]) =
                     if of_density[i] { (0.0, 0.0, first) } else { (first / deviation, second, 0.0) };
             }

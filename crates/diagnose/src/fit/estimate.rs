@@ -17,6 +17,7 @@ use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
 use crate::fit::bounds::Bounds;
 use crate::fit::derivatives::{Derivatives, KnownSensitivities, NONE_KNOWN, Sensitivities};
+use crate::fit::held_out::or_impossible;
 use crate::fit::parameter::{Parameter, Prior, prior};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
@@ -260,7 +261,7 @@ impl Problem<'_> {
         let innovations = self.innovations(&model);
         let likelihood: f64 =
             innovations.iter().filter(|s| self.folds.of(s.row).is_some()).map(|s| s.log_density).sum();
-        let total = likelihood + self.log_prior(parameters, &model);
+        let total = or_impossible(likelihood + self.log_prior(parameters, &model));
         Point { model, innovations, total }
     }
 

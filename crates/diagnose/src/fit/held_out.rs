@@ -11,6 +11,12 @@ use plant::Model;
 /// Log-likelihood by fold, nats.
 pub(crate) type LogLikByFold = [f64; Folds::COUNT];
 
+/// A log-likelihood, or −∞ for one that is no number, as of a model that is unstable over a gap: where NaN ranks among
+/// numbers depends on its sign, which differs between processors.
+pub(super) fn or_impossible(nats: f64) -> f64 {
+    if nats.is_nan() { f64::NEG_INFINITY } else { nats }
+}
+
 impl Problem<'_> {
     /// The models fitted without each fold in turn: one scoring step from the fit to all folds.
     #[must_use]
@@ -77,6 +83,6 @@ impl Problem<'_> {
                 sums[fold] += s.log_density;
             }
         }
-        sums
+        sums.map(or_impossible)
     }
 }

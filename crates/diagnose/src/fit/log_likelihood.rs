@@ -2,10 +2,10 @@
 
 use crate::filter::track::innovations;
 use crate::fit::estimate::Problem;
-use crate::fit::parameter::{BASE, Parameter, Prior};
+use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
-use plant::Model;
+use plant::{Entry, Model};
 
 /// Σ ln p(ν) of the readings of `flight` under `model`, nats. Readings count that are in free flight by `reference`, so
 /// that several models compare on the same ones. With `refit`, the model's parameters are first moved by so many steps
@@ -24,10 +24,8 @@ pub fn log_likelihood(model: &Model, flight: &Recording, reference: &Model, refi
 /// The base parameters and those of every effect that is on.
 fn parameters_of(model: &Model) -> Vec<Parameter> {
     let present = model.effects.present();
-    let of_effects = present.iter().flat_map(|entry| {
-        let sizes = entry.sizes.first().copied().unwrap_or_default();
-        sizes.iter().enumerate().map(move |(index, size)| Parameter::Effect { entry, index, size: size.abs() })
-    });
+    let values = |entry: &Entry| model.effects.values(entry.name).unwrap_or_default();
+    let of_effects = present.iter().flat_map(|entry| parameters_of_effect(entry, &values(entry)));
     BASE.into_iter().chain(of_effects).collect()
 }
 

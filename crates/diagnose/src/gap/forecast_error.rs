@@ -175,9 +175,10 @@ pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize
 
 /// The readings from which forecasts start: apart from each other, and further where these would take too many steps.
 fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item = usize> + 'a {
-    let rows_per_s = recording.samples().len() as f64 / recording.duration_s().max(1e-9);
+    let per_s = |count: usize| count as f64 / recording.duration_s().max(1e-9);
+    let (rows_per_s, readings_per_s) = (per_s(recording.samples().len()), per_s(track.readings()));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
-    let [steps, apart] = [track.readings() as f64 * rows_per_s, APART_S * rows_per_s].map(|count| count as usize);
+    let [steps, apart] = [track.readings() as f64 * rows_per_s, APART_S * readings_per_s].map(|count| count as usize);
     let apart = apart.max(1);
     let samples = recording.samples();
     let begins_s = |row: usize| samples[recording.flight_of(row).start].time_s + WARM_UP_S;

@@ -12,7 +12,7 @@
 //! innovations).
 
 mod filter;
-mod step;
+pub(crate) mod step;
 
 use crate::record::recording::Recording;
 use crate::stats::median::median;

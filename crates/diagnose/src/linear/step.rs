@@ -79,11 +79,16 @@ fn integral(a: f64, t: f64) -> f64 {
     if a * t < 1e-9 { t } else { -(-a * t).exp_m1() / a }
 }
 
+/// (1 − e^−at)/a, and its integral over t: velocity and way by a force of 1 under drag.
+pub(crate) fn integrals(a: f64, t: f64) -> [f64; 2] {
+    let way = integral(a, t);
+    [way, if a * t < 1e-4 { 0.5 * t * t * (1.0 - a * t / 3.0) } else { (t - way) / a }]
+}
+
 /// Transition and response of ÿ = −k·y − a·ẏ + u.
 fn second(a: f64, k: f64, t: f64) -> ([[f64; 2]; 2], [f64; 2]) {
     if k == 0.0 {
-        let way = integral(a, t);
-        let far = if a * t < 1e-4 { 0.5 * t * t * (1.0 - a * t / 3.0) } else { (t - way) / a };
+        let [way, far] = integrals(a, t);
         return ([[1.0, way], [0.0, (-a * t).exp()]], [far, way]);
     }
     // Φ = e^−at/2·(c + s·(A + a/2)),   c, s: cos ωt and sin ωt/ω, or their hyperbolic forms

@@ -14,7 +14,7 @@ use crate::record::recording::Recording;
 use crate::record::units::OTHER_HOVER;
 use plant::Model;
 
-/// Clocks that are tried: powers of ten, and minutes or hours for seconds and the other way round.
+/// Clocks that are tried: powers of ten, and minutes for seconds or hours for minutes, either way round.
 const CLOCKS: [f64; 8] = [10.0, 100.0, 1e3, 60.0, 0.1, 1e-2, 1e-3, 1.0 / 60.0];
 /// Rows of a rig are so far apart, seconds: with another clock they would not be.
 const ROWS_S: [f64; 2] = [1e-3, 0.3];

@@ -14,8 +14,8 @@ use plant::Model;
 
 /// A recording is decimated to so many readings a second: what a ball in a pipe, or an arm, does is slower.
 const ENOUGH_HZ: f64 = 50.0;
-/// Recordings with so many rows in total are decimated to this rate, however few readings remain. Chosen by hand.
-const MANY_ROWS: usize = 20_000;
+/// Recordings with so many readings in total are decimated to this rate, however few remain. Chosen by hand.
+const MANY_READINGS: usize = 20_000;
 const MANY_HZ: f64 = 100.0;
 /// The curvature of the path within a block moves the mean off the middle; at most this share of the mean's noise is
 /// allowed.
@@ -38,7 +38,7 @@ impl Purpose {
     const fn enough_readings(self) -> usize {
         match self {
             Self::Diagnosis => 4000,
-            Self::Fit => MANY_ROWS,
+            Self::Fit => MANY_READINGS,
         }
     }
 }
@@ -62,12 +62,12 @@ pub(crate) fn decimated(
     smooth: bool,
 ) -> Option<(Decimated, Recording)> {
     let samples = flight.samples();
-    let rate_hz = samples.len() as f64 / flight.duration_s().max(1e-9);
-    let all_rows: usize = all.iter().map(|one| one.samples().len()).sum();
+    let rate_hz = flight.readings() as f64 / flight.duration_s().max(1e-9);
+    let all_readings: usize = all.iter().map(Recording::readings).sum();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float cast saturates")]
     let merged_to = |hz: f64| (rate_hz / hz).round() as usize;
-    let of_many = if all_rows < MANY_ROWS { 1 } else { merged_to(MANY_HZ) };
-    let merged = merged_to(ENOUGH_HZ).min(all_rows / purpose.enough_readings()).max(of_many);
+    let of_many = if all_readings < MANY_READINGS { 1 } else { merged_to(MANY_HZ) };
+    let merged = merged_to(ENOUGH_HZ).min(all_readings / purpose.enough_readings()).max(of_many);
     if merged < 2 {
         return None;
     }
@@ -84,8 +84,7 @@ pub(crate) fn decimated(
         let recording = Recording::new(rows).ok()?.of_means(count);
         return Some((Decimated { merged: count, means: true }, recording));
     }
-    let rows = samples.iter().enumerate().map(|(k, row)| if k.is_multiple_of(merged) { *row } else { unread(row) });
-    Recording::new(rows.collect()).ok().map(|recording| (Decimated { merged, means: false }, recording))
+    Recording::new(picked(samples, merged)).ok().map(|recording| (Decimated { merged, means: false }, recording))
 }
 
 /// The distance of the mean of a block of `count` rows from its middle, mm: a·T²/24, where a is the acceleration by the
@@ -113,9 +112,19 @@ fn means(samples: &[Sample], count: usize) -> Option<Vec<Sample>> {
     (whole as f64 > ENOUGH_WHOLE * (samples.len() / count) as f64).then_some(rows)
 }
 
-/// A row without its measurements.
+/// The rows, with one of each `merged` readings.
+fn picked(samples: &[Sample], merged: usize) -> Vec<Sample> {
+    let mut readings = 0;
+    let pick = |row: &Sample| {
+        readings += usize::from(row.position_mm.is_some());
+        if (readings - usize::from(row.position_mm.is_some())).is_multiple_of(merged) { *row } else { unread(row) }
+    };
+    samples.iter().map(pick).collect()
+}
+
+/// A row without its reading. A tachometer and a second sensor keep theirs: their noise is found from one row to the next.
 fn unread(row: &Sample) -> Sample {
-    Sample { position_mm: None, position2_mm: None, fan_rpm: None, ..*row }
+    Sample { position_mm: None, ..*row }
 }
 
 #[cfg(test)]
@@ -151,6 +160,25 @@ mod tests {
                 assert!(sample.position_mm.is_none_or(|mm| (mm - sample.time_s).abs() < 1e-12));
             }
         }
+    }
+
+    #[test]
+    fn readings_are_counted_where_only_some_rows_have_one_and_other_sensors_keep_every_row() {
+        // 50 readings a second, at most as many as are needed: none is left out, however many rows lie between them.
+        let slow = fast(|k| k % 20 == 0);
+        assert!(decimated(&slow, slow.as_ref(), &model(), Diagnosis, true).is_none());
+        // 500 a second, 20,000 in all: every tenth of them, though they are in every second row.
+        let every_second = fast(|k| k % 2 == 1);
+        let rows = every_second.samples().iter().map(|row| Sample {
+            fan_rpm: Some(1e3 + row.time_s),
+            position2_mm: Some(row.time_s),
+            ..*row
+        });
+        let every_second = Recording::new(rows.collect()).unwrap();
+        let (how, thin) = decimated(&every_second, every_second.as_ref(), &model(), Diagnosis, true).unwrap();
+        assert_eq!(how, Decimated { merged: 5, means: false });
+        assert_eq!(thin.readings(), 4000);
+        assert!(thin.samples().iter().all(|row| row.fan_rpm.is_some() && row.position2_mm.is_some()));
     }
 
     #[test]

@@ -116,9 +116,9 @@ pub(crate) fn implausible_readings(
     is_code: impl Fn(f64) -> bool,
 ) -> Option<Finding> {
     let rows = implausible_rows(samples, model);
-    let (first, reading_mm) = rows.iter().find_map(|row| Some((*row, samples[*row].position_mm?)))?;
-    let count = rows.iter().filter(|row| samples[**row].position_mm.is_some_and(|mm| !is_code(mm))).count();
-    (count > 0).then_some(Finding::ImplausibleReadings { count, row: first + 1, reading_mm })
+    let no_codes = rows.iter().filter_map(|row| Some((*row, samples[*row].position_mm.filter(|mm| !is_code(*mm))?)));
+    let (first, reading_mm) = no_codes.clone().next()?;
+    Some(Finding::ImplausibleReadings { count: no_codes.count(), row: first + 1, reading_mm })
 }
 
 /// The rows whose reading is no position of the ball; none where they are many: then the unit is wrong.

@@ -174,7 +174,7 @@ fn coarser_than(recording: &Recording, noise_mm: f64) -> Option<CoarseStep> {
     let passes = |step: &f64| few.share(*step, fine) >= FEW_ON_GRID && levels.share(*step, fine) >= ON_GRID;
     let first = levels.finer(COARSEST_MM).take(MOST_STEPS).take_while(|step| *step > least).find(passes)?;
     // The first step that passes is slightly too large; the best one is where the readings lie closest.
-    let near = levels.finer(first).take_while(|step| *step > NEAR * first);
+    let near = levels.finer(first).take(MOST_STEPS).take_while(|step| *step > NEAR * first);
     let near = near.max_by(|a, b| levels.closeness(*a).total_cmp(&levels.closeness(*b)))?;
     Some(levels.fitted_step(near, fine))
 }

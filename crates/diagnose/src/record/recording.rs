@@ -136,22 +136,20 @@ impl Recording {
     /// time steps do not change. An empty list gives a recording without rows.
     #[must_use]
     pub fn together(recordings: impl IntoIterator<Item = Self>) -> Self {
-        recordings.into_iter().reduce(Self::then).unwrap_or_else(|| Self::of_one(Vec::new()))
-    }
-
-    /// This recording, followed by another.
-    fn then(self, next: Self) -> Self {
-        let end_s = self.samples.last().map_or(0.0, |last| last.time_s);
-        let start_s = next.samples.first().map_or(0.0, |first| first.time_s);
-        let (rows, later_s) = (self.samples.len(), (end_s - start_s).floor() + 1.0);
-        let behind = |flight: &Range<usize>| flight.start + rows..flight.end + rows;
-        let later = next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row });
-        Self {
-            flights: self.flights.into_iter().chain(next.flights.iter().map(behind)).collect(),
-            means_of: [self.means_of, next.means_of].concat(),
-            resolution_mm: self.resolution_mm.min(next.resolution_mm),
-            ..Self::of_one(self.samples.into_iter().chain(later).collect())
+        let mut recordings = recordings.into_iter();
+        let first = recordings.next().unwrap_or_else(|| Self::of_one(Vec::new()));
+        let Some(second) = recordings.next() else { return first };
+        let Self { mut samples, mut flights, mut means_of, mut resolution_mm, .. } = first;
+        for next in std::iter::once(second).chain(recordings) {
+            let end_s = samples.last().map_or(0.0, |last| last.time_s);
+            let start_s = next.samples.first().map_or(0.0, |first| first.time_s);
+            let (rows, later_s) = (samples.len(), (end_s - start_s).floor() + 1.0);
+            samples.extend(next.samples.iter().map(|row| Sample { time_s: row.time_s + later_s, ..*row }));
+            flights.extend(next.flights.iter().map(|flight| flight.start + rows..flight.end + rows));
+            means_of.extend(next.means_of);
+            resolution_mm = resolution_mm.min(next.resolution_mm);
         }
+        Self { flights, means_of, resolution_mm, ..Self::of_one(samples) }
     }
 
     /// The rows.

@@ -109,7 +109,7 @@ impl<'a> Linearised<'a> {
 /// Places of a range from one end to the other.
 fn places(parameter: &ParameterTable, most: f64) -> Vec<f64> {
     let ParameterTable { low, high, scale, .. } = *parameter;
-    let ratio = (high / low).powf(1.0 / (FEW - 1.0));
+    let ratio = (high / low).powf(1.0 / (most.min(FEW) - 1.0).max(1.0));
     let is_wide = low > 0.0 && high / low > WIDE;
     let finest = (high - low) / (most - 1.0).max(1.0);
     let scale = scale.map_or(f64::INFINITY, |scale| scale.max(finest));

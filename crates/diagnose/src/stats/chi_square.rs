@@ -3,40 +3,31 @@
 //! ```text
 //! Q(n, x) = Γ(n/2, x/2)/Γ(n/2)             Γ(a + 1, x) = a·Γ(a, x) + xᵃ·e⁻ˣ
 //! Q(2, x) = e^(−x/2), Q(1, x) = erfc(√(x/2))
-//! Q(n, x) ≈ ½·erfc(z/√2)                   z = ((x/n)^⅓ − 1 + 2/(9n))/√(2/(9n)), for many degrees of freedom
 //! ```
 //!
-//! Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 6.5.22, 26.4.4, 26.4.5, 26.4.17 and 26.4.19.
+//! Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 6.5.22, 26.4.4, 26.4.5 and 26.4.19.
 
-/// Above this many degrees of freedom the approximation is used: the finite sums would overflow at some 1400.
-const MANY: usize = 1000;
+use crate::stats::log_sum::log_sum;
 
 /// The probability that a χ² variable with `degrees` degrees of freedom is `x` or more; 1 for 0 degrees.
 pub(crate) fn survival(degrees: usize, x: f64) -> f64 {
-    if degrees == 0 || x.is_nan() || x <= 0.0 {
-        1.0
-    } else if degrees > MANY {
-        let (n, spread) = (degrees as f64, (2.0 / (9.0 * degrees as f64)).sqrt());
-        0.5 * libm::erfc(((x / n).cbrt() - 1.0 + spread * spread) / (spread * std::f64::consts::SQRT_2))
-    } else {
-        ln_chance(x, degrees).exp().min(1.0)
-    }
+    if degrees == 0 || x.is_nan() || x <= 0.0 { 1.0 } else { ln_chance(x, degrees).exp().min(1.0) }
 }
 
-/// ln of that probability for `m` degrees of freedom, at least 1, and `x` above 0: by its finite sums, without
-/// underflow in the tail.
+/// ln of that probability for `m` degrees of freedom, at least 1, and `x` above 0: by its finite sums, of
+/// logarithms, so that nothing overflows or underflows.
 pub(crate) fn ln_chance(x: f64, m: usize) -> f64 {
     let half = 0.5 * x;
-    let (mut sum, mut term, first) = if m.is_multiple_of(2) {
-        (0.0, 1.0, 1.0)
+    let (mut ln_sum, mut ln_term, first) = if m.is_multiple_of(2) {
+        (f64::NEG_INFINITY, 0.0, 1.0)
     } else {
-        (scaled_erfc(half.sqrt()), 2.0 * (half / std::f64::consts::PI).sqrt(), 1.5)
+        (scaled_erfc(half.sqrt()).ln(), (2.0 * (half / std::f64::consts::PI).sqrt()).ln(), 1.5)
     };
     for k in 0..m / 2 {
-        sum += term;
-        term *= half / (k as f64 + first);
+        ln_sum = log_sum(ln_sum, ln_term);
+        ln_term += (half / (k as f64 + first)).ln();
     }
-    sum.ln() - half
+    ln_sum - half
 }
 
 /// exp(x²)·erfc(x), beyond 5 by its asymptotic series.
@@ -65,13 +56,21 @@ mod tests {
     }
 
     #[test]
-    fn of_many_degrees_of_freedom_the_chance_goes_on_where_the_sums_end() {
-        for deviations in [-2.0, 0.0, 2.0, 4.0] {
-            let at = |degrees: usize| survival(degrees, degrees as f64 + deviations * (2.0 * degrees as f64).sqrt());
-            let (sum, approximation) = (at(super::MANY), at(super::MANY + 1));
-            assert!((sum / approximation - 1.0).abs() < 5e-3, "{deviations}: {sum} and {approximation}");
+    fn of_many_degrees_of_freedom_the_chance_is_wilsons_and_hilfertys_and_in_the_far_tail_it_vanishes() {
+        // The cube root of a χ² variable over its degrees of freedom is nearly normal, Abramowitz and Stegun 26.4.17.
+        for degrees in [999, 1000, 1001, 20_000] {
+            let (n, spread) = (degrees as f64, (2.0 / (9.0 * degrees as f64)).sqrt());
+            for deviations in [-2.0, 0.0, 2.0, 4.0] {
+                let x = n + deviations * (2.0 * n).sqrt();
+                let z = ((x / n).cbrt() - 1.0 + spread * spread) / spread;
+                let normal = 0.5 * libm::erfc(z / std::f64::consts::SQRT_2);
+                let found = survival(degrees, x);
+                assert!((found / normal - 1.0).abs() < 5e-3, "{degrees}, {deviations}: {found} and {normal}");
+            }
         }
-        assert!((survival(20_000, 20_000.0) - 0.5).abs() < 0.01);
+        for (degrees, x) in [(1000, 1600.0), (800, 1800.0), (400, 5500.0)] {
+            assert!(survival(degrees, x) < 1e-20, "{degrees}, {x}: {}", survival(degrees, x));
+        }
     }
 
     #[test]

@@ -29,9 +29,7 @@ pub(super) struct Stretch {
 impl Stretch {
     /// The part of a log. `None`: it has no setpoint or no reading there.
     pub(super) fn of(log: &LoadedLog) -> Option<Self> {
-        let changes = |text: &str| text.starts_with("gains ") || text.starts_with("controller ");
-        let retuned = log.events.iter().find(|e| changes(&e.text) && e.text.ends_with("accepted"));
-        let until_s = retuned.map_or(f64::INFINITY, |event| event.time_s);
+        let until_s = log.law_changes_at_s();
         let rows = log.recording.samples().iter().skip_while(|sample| sample.setpoint_mm.is_none());
         let start_s = rows.clone().next()?.time_s;
         let kept = rows.take_while(|s| s.setpoint_mm.is_some() && s.time_s < until_s.min(start_s + LONGEST_S));

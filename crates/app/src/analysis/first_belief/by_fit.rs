@@ -15,20 +15,21 @@ const MOST_TRIED: usize = 5;
 /// Rows that a pair is tried on.
 const TRIED_ROWS: usize = 4000;
 
-/// The input and the position that fit best, of the columns whose names say nothing.
+/// The input and the position that fit best, of the columns whose names say nothing; `scale`: seconds per unit of the time.
 pub(super) fn by_fit(
-    time: &Candidate<'_>,
+    (time, scale): (&Candidate<'_>, f64),
     free: &[&Candidate<'_>],
     input: Option<&Named>,
     position: Option<&Named>,
 ) -> Option<(Named, Named)> {
     let spread = spread_if_coarse(&time.column.values);
-    let times = spread.as_deref().unwrap_or(&time.column.values);
+    let times = spread.as_deref().unwrap_or(&time.column.values).iter().take(TRIED_ROWS);
+    let times: Vec<Option<f64>> = times.map(|time| time.map(|time| scale * time)).collect();
     let allowed =
         |given: Option<&Named>, one: &Candidate<'_>| given.is_none_or(|named| named.column == one.column.name);
     let has_rate = |y: &Candidate<'_>| {
         let others = free.iter().take(MOST_TRIED).filter(|other| other.column.name != y.column.name);
-        others.filter_map(|rate| recording(times, rate, y)).any(|rows| input_is_rate(&rows))
+        others.filter_map(|rate| recording(&times, rate, y)).any(|rows| input_is_rate(&rows))
     };
     let positions = free.iter().take(MOST_TRIED).filter(|y| allowed(position, y)).map(|y| (y, has_rate(y)));
     let positions: Vec<(&&Candidate<'_>, bool)> = positions.collect();
@@ -36,7 +37,7 @@ pub(super) fn by_fit(
         free.iter().take(MOST_TRIED).flat_map(|u| positions.iter().map(move |(y, has_rate)| (u, *y, *has_rate)));
     let pairs = pairs.filter(|(u, y, _)| u.column.name != y.column.name && allowed(input, u));
     let rated = pairs.filter_map(|(u, y, has_rate)| {
-        let rows = recording(times, u, y)?;
+        let rows = recording(&times, u, y)?;
         // The output may be a speed.
         let gains = [Order::First, Order::Second].map(|order| linear_fit(&rows, order).map(|fit| fit.of_input));
         let of_input = gains.into_iter().flatten().reduce(f64::max)?;

@@ -12,7 +12,10 @@ pub(super) fn flaw(role: Role, column: &SheetColumn) -> Option<String> {
             ": line {line} of `{name}` holds `{content}`, which is no number; mend it or remove the row"
         ));
     }
-    if role != Role::Time && !column.values.is_empty() && !moves(column) {
+    if column.values.is_empty() {
+        return Some(format!(": `{name}` holds no numbers"));
+    }
+    if role != Role::Time && !moves(column) {
         return Some(format!(": `{name}` has the same value in all rows"));
     }
     let line = column.decreases_in.filter(|_| role == Role::Time)?;

@@ -128,7 +128,7 @@ fn step(column: &SheetColumn) -> f64 {
     steps.get(steps.len() / 2).copied().unwrap_or(1.0)
 }
 
-fn time(column: &SheetColumn) -> Scaled {
+pub(super) fn time(column: &SheetColumn) -> Scaled {
     let named = Name::of(column).unit;
     let by_unit = named.as_deref().and_then(|unit| {
         let known = [("s", 1.0), ("sec", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)];

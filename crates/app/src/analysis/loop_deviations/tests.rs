@@ -57,10 +57,14 @@ fn an_unknown_excitation_is_not_blamed_on_the_controller() {
 
 #[test]
 fn a_law_that_was_retuned_in_flight_is_followed_up_to_there() {
-    let mut log = flight(&project(), |_, _| {});
-    let text = "gains kp 0.02: accepted".to_owned();
-    log.events.push(crate::log::event::EventMessage { time_s: 20.0, kind: "command".into(), text, lateness: None });
-    assert!((990..1010).contains(&super::under_the_law(&log).len()));
+    let flown = flight(&project(), |_, _| {});
+    for command in
+        ["gains kp 0.02", "controller lqr", "numbers pid.kp_per_mm 0.02 ", "numbers undo", "experiment steps"]
+    {
+        let (mut log, text) = (flown.clone(), format!("{command}: accepted"));
+        log.events.push(crate::log::event::EventMessage { time_s: 20.0, kind: "command".into(), text, lateness: None });
+        assert!((990..1010).contains(&super::under_the_law(&log).len()), "{command}");
+    }
 }
 
 #[test]

@@ -12,12 +12,11 @@
 mod readings;
 
 use crate::answer::diagnosis::Diagnosis;
-use crate::answer::sentences::LIKELIER_THAN_NOT;
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::profile::OF_90_PERCENT;
 use crate::residual::score_test::{BinnedForces, FilterRun, share_after};
 use crate::select::stepwise::{Change, NamedEffect};
-use crate::thresholds::WIDER;
+use crate::thresholds::{LIKELY, WIDER};
 use plant::{Entry, Late, Model, Settled, Stage};
 use readings::{Bins, Readings};
 
@@ -75,7 +74,7 @@ const NOTHING: f64 = 1e-6;
 
 /// The curves of the effects that are likelier than not and depend on one signal.
 pub(crate) fn effect_curves(found: &Diagnosis, problem: &Problem<'_>) -> Vec<EffectCurve> {
-    let is_drawn = |named: &&NamedEffect| named.change != Change::Removed && named.probability > LIKELIER_THAN_NOT;
+    let is_drawn = |named: &&NamedEffect| named.change != Change::Removed && named.probability >= LIKELY;
     let there = found.effects.iter().filter(is_drawn);
     there.filter_map(|named| curve(found, problem, named.candidate.entry)).collect()
 }

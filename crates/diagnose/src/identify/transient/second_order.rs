@@ -69,12 +69,6 @@ impl Transient {
         let drag_per_s = 2.0 * self.damping * self.omega * (1.0 + half * kappa) + kappa * dead_time_s;
         TwoPoles { gain: kappa / kp_per_mm, drag_per_s }
     }
-
-    /// The plant in a loop with a proportional controller of `kp_per_mm` and no dead time.
-    #[must_use]
-    pub fn plant(&self, kp_per_mm: f64) -> TwoPoles {
-        TwoPoles { gain: self.omega * self.omega / kp_per_mm, drag_per_s: 2.0 * self.damping * self.omega }
-    }
 }
 
 #[cfg(test)]
@@ -94,7 +88,7 @@ mod tests {
     #[test]
     fn the_table_of_the_thesis_follows_from_its_damping_and_frequency() {
         for [kp, damping, omega, gain, drag] in TABLE {
-            let found = Transient { damping, omega }.plant(kp);
+            let found = Transient { damping, omega }.plant_behind(kp, 0.0);
             // δ and ω_n are printed with three decimals.
             assert!((found.gain / gain - 1.0).abs() < 0.0025, "K_p {kp}: {found:?}");
             assert!((found.drag_per_s / drag - 1.0).abs() < 0.0015, "K_p {kp}: {found:?}");
@@ -122,7 +116,8 @@ mod tests {
                 (peak, peak_s) = (y, dt * f64::from(k + 1));
             }
         }
-        let TwoPoles { gain: found, drag_per_s: drag } = Transient::of_step(peak - 1.0, peak_s).unwrap().plant(kp);
+        let TwoPoles { gain: found, drag_per_s: drag } =
+            Transient::of_step(peak - 1.0, peak_s).unwrap().plant_behind(kp, 0.0);
         assert!((found / gain - 1.0).abs() < 2e-3 && (drag / drag_per_s - 1.0).abs() < 2e-3, "{found} {drag}");
     }
 

@@ -114,13 +114,17 @@ fn differences(rows: &[Integrals], horizon_s: f64) -> impl Iterator<Item = Diffe
     let per_s = rows.len() as f64 / span_s.max(f64::MIN_POSITIVE);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number of rows")]
     let apart = ((horizon_s * per_s).round() as usize).clamp(1, rows.len().max(1));
-    (apart..rows.len().saturating_sub(apart)).map(move |at| {
+    (apart..rows.len().saturating_sub(apart)).filter_map(move |at| {
         let [first, second, third] = [at - apart, at, at + apart].map(|at| &rows[at]);
         let spans_s = [second.time_s - first.time_s, third.time_s - second.time_s];
+        // Two readings at one time have no difference.
+        if spans_s.iter().any(|span_s| *span_s <= 0.0) {
+            return None;
+        }
         let of = |f: [f64; 3]| (f[2] - f[1]) / spans_s[1] - (f[1] - f[0]) / spans_s[0];
         let [x1, x2, x3] = [first, second, third].map(|row| row.position_mm);
         let known = (0..second.known.len()).map(|k| of([first, second, third].map(|row| row.known[k]))).collect();
-        Difference { position: of([x1, x2, x3]), known, moved_mm: [x2 - x1, x3 - x2] }
+        Some(Difference { position: of([x1, x2, x3]), known, moved_mm: [x2 - x1, x3 - x2] })
     })
 }
 

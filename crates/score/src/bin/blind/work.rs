@@ -107,7 +107,11 @@ impl<'a> Work<'a> {
 
     fn answered(&self, case: &str, record: &Path) -> Result<Done> {
         let answer = self.answer(case, record)?;
-        let left_out = self.left_out(case, record)?;
+        // A failure without the effect leaves the answer with it.
+        let left_out = self.left_out(case, record).unwrap_or_else(|error| {
+            eprintln!("warning: {case} is not scored with its effect left out: {error:#}");
+            None
+        });
         let Case { belief, recording } = Case::read(record, &self.folder.belief(case))?;
         let truth = self.sealed.and_then(|sealed| sealed.truth(case));
         Ok(Done {

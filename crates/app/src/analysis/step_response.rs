@@ -12,12 +12,11 @@
 //! Source of the definitions: Åström & Murray, *Feedback Systems*, "Performance Specifications".
 
 use crate::flight::vocabulary::Cycle;
+use control::design::step::BAND;
 use diagnose::identify::first_peak;
 
 /// A change of the setpoint that counts as a jump, mm: four times a sensor's noise.
 const JUMP_MM: f64 = 10.0;
-/// The band around the new setpoint, as a share of the jump.
-const BAND: f64 = 0.05;
 /// A step begins at rest where the ball is at most so far from the old setpoint, percent of the jump: twice the band,
 /// because air that is never still moves a settled ball.
 pub const AT_REST_PERCENT: f64 = 200.0 * BAND;

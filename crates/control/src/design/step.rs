@@ -17,7 +17,7 @@ use super::transfer::{Plane, Transfer};
 use libm::{ceil, pow};
 use nalgebra::{SMatrix, SVector};
 
-/// The band that counts as settled.
+/// Half of the width of the band around the new setpoint that counts as settled, as a share of the step.
 pub const BAND: f64 = 0.05;
 /// The highest order of a continuous closed loop: four lags, the delay's four, the controller's four.
 const ORDER: usize = 12;

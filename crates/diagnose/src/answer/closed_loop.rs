@@ -27,13 +27,13 @@ pub struct Simulated {
 pub struct ClosedLoop {
     /// Number of setpoint steps that were evaluated.
     pub steps: usize,
-    /// Largest overshoot of the new setpoint, percent of the step.
+    /// Overshoot of the new setpoint, percent of the step; like the times below the median of the steps.
     pub overshoot_percent: Compared,
     /// Time of the first clear peak beyond the new setpoint, seconds.
     pub peak_time_s: Compared,
     /// Half-width of the settling band, percent of the step.
     pub settling_band_percent: f64,
-    /// Settling time: when the ball enters that band for good, seconds.
+    /// Settling time: when the ball enters that band and stays in it for at least 1 s, seconds.
     pub settling_s: Compared,
     /// Critical gain: the smallest factor on the proportional gain at which the loop becomes unstable.
     pub critical_gain_ratio: Simulated,

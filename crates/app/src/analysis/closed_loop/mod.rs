@@ -17,6 +17,7 @@ use super::step_response::{Moment, Step, steps_of};
 use super::virtual_flight::Desk;
 use crate::config::Tables;
 use crate::log::reader::LoadedLog;
+use control::design::step::BAND;
 use critical_gain::critical_gain;
 use diagnose::{ClosedLoop, Compared, Simulated};
 use plant::Model;
@@ -57,7 +58,7 @@ pub fn measure(logs: &[LoadedLog], tables: &Tables, belief: &Model, mended: Opti
         steps: steps.len(),
         overshoot_percent: compared(figures.map(|figures| figures.overshoot_percent)),
         peak_time_s: compared(figures.map(|figures| figures.peak_s)),
-        settling_band_percent: 5.0,
+        settling_band_percent: 100.0 * BAND,
         settling_s: compared(figures.map(|figures| figures.settling_s)),
         critical_gain_ratio: Simulated { nominal: critical[0], mended: critical[1] },
     }

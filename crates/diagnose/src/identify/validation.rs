@@ -57,9 +57,9 @@ impl HeldOut {
         let readings = recording.samples().iter().enumerate().filter(|(row, _)| counts(*row));
         let spread_mm = spread(readings.filter_map(|(_, s)| s.position_mm));
         let percent = |error: Option<f64>| Some(100.0 * (1.0 - error? / spread_mm?));
-        let of = |ahead: [Option<f64>; 3], parameters: Option<f64>| Percent {
+        let of = |ahead: [Option<f64>; 3], free_run: Option<f64>| Percent {
             ahead: ahead.map(percent),
-            simulated_10s: percent(parameters),
+            simulated_10s: percent(free_run),
         };
         Self {
             percent: of(gap.error_mm, gap.free_run_10s_mm),

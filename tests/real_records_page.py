@@ -94,8 +94,8 @@ def main(airball, page):
     sections = [section(record, belief, documented, diagnose(airball, record, belief)) for record, belief, documented in RECORDS]
     right = sum(passes for passes, _ in sections)
     of_servo = [passes for (*_, documented), (passes, _) in zip(RECORDS, sections) if documented is SERVO]
-    documented = f"{right - sum(of_servo)} of {len(sections) - len(of_servo)} with a documented cause, {sum(of_servo)} of {len(of_servo)} of the servo"
-    text = "\n\n".join([HEAD + f"\n{right} of {len(sections)} are right by the rule: {documented}.", *(text for _, text in sections)])
+    shares = f"{right - sum(of_servo)} of {len(sections) - len(of_servo)} with a documented cause, {sum(of_servo)} of {len(of_servo)} of the servo"
+    text = "\n\n".join([HEAD + f"\n{right} of {len(sections)} are right by the rule: {shares}.", *(text for _, text in sections)])
     Path(page).write_text(text + "\n")
 
 

@@ -87,7 +87,8 @@ fn the_reference_of_commands_is_what_help_says() {
     let bench = Bench::default();
     let mut page = String::from(
         "<!-- Made from `airball --help` by `scripts/book --update`. -->\n\n# Commands\n\n\
-         What `airball COMMAND --help` says. `--config`, `--patch`, `--effects`, `--html` and `--json` mean the same in every command that has them.\n",
+         What `airball COMMAND --help` says. `--config`, `--patch`, `--effects`, `--html` and `--json` \
+         mean the same in every command that has them.\n",
     );
     help_of(&bench, &[], &mut page);
     is_or_write(&book().join("reference/commands.md"), &page);

@@ -48,7 +48,8 @@ pub(crate) fn page(keys: &[Key], bounds: &Bounds) -> String {
         "<!-- Made from what `airball config check` expects and refuses by `scripts/book --update`. -->\n\n# Every table and key\n\n\
          What a config may hold; what it means stands in the comments of [config.toml](config.md). `a.b` is the key `b` of the table `[a]`. Which keys a \
          table needs depends on the command; one that lacks a key says so. A number may be as small and as large as its bounds; a bound that is a key is \
-         the number that this key holds. If two values contradict each other, the error message states the condition.\n\n| key | holds |\n|---|---|\n",
+         the number that this key holds. If two values contradict each other, the error message \
+         states the condition.\n\n| key | holds |\n|---|---|\n",
     );
     let mut effects = String::from(
         "\n## Effects\n\nA key of an effect is needed, unless it may be absent.\n\n| key | accepted | no effect at \

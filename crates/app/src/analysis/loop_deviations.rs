@@ -21,7 +21,7 @@ use diagnose::thresholds::FIRST_EFFECT;
 use diagnose::{Recording, Sample, kl_divergence};
 use plant::Model;
 
-/// Duties that differ by less are equal, percent: far less than the chip's resolution, 100/4096.
+/// Duties that differ by less are equal, percent: a 244th of the chip's resolution, 100/4096.
 const EQUAL_PERCENT: f64 = 1e-4;
 
 /// A stage before the plant where the loop deviated.

@@ -31,8 +31,8 @@ pub(super) fn add_odds(found: &mut Selection, mending: &Mending) {
 }
 
 impl Diagnosis {
-    /// The probability of each effect of a round, if at most one of them acts: in proportion to the evidence, and for the
-    /// named one at most the probability of its name. `None` for those that were not fitted in full.
+    /// The probability of each effect of a round, if at most one of them acts: in proportion to the evidence, and for
+    /// the named one at most the probability of its name. `None` for those that were not fitted in full.
     #[must_use]
     pub fn chances(&self, tried: &[Scored]) -> Vec<Option<f64>> {
         let all = chances(tried);

@@ -87,7 +87,7 @@ impl Line {
                 (xx + (point.0 - x).powi(2), xy + (point.0 - x) * (point.1 - y))
             };
             let (xx, xy) = points.fold((0.0, 0.0), moments);
-            // What rounding leaves of a constant speed is no spread.
+            // A spread of less than a millionth of the speed is rounding: the duty is constant.
             line.b = if xx > 1e-12 * n * x * x { xy / xx } else { return None };
             line.a = (y - line.b * x) / (1.0 - line.colour);
             let off = |speed: &Speed| speed.rpm - line.a - line.b * speed.duty_percent;

@@ -79,17 +79,19 @@ fn integral(a: f64, t: f64) -> f64 {
     if a * t < 1e-9 { t } else { -(-a * t).exp_m1() / a }
 }
 
-/// (1 − e^−at)/a, and its integral over t: velocity and way by a force of 1 under drag.
+/// (1 − e^−at)/a, and its integral over t: velocity and displacement after `t` by a constant acceleration of 1 under
+/// the drag `a`. Where a·t is small, the difference t − velocity loses its digits; the series leaves out (a·t)²/12 of
+/// its value, 10⁻⁹ at the limit.
 pub(crate) fn integrals(a: f64, t: f64) -> [f64; 2] {
-    let way = integral(a, t);
-    [way, if a * t < 1e-4 { 0.5 * t * t * (1.0 - a * t / 3.0) } else { (t - way) / a }]
+    let velocity = integral(a, t);
+    [velocity, if a * t < 1e-4 { 0.5 * t * t * (1.0 - a * t / 3.0) } else { (t - velocity) / a }]
 }
 
 /// Transition and response of ÿ = −k·y − a·ẏ + u.
 fn second(a: f64, k: f64, t: f64) -> ([[f64; 2]; 2], [f64; 2]) {
     if k == 0.0 {
-        let [way, far] = integrals(a, t);
-        return ([[1.0, way], [0.0, (-a * t).exp()]], [far, way]);
+        let [velocity, displacement] = integrals(a, t);
+        return ([[1.0, velocity], [0.0, (-a * t).exp()]], [displacement, velocity]);
     }
     // Φ = e^−at/2·(c + s·(A + a/2)),   c, s: cos ωt and sin ωt/ω, or their hyperbolic forms
     let square = k - 0.25 * a * a;

@@ -121,13 +121,13 @@ impl Glide {
     fn over(&self, dt: f64) -> (Matrix4<f64>, Matrix4<f64>) {
         let (a, rate) = (self.drag_per_s, 1.0 / self.lag_s);
         let (ball, fan) = ((-a * dt).exp(), (-rate * dt).exp());
-        let [slowed, far] = integrals(a, dt);
+        let [slowed, displacement] = integrals(a, dt);
         // Velocity and displacement by a force that decays with the fan lag.
         let speed = (fan - ball) / (a - rate);
         let way = ((1.0 - fan) * self.lag_s - slowed) / (a - rate);
         #[rustfmt::skip]
         let transition = Matrix4::new(
-            1.0, slowed, way,   far - way,
+            1.0, slowed, way,   displacement - way,
             0.0, ball,   speed, slowed - speed,
             0.0, 0.0,    fan,   1.0 - fan,
             0.0, 0.0,    0.0,   1.0,

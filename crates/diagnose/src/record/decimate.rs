@@ -114,15 +114,17 @@ fn means(samples: &[Sample], count: usize) -> Option<Vec<Sample>> {
 
 /// The rows, with one of each `merged` readings.
 fn picked(samples: &[Sample], merged: usize) -> Vec<Sample> {
-    let mut readings = 0;
+    let mut readings_before: usize = 0;
     let pick = |row: &Sample| {
-        readings += usize::from(row.position_mm.is_some());
-        if (readings - usize::from(row.position_mm.is_some())).is_multiple_of(merged) { *row } else { unread(row) }
+        let is_picked = readings_before.is_multiple_of(merged);
+        readings_before += usize::from(row.position_mm.is_some());
+        if is_picked { *row } else { unread(row) }
     };
     samples.iter().map(pick).collect()
 }
 
-/// A row without its reading. A tachometer and a second sensor keep theirs: their noise is found from one row to the next.
+/// A row without its reading. A tachometer and a second sensor keep theirs: their noise is found from one row to the
+/// next.
 fn unread(row: &Sample) -> Sample {
     Sample { position_mm: None, ..*row }
 }

@@ -15,7 +15,8 @@ const MOST_TRIED: usize = 5;
 /// Rows that a pair is tried on.
 const TRIED_ROWS: usize = 4000;
 
-/// The input and the position that fit best, of the columns whose names say nothing; `scale`: seconds per unit of the time.
+/// The input and the position that fit best, of the columns whose names say nothing; `scale`: seconds per unit of the
+/// time.
 pub(super) fn by_fit(
     (time, scale): (&Candidate<'_>, f64),
     free: &[&Candidate<'_>],

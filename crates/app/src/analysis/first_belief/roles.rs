@@ -3,7 +3,7 @@
 use super::by_fit::by_fit;
 use super::flaw::{flaw, grows, moves, nearly_grows};
 use super::names::Name;
-use super::scales::time as time_scale;
+use super::scales;
 use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, TIMES};
 use rows::{Sheet, SheetColumn, shown};
 use std::fmt::{self, Display, Formatter};
@@ -207,9 +207,9 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
             let free = moving.iter().filter(|one| setpoint.as_ref().is_none_or(|set| set.column != one.column.name));
             let free: Vec<&Candidate<'_>> = free.copied().collect();
             let time_column = all.iter().find(|one| one.column.name == time.column);
-            let pair = time_column.and_then(|column| {
-                let scale = asked.period_s.unwrap_or_else(|| time_scale(column.column).scale);
-                by_fit((column, scale), &free, input.as_ref(), position.as_ref())
+            let pair = time_column.and_then(|time| {
+                let scale = asked.period_s.unwrap_or_else(|| scales::time(time.column).scale);
+                by_fit((time, scale), &free, input.as_ref(), position.as_ref())
             });
             let missing = if position.is_none() { Role::Position } else { Role::Input };
             let (found_input, found_position) = pair.ok_or_else(|| columns.not_found(missing))?;
@@ -268,18 +268,18 @@ impl Columns<'_> {
         }
         let is_input = |one: &&&Candidate<'_>| asked.input.as_deref() == Some(one.column.name.as_str());
         let free: Vec<&Candidate<'_>> = moving.iter().filter(|one| !is_input(one)).copied().collect();
-        let is_no_speed = |one: &&&Candidate<'_>| !one.name.says(SPEEDS) && !one.name.says(SETPOINTS);
-        let slow: Vec<&Candidate<'_>> = free.iter().filter(is_no_speed).copied().collect();
+        let may_be_position = |one: &&&Candidate<'_>| !one.name.says(SPEEDS) && !one.name.says(SETPOINTS);
+        let possible: Vec<&Candidate<'_>> = free.iter().filter(may_be_position).copied().collect();
         let inputs: Vec<&Candidate<'_>> = moving.iter().filter(|one| one.name.says(INPUTS)).copied().collect();
         // `commanded position` beside `encoder position` is where the rig shall be.
-        let read: Vec<&Candidate<'_>> = slow.iter().filter(|one| !one.name.says(COMMANDS)).copied().collect();
+        let read: Vec<&Candidate<'_>> = possible.iter().filter(|one| !one.name.says(COMMANDS)).copied().collect();
         let is_position = |one: &&&Candidate<'_>| one.name.is_length_or_angle() && !one.name.says(INPUTS);
         let by_unit = || match read.iter().filter(is_position).collect::<Vec<_>>()[..] {
             [found] => Some(Named { column: found.column.name.clone(), why: BY_UNIT }),
             _ => None,
         };
         let by_name = |among| self.named(among, "", POSITIONS, &inputs);
-        if let Some(found) = by_name(&read).or_else(by_unit).or_else(|| by_name(&slow)) {
+        if let Some(found) = by_name(&read).or_else(by_unit).or_else(|| by_name(&possible)) {
             return Ok((Some(found), false));
         }
         let found = self.named(&free, "", SPEEDS, &inputs);

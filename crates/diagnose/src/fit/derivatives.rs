@@ -13,9 +13,6 @@ use nalgebra::{DMatrix, DVector};
 use plant::Model;
 use rayon::prelude::*;
 
-/// Length of the finite differences, in scaled parameters.
-const DIFFERENCE: f64 = 0.01;
-
 /// Gradient and information of the likelihood fold by fold, and of the prior.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivatives {
@@ -65,7 +62,7 @@ fn derivative(here: &Innovation, there: &Innovation, of_density: bool) -> [f64; 
     } else {
         [there.expected_mm - here.expected_mm, (there.variance_mm2 / here.variance_mm2).ln()]
     };
-    derivatives.map(|change| change / DIFFERENCE)
+    derivatives.map(|change| change / Parameter::DIFFERENCE)
 }
 
 impl Problem<'_> {
@@ -93,7 +90,7 @@ impl Problem<'_> {
             if let Some(known) = known.by(parameter) {
                 return known.clone();
             }
-            let nudged = self.innovations(&parameter.stepped(model, DIFFERENCE));
+            let nudged = self.innovations(&parameter.stepped(model, Parameter::DIFFERENCE));
             let of_density = parameter.is_of_the_density();
             let both = here.iter().zip(&nudged);
             both.map(|(here, there)| derivative(here, there, of_density)).collect()

@@ -243,6 +243,9 @@ impl Parameter {
         (-(tail + 1.0) / 2.0 * (d * d / width).ln_1p(), -d * curvature, curvature)
     }
 
+    /// Step of numerical derivatives in the parameter's own scale: 1 % of it, far above rounding.
+    pub(crate) const DIFFERENCE: f64 = 0.01;
+
     /// The model with this parameter moved by `by` in its own scale, within its bounds.
     #[must_use]
     pub fn stepped(self, model: &Model, by: f64) -> Model {

@@ -13,6 +13,7 @@
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
 use crate::fit::estimate::Fit;
+use crate::fit::parameter::Parameter;
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
 use crate::stats::chi_square::survival;
@@ -23,8 +24,6 @@ use serde::Serialize;
 const LAGS: usize = 20;
 /// Ends of the windows of duty before a reading, in readings.
 const WINDOWS: [usize; 9] = [0, 1, 3, 6, 11, 19, 34, 59, 99];
-/// Step of the numerical derivatives in scaled parameters.
-const DIFFERENCE: f64 = 0.01;
 /// Smallest eigenvalue of the regressors that counts, as a share of the largest.
 const NO_DIRECTION: f64 = 1e-9;
 /// Standard deviations on either side that contain 95 % of a normal distribution.
@@ -101,7 +100,7 @@ fn rows(fit: &Fit, recording: &Recording, folds: &Folds) -> Vec<Row> {
     let nudged: Vec<Vec<Innovation>> = fit
         .parameters
         .iter()
-        .map(|parameter| innovations(&parameter.stepped(&fit.model, DIFFERENCE), recording))
+        .map(|parameter| innovations(&parameter.stepped(&fit.model, Parameter::DIFFERENCE), recording))
         .collect();
     let seen = readings(&fit.innovations);
     let samples = recording.samples();
@@ -115,8 +114,9 @@ fn rows(fit: &Fit, recording: &Recording, folds: &Folds) -> Vec<Row> {
         }
         let before = |all: &[f64], lag: usize| all.len().checked_sub(lag).map_or(0.0, |at| all[at]);
         if folds.counts(s.row) && !s.repeat {
-            let slope =
-                |other: &Vec<Innovation>| (other[k].expected_mm - s.expected_mm) / DIFFERENCE / s.variance_mm2.sqrt();
+            let slope = |other: &Vec<Innovation>| {
+                (other[k].expected_mm - s.expected_mm) / Parameter::DIFFERENCE / s.variance_mm2.sqrt()
+            };
             rows.push(Row {
                 e: s.standardised,
                 slopes: nudged.iter().map(slope).collect(),

@@ -205,6 +205,11 @@ impl Recording {
         duration_s(&self.samples[flight.clone()]) / self.readings_of(flight).len().max(1) as f64
     }
 
+    /// Mean time from one reading of all flights to the next, seconds.
+    pub(crate) fn mean_reading_period_s(&self) -> f64 {
+        self.duration_s() / self.readings().max(1) as f64
+    }
+
     /// The smallest difference between two successive readings, mm.
     #[must_use]
     pub const fn resolution_mm(&self) -> f64 {

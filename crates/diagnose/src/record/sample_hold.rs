@@ -53,7 +53,7 @@ pub(crate) struct Hold {
 
 /// The hold that the readings show; `None` if they do not repeat regularly.
 pub(crate) fn hold(recording: &Recording) -> Option<Hold> {
-    let row_s = recording.duration_s() / recording.readings().max(1) as f64;
+    let row_s = recording.mean_reading_period_s();
     let mut gaps = gaps(recording);
     gaps.sort_by(f64::total_cmp);
     // Regular gaps are multiples of the hold for coarse and fine readings alike; of a clock that wanders, or a hold

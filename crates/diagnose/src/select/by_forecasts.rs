@@ -128,7 +128,7 @@ fn is_scatter(entry: &Entry) -> bool {
 /// The noise of a filter with the bandwidth of the horizon, for errors of the size that `fit` forecasts with.
 fn slow_noise(search: &Search<'_>, fit: &Fit, horizon_s: f64) -> Noise {
     let recording = search.problem.recording;
-    let period_s = recording.duration_s() / recording.readings().max(1) as f64;
+    let period_s = recording.mean_reading_period_s();
     let error_mm = Evaluated::of(search, fit.clone()).gap().error_mm[2].unwrap_or(0.0);
     let sensor_mm = error_mm.max(fit.model.noise.sensor_mm);
     Noise { sensor_mm, acceleration_psd_mm2_per_s3: horizon_s.powi(-4) * sensor_mm * sensor_mm * period_s }
@@ -219,7 +219,7 @@ mod tests {
         let (belief, recording) = (model(), record(&model(), 1, 12));
         let folds = Folds::new(&belief, &recording);
         let search = Search::new(&belief, &recording, &folds, &Options::default());
-        let period_s = recording.duration_s() / recording.readings() as f64;
+        let period_s = recording.mean_reading_period_s();
         let bandwidth =
             |noise: plant::Noise| (noise.acceleration_psd_mm2_per_s3 / (noise.sensor_mm.powi(2) * period_s)).powf(0.25);
         let [noise, _] = HORIZONS_S.map(|horizon_s| {

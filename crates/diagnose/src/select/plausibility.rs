@@ -36,7 +36,7 @@ fn does_something(search: &Search<'_>, candidate: &Candidate) -> bool {
 /// Whether the values of every effect that is not believed are observable in the readings.
 fn can_show(search: &Search<'_>, candidate: &Candidate) -> bool {
     let (recording, belief) = (search.problem.recording, search.problem.belief);
-    let period_s = recording.duration_s() / recording.readings().max(1) as f64;
+    let period_s = recording.mean_reading_period_s();
     let readings = Readings { sigma_mm: belief.noise.sensor_mm, period_s };
     let effects = &candidate.fit.model.effects;
     let added = effects.present().into_iter().filter(|entry| belief.effects.values(entry.name).is_none());

@@ -157,7 +157,6 @@ impl Level {
 
 #[cfg(test)]
 mod tests {
-    use super::sensitivities::DIFFERENCE;
     use super::{Found, JointScore, omitted};
     use crate::filter::ekf::Sensitivity;
     use crate::filter::track::segments;
@@ -175,8 +174,8 @@ mod tests {
         let own = Model { effects: Effects::default(), ..model() };
         let recording = record(&own, 3, 20);
         let (here, there) =
-            (segments(&own, &recording), segments(&Parameter::Hover.stepped(&own, DIFFERENCE), &recording));
-        let push = -own.gain_mm_per_s2_per_percent * 0.1 * DIFFERENCE;
+            (segments(&own, &recording), segments(&Parameter::Hover.stepped(&own, Parameter::DIFFERENCE), &recording));
+        let push = -own.gain_mm_per_s2_per_percent * 0.1 * Parameter::DIFFERENCE;
         let (mut nudged, mut before_s) = (Sensitivity::zero(), 0.0);
         let (mut product, mut square) = (0.0, 0.0);
         for ((taken, leg), (moved, _)) in here.iter().zip(&there).skip(1) {

@@ -13,8 +13,6 @@ use nalgebra::DVector;
 use plant::Model;
 use std::ops::Range;
 
-/// Step of the numerical derivatives, in the scales of the fitted parameters.
-pub(super) const DIFFERENCE: f64 = 0.01;
 /// A reading with less weight than this is left out.
 const LEAST_WEIGHT: f64 = 1e-3;
 /// Longest time step of the regressors between two readings, seconds.
@@ -156,10 +154,10 @@ fn forms_of_lags(model: &Model) -> impl Iterator<Item = (Model, Parameter)> + '_
 
 /// Sensitivity of each expected reading to a parameter, standard deviations per scale of the parameter.
 fn moved(problem: &Problem<'_>, model: &Model, parameter: Parameter, way: &[(Innovation, Segment)]) -> Vec<f64> {
-    let there = expected_mm(&parameter.stepped(model, DIFFERENCE), problem.recording);
+    let there = expected_mm(&parameter.stepped(model, Parameter::DIFFERENCE), problem.recording);
     let shift = |(innovation, _): &(Innovation, Segment)| {
         let moved_mm = there[innovation.row].map_or(0.0, |there| there - innovation.expected_mm);
-        moved_mm / DIFFERENCE / innovation.variance_mm2.sqrt()
+        moved_mm / Parameter::DIFFERENCE / innovation.variance_mm2.sqrt()
     };
     way.iter().map(shift).collect()
 }

@@ -16,7 +16,7 @@ use crate::log::error::READABLE;
 use mcap::records::Record;
 use rows::Import;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The column of the time.
@@ -153,7 +153,13 @@ impl Gathered {
         // Writing to memory does not fail.
         let _ = writer.write_record([TIME].into_iter().chain(self.columns.iter().map(String::as_str)));
         let mut held: Vec<Option<f64>> = vec![None; self.columns.len()];
+        // What a row's own message does not hold was not read; only an input stays in force.
+        let of_lead = self.messages.iter().filter(|message| message.topic == lead).flat_map(|message| &message.numbers);
+        let own: BTreeSet<usize> = of_lead.map(|(column, _)| *column).filter(|column| needed != Some(column)).collect();
         for message in &self.messages {
+            if message.topic == lead {
+                own.iter().for_each(|column| held[*column] = None);
+            }
             message.numbers.iter().for_each(|(column, number)| held[*column] = Some(*number));
             // Before its input is known, a row is of no use.
             if message.topic != lead || needed.is_some_and(|column| held[*column].is_none()) {

@@ -98,6 +98,20 @@ fn a_foreign_file_is_read_by_topic_and_field_with_a_row_for_each_position() {
 }
 
 #[test]
+fn a_position_that_a_message_does_not_hold_is_no_reading_and_an_input_stays_in_force() {
+    let state = |k: u64| {
+        let y = if k % 3 == 0 { json!(0.01 * k as f64) } else { json!(null) };
+        let data = if k < 10 { json!({"y": y, "u": 7.0, "n": k}) } else { json!({"y": y, "n": k}) };
+        (20_000_000 * k, data.to_string().into_bytes())
+    };
+    let bytes = file(&[("/rig", "json", "State", (0..60).map(state).collect())]);
+    let columns = Import { duty_percent: Column::named("/rig.u"), position_mm: Column::named("/rig.y"), ..import() };
+    let recording = reader::parse(Path::new("rig.mcap"), &bytes, Some(&columns)).unwrap().recording;
+    assert_eq!((recording.samples().len(), recording.readings()), (60, 20));
+    assert!(recording.samples().iter().all(|row| row.duty_percent == 7.0));
+}
+
+#[test]
 fn a_column_that_is_not_there_is_named_beside_those_that_are() {
     let error = reader::parse(Path::new("cart.mcap"), &cart(), None).unwrap_err().to_string();
     for words in ["duty_percent", "/cart/state.y", "/cart/input.data.1", "time_s"] {

@@ -1,6 +1,6 @@
 //! Apache Parquet files as a table: a column for each column of single values, with the names of groups before its own.
 //!
-//! Times become seconds, decimals and flags numbers. Lists, maps and binary data are left out.
+//! Times become seconds, decimals and flags numbers. Lists, maps, binary data and floats of 16 bits are left out.
 
 use super::LogError;
 use super::contained::contained;
@@ -11,6 +11,7 @@ use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::{ParquetError, Result};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
+use std::cell::Cell;
 use std::path::Path;
 
 /// First bytes of a file.
@@ -19,6 +20,8 @@ const MAGIC: &[u8] = b"PAR1";
 const CHUNK: usize = 1 << 16;
 /// Most cells of a table, 512 MB of numbers: a small file could otherwise fill the memory.
 const MOST_CELLS: usize = 1 << 26;
+/// Most bytes of text: a dictionary repeats a long text for a byte or two.
+const MOST_TEXT: usize = 1 << 28;
 
 /// Whether the bytes are those of a Parquet file.
 pub(super) fn is_parquet(bytes: &[u8]) -> bool {
@@ -82,13 +85,15 @@ fn columns(bytes: &[u8]) -> Result<Vec<Column>> {
     let reader = SerializedFileReader::new(Bytes::copy_from_slice(bytes))?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let (mut columns, mut cells_left) = (Vec::new(), MOST_CELLS);
+    let text_left = Cell::new(Some(MOST_TEXT));
     for (index, about) in schema.columns().iter().enumerate() {
         if about.max_rep_level() > 0 {
             continue;
         }
         let Some(mut cells) = none_yet(about) else { continue };
         for group in 0..reader.num_row_groups() {
-            read(reader.get_row_group(group)?.get_column_reader(index)?, about, &mut cells, cells_left)?;
+            let values = reader.get_row_group(group)?.get_column_reader(index)?;
+            read(values, about, &mut cells, cells_left, &text_left)?;
         }
         cells_left -= cells.len();
         columns.push(Column { name: about.path().string(), cells });
@@ -106,23 +111,46 @@ fn none_yet(about: &ColumnDescriptor) -> Option<Cells> {
     let is_text =
         about.converted_type() == ConvertedType::UTF8 || matches!(about.logical_type_ref(), Some(LogicalType::String));
     match about.physical_type() {
+        Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY if about.converted_type() == ConvertedType::DECIMAL => {
+            Some(Cells::Numbers(Vec::new()))
+        }
         Type::BYTE_ARRAY => is_text.then(|| Cells::Texts(Vec::new())),
         Type::FIXED_LEN_BYTE_ARRAY => None,
         _ => Some(Cells::Numbers(Vec::new())),
     }
 }
 
-/// Appends a column's values in one group of rows, until it has `most`.
-fn read(reader: ColumnReader, about: &ColumnDescriptor, cells: &mut Cells, most: usize) -> Result<()> {
+/// Appends a column's values in one group of rows, until it has `most`, or its texts have taken `text_left` bytes.
+fn read(
+    reader: ColumnReader,
+    about: &ColumnDescriptor,
+    cells: &mut Cells,
+    most: usize,
+    text_left: &Cell<Option<usize>>,
+) -> Result<()> {
     let unsigned = is_unsigned(about);
     #[expect(clippy::cast_precision_loss, reason = "a time of 2^53 ns and more is exact to better than 1 µs")]
     let long = |value: i64| if unsigned { value.cast_unsigned() as f64 } else { value as f64 };
     let int = |value: i32| if unsigned { f64::from(value.cast_unsigned()) } else { f64::from(value) };
-    let append = Append { defined: about.max_def_level(), scale: scale(about), most };
+    let append = Append { defined: about.max_def_level(), divisor: divisor(about), most };
     match (cells, reader) {
         (Cells::Texts(texts), ColumnReader::ByteArrayColumnReader(reader)) => {
-            let text = |value: &ByteArray| value.as_utf8().map(str::to_owned).unwrap_or_default();
-            append.cells(reader, texts, |value| value.map(text).unwrap_or_default())
+            let text = |value: &ByteArray| {
+                let text = value.as_utf8().unwrap_or_default();
+                text_left.set(text_left.get().and_then(|left| left.checked_sub(text.len())));
+                if text_left.get().is_some() { text.to_owned() } else { String::new() }
+            };
+            append.cells(reader, texts, |value| value.map(text).unwrap_or_default())?;
+            match text_left.get() {
+                Some(_) => Ok(()),
+                None => Err(wrong(format!("it holds more than {MOST_TEXT} bytes of text"))),
+            }
+        }
+        (Cells::Numbers(to), ColumnReader::ByteArrayColumnReader(reader)) => {
+            append.numbers(reader, to, |value| integer(value.data()))
+        }
+        (Cells::Numbers(to), ColumnReader::FixedLenByteArrayColumnReader(reader)) => {
+            append.numbers(reader, to, |value| integer(value.data()))
         }
         (Cells::Numbers(to), ColumnReader::BoolColumnReader(reader)) => {
             append.numbers(reader, to, |flag| u8::from(*flag).into())
@@ -141,15 +169,21 @@ fn read(reader: ColumnReader, about: &ColumnDescriptor, cells: &mut Cells, most:
             append.numbers(reader, to, |value| f64::from(*value))
         }
         (Cells::Numbers(to), ColumnReader::DoubleColumnReader(reader)) => append.numbers(reader, to, |value| *value),
-        (Cells::Texts(_) | Cells::Numbers(_), _) => Ok(()),
+        (Cells::Texts(_), _) => Ok(()),
     }
+}
+
+/// The integer of a decimal: two's complement, the highest byte first.
+fn integer(bytes: &[u8]) -> f64 {
+    let Some((first, others)) = bytes.split_first() else { return f64::NAN };
+    others.iter().fold(f64::from(first.cast_signed()), |sum, byte| 256.0 * sum + f64::from(*byte))
 }
 
 /// How stored values become cells.
 struct Append {
     /// The definition level of a row that has a value.
     defined: i16,
-    scale: f64,
+    divisor: f64,
     /// Most cells of the column.
     most: usize,
 }
@@ -161,7 +195,7 @@ impl Append {
         numbers: &mut Vec<f64>,
         number: impl Fn(&T::T) -> f64,
     ) -> Result<()> {
-        self.cells(reader, numbers, |value| value.map_or(f64::NAN, |value| self.scale * number(value)))
+        self.cells(reader, numbers, |value| value.map_or(f64::NAN, |value| number(value) / self.divisor))
     }
 
     /// Appends the cell of every row of one group.
@@ -193,19 +227,19 @@ impl Append {
     }
 }
 
-/// What a stored number counts: 1, or the seconds of a time's unit, or the power of ten of a decimal.
-fn scale(about: &ColumnDescriptor) -> f64 {
+/// By how much a stored number is divided: 1, or how many of a time's unit are a second, or a power of ten of a decimal.
+fn divisor(about: &ColumnDescriptor) -> f64 {
     let of_unit = |unit: &TimeUnit| match unit {
-        TimeUnit::MILLIS => 1e-3,
-        TimeUnit::MICROS => 1e-6,
-        TimeUnit::NANOS => 1e-9,
+        TimeUnit::MILLIS => 1e3,
+        TimeUnit::MICROS => 1e6,
+        TimeUnit::NANOS => 1e9,
     };
     match (about.logical_type_ref(), about.converted_type()) {
         (Some(LogicalType::Timestamp(time)), _) => of_unit(&time.unit),
         (Some(LogicalType::Time(time)), _) => of_unit(&time.unit),
-        (_, ConvertedType::TIMESTAMP_MILLIS | ConvertedType::TIME_MILLIS) => 1e-3,
-        (_, ConvertedType::TIMESTAMP_MICROS | ConvertedType::TIME_MICROS) => 1e-6,
-        (_, ConvertedType::DECIMAL) => 10.0_f64.powi(-about.type_scale()),
+        (_, ConvertedType::TIMESTAMP_MILLIS | ConvertedType::TIME_MILLIS) => 1e3,
+        (_, ConvertedType::TIMESTAMP_MICROS | ConvertedType::TIME_MICROS) => 1e6,
+        (_, ConvertedType::DECIMAL) => 10.0_f64.powi(about.type_scale()),
         _ => 1.0,
     }
 }

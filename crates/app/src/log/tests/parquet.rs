@@ -5,7 +5,7 @@
 
 use crate::log::{LogError, parquet, reader};
 use ::parquet::basic::{Compression, GzipLevel, ZstdLevel};
-use ::parquet::data_type::{DoubleType, Int32Type};
+use ::parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FixedLenByteArrayType, Int32Type};
 use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::parser::parse_message_type;
@@ -71,6 +71,40 @@ fn packed_in_every_usual_way_and_in_two_groups_it_is_the_same_recording() {
         assert_eq!(at(30), (0.6, 30.0, None), "{compression:?}");
         assert_eq!(at(59), (1.18, 39.0, Some(159.0)), "{compression:?}");
     }
+}
+
+/// A file of one column, written by `column`.
+fn of_one_column<T: DataType>(schema: &str, values: &[T::T]) -> Vec<u8> {
+    let schema = Arc::new(parse_message_type(schema).unwrap());
+    let mut bytes = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::new(WriterProperties::default())).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<T>().write_batch(values, None, None).unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
+    writer.close().unwrap();
+    bytes
+}
+
+#[test]
+fn decimals_of_any_width_are_numbers() {
+    let cells = |bytes: &[u8]| text(bytes).unwrap().lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    let wide = "message log { required fixed_len_byte_array(3) y (decimal(6, 2)); }";
+    let values = [[0x01, 0x00, 0x02], [0xff, 0xff, 0xfe]].map(|value| ByteArray::from(value.to_vec()).into());
+    assert_eq!(cells(&of_one_column::<FixedLenByteArrayType>(wide, &values)), ["655.38", "-0.02"]);
+    let short = "message log { required binary y (decimal(6, 1)); }";
+    let values = [vec![0x7f], vec![0xff, 0x00]].map(ByteArray::from);
+    assert_eq!(cells(&of_one_column::<ByteArrayType>(short, &values)), ["12.7", "-25.6"]);
+}
+
+#[test]
+fn a_small_file_of_much_text_is_refused_before_it_fills_the_memory() {
+    let values = vec![ByteArray::from("x".repeat(1 << 15).as_str()); 10_000];
+    let bytes = of_one_column::<ByteArrayType>("message log { required binary note (utf8); }", &values);
+    assert!(bytes.len() < 1 << 20, "{}", bytes.len());
+    let said = text(&bytes).unwrap_err().to_string();
+    assert!(said.contains("it holds more than 268435456 bytes of text"), "{said}");
 }
 
 #[test]

@@ -92,24 +92,47 @@ impl Chart {
                 row[number] = Some((value * unit).round() / unit);
             }
         }
-        let every = rows.len().div_ceil(MOST_ROWS).max(1);
-        let kept = || rows.iter().step_by(every);
+        let rows = thinned(rows.into_iter().collect(), lines.len());
         let column = |(number, line): (usize, &&Line)| Column {
             label: words.of(line.label),
             ink: crate::report::kit::palette::name(line.colour).to_owned(),
             whole: line.points.iter().all(|point| is_there(&point)),
-            values: kept().map(|(_, row)| row[number]).collect(),
+            values: rows.iter().map(|(_, row)| row[number]).collect(),
         };
         Self {
             ordinate: words.of(diagram.ordinate),
             places,
-            times: kept().map(|(ms, _)| *ms as f64 / 1e3).collect(),
+            times: rows.iter().map(|(ms, _)| *ms as f64 / 1e3).collect(),
             lines: lines.iter().enumerate().map(column).collect(),
             shaded: diagram.shaded.clone(),
             breaks: diagram.timeline.breaks.clone(),
             events: diagram.timeline.events.iter().map(|event| event.0).collect(),
         }
     }
+}
+
+/// A time in milliseconds, and the value of each line then.
+type Row = (i64, Vec<Option<f64>>);
+
+/// At most [`MOST_ROWS`] rows: two for each stretch of time, with the least and the greatest value of each line in their
+/// order, so that no peak and no line is lost.
+fn thinned(rows: Vec<Row>, lines: usize) -> Vec<Row> {
+    if rows.len() <= MOST_ROWS {
+        return rows;
+    }
+    let extremes = |stretch: &[Row]| {
+        let pair = |line: usize| {
+            let values = || stretch.iter().enumerate().filter_map(move |(at, row)| Some((at, row.1[line]?)));
+            let least = values().min_by(|a, b| a.1.total_cmp(&b.1));
+            let greatest = values().max_by(|a, b| a.1.total_cmp(&b.1));
+            let (first, second) = if least > greatest { (greatest, least) } else { (least, greatest) };
+            [first, second].map(|found| found.map(|(_, value)| value))
+        };
+        let pairs: Vec<[Option<f64>; 2]> = (0..lines).map(pair).collect();
+        let row = |at: usize| (stretch[at * (stretch.len() / 2)].0, pairs.iter().map(|pair| pair[at]).collect());
+        [row(0), row(1)]
+    };
+    rows.chunks(rows.len().div_ceil(MOST_ROWS / 2)).flat_map(extremes).collect()
 }
 
 fn is_there(point: &&(f64, f64)) -> bool {
@@ -167,5 +190,22 @@ mod tests {
         let lines = vec![Line { label: "recorded", colour: RECORDED, points }];
         let json = Record { diagrams: vec![Diagram { lines, ..Diagram::default() }] }.json(&Words::default());
         assert!(json.len() < 200_000, "{}", json.len());
+    }
+
+    #[test]
+    fn a_thinned_chart_keeps_each_line_and_its_peaks() {
+        // A sensor that reads in every second row, and a wild reading.
+        let duty: Vec<(f64, f64)> = (0..30_000).map(|k| (0.01 * f64::from(k), 20.0)).collect();
+        let height = |k: i32| (0.02 * f64::from(k) + 0.01, if k == 7_777 { 9e3 } else { 300.0 });
+        let lines = vec![
+            Line { label: "duty", colour: MENDED, points: duty },
+            Line { label: "recorded", colour: RECORDED, points: (0..15_000).map(height).collect() },
+        ];
+        let chart = Chart::of(&Diagram { lines, ..Diagram::default() }, &Words::default());
+        assert!(chart.times.len() <= super::MOST_ROWS && chart.times.is_sorted());
+        for line in &chart.lines {
+            assert!(line.values.iter().all(Option::is_some), "{}", line.label);
+        }
+        assert!(chart.lines[1].values.contains(&Some(9e3)));
     }
 }

@@ -4,7 +4,7 @@ mod locus;
 
 use crate::analysis::loop_margins::Loop;
 use crate::report::kit::palette::{NOMINAL, RECORDED, SETPOINT};
-use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, failed, panel, write};
+use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, failed, panel, unwrapped, write};
 use control::design::law::Law;
 use control::design::margins::{gain_margins, phase_margins};
 use control::design::polynomial::magnitude;
@@ -192,15 +192,8 @@ fn decibels(form: &Form) -> Vec<(f64, f64)> {
     bode(form, |value| 20.0 * magnitude(value).log10())
 }
 
-/// Phase in degrees, without the jumps of a whole turn.
 fn degrees(form: &Form) -> Vec<(f64, f64)> {
-    let mut points = bode(form, |value| value.im.atan2(value.re).to_degrees());
-    let mut last = -180.0;
-    for (_, phase) in &mut points {
-        *phase -= 360.0 * ((*phase - last) / 360.0).round();
-        last = *phase;
-    }
-    points
+    unwrapped(bode(form, |value| value.im.atan2(value.re).to_degrees()))
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 //! frequency responses of the plants; or the pulses of a sweep of gains.
 
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL, RECORDED, SETPOINT};
-use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, write};
+use crate::report::kit::plot::{
+    Diagram, Line, PlotError, drawn, forecasts, nearest, panel, recorded, unwrapped, write,
+};
 use control::design::Linear;
 use control::design::polynomial::magnitude;
 use diagnose::Recording;
@@ -127,13 +129,18 @@ enum Part {
 }
 
 impl Part {
-    /// At a frequency, rad/s: dB, or degrees from 0 to −360.
+    /// At a frequency, rad/s: dB, or degrees up to whole turns.
     fn of(self, plant: &Linear, omega: f64) -> f64 {
         let value = plant.continuous().response(omega);
         match self {
             Self::Magnitude => 20.0 * magnitude(value).log10(),
-            Self::Phase => -(-value.im.atan2(value.re).to_degrees()).rem_euclid(360.0),
+            Self::Phase => value.im.atan2(value.re).to_degrees(),
         }
+    }
+
+    /// At all frequencies: a phase without jumps.
+    fn along(self, points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+        if self == Self::Phase { unwrapped(points) } else { points }
     }
 }
 
@@ -142,17 +149,19 @@ fn exponents(points: u32) -> impl Iterator<Item = f64> + Clone {
 }
 
 fn bode((label, colour): (&'static str, RGBColor), plant: Linear, part: Part) -> Line {
-    Line { label, colour, points: exponents(POINTS).map(|at| (at, part.of(&plant, 10.0_f64.powf(at)))).collect() }
+    let points = exponents(POINTS).map(|at| (at, part.of(&plant, 10.0_f64.powf(at)))).collect();
+    Line { label, colour, points: part.along(points) }
 }
 
 /// The outline of the 90 % band.
 fn band(best: &GreyBox, part: Part) -> Vec<(f64, f64)> {
-    let ends = |at: f64| {
-        let of = |model: &Model| part.of(&model.linear(), 10.0_f64.powf(at));
-        let (value, reach) = (of(&best.fit.model), best.reach(of));
+    let of = |model: &Model, at: f64| part.of(&model.linear(), 10.0_f64.powf(at));
+    let centre = exponents(BAND_POINTS).map(|at| (at, of(&best.fit.model, at))).collect();
+    let ends = |(at, value): (f64, f64)| {
+        let reach = best.reach(|model| if part == Part::Phase { nearest(of(model, at), value) } else { of(model, at) });
         [(at, value - reach), (at, value + reach)]
     };
-    let ends: Vec<_> = exponents(BAND_POINTS).map(ends).collect();
+    let ends: Vec<_> = part.along(centre).into_iter().map(ends).collect();
     ends.iter().map(|end| end[1]).chain(ends.iter().rev().map(|end| end[0])).collect()
 }
 

@@ -3,10 +3,12 @@
 mod diagram;
 mod legend;
 mod panel;
+mod phase;
 mod thinned;
 
 pub use diagram::{Diagram, Line, Timeline};
 pub use panel::{drawn, failed, panel, shapes, titled};
+pub use phase::{nearest, unwrapped};
 
 use super::palette::{DUTY, RECORDED, SETPOINT};
 use crate::files;

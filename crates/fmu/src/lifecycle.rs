@@ -98,8 +98,8 @@ extern "C" fn fmi2FreeInstance(component: Component) {
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi2SetupExperiment(c: Component, _: Boolean, _: f64, _start: f64, _: Boolean, _: f64) -> Status {
-    with(c, |_| Ok(()))
+extern "C" fn fmi2SetupExperiment(c: Component, _: Boolean, _: f64, start_s: f64, _: Boolean, _: f64) -> Status {
+    with(c, |held| held.instance.begin_at(start_s))
 }
 
 #[unsafe(no_mangle)]
@@ -114,7 +114,7 @@ extern "C" fn fmi2ExitInitializationMode(component: Component) -> Status {
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi2DoStep(component: Component, time_s: f64, step_s: f64, _no_set_before: Boolean) -> Status {
-    with(component, |held| held.instance.step(time_s + step_s))
+    with(component, |held| held.instance.step(time_s, step_s))
 }
 
 #[unsafe(no_mangle)]

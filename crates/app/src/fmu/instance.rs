@@ -17,6 +17,10 @@ const PERIOD_S: f64 = 0.02;
 /// Communication points that are closer than this to a deadline of the loop are that deadline, seconds.
 const HAIR_S: f64 = 1e-7;
 
+/// A step that begins further than this from the end of the last one, in its own length, leaves time out; sums of steps
+/// round far less.
+const APART: f64 = 0.01;
+
 /// Why a call of an FMU failed.
 #[derive(Debug, thiserror::Error)]
 pub enum InstanceError {
@@ -72,10 +76,13 @@ struct Made {
 }
 
 /// The state of an instance: what was set and done. The rig itself follows from it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     values: BTreeMap<u32, f64>,
     is_started: bool,
+    /// The time of the importer at which the flight begins.
+    begins_s: f64,
+    /// Time since then.
     time_s: f64,
     made: Vec<Made>,
 }
@@ -98,14 +105,28 @@ impl Instance {
         let config = Config::read(&resources.join(MODEL), &[])?;
         let model = config.tables.plant.clone().ok_or(InstanceError::NoModel)?;
         let variables = variables(&model).into_iter().map(|one| (one.reference, one)).collect();
-        let state = State { values: BTreeMap::new(), is_started: false, time_s: 0.0, made: Vec::new() };
-        Ok(Self { config, model, variables, state, rig: None })
+        Ok(Self { config, model, variables, state: State::default(), rig: None })
     }
 
     /// Its state before the first call.
     pub fn reset(&mut self) {
-        self.state = State { values: BTreeMap::new(), is_started: false, time_s: 0.0, made: Vec::new() };
+        self.state = State::default();
         self.rig = None;
+    }
+
+    /// Sets the time at which the first step begins, 0 else.
+    ///
+    /// # Errors
+    /// After the start, or a time that is not finite.
+    pub fn begin_at(&mut self, begins_s: f64) -> Result<(), InstanceError> {
+        if self.state.is_started {
+            return Err(InstanceError::Fixed { name: "startTime".into(), when: "after the initialization" });
+        }
+        if !begins_s.is_finite() {
+            return Err(InstanceError::NotFinite { name: "startTime".into(), value: begins_s });
+        }
+        self.state.begins_s = begins_s;
+        Ok(())
     }
 
     /// A copy of its state.
@@ -210,17 +231,22 @@ impl Instance {
         self.config.tables.r#loop.map_or(PERIOD_S, |table| table.period_s)
     }
 
-    /// Flies with the inputs that were set, until a communication point.
+    /// Flies with the inputs that were set, from a communication point for `step_s`.
     ///
     /// # Errors
-    /// A step before the start, or one that does not go on in time.
-    pub fn step(&mut self, until_s: f64) -> Result<(), InstanceError> {
-        let refused = |why: &str| Err(InstanceError::Step { until_s, why: why.into() });
+    /// A step before the start, or one that does not go on in time from where the last one ended.
+    pub fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), InstanceError> {
+        let until_s = from_s + step_s - self.state.begins_s;
+        let refused = |why: &str| Err(InstanceError::Step { until_s: from_s + step_s, why: why.into() });
         if !self.state.is_started {
             return refused("the initialization has not ended");
         }
+        let now_s = self.state.begins_s + self.state.time_s;
         if !until_s.is_finite() || until_s <= self.state.time_s {
-            return refused(&format!("the time is {} s already", self.state.time_s));
+            return refused(&format!("the time is {now_s} s already"));
+        }
+        if (from_s - now_s).abs() > APART * step_s {
+            return refused(&format!("it begins at {from_s} s, and the time is {now_s} s"));
         }
         // The deadlines of the loop by its own formula, so that the times are the same to the last bit.
         let on_grid = (until_s / self.period_s()).round() * self.period_s();

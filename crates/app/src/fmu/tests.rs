@@ -33,6 +33,11 @@ fn cycles(flown: &Flown) -> Vec<[f64; 3]> {
 
 /// The same of an instance that gets the duties of the cycles in `range`.
 fn stepped(instance: &mut Instance, flown: &Flown, range: std::ops::Range<usize>) -> Vec<[f64; 3]> {
+    stepped_from(instance, flown, range, 0.0)
+}
+
+/// The same of a simulation that begins at `begins_s`.
+fn stepped_from(instance: &mut Instance, flown: &Flown, range: std::ops::Range<usize>, begins_s: f64) -> Vec<[f64; 3]> {
     let [duty, setpoint] = ["commanded_duty_percent", "setpoint_mm"].map(|name| flown.column(name).unwrap());
     let cycle = |at: usize| {
         let get = |instance: &Instance, reference, kind| instance.get(reference, kind).unwrap();
@@ -40,7 +45,7 @@ fn stepped(instance: &mut Instance, flown: &Flown, range: std::ops::Range<usize>
         instance.set(DUTY, Kind::Real, duty[at]).unwrap();
         instance.set(SETPOINT, Kind::Real, setpoint[at]).unwrap();
         // As a simulator adds up its time.
-        instance.step(at as f64 * PERIOD_S + PERIOD_S).unwrap();
+        instance.step(begins_s + at as f64 * PERIOD_S, PERIOD_S).unwrap();
         [position, fresh, get(instance, HELD, Kind::Real)]
     };
     range.map(cycle).collect()
@@ -58,6 +63,18 @@ fn with_the_duties_of_a_flight_it_gives_the_readings_of_that_flight() {
 }
 
 #[test]
+fn a_simulation_that_begins_later_flies_the_same_and_no_time_is_left_out() {
+    let (flown, (_folder, mut instance)) = (flight(), instance());
+    instance.set(SEED, Kind::Integer, 7.0).unwrap();
+    instance.begin_at(10.0).unwrap();
+    instance.start().unwrap();
+    assert_eq!(stepped_from(&mut instance, &flown, 0..100, 10.0), cycles(&flown)[..100]);
+    let refused = instance.step(12.5, PERIOD_S).unwrap_err().to_string();
+    assert!(refused.contains("it begins at 12.5 s, and the time is 12 s"), "{refused}");
+    assert!(instance.begin_at(11.0).unwrap_err().to_string().contains("after the initialization"));
+}
+
+#[test]
 fn a_state_that_is_set_again_goes_on_from_there_and_a_reset_one_from_the_start() {
     let (flown, (_folder, mut instance)) = (flight(), instance());
     let begin = |instance: &mut Instance| {
@@ -69,7 +86,7 @@ fn a_state_that_is_set_again_goes_on_from_there_and_a_reset_one_from_the_start()
     assert_eq!(stepped(&mut instance, &flown, 0..100), wanted[..100]);
     let state = instance.state();
     instance.set(DUTY, Kind::Real, 0.0).unwrap();
-    instance.step(9.0).unwrap();
+    instance.step(100.0 * PERIOD_S, 7.0).unwrap();
     instance.set_state(&state).unwrap();
     assert_eq!(stepped(&mut instance, &flown, 100..200), wanted[100..200]);
     instance.reset();
@@ -81,7 +98,7 @@ fn a_state_that_is_set_again_goes_on_from_there_and_a_reset_one_from_the_start()
 fn what_cannot_be_set_or_flown_is_refused_with_its_name() {
     let (_folder, mut instance) = instance();
     let gain = 100;
-    assert!(instance.step(0.02).unwrap_err().to_string().contains("the initialization has not ended"));
+    assert!(instance.step(0.0, 0.02).unwrap_err().to_string().contains("the initialization has not ended"));
     let refused =
         |instance: &mut Instance, reference, kind, value| instance.set(reference, kind, value).unwrap_err().to_string();
     assert_eq!(refused(&mut instance, POSITION, Kind::Real, 1.0), "position_mm cannot be set as it is an output");
@@ -94,8 +111,8 @@ fn what_cannot_be_set_or_flown_is_refused_with_its_name() {
     instance.set(name, Kind::Real, 3.9).unwrap();
     instance.start().unwrap();
     assert!(refused(&mut instance, gain, Kind::Real, 800.0).ends_with("cannot be set after the initialization"));
-    instance.step(0.02).unwrap();
-    assert!(instance.step(0.02).unwrap_err().to_string().contains("the time is 0.02 s already"));
+    instance.step(0.0, 0.02).unwrap();
+    assert!(instance.step(0.0, 0.02).unwrap_err().to_string().contains("the time is 0.02 s already"));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Commands to the pilot in flight.
 
+use super::cross_checks::Watch;
 use super::{Pilot, Still};
 use crate::flight::command::{Command, Refusal};
 use crate::flight::name::Name;
@@ -47,6 +48,8 @@ impl Pilot {
                     self.mode = Mode::Waiting;
                     self.fault = None;
                     self.last = None;
+                    self.reported = None;
+                    self.watch = Watch::default();
                     self.waiting_since_s = None;
                     self.been_in_band = false;
                     self.still = Still::default();

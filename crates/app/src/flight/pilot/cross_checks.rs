@@ -21,8 +21,8 @@ pub(super) struct Watch {
     /// Time of each sensor's last reading of the ball.
     first_s: Option<f64>,
     second_s: Option<f64>,
-    /// Start of the disagreement.
-    apart_since_s: Option<f64>,
+    /// Start of the disagreement, and the last pair of readings that showed it.
+    apart_s: Option<(f64, f64)>,
     /// Time since which a driven fan has not turned.
     stands_since_s: Option<f64>,
     /// The silent sensor, if any, and the length of the silence, seconds.
@@ -55,14 +55,18 @@ impl Watch {
         }
     }
 
-    /// Detects that two sensors see the ball at different positions for too long.
-    fn disagree(&mut self, time_s: f64, senses: &Senses, limits: &SecondSensor) -> Option<Fault> {
+    /// Detects that two sensors see the ball at different positions for too long. Pairs of readings that are further
+    /// apart than `missing_s` show nothing about the time between them.
+    fn disagree(&mut self, time_s: f64, senses: &Senses, limits: &SecondSensor, missing_s: f64) -> Option<Fault> {
         let (first_mm, second_mm) = senses.ball.position_mm().zip(senses.second?.position_mm())?;
         if (first_mm - second_mm).abs() <= limits.disagree_mm {
-            self.apart_since_s = None;
+            self.apart_s = None;
             return None;
         }
-        let for_s = time_s - *self.apart_since_s.get_or_insert(time_s);
+        let since_s =
+            self.apart_s.filter(|(_, last_s)| time_s - last_s <= missing_s).map_or(time_s, |(since, _)| since);
+        self.apart_s = Some((since_s, time_s));
+        let for_s = time_s - since_s;
         (for_s >= limits.disagree_s).then_some(Fault::SensorsDisagree { first_mm, second_mm, for_s })
     }
 
@@ -105,7 +109,8 @@ impl Pilot {
     /// Stops if the signals contradict each other or the fan does not turn. `duty` has been in force until now.
     pub(super) fn cross_check(&mut self, time_s: f64, senses: &Senses, duty: Duty) {
         let signals = self.orders.signals;
-        let apart = signals.second_sensor.and_then(|limits| self.watch.disagree(time_s, senses, &limits));
+        let missing_s = self.missing_s();
+        let apart = signals.second_sensor.and_then(|limits| self.watch.disagree(time_s, senses, &limits, missing_s));
         let stalled = signals.tachometer.zip(senses.fan_rpm);
         let stalled = stalled.and_then(|(limits, rpm)| self.watch.stalled(time_s, rpm, duty.percent(), &limits));
         if let Some(fault) = apart.or(stalled).filter(|_| self.mode != Mode::Stopped && self.mode != Mode::Waiting) {

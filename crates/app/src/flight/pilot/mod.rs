@@ -52,6 +52,8 @@ pub struct Pilot {
     decided_s: Option<f64>,
     /// Time and value of the last position.
     last: Option<(f64, f64)>,
+    /// When the sensor reported something else than the ball, and what.
+    reported: Option<(f64, Fault)>,
     /// Numbers that commands change.
     tuning: Tuning,
     /// Progress of the programme.
@@ -93,6 +95,7 @@ impl Pilot {
             mode: Mode::Waiting,
             decided_s: None,
             last: None,
+            reported: None,
             programme,
             waiting_since_s: None,
             held_mm: None,

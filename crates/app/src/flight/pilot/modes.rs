@@ -11,11 +11,17 @@ impl Pilot {
     /// The mode after this cycle's reading.
     pub(super) fn change_mode(&mut self, time_s: f64, seen: Seen) {
         let silent_s = self.last.map_or(0.0, |(last_s, _)| time_s - last_s);
+        // A loop that is faster than its sensor has no new report in most cycles.
+        if let Seen::Nothing(Some(fault)) = seen {
+            self.reported = Some((time_s, fault));
+        }
+        let recent = self.reported.filter(|(at_s, _)| time_s - at_s <= self.missing_s());
+        let reported = recent.map(|(_, fault)| fault);
         self.mode = match (self.mode, seen) {
             (Mode::Stopped, _) => Mode::Stopped,
-            (Mode::Waiting, Seen::Nothing(fault)) => {
+            (Mode::Waiting, Seen::Nothing(_)) => {
                 let silent_s = time_s - *self.waiting_since_s.get_or_insert(time_s);
-                let fault = fault.unwrap_or(Fault::SensorSilent { silent_s });
+                let fault = reported.unwrap_or(Fault::SensorSilent { silent_s });
                 if silent_s > WAIT_S { self.stop(fault) } else { Mode::Waiting }
             }
             (Mode::Waiting, Seen::Ball(_)) => {
@@ -23,8 +29,8 @@ impl Pilot {
                 self.orders.regulator.take_off();
                 self.closed_or_open(time_s)
             }
-            (_, Seen::Nothing(fault)) if silent_s > self.orders.safety.coast_s => {
-                self.stop(fault.unwrap_or(Fault::SensorSilent { silent_s }))
+            (_, Seen::Nothing(_)) if silent_s > self.orders.safety.coast_s => {
+                self.stop(reported.unwrap_or(Fault::SensorSilent { silent_s }))
             }
             (mode, Seen::Nothing(_)) => {
                 if silent_s > self.missing_s() {

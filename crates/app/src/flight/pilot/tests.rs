@@ -76,6 +76,21 @@ fn a_ball_that_never_shows_ends_the_wait_with_its_cause() {
 }
 
 #[test]
+fn a_lost_ball_is_no_silent_sensor_where_the_loop_is_faster_than_the_sensor() {
+    let mut pilot = pilot(vec![segment(60.0)]);
+    fly(&mut pilot, 0.0, &[Seen::Ball(250.0); 10]);
+    let lost = Fault::NoBall { reported_mm: 2580 };
+    let (report, none) = (Seen::Nothing(Some(lost)), Seen::Nothing(None));
+    assert_eq!(fly(&mut pilot, 0.2, &[report, none].repeat(10)).0, Mode::Stopped);
+    assert_eq!(pilot.fault(), Some(lost));
+    // A report of long ago does not explain a silence.
+    let mut pilot = self::pilot(vec![segment(60.0)]);
+    fly(&mut pilot, 0.0, &[Seen::Ball(250.0); 10]);
+    fly(&mut pilot, 0.2, &[&[report][..], &[none; 20]].concat());
+    assert!(matches!(pilot.fault(), Some(Fault::SensorSilent { .. })), "{:?}", pilot.fault());
+}
+
+#[test]
 fn a_ball_below_its_setpoint_gets_more_air_than_hover_and_one_above_less() {
     let mut low = pilot(vec![segment(60.0)]);
     assert!(fly(&mut low, 0.0, &[Seen::Ball(200.0); 3]).1 > 21.4);
@@ -295,11 +310,19 @@ fn a_ball_that_swings_out_goes_on_to_the_last_segment_and_its_gains() {
 
 #[test]
 fn gains_commanded_in_a_segment_are_those_that_come_back() {
-    let gains = GainChange { kp_per_mm: Some(0.05), ..GainChange::default() };
+    let gains = GainChange { kp_per_mm: Some(0.05), td_s: Some(0.0), ..GainChange::default() };
     let mut pilot = pilot(vec![Segment { gains: Some(gains), ..segment(0.1) }, segment(1.0)]);
+    let now = |pilot: &Pilot| pilot.gains().map(|gains| (gains.kp_per_mm, gains.td_s)).unwrap();
     let _ = pilot.decide(0.0, Seen::Ball(300.0));
     let _ = pilot.decide(T, Seen::Ball(300.0));
     pilot.command(Command::Gains(GainChange { kp_per_mm: Some(0.02), ..GainChange::default() })).unwrap();
+    let _ = pilot.decide(2.0 * T, Seen::Ball(300.0));
+    assert_eq!(now(&pilot), (0.05, 0.0), "the segment keeps its own");
     let _ = pilot.decide(0.2, Seen::Ball(300.0));
-    assert_eq!(pilot.gains().unwrap().kp_per_mm, 0.02);
+    assert_eq!(now(&pilot), (0.02, 0.3), "of the segment's gains none stays");
+    pilot.command(Command::Undo).unwrap();
+    for k in 0..50 {
+        let _ = pilot.decide(0.22 + T * f64::from(k), Seen::Ball(300.0));
+    }
+    assert_eq!(now(&pilot), (0.01, 0.3));
 }

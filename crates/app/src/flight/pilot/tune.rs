@@ -27,6 +27,14 @@ impl Tuning {
         Self { wanted: numbers, on_the_way: None, before: Vec::with_capacity(KEPT) }
     }
 
+    /// Wants other numbers; the old ones can be taken back.
+    fn replace(&mut self, wanted: Numbers) {
+        if self.before.len() == KEPT {
+            self.before.remove(0);
+        }
+        self.before.push(std::mem::replace(&mut self.wanted, wanted));
+    }
+
     /// The numbers now.
     fn now(&self) -> Numbers {
         match &self.on_the_way {
@@ -51,16 +59,16 @@ impl Pilot {
 
     /// Changes gains of the PID. While a programme sets them, they are for the time after it.
     pub(super) fn change_commanded_gains(&mut self, change: GainChange) -> Result<(), Refusal> {
-        let gains = change.applied_to(self.gains().ok_or(Refusal::NoPid)?);
+        let commanded = self.tuning.wanted.controllers.pid;
+        let gains = change.applied_to(commanded.or(self.gains()).ok_or(Refusal::NoPid)?);
         gains.check().map_err(Refusal::Gain)?;
-        if self.programme.sets_gains() {
-            self.orders.regulator.retune(gains);
-            self.programme.keep(gains);
-            self.tuning.wanted.controllers.pid = Some(gains);
-            return Ok(());
-        }
         let mut wanted = self.tuning.wanted.clone();
         wanted.controllers.pid = Some(gains);
+        if self.programme.sets_gains() {
+            self.programme.keep(gains);
+            self.tuning.replace(wanted);
+            return Ok(());
+        }
         self.move_to(wanted, true)
     }
 
@@ -87,12 +95,10 @@ impl Pilot {
             regulator.observe_with(observer).map_err(Refusal::Unready)?;
         }
         self.tuning.on_the_way = Some((self.tuning.now(), 0.0));
-        let old = std::mem::replace(&mut self.tuning.wanted, wanted);
         if keep {
-            if self.tuning.before.len() == KEPT {
-                self.tuning.before.remove(0);
-            }
-            self.tuning.before.push(old);
+            self.tuning.replace(wanted)
+        } else {
+            self.tuning.wanted = wanted
         }
         Ok(())
     }

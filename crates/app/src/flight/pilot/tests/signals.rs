@@ -61,6 +61,16 @@ fn sensors_that_disagree_for_too_long_stop_the_flight_and_for_a_moment_do_not() 
 }
 
 #[test]
+fn two_disagreements_with_silence_between_them_are_not_one_that_lasted() {
+    let mut pilot = pilot();
+    let apart = senses(Seen::Ball(250.0), Seen::Ball(291.0), 2400.0);
+    let alone = senses(Seen::Ball(250.0), NOTHING, 2400.0);
+    assert_eq!(fly(&mut pilot, 0, 1, apart), None);
+    assert_eq!(fly(&mut pilot, 1, 50, alone), None);
+    assert_eq!(fly(&mut pilot, 51, 1, apart), None);
+}
+
+#[test]
 fn the_second_sensor_stands_in_for_a_silent_first_and_the_flight_stops_when_both_are_silent() {
     let mut pilot = pilot();
     fly(&mut pilot, 0, 10, senses(Seen::Ball(250.0), Seen::Ball(252.0), 2400.0));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! predict over t      Φ, Γ of `believed.rs`     Q: v gains q·(1 − e^(−2at))/(2a), x·v q·A₁²/2, x·x q·A₁²·t/3, d q_d·t
-//! update              test ratio ν²/(gate²·S): to 0.5 as expected, to 1.0 suspicious, above 1.0 an outlier, not used
+//! update              test ratio ν²/(gate²·S): to 0.5 as expected, to 1.0 doubtful, above 1.0 an outlier, not used
 //! steady state        x̂ ← x̂ + L·ν with the L to which K converges at the nominal period
 //! second sensor       another update by the position
 //! tachometer          an update by w, the fan's state, which then wanders: q_w·(1 − e^(−2t/τ))·τ/2
@@ -109,7 +109,7 @@ pub struct Estimate {
 pub struct Innovation {
     /// Reading minus expectation, mm.
     pub innovation_mm: f64,
-    /// Its square over that of the gate: to 0.5 as expected, to 1.0 suspicious, above 1.0 rejected.
+    /// Its square over that of the gate: to 0.5 as expected, to 1.0 doubtful, above 1.0 refused.
     pub test_ratio: f64,
 }
 
@@ -216,7 +216,11 @@ impl Estimator {
     /// # Errors
     /// [`DesignError::NoRiccatiSolution`]: numbers so far apart that no steady-state gain can be computed.
     pub fn with(&self, set: Observer) -> Result<Self, DesignError> {
-        let Self { filter, seen, converging, refusals, .. } = *self;
+        let Self { mut filter, seen, converging, refusals, .. } = *self;
+        if self.gain() == Gain::SteadyState && set.gain == Gain::TimeVarying {
+            // With the steady gain the filter's own covariance is still that of the first reading.
+            filter.covariance = self.steady.covariance;
+        }
         Ok(Self { filter, seen, converging, refusals, ..Self::new(set, self.period_s)? })
     }
 

@@ -23,6 +23,8 @@ pub(super) struct Steady {
     pub(super) second: Option<Weight>,
     /// The fan's state by its speed, after the sensors.
     pub(super) fan: Option<Weight>,
+    /// P after all of them.
+    pub(super) covariance: Covariance,
 }
 
 /// The weight of a reading.
@@ -43,7 +45,7 @@ impl Steady {
         let first = weight(&mut covariance, &POSITION, set.reading_variance());
         let second = set.second_variance().map(|variance| weight(&mut covariance, &POSITION, variance));
         let fan = set.measured_fan().map(|fan| weight(&mut covariance, &FAN, fan.control * fan.control));
-        Ok(Self { first, second, fan })
+        Ok(Self { first, second, fan, covariance })
     }
 }
 

@@ -113,6 +113,23 @@ fn the_steady_gain_is_that_to_which_the_time_varying_filter_converges() {
 }
 
 #[test]
+fn a_filter_that_turns_to_time_varying_gains_goes_on_from_where_the_steady_one_was() {
+    let mut filter = Estimator::new(OBSERVER, T).unwrap();
+    filter.update(250.0);
+    for _ in 0..200 {
+        filter.predict(0.0, T);
+        filter.update(250.0);
+    }
+    let mut varying = filter.with(Observer { gain: Gain::TimeVarying, ..OBSERVER }).unwrap();
+    let [steady, varying] = [&mut filter, &mut varying].map(|filter| {
+        filter.predict(0.0, T);
+        filter.update(252.0);
+        filter.filter.state
+    });
+    assert!((steady - varying).norm() < 1e-6, "{steady} {varying}");
+}
+
+#[test]
 fn whatever_the_config_allows_has_a_steady_gain() {
     let ends = |low: f64, high: f64| [low, (low * high).sqrt(), high];
     for drag_per_s in [0.0, 3.9, 1e3] {

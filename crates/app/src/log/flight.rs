@@ -3,6 +3,7 @@
 use super::LogError;
 use super::event::EventMessage;
 use super::header::{ABOUT, About, CONFIG, TOML, is_intact};
+use super::packed::unpacked;
 use super::records::{Damage, has_chunk, walk};
 use super::writer::{CYCLE, EVENT};
 use crate::flight::vocabulary::Cycle;
@@ -37,11 +38,18 @@ pub struct Flight {
 /// [`LogError`] if the file cannot be read or has no readable cycle.
 pub fn read(path: &Path) -> Result<Flight, LogError> {
     let bytes = fs::read(path).map_err(|source| LogError::Open { path: path.into(), source })?;
-    match bytes.as_slice() {
-        [] => Err(LogError::Empty { path: path.into() }),
-        _ if is_mcap(&bytes) => parse(path, &bytes),
-        _ => no_cycles(path, "it is no MCAP file (the first bytes are not its magic number)".into()),
+    if bytes.is_empty() {
+        return Err(LogError::Empty { path: path.into() });
     }
+    let bytes = unpacked(path, &bytes)?;
+    if is_mcap(&bytes) {
+        return parse(path, &bytes);
+    }
+    Err(LogError::NoCycles {
+        path: path.into(),
+        cause: "it is no MCAP file (the first bytes are not its magic number)".into(),
+        advice: "name a flight that airball recorded; `airball diagnose` and `airball replay` read tables too",
+    })
 }
 
 /// Whether these are the bytes of an MCAP file, even if it is cut or damaged within its magic number.

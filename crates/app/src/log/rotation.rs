@@ -126,6 +126,8 @@ impl Rotation {
     /// Deletes the oldest logs until the rest is small enough.
     fn prune(&self, current: &Path) {
         let Some((keep_bytes, folder)) = self.limits.keep_bytes.zip(current.parent()) else { return };
+        // A name alone has an empty parent, which cannot be read.
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let mut logs: Vec<(PathBuf, u64)> = fs::read_dir(folder)
             .into_iter()
             .flatten()

@@ -75,7 +75,8 @@ impl LogWriter {
             fs::create_dir_all(folder).map_err(failed)?;
         }
         let file = File::create_new(path).map_err(failed)?;
-        Self::to(BufWriter::new(file), path, header)
+        // A log without its head is of no use, and its name would be taken at the next try.
+        Self::to(BufWriter::new(file), path, header).inspect_err(|_| drop(fs::remove_file(path)))
     }
 }
 

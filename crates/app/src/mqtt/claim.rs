@@ -59,13 +59,16 @@ pub(super) struct Claim {
     lands: Arc<AtomicBool>,
 }
 
+/// A name of this program alone: the process is the same on computers and in containers that start alike.
+pub(super) fn unique() -> String {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    format!("{}-{}", process::id(), now.as_nanos())
+}
+
 impl Claim {
     /// A claim from now on; `lands` is set when the flight must end.
     pub(super) fn new(lands: Arc<AtomicBool>) -> Self {
-        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-        // The process alone is the same on computers that start alike.
-        let id = format!("{}-{}", process::id(), now.as_nanos());
-        Self { id, since: Instant::now(), known: Mutex::new(Known::Nothing), lands }
+        Self { id: unique(), since: Instant::now(), known: Mutex::new(Known::Nothing), lands }
     }
 
     /// Tells programs of one name apart.

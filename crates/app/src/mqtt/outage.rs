@@ -12,11 +12,13 @@ pub(super) struct Outage {
     broker: Option<String>,
     /// `None` before the first message.
     connected: Option<bool>,
+    /// The advice of the last message of an outage: another kind of cause has another.
+    advice: Option<&'static str>,
 }
 
 impl Outage {
     pub(super) const fn new(broker: Option<String>) -> Self {
-        Self { broker, connected: None }
+        Self { broker, connected: None, advice: None }
     }
 
     /// The line for a connection, unless already written.
@@ -26,14 +28,16 @@ impl Outage {
         Some(format!("note: mqtt: connected to the broker at {broker}"))
     }
 
-    /// The line for a refused or lost connection, unless already written.
+    /// The line for a refused or lost connection, unless one of this kind is already written.
     pub(super) fn began(&mut self, cause: &ConnectionError) -> Option<String> {
+        let hint = hint(cause);
+        let is_known = self.advice.replace(hint) == Some(hint);
         let what = match self.connected.replace(false) {
-            Some(false) => return None,
+            Some(false) if is_known => return None,
             Some(true) => "lost the broker",
-            None => "no broker",
+            Some(false) | None => "no broker",
         };
-        let (broker, hint) = (self.broker.as_ref()?, hint(cause));
+        let broker = self.broker.as_ref()?;
         Some(format!("warning: mqtt: {what} at {broker}: {cause}; the flight goes on without commands. {hint}"))
     }
 }
@@ -70,6 +74,15 @@ mod tests {
         assert!(outage.over().is_some());
         assert_eq!(outage.over(), None);
         assert!(outage.began(&ConnectionError::NetworkTimeout).unwrap().contains("lost"));
+    }
+
+    #[test]
+    fn an_outage_that_becomes_a_refusal_is_said_again_and_once() {
+        let mut outage = Outage::new(Some("localhost:1883".into()));
+        let refused = ConnectionError::ConnectionRefused(ConnectReturnCode::BadUserNamePassword);
+        assert!(outage.began(&ConnectionError::NetworkTimeout).is_some());
+        assert!(outage.began(&refused).unwrap().contains("`password_file`"));
+        assert_eq!(outage.began(&refused), None);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! As on the rig, a session has a client of its own, so that no old command is sent later.
 
 use super::about::About;
+use super::claim::unique;
 use super::network;
 use super::seen::{Said, Seen};
 use crate::config::mqtt::{MqttConfig, MqttError};
@@ -11,7 +12,6 @@ use crate::flight::last_fault::LastFault;
 use crate::locked::locked;
 use rumqttc::{Client, ConnectionError, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
 use serde::de::DeserializeOwned;
-use std::process;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -56,7 +56,7 @@ impl Remote {
     /// thread. A missing broker is not an error.
     pub fn start(config: &MqttConfig, rig: &str) -> Result<Self, MqttError> {
         let topics = Arc::new(Topics::new(rig)?);
-        let id = format!("airball-monitor-{}", process::id());
+        let id = format!("airball-monitor-{}", unique());
         let options = network::to_broker(config, id)?;
         let client = Arc::<Mutex<Option<Client>>>::default();
         let (tell, heard) = sync_channel(ROOM);

@@ -97,8 +97,12 @@ impl Monitor {
             }
             Deed::Mode(word) => Some((Quantity::Mode, word.to_owned())),
             Deed::Nudge(by_mm) => {
-                let limits = self.about.as_ref()?.setpoint_mm;
-                let from_mm = self.wanted_mm.or(self.seen.as_ref()?.cycle.setpoint_mm)?;
+                let flown_mm = self.seen.as_ref().and_then(|seen| seen.cycle.setpoint_mm);
+                let Some((about, from_mm)) = self.about.as_ref().zip(self.wanted_mm.or(flown_mm)) else {
+                    self.word = "there is no setpoint to move yet, or the fan is driven without one".into();
+                    return None;
+                };
+                let limits = about.setpoint_mm;
                 let to_mm = (from_mm + by_mm).round().clamp(limits.min, limits.max);
                 self.wanted_mm = Some(to_mm);
                 Some((Quantity::Setpoint, to_mm.to_string()))

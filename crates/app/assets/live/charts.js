@@ -2,7 +2,7 @@
 const charts = (() => {
   "use strict";
   const SPAN_S = 30;
-  // States and batches of cycles come on two topics: a batch may begin before the state that was drawn last. No further back than this.
+  // States and batches of cycles come on two topics: a batch may begin before the state that was drawn last.
   const OVERLAP_S = 5;
   // Pixels, on a wide screen and on a phone.
   const HEIGHTS = { height: [280, 210], duty: [150, 120] };
@@ -50,10 +50,10 @@ const charts = (() => {
     drawn[1]?.setData([times, columns[2]]);
   };
 
-  /** Takes cycles that are newer than the last. One from long before the last is of a new flight. */
+  /** Takes cycles that are newer than the last. One from long before the last, or from before all that are drawn, is of a new flight. */
   const add = (cycles) => {
     for (const cycle of cycles) {
-      if (cycle.time_s < times.at(-1) - OVERLAP_S) {
+      if (cycle.time_s < times.at(-1) - OVERLAP_S || cycle.time_s < times[0]) {
         times = [];
         columns = KEYS.map(() => []);
       }

@@ -32,7 +32,7 @@
     });
     client.on("error", () => {});
     client.on("message", (topic, payload) => {
-      if (topic.startsWith(airball.root)) heard[topic.slice(airball.root.length)]?.(decode(payload));
+      if (topic.startsWith(airball.root)) airball.attempt(() => heard[topic.slice(airball.root.length)]?.(decode(payload)));
       else if (topic.endsWith("/status")) other(topic.split("/")[1], decode(payload) === "online");
     });
   };
@@ -235,7 +235,7 @@
       const edited = [...at(fields).querySelectorAll("[data-edited]")].filter((input) => input.value !== "");
       const value = (input) => (input.localName === "select" ? input.value : Number(input.value));
       if (edited.length > 0) send(fields, JSON.stringify(Object.fromEntries(edited.map((input) => [input.name, value(input)]))));
-      edited.forEach((input) => delete input.dataset.edited);
+      for (const input of at(fields).querySelectorAll("[data-edited]")) delete input.dataset.edited;
       touch();
     });
   }

@@ -45,5 +45,13 @@ const airball = (() => {
     const query = new URLSearchParams({ ...(rig && { rig }), ...(wanted && { broker: wanted }) });
     return `${file}${query.size ? `?${query}` : ""}`;
   };
-  return { broker, login, pageOf, root };
+  /** Takes one message. One that is empty, damaged or of another version is left out, and the next are heard. */
+  const attempt = (take) => {
+    try {
+      take();
+    } catch (error) {
+      console.warn("a message was left out:", error);
+    }
+  };
+  return { attempt, broker, login, pageOf, root };
 })();

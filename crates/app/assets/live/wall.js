@@ -75,7 +75,7 @@
     client.on("error", () => {});
     client.on("message", (topic, payload) => {
       const [, name, kind] = topic.split("/");
-      told[kind](of(name), new TextDecoder().decode(payload));
+      airball.attempt(() => told[kind](of(name), new TextDecoder().decode(payload)));
     });
   };
   at("connection-form").addEventListener("submit", (event) => {

@@ -77,6 +77,13 @@ pub(crate) const fn example() -> &'static str {
     include_str!("../../../config.toml")
 }
 
+/// The title of an experiment; empty where the text has none.
+#[pyfunction]
+pub(crate) fn experiment_title(text: &str) -> String {
+    let table: toml::Table = text.parse().unwrap_or_default();
+    table.get("title").and_then(toml::Value::as_str).unwrap_or_default().to_owned()
+}
+
 /// The experiments of the project: names and texts.
 #[pyfunction]
 pub(crate) fn experiments() -> Vec<(&'static str, &'static str)> {

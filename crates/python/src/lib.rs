@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _airball {
     #[pymodule_export]
-    use super::belief::{Belief, catalogue, example, experiments};
+    use super::belief::{Belief, catalogue, example, experiment_title, experiments};
     #[pymodule_export]
     use super::log::{Flown, Log, simulate};
     #[pymodule_export]

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ._extras import extra
+from ._files import write_new
 from .errors import ArgumentError, Error
 
 if TYPE_CHECKING:
@@ -66,8 +67,7 @@ class Innovations:
         rest = {"NoiseVariance": self.noise_variance, "hover_duty_percent": self.hover}
         content = io.BytesIO()
         savemat(content, numbers | rest | {name: cells(several) for name, several in words.items()}, format="5")
-        with open(path, "xb") as file:
-            file.write(content.getvalue())
+        write_new(path, content.getvalue())
 
 
 @extra("mat")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _airball
+from ._files import write_new
 from ._innovations import Innovations, innovations
 from ._linear import StateSpace, state_space
 from .errors import ArgumentError, Error
@@ -162,8 +163,7 @@ class Model:
 
     def save(self, path: _Path) -> None:
         """Writes the config in force. A file that exists is kept."""
-        with open(path, "x", encoding="utf-8") as file:
-            file.write(self.to_toml())
+        write_new(path, self.to_toml().encode())
 
     def to_state_space(self) -> StateSpace:
         """The linear part about hover: matrices, states, inputs and outputs by name, and the delay."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _airball
 from ._columns import column, of_frame, same_length
+from ._files import write_new
 from ._model import Model, _Path
 from .errors import ArgumentError, Error
 
@@ -200,16 +201,12 @@ class Experiment:
 
     def save(self, path: _Path) -> None:
         """Writes it, for `airball run --experiment`. A file that exists is kept."""
-        with open(path, "x", encoding="utf-8") as file:
-            file.write(self.text)
+        write_new(path, self.text.encode())
 
     @property
     def title(self) -> str:
         """Its purpose, in a line."""
-        for line in self.text.splitlines():
-            if line.startswith("title"):
-                return line.split("=", 1)[1].strip().strip('"')
-        return ""
+        return _airball.experiment_title(self.text)
 
     def __repr__(self) -> str:
         return f"Experiment({self.title!r})"

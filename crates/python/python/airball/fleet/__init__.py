@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _airball
 from .._extras import extra
+from .._files import part_of, write_whole
 from .._diagnosis import diagnose as _diagnose
 from .._model import Model, _Path
 from .._recording import Recording, model_of
 from ..errors import ArgumentError, Error
 from ._clusters import DEATHS, ENVIRONMENT, local, slurm
-from ._files import write_whole
 from ._inputs import Place, find, local_copy
 from ._run import Task, results
 
@@ -138,29 +138,38 @@ def _table(folder: Path, names: list[str]) -> None:
         + [(key, "float64") for key in ("believed_1s_mm", "mended_1s_mm", "noise_1s_mm", "closed")]
         + [("document", "string"), ("error", "string")]
     )
-    with pyarrow.parquet.ParquetWriter(folder / "results.parquet", schema) as table:
-        while some := list(islice(rows, _ROWS)):
-            table.write_table(pyarrow.Table.from_pylist(some, schema))
+    path = folder / "results.parquet"
+    with part_of(path) as part:
+        with pyarrow.parquet.ParquetWriter(part, schema) as table:
+            while some := list(islice(rows, _ROWS)):
+                table.write_table(pyarrow.Table.from_pylist(some, schema))
+        part.replace(path)
+
+
+def _numbers(text: str) -> dict[str, Any]:
+    """The columns of a diagnosis."""
+    found = json.loads(text)
+    first = next(iter(found["effects"]), {})
+    gap = found["gap"]
+    return {
+        "verdict": found["verdict"],
+        "effect": first.get("name"),
+        "probability": first.get("probability"),
+        "believed_1s_mm": gap["nominal_mm"][2],
+        "mended_1s_mm": gap["mended_mm"][2],
+        "noise_1s_mm": gap["floor_mm"][2],
+        "closed": (gap["closed"] or {}).get("value"),
+        "document": text,
+    }
 
 
 def _row(folder: Path, name: str) -> dict[str, Any] | None:
     document, error = _file(folder, name, "json"), _file(folder, name, "error")
     if document.exists():
-        text = document.read_text(encoding="utf-8")
-        found = json.loads(text)
-        first = next(iter(found["effects"]), {})
-        gap = found["gap"]
-        return {
-            "log": name,
-            "verdict": found["verdict"],
-            "effect": first.get("name"),
-            "probability": first.get("probability"),
-            "believed_1s_mm": gap["nominal_mm"][2],
-            "mended_1s_mm": gap["mended_mm"][2],
-            "noise_1s_mm": gap["floor_mm"][2],
-            "closed": (gap["closed"] or {}).get("value"),
-            "document": text,
-        }
+        try:
+            return {"log": name} | _numbers(document.read_text(encoding="utf-8"))
+        except (ValueError, LookupError, TypeError, AttributeError) as why:
+            return {"log": name, "error": f"{document} is damaged ({why!r}); delete it and run again"}
     if error.exists():
         return {"log": name, "error": error.read_text(encoding="utf-8").strip()}
     return None

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..._files import write_whole
 from ..._model import _Path
 from ...errors import ArgumentError
-from .._files import write_whole
 from .alike import alike
 from .documents import Folder, RigOf, read
 from .effects import Presence, presences

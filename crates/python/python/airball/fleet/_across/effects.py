@@ -43,6 +43,18 @@ class Presence:
         return self.probability >= NAMED
 
     @property
+    def has_risen(self) -> bool:
+        """Whether a greater share of the logs names it since the last change point than just before."""
+        before, now = self.series[self.begins[-2] : self.begins[-1]], self.series[self.begins[-1] :]
+        return _share_named(now) > _share_named(before)
+
+    @property
+    def _since(self) -> str:
+        if self.has_risen:
+            return "since" if self.is_present else "more often since"
+        return "less often since" if _share_named(self.series[self.begins[-1] :]) > 0 else "gone since"
+
+    @property
     def since(self) -> Log | None:
         """The first log after the last change point; None where nothing changes."""
         return self.logs[self.begins[-1]] if len(self.begins) > 1 else None
@@ -51,12 +63,16 @@ class Presence:
         """Since when it acts, in words."""
         named, logs = self.named, len(self.series)
         if self.since is not None:
-            return f"{'since' if self.is_present else 'gone since'} {when(self.since)}"
+            return f"{self._since} {when(self.since)}"
         if named == logs:
             return "in all logs" if logs > 1 else "in the only log"
         if named == 0:
             return f"below {NAMED:.0%} in each log".replace("%", " %")
         return f"in {named} of {logs} logs"
+
+
+def _share_named(series: tuple[float, ...]) -> float:
+    return sum(one >= NAMED for one in series) / len(series)
 
 
 def when(log: Log) -> str:

@@ -113,7 +113,7 @@ def _changes(found: Across) -> str:
 def _effect_row(found: Across, rig: str, effect: str, its: Presence) -> tuple[str, ...]:
     begin, end = its.begins[-1], its.begins[-2]
     before = its.series[end:begin]
-    what = f"<code>{escaped(effect)}</code> {'sets in' if its.is_present else 'is named less often' if its.named else ''}"
+    what = f"<code>{escaped(effect)}</code> {'is named less often' if not its.has_risen else 'sets in' if its.is_present else 'is named more often'}"
     after = its.series[begin:]
     return (
         rig_link(rig, found.rigs),

@@ -54,6 +54,15 @@ pub enum FanError<E> {
         /// What it holds.
         found: [u8; 4],
     },
+    /// The chip does not hold the bit that turns its channel off.
+    #[error(
+        "fan driver 0x40 holds {found:02x} in the register of its channel's end after {FULL:02x}, fully off, was written; \
+         check the bus for stuck lines and the chip for a supply that fails"
+    )]
+    OffIgnored {
+        /// What it holds.
+        found: u8,
+    },
     /// The driver crate did not accept a value that is within the limits of the chip.
     #[error("the pwm-pca9685 crate refused a valid count or prescale; check the version of that crate")]
     DriverRefused,
@@ -165,7 +174,7 @@ pub fn stop<I: I2c>(mut i2c: I) -> Result<(), FanError<I::Error>> {
     match found {
         // All bits high is a bus that is stuck, not a register: three of them are reserved and read 0.
         [found] if found & FULL != 0 && found != 0xFF => Ok(()),
-        [found] => Err(FanError::DutyIgnored { asked: [0, 0, 0, FULL], found: [0, 0, 0, found] }),
+        [found] => Err(FanError::OffIgnored { found }),
     }
 }
 

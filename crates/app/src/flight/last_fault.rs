@@ -56,7 +56,7 @@ impl LastFault {
     /// Its text in the file and on MQTT.
     #[must_use]
     pub fn json(&self) -> String {
-        // Three plain values always serialise.
+        // Plain values always serialise.
         serde_json::to_string(self).unwrap_or_default()
     }
 }

@@ -4,7 +4,7 @@
 //! step k:   edge[k−1] < lateness ≤ edge[k]      10 µs to 100 ms, three steps a decade; the last one is open
 //! ```
 //!
-//! A quantile is the upper edge of its step: at most 2.5 times too large, never too small.
+//! A quantile is the upper edge of its step: at most 2.5 times too large above the first step, never too small.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -72,7 +72,7 @@ pub struct Cycle {
     /// The reading minus what the observer expected, millimetres. Absent without a reading or an observer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub innovation_mm: Option<f64>,
-    /// The innovation's square over that of the gate: to 0.5 as expected, to 1.0 worth a look, above refused as an outlier.
+    /// The innovation's square over that of the gate: to 0.5 as expected, to 1.0 doubtful, above refused as an outlier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub innovation_test_ratio: Option<f64>,
 }

@@ -163,7 +163,7 @@ fn a_duty_that_does_not_arrive_is_found_at_once() {
         let now = bus.transactions(PWM);
         bus.inject(PWM, fault, now..u64::MAX);
         assert!(matches!(fan.drive(Duty::clamped(20.0)), Err(FanError::DutyIgnored { .. })), "{fault:?}");
-        assert!(matches!(fan.off(), Err(FanError::DutyIgnored { .. })), "{fault:?}");
+        assert!(matches!(fan.off(), Err(FanError::OffIgnored { .. })), "{fault:?}");
         bus.repair();
         fan.off().unwrap();
         assert_eq!(pwm(&bus).last(), Some(&0.0), "{fault:?}");

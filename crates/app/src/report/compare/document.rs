@@ -10,7 +10,7 @@ const DIAGNOSIS: &str = "airball.diagnosis/";
 /// What stands before a believed effect that a diagnosis did not find.
 pub const ABSENT: &str = "no ";
 /// Half of a 90 % interval, standard deviations.
-const OF_90_PERCENT: f64 = 1.645;
+pub(super) const OF_90_PERCENT: f64 = 1.645;
 
 /// A side of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]

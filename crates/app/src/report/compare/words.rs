@@ -1,13 +1,11 @@
 //! A comparison in words, for a terminal.
 
-use super::document::{ABSENT, Comparison, SideEntry};
+use super::document::{ABSENT, Comparison, OF_90_PERCENT, SideEntry};
 use crate::report::kit::page::parts::{capital, spoken};
 use crate::report::kit::table::empty;
 use crate::report::kit::words::digits;
 use diagnose::{NumberChange, chance_in_words, decimals};
 
-/// Half of a 90 % interval, standard deviations.
-const OF_90_PERCENT: f64 = 1.645;
 /// Ends of the keys of a config, and the units that they say; longer ends first.
 const UNITS: [(&str, &str); 13] = [
     ("_mm_per_s2_per_percent", "mm/s² per %"),
@@ -44,10 +42,12 @@ fn one_side(found: &Comparison, name: &str, is_before: bool) -> String {
     let is_chance = found.of_one_model && !found.numbers.iter().filter(own).any(|one| one.is_beyond_chance);
     let (effect, vanished) = name.strip_prefix(ABSENT).map_or((name, is_before), |absent| (absent, !is_before));
     let happened = if vanished { "vanished" } else { "appeared" };
-    let effect = spoken(effect);
+    let (effect, side) = (spoken(effect), if is_before { "the first log" } else { "the second log" });
+    if is_chance && !found.numbers.iter().any(|one| own(&one)) {
+        return format!("{effect} is named of {side} only");
+    }
     if is_chance {
-        let side = if is_before { "before" } else { "after" };
-        return format!("{effect} is named {side} only, and its numbers differ by no more than chance");
+        return format!("{effect} is named of {side} only, though no number of it differs beyond chance");
     }
     format!("{effect} {happened}")
 }
@@ -189,7 +189,10 @@ mod tests {
         let said = answer(&compared(&[], &["fan_lag", "no play"]));
         assert!(said.starts_with("Fan lag appeared, play vanished;"), "{said}");
         let said = answer(&Comparison { of_one_model: true, ..compared(&[], &["fan_lag"]) });
-        assert!(said.starts_with("Fan lag is named after only, and its numbers"), "{said}");
+        assert!(said.starts_with("Fan lag is named of the second log only; no number"), "{said}");
+        let numbers = vec![NumberChange::new("fan_lag", "time_constant_s", [0.0, 0.1], [None, None])];
+        let said = answer(&Comparison { of_one_model: true, numbers, ..compared(&[], &["fan_lag"]) });
+        assert!(said.starts_with("Fan lag is named of the second log only, though no number of it"), "{said}");
         assert_eq!(answer(&compared(&["play"], &["play"])), "No number of the rig changed beyond chance");
     }
 

@@ -18,7 +18,7 @@ const REACH: f64 = 12.0;
 /// Room beside the poles.
 const MARGIN: f64 = 1.2;
 /// The plane of z: its ranges make the unit circle round in the panel.
-const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
+pub(super) const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
 /// Points of a line of constant damping in z.
 const POINTS: u32 = 200;
 

@@ -47,9 +47,9 @@ pub struct Summary {
 pub struct Innovations {
     /// To 0.5: as expected, percent.
     pub expected_percent: f64,
-    /// To 1.0: suspicious, percent.
+    /// To 1.0: doubtful, percent.
     pub doubtful_percent: f64,
-    /// Above: rejected as outliers, percent.
+    /// Above: refused as outliers, percent.
     pub refused_percent: f64,
 }
 

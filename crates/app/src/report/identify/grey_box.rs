@@ -93,7 +93,8 @@ impl Residuals {
 
 /// An identification in words.
 pub mod words {
-    use super::{GreyBox, HORIZONS_S, Percent, Poles, Recording, Residuals, Test, empty, name, said};
+    use super::{GreyBox, HORIZONS_S, Percent, Poles, Recording, Residuals, empty, name, said};
+    use crate::report::kit::words::p_value;
 
     /// The number of poles, in words.
     #[must_use]
@@ -165,8 +166,8 @@ pub mod words {
             row(format!("fit {horizon} s ahead"), &|one| fit(one, |percent| percent.ahead[at]));
         }
         row("fit of simulation, 10 s".into(), &|one| fit(one, |percent| percent.simulated_10s));
-        row("whiteness".into(), &|one| chance(one.residuals.whiteness));
-        row("independence of duty".into(), &|one| chance(one.residuals.input));
+        row("whiteness".into(), &|one| p_value(one.residuals.whiteness.p_value));
+        row("independence of duty".into(), &|one| p_value(one.residuals.input.p_value));
         table.to_string()
     }
 
@@ -176,10 +177,5 @@ pub mod words {
             (Some(fit), Some(allowed)) => format!("{fit:.1} % ({allowed:.1} % by noise)"),
             _ => "too short".into(),
         }
-    }
-
-    /// The p-value of a test.
-    pub fn chance(test: Test) -> String {
-        if test.p_value < 0.001 { "p < 0.001".into() } else { format!("p = {:.3}", test.p_value) }
     }
 }

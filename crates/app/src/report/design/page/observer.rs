@@ -36,8 +36,8 @@ pub fn page(report: &Report<'_>) -> String {
     ];
     let from = vec![format!("model: {}", report.config), format!("sampled every {} s", document.period_s)];
     let record = Record { diagrams: Vec::new() };
-    let share = document.flown.first().copied().unwrap_or_default();
-    let answer = format!("The observer believes {:.0} % of what a reading says anew", 100.0 * share);
+    let gain = document.flown.first().copied().unwrap_or_default();
+    let answer = format!("The observer's gain on the position is {}", three_digits(gain));
     Page { kind: "design", from, made: report.made, answer: &answer, first: first(document), sections, record: &record }
         .render()
 }

@@ -3,6 +3,7 @@
 //! Roots come in no order. At every gain, a branch is continued with the pole that is nearest to its last one.
 
 use super::Form;
+use crate::report::design::pole_map::CIRCLE;
 use crate::report::kit::palette::SETPOINT;
 use crate::report::kit::plot::{Diagram, Line};
 use control::design::margins::phase_margins;
@@ -17,8 +18,6 @@ const ON_TOP: f64 = 0.002;
 const JUMP: f64 = 0.1;
 /// The plane of s shows so many crossover frequencies to the left: the poles that a step response shows.
 const REACH: f64 = 5.0;
-/// The plane of z: its ranges make the unit circle round in the panel.
-const CIRCLE: [(f64, f64); 2] = [(-1.35, 1.35), (-1.15, 1.15)];
 
 /// Root locus in the plane of s or z, over gains from a hundredth of the loop's to a hundred times: crosses at the open
 /// loop's poles, rings at its zeros, dots at the closed loop's poles.

@@ -13,6 +13,7 @@ use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Diagram, commanded, duty};
+use crate::report::kit::words::p_value;
 use diagnose::identify::{GreyBox, ParameterEstimate, Poles, Test};
 use diagnose::{Gap, Recording};
 use maud::{Markup, html};
@@ -261,7 +262,7 @@ fn tests(found: &[GreyBox]) -> Markup {
             html! { (what) },
             html! { (number(Some(test.chi_square), 1)) },
             html! { (test.degrees) },
-            html! { (words::chance(test)) },
+            html! { (p_value(test.p_value)) },
         ];
         (html! { (words::poles(poles)) }, cells.into())
     };

@@ -100,7 +100,7 @@ fn a_foreign_file_is_read_by_topic_and_field_with_a_row_for_each_position() {
 #[test]
 fn a_position_that_a_message_does_not_hold_is_no_reading_and_an_input_stays_in_force() {
     let state = |k: u64| {
-        let y = if k % 3 == 0 { json!(0.01 * k as f64) } else { json!(null) };
+        let y = if k.is_multiple_of(3) { json!(0.01 * k as f64) } else { json!(null) };
         let data = if k < 10 { json!({"y": y, "u": 7.0, "n": k}) } else { json!({"y": y, "n": k}) };
         (20_000_000 * k, data.to_string().into_bytes())
     };

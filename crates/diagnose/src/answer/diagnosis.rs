@@ -28,6 +28,7 @@ use crate::residual::spectrum::{Band, band};
 use crate::select::posterior::Scored;
 use crate::select::refit;
 use crate::select::search::Search;
+use crate::select::slow_starts::noise_hides;
 use crate::select::stepwise::{NamedEffect, Selection, select_effects};
 use crate::spurious_duty::spurious_duties;
 use crate::thresholds::ENOUGH_READINGS;
@@ -49,6 +50,8 @@ pub struct Diagnosis {
     /// The model that forecasts best: the belief with refitted parameters and the effects that were found. Where a
     /// residual remains, it is without them if that forecasts better.
     pub mended: Fit,
+    /// Whether the mended model has another noise than the belief: that of the belief hides what it lacks.
+    pub(crate) mends_noise: bool,
     /// The belief with refitted parameters and the effects that were found.
     pub(crate) with_effects: Fit,
     /// The mended models of held-out forecasts: each fitted without a fold.
@@ -83,16 +86,18 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let recording = recording.as_ref();
     let belief = &with_rounding(belief, recording);
     let folds = Folds::new(belief, recording);
-    let search = Search::new(belief, recording, &folds, options);
+    let mut search = Search::new(belief, recording, &folds, options);
     let about_all = |finding| (0..logs.len()).map(move |flight| FlightFinding { flight, finding });
     let obstacles =
         if can_answer { obstacles(belief, logs, recording, &folds) } else { mistakes_outside(belief, logs, &findings) };
     let mut answers = can_answer && obstacles.is_empty();
     findings.extend(obstacles);
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
+    search.noise_hides = noise_hides(recording, belief, &refitted.model);
     let asks = answers && !is_quiet(&refitted);
     let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
-    let other_rig = other_rig(belief, &found.fit.model).filter(|_| answers && !found.is_incomplete());
+    let other_rig =
+        other_rig(belief, &found.fit.model).filter(|_| answers && !found.is_incomplete() && !search.noise_hides);
     findings.extend(other_rig.into_iter().flat_map(about_all));
     let bounds = search.problem.bounds();
     let impossible = impossible(&bounds, [&refitted, &found.fit]).filter(|_| answers);
@@ -125,6 +130,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         formula,
         refitted,
         mended,
+        mends_noise: search.noise_hides,
         with_effects,
         without_each_fold,
         gaps,

@@ -2,6 +2,7 @@
 
 use crate::answer::diagnosis::Diagnosis;
 use crate::answer::verdict::Verdict;
+use plant::Noise;
 use std::fmt::Write;
 
 impl Diagnosis {
@@ -20,6 +21,13 @@ impl Diagnosis {
         ] {
             // Writing to a string cannot fail.
             let _ = writeln!(patch, "{key} = {value:?}");
+        }
+        if self.mends_noise {
+            let Noise { sensor_mm, acceleration_psd_mm2_per_s3 } = model.noise;
+            let _ = writeln!(
+                patch,
+                "\n[plant.noise]\nsensor_mm = {sensor_mm:?}\nacceleration_psd_mm2_per_s3 = {acceleration_psd_mm2_per_s3:?}"
+            );
         }
         // A patch stands alone: it brings the definitions of what a user wrote.
         for definition in model.effects.written.present() {

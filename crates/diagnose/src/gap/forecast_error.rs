@@ -19,7 +19,7 @@ use plant::Model;
 use serde::Serialize;
 
 /// Horizons of the forecasts, seconds.
-const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
+pub(crate) const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 /// Length of a free run, seconds.
 const FREE_RUN_S: f64 = 10.0;
 /// The filter's first seconds depend on the prior, not on the model.

@@ -23,8 +23,9 @@
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
 use crate::record::folds::Folds;
+use crate::record::recording::Recording;
 use crate::select::elimination::eliminate_by_forecasts;
-use crate::select::forecast::{Evaluated, deviations_at_all_horizons, with_believed_noise};
+use crate::select::forecast::{Evaluated, deviations_at_all_horizons, of_patch};
 use crate::select::random_force::is_random_force;
 use crate::select::screening::added;
 use crate::select::search::Search;
@@ -65,7 +66,7 @@ impl ByForecasts {
         eliminate_by_forecasts(&slow, &mut names, &mut fit);
         let again = select_further(&slow, fit, names, &found.misfit);
         // Each fit is held out by its own criterion.
-        let errors = |of: &Search<'_>, fit: &Fit| with_believed_noise(of, &of.problem.without_each_fold(fit));
+        let errors = |of: &Search<'_>, fit: &Fit| of_patch(of, &of.problem.without_each_fold(fit));
         let end = errors(&slow, &again.fit);
         let is_better = |fit: &Fit| deviations_at_all_horizons(&errors(search, fit), &end) > BETTER_FORECAST;
         let better = [refitted, &found.fit].into_iter().all(is_better);
@@ -107,6 +108,12 @@ impl ByForecasts {
     }
 }
 
+/// Time over which the filter with this noise forgets its model, seconds: 1/ω.
+pub(crate) fn memory_s(recording: &Recording, noise: Noise) -> f64 {
+    let Noise { sensor_mm, acceleration_psd_mm2_per_s3 } = noise;
+    (sensor_mm * sensor_mm * recording.mean_reading_period_s() / acceleration_psd_mm2_per_s3).powf(0.25)
+}
+
 /// What was found by forecasts, with the effects that do not change the path as the search by likelihood found them.
 fn beside_scatter(mut again: Selection, found: &Selection) -> Selection {
     let is_kept = |named: &&NamedEffect| {
@@ -126,7 +133,7 @@ fn is_scatter(entry: &Entry) -> bool {
 }
 
 /// The noise of a filter with the bandwidth of the horizon, for errors of the size that `fit` forecasts with.
-fn slow_noise(search: &Search<'_>, fit: &Fit, horizon_s: f64) -> Noise {
+pub(crate) fn slow_noise(search: &Search<'_>, fit: &Fit, horizon_s: f64) -> Noise {
     let recording = search.problem.recording;
     let period_s = recording.mean_reading_period_s();
     let error_mm = Evaluated::of(search, fit.clone()).gap().error_mm[2].unwrap_or(0.0);
@@ -135,7 +142,7 @@ fn slow_noise(search: &Search<'_>, fit: &Fit, horizon_s: f64) -> Noise {
 }
 
 /// A model without its effects on the variance of readings and its random forces, fitted by forecasts.
-fn slow_fit(slow: &Search<'_>, fit: &Fit, noise: Noise) -> Fit {
+pub(crate) fn slow_fit(slow: &Search<'_>, fit: &Fit, noise: Noise) -> Fit {
     let mut model = Model { noise, ..fit.model.clone() };
     let scatter: Vec<&Entry> =
         model.effects.present().into_iter().filter(|entry| entry.acts.changes == Changes::Scatter).collect();

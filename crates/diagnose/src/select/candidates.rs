@@ -21,6 +21,7 @@ use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
 use crate::select::screening::{Screened, first, screen};
 use crate::select::search::Search;
+use crate::select::slow_starts::slow_starts;
 use crate::thresholds::{
     BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, UNMOVED,
 };
@@ -63,7 +64,8 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let enough = SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
     let simpler = simpler_starts(search, &promising, &screened, so_far);
-    let promising: Vec<&Screened> = promising.into_iter().chain(&simpler).collect();
+    let slow = slow_starts(search, so_far, &entries);
+    let promising: Vec<&Screened> = promising.into_iter().chain(&simpler).chain(&slow).collect();
     search.plan(promising.len());
     let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, so_far, &before));
     let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();

@@ -22,8 +22,9 @@ pub(crate) struct Evaluated {
     pub(crate) without_each_fold: Vec<Model>,
     /// With the noise that was fitted, or with the believed noise, whichever forecasts better.
     pub(crate) errors: Vec<Tally>,
-    /// With the believed noise: a patch does not change the noise.
-    pub(crate) with_believed_noise: Vec<Tally>,
+    /// With the believed noise: a patch does not change the noise, but where that hides what the belief lacks. Then as
+    /// `errors`.
+    pub(crate) of_patch: Vec<Tally>,
     /// Plus the log-prior, nats.
     pub(crate) log_likelihood: f64,
 }
@@ -39,12 +40,9 @@ impl Evaluated {
         let log_likelihood = held_out + fit.log_prior;
         let own = with_own_noise(search, &without_each_fold);
         let with_believed_noise = with_believed_noise(search, &without_each_fold);
-        // A fitted noise takes in what the model lacks; then the filter weighs the readings wrongly.
-        let square =
-            |errors: &[Tally]| Tally::sum(errors.iter()).squares_at_1_s().map_or(f64::INFINITY, |(square, _)| square);
-        let is_better = square(&with_believed_noise) < square(&own);
-        let errors = if is_better { with_believed_noise.clone() } else { own };
-        Self { fit, without_each_fold, errors, with_believed_noise, log_likelihood }
+        let errors = better(own, with_believed_noise.clone());
+        let of_patch = if search.noise_hides { errors.clone() } else { with_believed_noise };
+        Self { fit, without_each_fold, errors, of_patch, log_likelihood }
     }
 
     /// The refit of the belief. Where it forecasts worse than the belief, no number of it is taken but the noise: an
@@ -93,7 +91,7 @@ impl Evaluated {
         let log_likelihood = search.held_out_total(&fit);
         let without_each_fold = vec![belief.clone(); Folds::COUNT];
         let errors = of_belief(search);
-        Self { with_believed_noise: errors.clone(), errors, without_each_fold, fit, log_likelihood }
+        Self { of_patch: errors.clone(), errors, without_each_fold, fit, log_likelihood }
     }
 
     /// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
@@ -109,19 +107,19 @@ impl Evaluated {
     /// The same, with the errors by noise alone: of the model with the noise that was fitted, or with the believed noise,
     /// whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
     pub(crate) fn gap_with_floor(&self) -> Gap {
-        self.gap().with_floor_at_most(&Tally::sum(self.with_believed_noise.iter()).gap())
+        self.gap().with_floor_at_most(&Tally::sum(self.of_patch.iter()).gap())
     }
 }
 
 /// The index of the best of these models, of which the first is the belief.
 pub(crate) fn best_forecast(models: &[Evaluated]) -> usize {
-    let errors = |at: usize| &models[at].with_believed_noise;
+    let errors = |at: usize| &models[at].of_patch;
     (1..models.len()).fold(0, |best, at| if deviations(errors(best), errors(at)) > BETTER_FORECAST { at } else { best })
 }
 
 /// Whether the forecasts of `this` are better than those of `that` in the mean of the stretches by more than chance.
 pub(crate) fn forecasts_better(this: &Evaluated, that: &Evaluated) -> bool {
-    deviations_at_all_horizons(&that.with_believed_noise, &this.with_believed_noise) > BETTER_FORECAST
+    deviations_at_all_horizons(&that.of_patch, &this.of_patch) > BETTER_FORECAST
 }
 
 /// Whether the held-out forecasts of `this` are worse than those of `that` by more than chance, each with its own noise.
@@ -153,9 +151,24 @@ pub(crate) fn loses_track(search: &Search<'_>, with: &Candidate, without: &Fit) 
     pairs.is_some_and(|(with, without)| with.iter().zip(without).any(|(with, without)| *with > LARGER * without))
 }
 
+/// The errors with the noise that was fitted, or with the believed noise, whichever are less: a fitted noise takes in
+/// what the model lacks, and then the filter weighs the readings wrongly.
+fn better(own: Vec<Tally>, with_believed_noise: Vec<Tally>) -> Vec<Tally> {
+    let square =
+        |errors: &[Tally]| Tally::sum(errors.iter()).squares_at_1_s().map_or(f64::INFINITY, |(square, _)| square);
+    if square(&with_believed_noise) < square(&own) { with_believed_noise } else { own }
+}
+
+/// Held-out forecast errors of the models fitted without each fold, by stretch of the record, with the noise that a
+/// patch leaves.
+pub(crate) fn of_patch(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
+    let believed = with_believed_noise(search, models);
+    if search.noise_hides { better(with_own_noise(search, models), believed) } else { believed }
+}
+
 /// Held-out forecast errors of the models fitted without each fold, by stretch of the record, with the noise of the
 /// belief.
-pub(crate) fn with_believed_noise(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
+fn with_believed_noise(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
     held_out(search, models, |model| Model { noise: search.problem.belief.noise, ..model.clone() })
 }
 

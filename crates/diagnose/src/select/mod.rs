@@ -21,6 +21,7 @@ pub(crate) mod refit;
 pub(crate) mod regression;
 pub(crate) mod screening;
 pub(crate) mod search;
+pub(crate) mod slow_starts;
 pub(crate) mod smoothing;
 pub(crate) mod stepwise;
 #[cfg(test)]

@@ -15,6 +15,8 @@ pub(crate) struct Search<'a> {
     /// Whether what no effect explains gets a formula.
     pub(crate) formula: bool,
     progress: Progress,
+    /// Whether the noise of the belief hides what it lacks, see [`crate::select::slow_starts`].
+    pub(crate) noise_hides: bool,
     /// The noise of its filter, if that is not fitted: the search is by forecasts.
     slow: Option<Noise>,
 }
@@ -23,12 +25,19 @@ impl<'a> Search<'a> {
     pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, options: &Options) -> Self {
         let problem = Problem { recording, belief, folds, prior: Prior::Belief };
         let Options { without, without_formula, progress } = options.clone();
-        Self { problem, without, formula: !without_formula, progress, slow: None }
+        Self { problem, without, formula: !without_formula, progress, noise_hides: false, slow: None }
     }
 
     /// A search without options.
     pub(crate) fn of(problem: Problem<'a>) -> Self {
-        Self { problem, without: Vec::new(), formula: true, progress: Progress::default(), slow: None }
+        Self {
+            problem,
+            without: Vec::new(),
+            formula: true,
+            progress: Progress::default(),
+            noise_hides: false,
+            slow: None,
+        }
     }
 
     /// The same search without the effects for which `is_left_out` holds.

@@ -1,0 +1,130 @@
+//! Initial values of effects from a slow filter, where the believed noise hides what the model lacks.
+//!
+//! A belief that was fitted to a record takes what it lacks for noise of the air. With so much noise the filter corrects
+//! the model within a few readings, and the likelihood has two maxima: one where an effect explains a little beside that
+//! noise, and a far higher one where it explains the record and the noise is small. No step of a fit leads from the
+//! first to the second. A fit by forecasts does (see [`crate::select::by_forecasts`]), because its filter does not
+//! correct the model. So the effects that promise most by forecasts are also fitted by likelihood from there.
+//!
+//! The noise hides the model where both hold:
+//!
+//! ```text
+//! 1/ω = (r·Δt/q)^(1/4) < 0.1 s      of the belief: its filter forgets the model within the shortest forecast
+//! q of the refit < 2·q believed     the refit has no need of more noise, although the residual is unexplained
+//! ```
+
+use crate::fit::estimate::Fit;
+use crate::fit::parameter::Parameter;
+use crate::gap::forecast_error::HORIZONS_S;
+use crate::record::recording::Recording;
+use crate::select::by_forecasts::{memory_s, slow_fit, slow_noise};
+use crate::select::screening::{Screened, first, screen};
+use crate::select::search::Search;
+use crate::select::stepwise::is_of_path;
+use crate::thresholds::{BEHIND, BEHIND_SHARE, SCREENED};
+use plant::{Entry, Model};
+use rayon::prelude::*;
+
+/// Effects that are fitted from a slow filter, as far as they promise enough.
+const SLOW_FITS: usize = 6;
+/// The horizon of the slow filter, seconds: that of the search by forecasts.
+const HORIZON_S: f64 = 3.0;
+/// A refit raises the noise of the air by less than this factor where the belief was fitted to the record: by chance
+/// alone a refit of the same model does not move it.
+const RAISED: f64 = 2.0;
+
+/// Whether the noise of the belief, of which `refitted` is the refit, hides what it lacks.
+pub(crate) fn noise_hides(recording: &Recording, belief: &Model, refitted: &Model) -> bool {
+    let psd = |model: &Model| model.noise.acceleration_psd_mm2_per_s3;
+    forgets(recording, belief) && psd(refitted) < RAISED * psd(belief)
+}
+
+/// Whether the filter of the model forgets what the model says within the shortest horizon of a forecast.
+fn forgets(recording: &Recording, model: &Model) -> bool {
+    memory_s(recording, model.noise) < HORIZONS_S[0]
+}
+
+/// The effects on the path that promise most by forecasts, each with the model from which it is fitted by likelihood;
+/// none where the noise does not hide them.
+pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static Entry]) -> Vec<Screened> {
+    if search.is_by_forecasts() || !search.noise_hides || !forgets(search.problem.recording, &so_far.model) {
+        return Vec::new();
+    }
+    let noise = slow_noise(search, so_far, HORIZON_S);
+    let slow = search.by_forecasts(search.problem.folds, noise);
+    let base = slow_fit(&slow, so_far, noise);
+    let known = slow.problem.sensitivities_of(&base, &first(&slow));
+    let path: Vec<&'static Entry> = entries.iter().filter(|entry| is_of_path(entry)).copied().collect();
+    let mut screened: Vec<Screened> = path.par_iter().filter_map(|entry| screen(&slow, &base, &known, entry)).collect();
+    screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let best = screened.first().map_or(0.0, |best| best.gain);
+    let enough = SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
+    screened.retain(|one| one.gain > enough);
+    screened.truncate(SLOW_FITS);
+    let fitted = screened.par_iter().map(|one| {
+        let model = slow.problem.fit(&one.model, &one.parameters).model;
+        Screened { model, parameters: by_likelihood(so_far, &one.parameters), rivals: Vec::new(), ..one.clone() }
+    });
+    fitted.collect()
+}
+
+/// The parameters of a fit by likelihood: both noises in place of their level.
+fn by_likelihood(so_far: &Fit, slow: &[Parameter]) -> Vec<Parameter> {
+    let base = so_far.parameters.iter().filter(|one| one.entry().is_none());
+    base.chain(slow.iter().filter(|one| one.entry().is_some())).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::identify::initial;
+    use crate::options::Options;
+    use crate::{Recording, Sample, diagnose};
+
+    /// A cart, ẍ = 1333·u − 1.67·ẋ mm/s², that sticks below 833 mm/s² of dry friction, held by a PD controller with a
+    /// random setpoint; 0.8 mm of noise. Its own simulator, with twenty steps a row.
+    fn cart() -> Recording {
+        let (mut seed, mut x, mut v, mut setpoint, mut last, mut slope) = (7_u32, 0.0, 0.0_f64, 0.0, 0.0, 0.0);
+        let mut uniform = move || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let rows = (0..4000).map(|k| {
+            if k % 250 == 0 {
+                setpoint = 800.0 * uniform();
+            }
+            let reading = x + 0.8 * (0..12).map(|_| uniform()).sum::<f64>();
+            slope += 0.25 * ((reading - last) / 0.01 - slope);
+            last = reading;
+            let duty_percent: f64 = (0.018 * (setpoint - reading) - 0.0022 * slope).clamp(-12.0, 12.0);
+            for _ in 0..20 {
+                let force = 1333.0 * duty_percent - 1.67 * v;
+                let before = v;
+                let sticks = v == 0.0 && force.abs() <= 833.0;
+                v += if sticks { 0.0 } else { 5e-4 * (force - 833.0 * if v == 0.0 { force } else { v }.signum()) };
+                v = if before * v < 0.0 { 0.0 } else { v };
+                x += 5e-4 * v;
+            }
+            let position_mm = Some(1200.0 + reading);
+            Sample { time_s: 0.01 * f64::from(k), duty_percent, position_mm, ..Sample::default() }
+        });
+        Recording::new(rows.collect()).unwrap()
+    }
+
+    #[test]
+    fn an_effect_that_the_belief_took_for_noise_is_found_with_its_size() {
+        let recording = cart();
+        let belief = initial(std::slice::from_ref(&recording), 2400.0).unwrap().model;
+        assert!(belief.noise.acceleration_psd_mm2_per_s3 > 1000.0, "{belief:?}");
+        let options = Options { without_formula: true, ..Options::default() };
+        let found = diagnose(&belief, &[recording], &options);
+        let names: Vec<&str> = found.effects.iter().map(|named| named.candidate.entry.name).collect();
+        let mended = &found.mended.model;
+        assert_eq!(names, ["wall_friction"], "{mended:?}");
+        let close = |value: f64, truth: f64| (value / truth - 1.0).abs() < 0.03;
+        let friction = mended.effects.values("wall_friction").unwrap()[0];
+        assert!(close(friction, 833.0) && close(mended.gain_mm_per_s2_per_percent, 1333.0), "{mended:?}");
+        // It forecasts with its own noise, which the patch brings.
+        assert!(found.gaps[2].error_mm[2].unwrap() < 1.0, "{:?}", found.gaps[2]);
+        assert!(found.patch_toml().contains("[plant.noise]"), "{}", found.patch_toml());
+    }
+}

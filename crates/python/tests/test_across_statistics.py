@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy.optimize import brentq  # noqa: E402
 from scipy.spatial.distance import pdist  # noqa: E402
 
 from airball.fleet._across import alike, pooled, segments  # noqa: E402
+from airball.fleet._across.effects import Presence  # noqa: E402
 
 #: Trials of the BCG vaccine: cases and others among the vaccinated, cases and others among the rest. Source: Colditz et
 #: al., JAMA 271, 1994; the data set `dat.bcg` of the R package metafor.
@@ -212,3 +214,15 @@ def test_one_rig_is_alike_to_itself_and_none_are_no_error():
     for rigs in (0, 1):
         order, between = alike.alike(np.zeros((rigs, 3)))
         assert order == list(range(rigs)) and between.tolist() == [[0.0]] * rigs
+
+
+def test_an_effect_has_appeared_or_gone_by_the_logs_before_the_change():
+    def words(before, after):
+        series = tuple(before + after)
+        logs = tuple(SimpleNamespace(name=f"log {at}", time=None) for at in range(len(series)))
+        return Presence(logs, series, (0, len(before)), (), 0.0).words()
+
+    assert words([0.0] * 5, [0.9] * 5) == "since log 5"
+    assert words([0.9] * 5, [0.0] * 5) == "gone since log 5"
+    assert words([0.9] * 5, [0.6, 0.0, 0.0, 0.0]) == "less often since log 5"
+    assert words([0.0] * 20, [0.6, 0.0] * 5) == "more often since log 20"

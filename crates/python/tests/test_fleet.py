@@ -178,3 +178,18 @@ def test_an_empty_list_and_a_folder_without_logs_are_refused(tmp_path, model):
         fleet.diagnose([], model=model, out=tmp_path, client=None)
     with pytest.raises(ab.UsageError, match="no log is in there"):
         fleet.diagnose(tmp_path, model=model, out=tmp_path, client=None)
+
+
+def test_a_damaged_result_is_a_row_with_its_cause_beside_the_others(alone, tmp_path):
+    from pyarrow import parquet
+
+    good = alone["3.mcap.json"]
+    (tmp_path / "good.json").write_bytes(good if isinstance(good, bytes) else good.encode())
+    (tmp_path / "empty.json").write_text("")
+    (tmp_path / "other.json").write_text('{"effects": [], "gap": []}')
+    fleet._table(tmp_path, ["empty", "good", "other"])
+    rows = parquet.read_table(tmp_path / "results.parquet").to_pylist()
+    assert [row["log"] for row in rows] == ["empty", "good", "other"]
+    assert rows[1]["verdict"] and rows[1]["error"] is None
+    assert all("is damaged" in row["error"] and "delete it" in row["error"] for row in (rows[0], rows[2]))
+    assert [path.name for path in tmp_path.iterdir() if path.name.endswith(".part")] == []

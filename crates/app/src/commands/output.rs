@@ -68,8 +68,20 @@ pub(super) fn may_write(
 ) -> Result<()> {
     picture.map_or(Ok(()), plot::may_write)?;
     html.map_or(Ok(()), page::may_write)?;
-    let asked = others.iter().filter_map(|(what, path)| Some((what, (*path)?)));
+    let asked: Vec<(&str, &PathBuf)> = others.iter().filter_map(|(what, path)| Some((*what, (*path)?))).collect();
+    if let Some((what, path)) = asked.iter().find(|(_, path)| is_config(path)) {
+        return Err(Usage(format!("{} is a config and is kept; give the {what} another name", path.display())).into());
+    }
     asked.into_iter().try_for_each(|(what, path)| files::may_be_made(path).map_err(|error| failed(what, path, &error)))
+}
+
+/// Tables that a config has, and no patch.
+const OF_CONFIG: [&str; 5] = ["import", "log", "loop", "rig", "safety"];
+
+/// Whether a file is a config, which nobody wants to lose to a patch.
+fn is_config(path: &Path) -> bool {
+    let table = std::fs::read_to_string(path).ok().and_then(|text| text.parse::<toml::Table>().ok());
+    table.is_some_and(|table| OF_CONFIG.iter().any(|key| table.contains_key(*key)))
 }
 
 /// Writes a requested file; `what` names it in the message.
@@ -117,5 +129,16 @@ mod tests {
             let said = refused.unwrap_err().to_string();
             assert!(said.starts_with(&format!("cannot write the {what} nosuch/file: ")), "{said}");
         }
+    }
+
+    #[test]
+    fn a_patch_takes_the_place_of_a_patch_and_not_of_a_config() {
+        let folder = tempfile::tempdir().unwrap();
+        let (config, patch) = (folder.path().join("rig.toml"), folder.path().join("mended.toml"));
+        std::fs::write(&config, "[import]\ntime_s = { column = \"t\" }\n[plant]\ndrag_per_s = 1.0\n").unwrap();
+        std::fs::write(&patch, "[plant]\ndrag_per_s = 1.0\n").unwrap();
+        let said = may_write(None, None, &[("patch", Some(&config))]).unwrap_err().to_string();
+        assert!(said.ends_with("rig.toml is a config and is kept; give the patch another name"), "{said}");
+        assert!(may_write(None, None, &[("patch", Some(&patch))]).is_ok());
     }
 }

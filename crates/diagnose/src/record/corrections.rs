@@ -3,7 +3,11 @@
 //! ```text
 //! quantity = value·scale + offset                                       as read
 //! corrected = quantity·s + o = value·(scale·s) + (offset·s + o)         as a finding says
+//! corrected = value·(scale·s) + offset                                  of a position, where a finding says no o
 //! ```
+//!
+//! The offset of a position is in millimetres and places the column's own zero; another unit or sign of the column does
+//! not move that.
 
 use crate::record::finding::Finding;
 use crate::record::implausible::DutyScale;
@@ -51,7 +55,8 @@ impl Correction {
             Quantity::Duty => ("duty_percent", &columns.duty_percent),
             Quantity::Position => ("position_mm", &columns.position_mm),
         };
-        let offset = source.offset * self.scale + self.offset;
+        let keeps_place = self.quantity == Quantity::Position && self.offset == 0.0;
+        let offset = if keeps_place { source.offset } else { source.offset * self.scale + self.offset };
         let offset = if offset == 0.0 { String::new() } else { format!(", offset = {}", digits(offset)) };
         let scale = digits(source.scale * self.scale);
         format!("{key} = {{ column = {}, scale = {scale}{offset}{} }}", source.column, source.further_keys)
@@ -134,6 +139,9 @@ mod tests {
         let line = turned.line(&columns);
         let said = r#"position_mm = { column = "y \"raw\"", scale = -10, offset = 623, minus = "zero" }"#;
         assert_eq!(line, said);
+        // Another unit does not move the column's zero.
+        let in_metres = Correction::scale(Quantity::Position, 1e3).line(&columns);
+        assert!(in_metres.contains("scale = 10000, offset = -40,"), "{in_metres}");
         assert_eq!(
             Correction::scale(Quantity::Time, 1e-3).to_string(),
             "time_s = { column = \"time_s\", scale = 0.001 }"

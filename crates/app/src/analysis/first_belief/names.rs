@@ -13,9 +13,10 @@ pub(super) struct Name {
 }
 
 /// Units that stand behind a name; `s`, `m` and the like only behind another word.
-const UNITS: [&str; 36] = [
+const UNITS: [&str; 38] = [
     "s", "sec", "ms", "us", "ns", "min", "m", "cm", "mm", "um", "in", "rad", "deg", "rev", "v", "mv", "a", "ma", "n",
-    "nm", "mnm", "pct", "percent", "%", "norm", "rpm", "counts", "hz", "w", "pwm", "°", "°c", "c", "k", "pa", "bar",
+    "nm", "mnm", "pct", "percent", "%", "norm", "rpm", "counts", "hz", "w", "kn", "kw", "pwm", "°", "°c", "c", "k",
+    "pa", "bar",
 ];
 
 /// Those of a length or an angle.
@@ -23,7 +24,7 @@ const LENGTHS_AND_ANGLES: [&str; 9] = ["m", "cm", "mm", "um", "in", "rad", "deg"
 
 impl Name {
     pub(super) fn of(column: &SheetColumn) -> Self {
-        let mut words = words(&column.name);
+        let mut words = with_whole_unit(words(&column.name), &column.name);
         let number = column.name.chars().filter(char::is_ascii_digit).collect();
         let bracketed = column.name.split_once(['[', '(']).and_then(|(_, rest)| rest.split([']', ')']).next());
         let is_word = |unit: &&str| unit.contains(is_word_character);
@@ -64,6 +65,17 @@ impl Name {
     }
 }
 
+/// The words of a name, in which a unit at its end is one: a capital letter in `current_mA` begins no word.
+fn with_whole_unit(mut words: Vec<String>, name: &str) -> Vec<String> {
+    let last = name.rsplit(|c: char| !c.is_alphabetic()).next().unwrap_or_default().to_lowercase();
+    let is_last = |count: &usize| words[words.len() - count..].concat() == last;
+    if let Some(count) = (2..words.len()).find(is_last).filter(|_| UNITS.contains(&last.as_str())) {
+        words.truncate(words.len() - count);
+        words.push(last);
+    }
+    words
+}
+
 /// Whether words and units may contain this character.
 fn is_word_character(letter: char) -> bool {
     letter.is_alphabetic() || matches!(letter, '%' | '°')
@@ -101,6 +113,8 @@ mod tests {
         for (name, words, number, unit) in [
             ("command0_rad", &["command"][..], "0", Some("rad")),
             ("hoop_speed_V", &["hoop", "speed"], "", Some("v")),
+            ("current_mA", &["current"], "", Some("ma")),
+            ("force_kN", &["force"], "", Some("kn")),
             ("omega_rad_s", &["omega"], "", Some("rad/s")),
             ("rest_s", &["rest"], "", Some("s")),
             ("motorVoltage", &["motor", "voltage"], "", None),

@@ -35,8 +35,8 @@ const INPUT_UNITS: &[(&[&str], &str)] = &[
     (&["v", "mv"], "voltage"),
     (&["a", "ma"], "current"),
     (&["nm", "mnm"], "torque"),
-    (&["n"], "force"),
-    (&["w"], "power"),
+    (&["n", "kn"], "force"),
+    (&["w", "kw"], "power"),
 ];
 /// How units are written whose small letters say something else.
 const WRITTEN: &[(&str, &str)] = &[
@@ -47,7 +47,9 @@ const WRITTEN: &[(&str, &str)] = &[
     ("n", "N"),
     ("nm", "Nm"),
     ("mnm", "mNm"),
+    ("kn", "kN"),
     ("w", "W"),
+    ("kw", "kW"),
     ("°c", "°C"),
     ("c", "°C"),
     ("k", "K"),
@@ -104,7 +106,7 @@ pub(super) fn written(unit: &str) -> String {
 fn scaled(unit: &str, scale: f64) -> Option<String> {
     let written = written(unit);
     let (_, prefix) = PREFIXES.iter().find(|(factor, _)| (scale.abs() / factor - 1.0).abs() < 1e-9)?;
-    (prefix.is_empty() || !written.starts_with(['m', '°'])).then(|| format!("{prefix}{written}"))
+    (prefix.is_empty() || !written.starts_with(['m', 'k', '°'])).then(|| format!("{prefix}{written}"))
 }
 
 #[cfg(test)]

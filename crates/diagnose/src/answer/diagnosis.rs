@@ -96,8 +96,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     search.noise_hides = noise_hides(recording, belief, &refitted.model);
     let asks = answers && !is_quiet(&refitted);
     let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
-    let other_rig =
-        other_rig(belief, &found.fit.model).filter(|_| answers && !found.is_incomplete() && !search.noise_hides);
+    let other_rig = another_rig(&search, &found).filter(|_| answers);
     findings.extend(other_rig.into_iter().flat_map(about_all));
     let bounds = search.problem.bounds();
     let impossible = impossible(&bounds, [&refitted, &found.fit]).filter(|_| answers);
@@ -122,7 +121,6 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let Selection { effects, rounds, fit: with_effects, misfit, .. } = found;
     let ladder = mending.rungs();
     let Mending { formula, fit: mended, without_each_fold, reaches, gaps, closed, .. } = mending;
-    let closed = closed.filter(|_| answers);
     Diagnosis {
         verdict,
         effects,
@@ -139,7 +137,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
         places,
         band,
         misfit,
-        closed,
+        closed: closed.filter(|_| answers),
         findings,
         bounds,
         reaches,
@@ -152,6 +150,13 @@ impl Diagnosis {
     pub fn has_mistake(&self) -> bool {
         self.verdict == Verdict::InsufficientData && self.findings.iter().any(|noted| noted.finding.is_mistake())
     }
+}
+
+/// The finding that the record is of another rig. Numbers that were fitted beside a noise that hides what is missing may
+/// be far off as well.
+fn another_rig(search: &Search<'_>, found: &Selection) -> Option<Finding> {
+    let may_tell = !found.is_incomplete() && !search.noise_hides;
+    other_rig(search.problem.belief, &found.fit.model).filter(|_| may_tell)
 }
 
 /// The finding for a fit that ended at an impossible model. Fits keep their parameters within bounds, so only fixed

@@ -9,7 +9,7 @@
 //! The noise hides the model where both hold:
 //!
 //! ```text
-//! 1/ω = (r·Δt/q)^(1/4) < 0.1 s      of the belief: its filter forgets the model within the shortest forecast
+//! 1/ω = (r·Δt/q)^(1/4) < 0.05 s     of the belief: by the shortest forecast its filter has forgotten the model
 //! q of the refit < 2·q believed     the refit has no need of more noise, although the residual is unexplained
 //! ```
 
@@ -29,6 +29,8 @@ use rayon::prelude::*;
 const SLOW_FITS: usize = 6;
 /// The horizon of the slow filter, seconds: that of the search by forecasts.
 const HORIZON_S: f64 = 3.0;
+/// A filter with this share of the shortest horizon as its memory has corrected 1 − e^(−2) of an error by then.
+const FORGOTTEN: f64 = 0.5;
 /// A refit raises the noise of the air by less than this factor where the belief was fitted to the record: by chance
 /// alone a refit of the same model does not move it.
 const RAISED: f64 = 2.0;
@@ -39,9 +41,9 @@ pub(crate) fn noise_hides(recording: &Recording, belief: &Model, refitted: &Mode
     forgets(recording, belief) && psd(refitted) < RAISED * psd(belief)
 }
 
-/// Whether the filter of the model forgets what the model says within the shortest horizon of a forecast.
+/// Whether the filter of the model has forgotten what the model says by the shortest horizon of a forecast.
 fn forgets(recording: &Recording, model: &Model) -> bool {
-    memory_s(recording, model.noise) < HORIZONS_S[0]
+    memory_s(recording, model.noise) < FORGOTTEN * HORIZONS_S[0]
 }
 
 /// The effects on the path that promise most by forecasts, each with the model from which it is fitted by likelihood;

@@ -36,6 +36,11 @@ pub(super) fn grows(column: &SheetColumn) -> bool {
     whole && values.windows(2).all(|pair| pair[0] <= pair[1])
 }
 
+/// Whether each number is larger by one than the one before.
+pub(super) fn counts_rows(column: &SheetColumn) -> bool {
+    column.values.windows(2).all(|pair| matches!(pair, [Some(one), Some(next)] if next - one == 1.0))
+}
+
 /// Whether every row has a number, and fewer than one of a hundred is smaller than the one before, as where a ring
 /// buffer was saved or a microcontroller restarted. The share was chosen by hand; it only words an error.
 pub(super) fn nearly_grows(column: &SheetColumn) -> bool {
@@ -68,5 +73,16 @@ mod tests {
         let sheet = rows::sheet("rig.csv", format!("t,duty,position_mm\n{still}").as_bytes()).unwrap();
         let found = roles(&sheet, &Asked::default()).unwrap_err().to_string();
         assert!(found.contains("the position: `position_mm` has the same value in all rows; name it"), "{found}");
+    }
+
+    #[test]
+    fn of_columns_that_only_grow_the_first_is_the_time_unless_it_counts_rows() {
+        let ramp = |k: f64| format!("{},{},{}", 0.015 * k, (0.3 * k).sin(), 8.0 + 0.0075 * k);
+        let ramps: String = (0..200).map(|k| ramp(f64::from(k)) + "\n").collect();
+        let counted: String = (0..200).map(|k| format!("{k},{}\n", ramp(f64::from(k)))).collect();
+        for (text, time) in [(ramps, "column1"), (counted, "column2")] {
+            let sheet = rows::sheet("rig.csv", text.as_bytes()).unwrap();
+            assert_eq!(roles(&sheet, &Asked::default()).unwrap().time.column, time);
+        }
     }
 }

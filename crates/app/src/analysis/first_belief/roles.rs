@@ -1,7 +1,7 @@
 //! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
 
 use super::by_fit::by_fit;
-use super::flaw::{flaw, grows, moves, nearly_grows};
+use super::flaw::{counts_rows, flaw, grows, moves, nearly_grows};
 use super::names::Name;
 use super::scales;
 use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, TIMES};
@@ -253,7 +253,12 @@ impl Columns<'_> {
         }
         let grows: Vec<&Candidate<'_>> = self.all.iter().filter(|one| grows(one.column)).collect();
         let named = self.named(&grows, "", TIMES, &[]);
-        let unnamed = || grows.iter().rev().find(|one| !one.column.name.is_empty());
+        // The first, unless it counts the rows.
+        let unnamed = || {
+            let mut all = grows.iter().filter(|one| !one.column.name.is_empty());
+            let last = all.clone().next_back();
+            all.find(|one| !counts_rows(one.column)).or(last)
+        };
         let by_order = || unnamed().map(|one| Named { column: one.column.name.clone(), why: BY_ORDER });
         named.or_else(by_order).ok_or_else(|| self.not_found(Role::Time))
     }

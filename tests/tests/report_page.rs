@@ -80,7 +80,7 @@ fn designs(bench: &Bench) {
     let _ = run(bench, "design loop --config STRANGER.toml --patch wild.toml --html unstable.html");
     assert!(bench.read("unstable.html").contains("This loop is unstable: do not fly it"));
     let _ = run(bench, "design observer --config STRANGER.toml --html observer.html --patch-out observer.toml");
-    assert!(bench.read("observer.html").contains("The observer believes "));
+    assert!(bench.read("observer.html").contains("gain on the position is "));
     let _ = run(bench, "design critical-gain --config STRANGER.toml --html models.html --patch-out pole.toml");
     assert!(bench.read("models.html").contains("2 of the three models are stable at any gain; the rig is not"));
 }

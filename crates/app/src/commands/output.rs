@@ -78,9 +78,15 @@ pub(super) fn may_write(
 /// Tables that a config has, and no patch.
 const OF_CONFIG: [&str; 5] = ["import", "log", "loop", "rig", "safety"];
 
+/// No config is so long, bytes.
+const LONGEST_CONFIG: u64 = 1 << 20;
+
 /// Whether a file is a config, which nobody wants to lose to a patch.
 fn is_config(path: &Path) -> bool {
-    let table = std::fs::read_to_string(path).ok().and_then(|text| text.parse::<toml::Table>().ok());
+    // A device, as /dev/full, may never end.
+    let is_text = std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < LONGEST_CONFIG);
+    let text = is_text.then(|| std::fs::read_to_string(path).ok()).flatten();
+    let table = text.and_then(|text| text.parse::<toml::Table>().ok());
     table.is_some_and(|table| OF_CONFIG.iter().any(|key| table.contains_key(*key)))
 }
 

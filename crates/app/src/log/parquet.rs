@@ -20,7 +20,7 @@ const MAGIC: &[u8] = b"PAR1";
 const CHUNK: usize = 1 << 16;
 /// Most cells of a table, 512 MB of numbers: a small file could otherwise fill the memory.
 const MOST_CELLS: usize = 1 << 26;
-/// Most bytes of text: a dictionary repeats a long text for a byte or two.
+/// Most bytes of text, half the size of the numbers: a dictionary repeats a long text for a byte or two.
 const MOST_TEXT: usize = 1 << 28;
 
 /// Whether the bytes are those of a Parquet file.
@@ -227,7 +227,7 @@ impl Append {
     }
 }
 
-/// By how much a stored number is divided: 1, or how many of a time's unit are a second, or a power of ten of a decimal.
+/// By how much a stored number is divided: how many of a time's unit are a second, the power of ten of a decimal, or 1.
 fn divisor(about: &ColumnDescriptor) -> f64 {
     let of_unit = |unit: &TimeUnit| match unit {
         TimeUnit::MILLIS => 1e3,

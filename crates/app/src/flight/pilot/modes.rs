@@ -15,8 +15,8 @@ impl Pilot {
         if let Seen::Nothing(Some(fault)) = seen {
             self.reported = Some((time_s, fault));
         }
-        let recent = self.reported.filter(|(at_s, _)| time_s - at_s <= self.missing_s());
-        let reported = recent.map(|(_, fault)| fault);
+        let is_recent = |(at_s, _): &(f64, Fault)| time_s - at_s <= self.missing_s();
+        let reported = self.reported.filter(is_recent).map(|(_, fault)| fault);
         self.mode = match (self.mode, seen) {
             (Mode::Stopped, _) => Mode::Stopped,
             (Mode::Waiting, Seen::Nothing(_)) => {

@@ -7,8 +7,9 @@ use crate::log::{LogError, parquet, reader};
 use ::parquet::basic::{Compression, GzipLevel, ZstdLevel};
 use ::parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FixedLenByteArrayType, Int32Type};
 use ::parquet::file::properties::WriterProperties;
-use ::parquet::file::writer::SerializedFileWriter;
+use ::parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use ::parquet::schema::parser::parse_message_type;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -16,6 +17,17 @@ const BY_PANDAS: &[u8] = include_bytes!("../../../tests/data/pandas.parquet");
 
 fn text(bytes: &[u8]) -> Result<String, LogError> {
     parquet::table(Path::new("run.parquet"), bytes).map(|csv| String::from_utf8(csv).unwrap())
+}
+
+/// Writes the next column of a group; `levels`: which rows have a value, where not all have.
+fn write<T: DataType, W: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
+    values: &[T::T],
+    levels: Option<&[i16]>,
+) {
+    let mut column = group.next_column().unwrap().unwrap();
+    column.typed::<T>().write_batch(values, levels, None).unwrap();
+    column.close().unwrap();
 }
 
 /// Sixty rows in two groups: time and position in double precision, the duty whole.
@@ -29,19 +41,13 @@ fn written(compression: Compression) -> Vec<u8> {
         let rows = 30 * group..30 * (group + 1);
         let mut of_group = writer.next_row_group().unwrap();
         let times: Vec<f64> = rows.clone().map(|row| 0.02 * f64::from(row)).collect();
-        let mut column = of_group.next_column().unwrap().unwrap();
-        column.typed::<DoubleType>().write_batch(&times, None, None).unwrap();
-        column.close().unwrap();
+        write::<DoubleType, _>(&mut of_group, &times, None);
         let duties: Vec<i32> = rows.clone().map(|row| 30 + row % 10).collect();
-        let mut column = of_group.next_column().unwrap().unwrap();
-        column.typed::<Int32Type>().write_batch(&duties, None, None).unwrap();
-        column.close().unwrap();
+        write::<Int32Type, _>(&mut of_group, &duties, None);
         // Every third position is missing.
         let levels: Vec<i16> = rows.clone().map(|row| i16::from(row % 3 != 0)).collect();
         let positions: Vec<f64> = rows.filter(|row| row % 3 != 0).map(|row| 100.0 + f64::from(row)).collect();
-        let mut column = of_group.next_column().unwrap().unwrap();
-        column.typed::<DoubleType>().write_batch(&positions, Some(&levels), None).unwrap();
-        column.close().unwrap();
+        write::<DoubleType, _>(&mut of_group, &positions, Some(&levels));
         of_group.close().unwrap();
     }
     writer.close().unwrap();
@@ -73,15 +79,13 @@ fn packed_in_every_usual_way_and_in_two_groups_it_is_the_same_recording() {
     }
 }
 
-/// A file of one column, written by `column`.
+/// A file of one column with these values.
 fn of_one_column<T: DataType>(schema: &str, values: &[T::T]) -> Vec<u8> {
     let schema = Arc::new(parse_message_type(schema).unwrap());
     let mut bytes = Vec::new();
     let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::new(WriterProperties::default())).unwrap();
     let mut group = writer.next_row_group().unwrap();
-    let mut column = group.next_column().unwrap().unwrap();
-    column.typed::<T>().write_batch(values, None, None).unwrap();
-    column.close().unwrap();
+    write::<T, _>(&mut group, values, None);
     group.close().unwrap();
     writer.close().unwrap();
     bytes

@@ -3,7 +3,7 @@
 use super::figure::{Size, picture};
 use super::parts::words as words_table;
 use crate::config::words::Words;
-use crate::report::kit::plot::{Diagram, Line, Timeline};
+use crate::report::kit::plot::{Diagram, Line, Timeline, extremes};
 use maud::{Markup, html};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -114,25 +114,22 @@ impl Chart {
 /// A time in milliseconds, and the value of each line then.
 type Row = (i64, Vec<Option<f64>>);
 
-/// At most [`MOST_ROWS`] rows: two for each stretch of time, with the least and the greatest value of each line in their
-/// order, so that no peak and no line is lost.
+/// At most [`MOST_ROWS`] rows: two for each stretch of time, with the least and the greatest value of each line in
+/// their order, so that no peak and no line is lost.
 fn thinned(rows: Vec<Row>, lines: usize) -> Vec<Row> {
     if rows.len() <= MOST_ROWS {
         return rows;
     }
-    let extremes = |stretch: &[Row]| {
-        let pair = |line: usize| {
-            let values = || stretch.iter().enumerate().filter_map(move |(at, row)| Some((at, row.1[line]?)));
-            let least = values().min_by(|a, b| a.1.total_cmp(&b.1));
-            let greatest = values().max_by(|a, b| a.1.total_cmp(&b.1));
-            let (first, second) = if least > greatest { (greatest, least) } else { (least, greatest) };
-            [first, second].map(|found| found.map(|(_, value)| value))
+    let both = |stretch: &[Row]| {
+        let of_line = |line: usize| {
+            let points = stretch.iter().filter_map(|(ms, values)| Some((*ms as f64, values[line]?)));
+            extremes(&points.collect::<Vec<_>>())
         };
-        let pairs: Vec<[Option<f64>; 2]> = (0..lines).map(pair).collect();
-        let row = |at: usize| (stretch[at * (stretch.len() / 2)].0, pairs.iter().map(|pair| pair[at]).collect());
-        [row(0), row(1)]
+        let pairs: Vec<_> = (0..lines).map(of_line).collect();
+        let row = |at: usize, ms: i64| (ms, pairs.iter().map(|pair| pair.map(|points| points[at].1)).collect());
+        [row(0, stretch[0].0), row(1, stretch[stretch.len() / 2].0)]
     };
-    rows.chunks(rows.len().div_ceil(MOST_ROWS / 2)).flat_map(extremes).collect()
+    rows.chunks(rows.len().div_ceil(MOST_ROWS / 2)).flat_map(both).collect()
 }
 
 fn is_there(point: &&(f64, f64)) -> bool {

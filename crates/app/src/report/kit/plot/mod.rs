@@ -9,6 +9,7 @@ mod thinned;
 pub use diagram::{Diagram, Line, Timeline};
 pub use panel::{drawn, failed, panel, shapes, titled};
 pub use phase::{nearest, unwrapped};
+pub use thinned::extremes;
 
 use super::palette::{DUTY, RECORDED, SETPOINT};
 use crate::files;

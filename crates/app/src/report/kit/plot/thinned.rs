@@ -7,14 +7,15 @@ pub(super) fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
         return points.to_vec();
     }
     let stretch = (2 * points.len()).div_ceil(most.max(2));
-    let extremes = |piece: &[(f64, f64)]| {
-        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let mut both: Vec<(f64, f64)> =
-            piece.iter().min_by(by_value).into_iter().chain(piece.iter().max_by(by_value)).copied().collect();
-        both.sort_by(|a, b| a.0.total_cmp(&b.0));
-        both
-    };
-    points.chunks(stretch).flat_map(extremes).collect()
+    points.chunks(stretch).filter_map(extremes).flatten().collect()
+}
+
+/// The points with the least and the greatest ordinate, in the order of their abscissas. `None`: there is no point.
+pub fn extremes(points: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
+    let by_ordinate = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+    let mut both = [*points.iter().min_by(by_ordinate)?, *points.iter().max_by(by_ordinate)?];
+    both.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Some(both)
 }
 
 #[cfg(test)]

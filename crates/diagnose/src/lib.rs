@@ -53,6 +53,8 @@ pub mod thresholds;
 #[cfg(test)]
 extern crate self as diagnose;
 #[cfg(test)]
+mod random_for_tests;
+#[cfg(test)]
 mod tests_support;
 
 // The face: three functions, and what goes in.

@@ -152,8 +152,8 @@ impl Diagnosis {
     }
 }
 
-/// The finding that the record is of another rig. Numbers that were fitted beside a noise that hides what is missing may
-/// be far off as well.
+/// The finding that the record is of another rig. Numbers of a belief whose noise hides what it lacks may be far off on
+/// their own rig.
 fn another_rig(search: &Search<'_>, found: &Selection) -> Option<Finding> {
     let may_tell = !found.is_incomplete() && !search.noise_hides;
     other_rig(search.problem.belief, &found.fit.model).filter(|_| may_tell)

@@ -24,10 +24,8 @@ impl Diagnosis {
         }
         if self.mends_noise {
             let Noise { sensor_mm, acceleration_psd_mm2_per_s3 } = model.noise;
-            let _ = writeln!(
-                patch,
-                "\n[plant.noise]\nsensor_mm = {sensor_mm:?}\nacceleration_psd_mm2_per_s3 = {acceleration_psd_mm2_per_s3:?}"
-            );
+            let _ = writeln!(patch, "\n[plant.noise]\nsensor_mm = {sensor_mm:?}");
+            let _ = writeln!(patch, "acceleration_psd_mm2_per_s3 = {acceleration_psd_mm2_per_s3:?}");
         }
         // A patch stands alone: it brings the definitions of what a user wrote.
         for definition in model.effects.written.present() {

@@ -186,6 +186,7 @@ fn within_bounds(model: &Model) -> Model {
 #[cfg(test)]
 mod tests {
     use super::{Initial, NoPlant, initial};
+    use crate::random_for_tests::uniform;
     use crate::tests_support::{model, record, shaken};
     use crate::{Recording, Sample};
 
@@ -232,11 +233,8 @@ mod tests {
 
     /// A ball below a magnet: ẍ = 20·u + 900·x mm/s², held by a PD controller with a random setpoint, 0.02 mm of noise.
     fn magnet(sign: f64) -> Recording {
-        let (mut seed, mut x, mut v, mut setpoint) = (1_u32, 0.0, 0.0, 0.0);
-        let mut random = move || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
-        };
+        let (mut x, mut v, mut setpoint) = (0.0, 0.0, 0.0);
+        let mut random = uniform(1);
         let rows = (0..6000).map(|k| {
             if k % 60 == 0 {
                 setpoint = 8.0 * random();

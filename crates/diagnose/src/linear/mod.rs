@@ -170,21 +170,19 @@ fn period_s(recording: &Recording) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::{Order, linear_fit, linear_fit_at};
+    use crate::random_for_tests::uniform;
     use crate::tests_support::{model, record};
     use crate::{Recording, Sample};
 
     /// A heater: ẏ = 0.03·u − (y − 20)/30, read with noise, its power drawn anew every 50 s.
     pub(crate) fn heater() -> Recording {
-        let (mut seed, mut level, mut power) = (1_u32, 20.0, 0.0);
-        let mut random = move || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(seed >> 8) / f64::from(1 << 24)
-        };
+        let (mut level, mut power) = (20.0, 0.0);
+        let mut random = uniform(1);
         let rows = (0..6000).map(|k| {
             if k % 500 == 0 {
-                power = 100.0 * random();
+                power = 100.0 * (random() + 0.5);
             }
-            let noise = 0.1 * (random() + random() + random() - 1.5);
+            let noise = 0.1 * (random() + random() + random());
             let row = Sample {
                 time_s: 0.1 * f64::from(k),
                 duty_percent: power,

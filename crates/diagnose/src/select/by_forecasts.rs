@@ -37,7 +37,7 @@ use plant::{Changes, Entry, Model, Noise};
 /// memory, 1/drag, a forecast depends on forces alone; of rigs with drags of 0.3 to 4/s none forgets later than the
 /// first. The second is the one at which the gap is measured, for a rig that is unstable somewhere, such as a pendulum
 /// that is swung up: none forecasts it for longer. Its fits have more local maxima.
-const HORIZONS_S: [f64; 2] = [3.0, 1.0];
+pub(crate) const HORIZONS_S: [f64; 2] = [3.0, 1.0];
 
 /// A search by forecasts that was made, and forecasts better than the one by likelihood.
 pub(crate) struct ByForecasts {

@@ -19,12 +19,10 @@ use crate::fit::held_out::LogLikByFold;
 use crate::select::nested::{remove_needless, simpler_starts};
 use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
-use crate::select::screening::{Screened, first, screen};
+use crate::select::screening::{Screened, first, promising_gain, screen};
 use crate::select::search::Search;
 use crate::select::slow_starts::slow_starts;
-use crate::thresholds::{
-    BEHIND, BEHIND_SHARE, COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, SCREENED, UNMOVED,
-};
+use crate::thresholds::{COST_OF_A_PARAMETER, EQUIVALENT, FIRST_EFFECT, FULL_FITS, UNMOVED};
 use plant::{Entry, Model};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -60,8 +58,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let screened = entries.par_iter().filter_map(|entry| search.planned(|| screen(search, so_far, &known, entry)));
     let mut screened: Vec<Screened> = screened.collect();
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let best = screened.first().map_or(0.0, |best| best.gain);
-    let enough = SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
+    let enough = promising_gain(&screened);
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
     let simpler = simpler_starts(search, &promising, &screened, so_far);
     let slow = slow_starts(search, so_far, &entries);

@@ -22,8 +22,8 @@ pub(crate) struct Evaluated {
     pub(crate) without_each_fold: Vec<Model>,
     /// With the noise that was fitted, or with the believed noise, whichever forecasts better.
     pub(crate) errors: Vec<Tally>,
-    /// With the believed noise: a patch does not change the noise, but where that hides what the belief lacks. Then as
-    /// `errors`.
+    /// With the noise after a patch: the believed one, because a patch leaves it. Where that hides what the belief
+    /// lacks, a patch replaces it, and these are `errors`.
     pub(crate) of_patch: Vec<Tally>,
     /// Plus the log-prior, nats.
     pub(crate) log_likelihood: f64,

@@ -9,6 +9,7 @@ use crate::select::initial_values::{Starts, starts};
 use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
+use crate::thresholds::{BEHIND, BEHIND_SHARE, SCREENED};
 use plant::{Entry, Model, Noise, Start, is_beyond_the_noise};
 use rayon::prelude::*;
 use std::{iter, ptr};
@@ -63,6 +64,12 @@ impl Screened {
         let other = self.rivals.iter().enumerate().max_by(|a, b| rest(a.1).total_cmp(&rest(b.1)))?;
         (other.0 != 0).then_some(other.1[fold])
     }
+}
+
+/// The gain that a screened effect needs to be fitted in full, nats; `screened`: the best first.
+pub(crate) fn promising_gain(screened: &[Screened]) -> f64 {
+    let best = screened.first().map_or(0.0, |best| best.gain);
+    SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND)
 }
 
 /// A model with an effect added at these values, and its fitted parameters. An effect that contains a simpler one

@@ -1,38 +1,36 @@
 //! Initial values of effects from a slow filter, where the believed noise hides what the model lacks.
 //!
-//! A belief that was fitted to a record takes what it lacks for noise of the air. With so much noise the filter corrects
-//! the model within a few readings, and the likelihood has two maxima: one where an effect explains a little beside that
-//! noise, and a far higher one where it explains the record and the noise is small. No step of a fit leads from the
-//! first to the second. A fit by forecasts does (see [`crate::select::by_forecasts`]), because its filter does not
-//! correct the model. So the effects that promise most by forecasts are also fitted by likelihood from there.
+//! A belief that was fitted to a record takes what it lacks for noise of the air. With so much noise the filter
+//! corrects the model within a few readings, and the likelihood has two maxima: one where an effect explains a little
+//! beside that noise, and a far higher one where it explains the record and the noise is small. No step of a fit leads
+//! from the first to the second. A fit by forecasts does (see [`crate::select::by_forecasts`]), because its filter does
+//! not correct the model. So the effects with the largest gains by forecasts are also fitted by likelihood from there.
 //!
 //! The noise hides the model where both hold:
 //!
 //! ```text
 //! 1/ω = (r·Δt/q)^(1/4) < 0.05 s     of the belief: by the shortest forecast its filter has forgotten the model
-//! q of the refit < 2·q believed     the refit has no need of more noise, although the residual is unexplained
+//! q of the refit < 2·q believed     the refit hardly raises the noise of the air: the belief has enough of it
 //! ```
 
 use crate::fit::estimate::Fit;
 use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::HORIZONS_S;
 use crate::record::recording::Recording;
-use crate::select::by_forecasts::{memory_s, slow_fit, slow_noise};
-use crate::select::screening::{Screened, first, screen};
+use crate::select::by_forecasts::{self, memory_s, slow_fit, slow_noise};
+use crate::select::screening::{Screened, first, promising_gain, screen};
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
-use crate::thresholds::{BEHIND, BEHIND_SHARE, SCREENED};
 use plant::{Entry, Model};
 use rayon::prelude::*;
 
-/// Effects that are fitted from a slow filter, as far as they promise enough.
+/// Most effects that are fitted from a slow filter in a round. Chosen for the time that they take.
 const SLOW_FITS: usize = 6;
-/// The horizon of the slow filter, seconds: that of the search by forecasts.
-const HORIZON_S: f64 = 3.0;
-/// A filter with this share of the shortest horizon as its memory has corrected 1 − e^(−2) of an error by then.
+/// A filter whose memory is this share of the shortest horizon has corrected 1 − e^(−2) of an error by then. Chosen: the
+/// filter of the usual rig, with 2.5 mm and 360 mm²/s³, remembers 0.06 s at 1 kHz.
 const FORGOTTEN: f64 = 0.5;
-/// A refit raises the noise of the air by less than this factor where the belief was fitted to the record: by chance
-/// alone a refit of the same model does not move it.
+/// The refit of a belief that was fitted to the same record raises the noise of the air by less than this factor; a
+/// belief of measured noise needs far more for a missing effect. Chosen, not fitted.
 const RAISED: f64 = 2.0;
 
 /// Whether the noise of the belief, of which `refitted` is the refit, hides what it lacks.
@@ -46,21 +44,20 @@ fn forgets(recording: &Recording, model: &Model) -> bool {
     memory_s(recording, model.noise) < FORGOTTEN * HORIZONS_S[0]
 }
 
-/// The effects on the path that promise most by forecasts, each with the model from which it is fitted by likelihood;
+/// The effects on the path with the largest gains by forecasts, each with the model from which it is fitted by likelihood;
 /// none where the noise does not hide them.
 pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static Entry]) -> Vec<Screened> {
     if search.is_by_forecasts() || !search.noise_hides || !forgets(search.problem.recording, &so_far.model) {
         return Vec::new();
     }
-    let noise = slow_noise(search, so_far, HORIZON_S);
+    let noise = slow_noise(search, so_far, by_forecasts::HORIZONS_S[0]);
     let slow = search.by_forecasts(search.problem.folds, noise);
     let base = slow_fit(&slow, so_far, noise);
     let known = slow.problem.sensitivities_of(&base, &first(&slow));
     let path: Vec<&'static Entry> = entries.iter().filter(|entry| is_of_path(entry)).copied().collect();
     let mut screened: Vec<Screened> = path.par_iter().filter_map(|entry| screen(&slow, &base, &known, entry)).collect();
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let best = screened.first().map_or(0.0, |best| best.gain);
-    let enough = SCREENED.max(best * (1.0 - BEHIND_SHARE) - BEHIND);
+    let enough = promising_gain(&screened);
     screened.retain(|one| one.gain > enough);
     screened.truncate(SLOW_FITS);
     let fitted = screened.par_iter().map(|one| {
@@ -80,16 +77,14 @@ fn by_likelihood(so_far: &Fit, slow: &[Parameter]) -> Vec<Parameter> {
 mod tests {
     use crate::identify::initial;
     use crate::options::Options;
+    use crate::random_for_tests::uniform;
     use crate::{Recording, Sample, diagnose};
 
     /// A cart, ẍ = 1333·u − 1.67·ẋ mm/s², that sticks below 833 mm/s² of dry friction, held by a PD controller with a
     /// random setpoint; 0.8 mm of noise. Its own simulator, with twenty steps a row.
     fn cart() -> Recording {
-        let (mut seed, mut x, mut v, mut setpoint, mut last, mut slope) = (7_u32, 0.0, 0.0_f64, 0.0, 0.0, 0.0);
-        let mut uniform = move || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
-        };
+        let (mut x, mut v, mut setpoint, mut last, mut slope) = (0.0, 0.0_f64, 0.0, 0.0, 0.0);
+        let mut uniform = uniform(7);
         let rows = (0..4000).map(|k| {
             if k % 250 == 0 {
                 setpoint = 800.0 * uniform();

@@ -56,8 +56,8 @@ pub enum FanError<E> {
     },
     /// The chip does not hold the bit that turns its channel off.
     #[error(
-        "fan driver 0x40 holds {found:02x} in the register of its channel's end after {FULL:02x}, fully off, was written; \
-         check the bus for stuck lines and the chip for a supply that fails"
+        "fan driver 0x40 holds {found:02x} in register {LED0_OFF_H:02x} of its channel after {FULL:02x}, fully off, was \
+         written; check the bus for stuck lines and the chip for a supply that fails"
     )]
     OffIgnored {
         /// What it holds.

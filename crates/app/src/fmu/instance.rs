@@ -114,7 +114,7 @@ impl Instance {
         self.rig = None;
     }
 
-    /// Sets the time at which the first step begins, 0 else.
+    /// Sets the time at which the first step begins; without it that is 0.
     ///
     /// # Errors
     /// After the start, or a time that is not finite.

@@ -59,7 +59,8 @@ pub(super) struct Claim {
     lands: Arc<AtomicBool>,
 }
 
-/// A name of this program alone: the process is the same on computers and in containers that start alike.
+/// An identifier of this process alone. Its number is the same on computers and in containers that start alike, so the
+/// time is part of it.
 pub(super) fn unique() -> String {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     format!("{}-{}", process::id(), now.as_nanos())

@@ -41,7 +41,8 @@ pub fn offers(files: &[PathBuf], safety: &Safety) -> Result<Vec<Offer>, ConfigEr
         let name = name_of(file).ok_or_else(|| ConfigError::Contradiction {
             place: file.display().to_string(),
             message: format!(
-                "an experiment is started by its file's name, and this is none; use 1 to {LONGEST} letters, digits, `-`, `_` or `.`"
+                "an experiment is started by its file's name, and this is none; use 1 to {LONGEST} letters, digits, \
+                 `-`, `_` or `.`"
             ),
         })?;
         all.retain(|offer| offer.name != name);

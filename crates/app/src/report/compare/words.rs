@@ -44,10 +44,10 @@ fn one_side(found: &Comparison, name: &str, is_before: bool) -> String {
     let happened = if vanished { "vanished" } else { "appeared" };
     let (effect, side) = (spoken(effect), if is_before { "the first log" } else { "the second log" });
     if is_chance && !found.numbers.iter().any(|one| own(&one)) {
-        return format!("{effect} is named of {side} only");
+        return format!("{effect} is named in {side} only");
     }
     if is_chance {
-        return format!("{effect} is named of {side} only, though no number of it differs beyond chance");
+        return format!("{effect} is named in {side} only, though none of its numbers differs beyond chance");
     }
     format!("{effect} {happened}")
 }
@@ -189,10 +189,10 @@ mod tests {
         let said = answer(&compared(&[], &["fan_lag", "no play"]));
         assert!(said.starts_with("Fan lag appeared, play vanished;"), "{said}");
         let said = answer(&Comparison { of_one_model: true, ..compared(&[], &["fan_lag"]) });
-        assert!(said.starts_with("Fan lag is named of the second log only; no number"), "{said}");
+        assert!(said.starts_with("Fan lag is named in the second log only; no number"), "{said}");
         let numbers = vec![NumberChange::new("fan_lag", "time_constant_s", [0.0, 0.1], [None, None])];
         let said = answer(&Comparison { of_one_model: true, numbers, ..compared(&[], &["fan_lag"]) });
-        assert!(said.starts_with("Fan lag is named of the second log only, though no number of it"), "{said}");
+        assert!(said.starts_with("Fan lag is named in the second log only, though none of its numbers"), "{said}");
         assert_eq!(answer(&compared(&["play"], &["play"])), "No number of the rig changed beyond chance");
     }
 

@@ -18,7 +18,7 @@ from distributed import Client
 
 import airball as ab
 from airball.fleet import local
-from airball.fleet._files import write_whole
+from airball._files import write_whole
 from airball.fleet._run import Task, results
 
 

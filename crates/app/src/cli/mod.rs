@@ -106,6 +106,12 @@ impl ConfigArgs {
     pub fn over(&self) -> Vec<PathBuf> {
         self.effects.iter().chain(&self.patch).cloned().collect()
     }
+
+    /// All files, the config first.
+    #[must_use]
+    pub fn files(&self) -> Vec<PathBuf> {
+        std::iter::once(self.config.clone()).chain(self.over()).collect()
+    }
 }
 
 /// `airball diagnose`

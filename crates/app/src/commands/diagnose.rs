@@ -233,7 +233,7 @@ pub(crate) fn with_report(
         closed_loop: &answer.looped,
         advice: &answer.advice,
         logs: &asked.about(answer),
-        config: &asked.config.display().to_string(),
+        config: &asked.config().to_string(),
         compensation: desk.as_ref().map(Desk::compensation),
         picture,
     })

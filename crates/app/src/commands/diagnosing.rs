@@ -27,8 +27,8 @@ pub(crate) const STEPS: [&str; 3] =
 pub(crate) struct Asked {
     /// The belief.
     pub(crate) belief: Model,
-    /// The file of the config that it is part of.
-    pub(crate) config: PathBuf,
+    /// The file of the config that it is part of, and those that are merged over it.
+    pub(crate) files: Vec<PathBuf>,
     /// Its tables.
     tables: Tables,
     /// The columns that the logs were read from.
@@ -117,7 +117,7 @@ impl Asked {
         let is_fitted = config.begins_with(first_belief::HEAD);
         Ok(Self {
             belief,
-            config: config.path().to_owned(),
+            files: config.files().map(Path::to_owned).collect(),
             words: config.words,
             columns: config.tables.source_columns(),
             tables: config.tables,
@@ -126,6 +126,11 @@ impl Asked {
             names,
             recordings,
         })
+    }
+
+    /// The file of the config.
+    pub(crate) fn config(&self) -> std::path::Display<'_> {
+        self.files[0].display()
     }
 
     /// The compensation of the config.
@@ -147,9 +152,8 @@ impl Asked {
     pub(crate) fn made_by(&self, command: Made) -> Made {
         let several = self.names.len() > 1;
         let logs = self.logs.iter().zip(&self.names);
-        logs.fold(command.in_words(&self.words).of_model(&self.belief), |made, (log, name)| {
-            made.with_log(several.then_some(name.as_str()), &log.about)
-        })
+        let made = command.in_words(&self.words).of_model(&self.belief).in_config(&self.files);
+        logs.fold(made, |made, (log, name)| made.with_log(several.then_some(name.as_str()), &log.about))
     }
 
     /// The statements about the logs themselves.

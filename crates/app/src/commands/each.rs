@@ -159,7 +159,7 @@ fn reports(args: &DiagnoseArgs, config: Option<&Path>, log: &Named, out: &Path) 
     };
     let mut asked = Asked::read("diagnose", &paths, &config, &args.config.over(), &args.without)?;
     asked.names = vec![log.name.clone()];
-    asked.config = config.strip_prefix(out).unwrap_or(&config).to_owned();
+    asked.files[0] = config.strip_prefix(out).unwrap_or(&config).to_owned();
     let options = args.options(Progress::default());
     let answer = asked.diagnose(&options, &|_| {});
     let picture = Series::of(&answer.found, &asked.belief, &asked.recordings);

@@ -130,6 +130,11 @@ impl Config {
         Self::of(sources)
     }
 
+    /// The files that it was read from: the config, then what is merged over it.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.sources.iter().map(|source| source.path.as_path())
+    }
+
     /// The same of texts: a config and its patches, each with the name that stands for its file.
     ///
     /// # Errors

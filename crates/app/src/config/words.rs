@@ -95,6 +95,12 @@ impl Words {
         said
     }
 
+    /// A unit of the program in that of the rig: alone, `%` is that of the input.
+    #[must_use]
+    pub fn unit<'a>(&'a self, unit: &'a str) -> &'a str {
+        self.input_unit.as_deref().filter(|_| unit == "%").unwrap_or(unit)
+    }
+
     /// The same of the words between the tags of a page or a picture; what is code, style or script stays.
     #[must_use]
     pub fn of_markup(&self, markup: &str) -> String {
@@ -207,6 +213,7 @@ mod tests {
             cart().of("The ball drifts 3 mm at a duty of 2 % of duty: 5.1 mm/s² per percent; height, mm. Position");
         assert_eq!(said, "The angle drifts 3 deg at a voltage of 2 V: 5.1 deg/s² per V; angle, deg. Angle");
         assert_eq!(cart().of("98 % sure, the duty."), "98 % sure, the voltage.");
+        assert_eq!(["%", "mm"].map(|unit| cart().unit(unit).to_owned()), ["V", "mm"]);
         let said = cart().of("A ball and a fan: 30 s in free flight, acceleration of the ball over duty");
         assert_eq!(said, "An angle and an actuator: 30 s between the ends, angular acceleration over voltage");
     }

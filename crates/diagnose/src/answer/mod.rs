@@ -8,6 +8,7 @@ pub(crate) mod effect_curves;
 pub(crate) mod evidence;
 pub(crate) mod formula;
 pub(crate) mod formula_curves;
+pub(crate) mod headline;
 pub(crate) mod intervals;
 pub(crate) mod ladder;
 pub(crate) mod mending;

@@ -2,13 +2,14 @@
 
 use crate::answer::diagnosis::Diagnosis;
 use crate::answer::document::Interval;
+use crate::answer::headline::listed;
 use crate::answer::ladder::Rest;
 use crate::answer::verdict::Verdict;
 use crate::residual::misfit::Misfit;
 use crate::residual::score_test::Omitted;
 use crate::select::stepwise::{Change, NamedEffect};
-use crate::thresholds::{AIR_RATIO, LIKELY};
-use plant::{Effects, Stage};
+use crate::thresholds::AIR_RATIO;
+use plant::Stage;
 
 /// Largest number of terms in a sentence.
 const MOST_TERMS: usize = 3;
@@ -16,24 +17,6 @@ const MOST_TERMS: usize = 3;
 const LETTERS: &str = "u: duty about hover, x: height, v: speed, t: time, each over its own deviation; ~τ: as it was over the last τ; u≈f: as a resonance of f swings with it";
 
 impl Diagnosis {
-    /// The verdict in one sentence, without a full stop.
-    #[must_use]
-    pub fn verdict_in_words(&self) -> String {
-        match self.verdict {
-            Verdict::NoGap => "No gap: the simulator forecasts this record as well as noise allows".into(),
-            Verdict::Parameters => {
-                "The simulator lacks no effect that this record shows, but its numbers are off".into()
-            }
-            Verdict::InsufficientData => "This record cannot say what separates simulator and rig".into(),
-            Verdict::Unexplained => {
-                let likely = self.effects.iter().filter(|named| named.probability >= LIKELY);
-                let likely: Vec<_> = likely.collect();
-                unexplained((!likely.is_empty()).then(|| self.headline(&likely)))
-            }
-            Verdict::Effect => self.headline(&self.effects.iter().collect::<Vec<_>>()),
-        }
-    }
-
     /// An effect in one line: its probability, its change, its parameters with their 90 % intervals, and the effects
     /// that are indistinguishable from it.
     #[must_use]
@@ -99,11 +82,17 @@ impl Diagnosis {
         };
         let misfit = &self.misfit;
         let without =
-            misfit.rejected_effect.map(|name| format!("{name} explains less than its terms, and is left out"));
+            self.rejected_effect().map(|name| format!("{name} explains less than its terms, and is left out"));
         let air = (misfit.air_ratio > AIR_RATIO)
             .then(|| format!("the noise of the air is {:.1} times as strong as believed", misfit.air_ratio));
         let acts = stage_in_words(misfit).map(|acts| acts.trim_start_matches("; ").to_owned());
         Some([Some(size), acts, without, air].into_iter().flatten().collect::<Vec<_>>().join("; "))
+    }
+
+    /// The effect that explains less than the terms of the residual. The search by forecasts may have named it since.
+    fn rejected_effect(&self) -> Option<&'static str> {
+        let is_named = |name: &str| self.effects.iter().any(|named| named.candidate.entry.name == name);
+        self.misfit.rejected_effect.filter(|name| !is_named(name))
     }
 
     /// The letters in the forms of [`Self::residual_terms`].
@@ -125,7 +114,7 @@ impl Diagnosis {
         let form: Vec<String> = known.into_iter().chain(events).chain(air).collect();
         let acts = stage_in_words(misfit).unwrap_or_default();
         let without =
-            misfit.rejected_effect.map_or(String::new(), |name| format!(" without {name}, which explains less,"));
+            self.rejected_effect().map_or(String::new(), |name| format!(" without {name}, which explains less,"));
         (!form.is_empty()).then(|| format!("what is left{without} looks like {}{acts}", form.join(", and ")))
     }
 
@@ -135,22 +124,6 @@ impl Diagnosis {
         let names: Vec<String> = self.left_out().into_iter().map(str::to_owned).collect();
         let names = (!names.is_empty()).then(|| listed(&names))?;
         Some(format!("the mended model is without {names}, with which forecasts are no better"))
-    }
-
-    /// Effects in one sentence, first those that the mended model has.
-    fn headline(&self, effects: &[&NamedEffect]) -> String {
-        let left_out = self.left_out();
-        let is_out = |named: &&NamedEffect| left_out.contains(&named.candidate.entry.name);
-        let (out, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) = effects.iter().copied().partition(is_out);
-        headline(&kept, &out)
-    }
-
-    /// The named effects that the mended model does not have.
-    #[must_use]
-    pub fn left_out(&self) -> Vec<&'static str> {
-        let added = self.effects.iter().filter(|named| named.change == Change::Added);
-        let names = added.map(|named| named.candidate.entry.name);
-        names.filter(|name| self.mended.model.effects.values(name).is_none()).collect()
     }
 
     /// The verdict, each effect, the residual, and what the mended model lacks, one sentence each.
@@ -195,68 +168,6 @@ pub fn chance_in_words(chance: f64) -> String {
     }
 }
 
-/// An effect and those that are indistinguishable from it, each with its article.
-#[must_use]
-pub fn with_rivals(named: &NamedEffect) -> String {
-    let names = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
-    names.map(|name| with_article(name)).collect::<Vec<_>>().join(" or ")
-}
-
-/// The headline where most of the gap has another cause than the likely effects.
-fn unexplained(likely: Option<String>) -> String {
-    likely.map_or_else(
-        || "Something separates simulator and rig that no effect of the catalogue explains".into(),
-        |likely| format!("{likely}, but most of the gap has another cause"),
-    )
-}
-
-/// The headline of effects that the mended model has, and of others that it leaves out.
-fn headline(kept: &[&NamedEffect], out: &[&NamedEffect]) -> String {
-    match (kept, out) {
-        (_, []) => of_effects(kept),
-        ([], _) => format!("{}; with that, forecasts are no better", of_effects(out)),
-        _ => {
-            let names: Vec<String> = out.iter().map(|named| with_rivals(named)).collect();
-            format!("{}; also seen, but left out of the mended model: {}", of_effects(kept), listed(&names))
-        }
-    }
-}
-
-fn of_effects(effects: &[&NamedEffect]) -> String {
-    let by = |change| {
-        let own = effects.iter().filter(move |named| named.change == change);
-        own.map(|named| with_rivals(named)).collect::<Vec<_>>()
-    };
-    let clause = |change, before: &str, after: &str| {
-        let names = by(change);
-        (!names.is_empty()).then(|| format!("{before}{}{after}", listed(&names)))
-    };
-    let clauses = [
-        clause(Change::Added, "the rig has ", " that the simulator lacks"),
-        clause(Change::Retuned, "the rig has ", " of another size than believed"),
-        clause(Change::Removed, "the simulator has ", " that the rig lacks"),
-    ];
-    capital(&clauses.into_iter().flatten().collect::<Vec<_>>().join("; "))
-}
-
-/// "a dead zone", "an end stop", "turbulence".
-fn with_article(name: &str) -> String {
-    format!("{}{}", Effects::built_in(name).map_or("a ", |entry| entry.article), name.replace('_', " "))
-}
-
-/// "a, b and c".
-fn listed(names: &[String]) -> String {
-    match names {
-        [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
-        _ => names.concat(),
-    }
-}
-
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// The stage with most of the residual, in words.
 fn stage_in_words(misfit: &Misfit) -> Option<String> {
     let nats = Stage::ALL.map(|stage| (misfit.nats_at(stage), stage));
@@ -267,25 +178,11 @@ fn stage_in_words(misfit: &Misfit) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{chance_in_words, listed, unexplained, with_article};
-
-    #[test]
-    fn names_are_spoken_as_a_person_would() {
-        assert_eq!(
-            ["dead_zone", "end_stop", "turbulence"].map(with_article),
-            ["a dead zone", "an end stop", "turbulence"]
-        );
-        assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
-    }
+    use super::chance_in_words;
 
     #[test]
     fn no_probability_is_said_to_be_certain() {
         let said = [1.0, 0.996, 0.984, 0.5, 0.004].map(chance_in_words);
         assert_eq!(said, ["more than 99 %", "more than 99 %", "98 %", "50 %", "less than 1 %"]);
-    }
-
-    #[test]
-    fn a_headline_without_a_likely_effect_asserts_none() {
-        assert_eq!(unexplained(None), "Something separates simulator and rig that no effect of the catalogue explains");
     }
 }

@@ -52,7 +52,7 @@ pub(super) fn rest_matters(end: &Gap) -> bool {
 }
 
 /// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.
-fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
+pub(super) fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
     match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
         (Some(nominal), Some(refitted), Some(floor)) => matters(nominal - refitted, floor),
         _ => false,
@@ -60,6 +60,6 @@ fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
 }
 
 /// Whether a difference of errors at 1 s matters beside the noise floor, all in mm.
-fn matters(difference: f64, floor: f64) -> bool {
+pub(super) fn matters(difference: f64, floor: f64) -> bool {
     difference > (PARAMETERS_SHARE * floor).max(PARAMETERS_MM)
 }

@@ -39,7 +39,8 @@ pub(super) fn critical_gain(args: &CriticalGainArgs) -> Result<()> {
     if let Some(path) = &args.html {
         let config = args.config.display().to_string();
         let patch = patch.as_ref().map(|patch| (config.as_str(), patch.as_str()));
-        page::write(path, &critical::page(&Report { made: &typed(), found: &table, gaps: &gaps, patch }))?;
+        let made = typed().in_config([&args.config]);
+        page::write(path, &critical::page(&Report { made: &made, found: &table, gaps: &gaps, patch }))?;
     }
     if args.json {
         say(serde_json::to_string(&table)?)?;

@@ -182,7 +182,7 @@ impl Ground {
         if let Some(path) = &args.html {
             let (config, not_linear) = (args.config.config.display().to_string(), self.model.not_linear());
             let before = self.before(&of)?;
-            let made = typed().of_model(&self.model);
+            let made = typed().of_model(&self.model).in_config(args.config.files());
             let report = Report {
                 made: &made,
                 config: &config,

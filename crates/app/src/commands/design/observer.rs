@@ -127,7 +127,7 @@ pub(super) fn observer(args: &ObserverArgs) -> Result<()> {
     }
     if let Some(path) = &args.html {
         let config = args.config.config.display().to_string();
-        let made = typed();
+        let made = typed().in_config(args.config.files());
         let report = Report { made: &made, config: &config, document: &document, patch: &patch };
         page::write(path, &observer::page(&report))?;
     }

@@ -49,7 +49,7 @@ pub(super) fn third_pole(args: &ThirdPoleArgs) -> Result<()> {
     }
     if let Some(path) = &args.identify.html {
         let config = config(&args.identify);
-        let made = typed().of_model(model);
+        let made = typed().of_model(model).in_config(args.identify.config.files());
         let report = Report { made: &made, config: &config, found: &document, half: &half, patch: &patch };
         page::write(path, &html(&report)?)?;
     }

@@ -104,7 +104,7 @@ fn page(
     };
     let what = args.what.to_possible_value();
     html(&Report {
-        made: &typed().with_log(None, &log.about),
+        made: &typed().in_config(config.files()).with_log(None, &log.about),
         what: what.as_ref().map_or("", PossibleValue::get_name),
         log: &path.display().to_string(),
         config: &args.flight.config.config.display().to_string(),

@@ -1,6 +1,7 @@
 //! The picture of a found effect: the acceleration over the signal that it depends on, as believed, as mended with its
 //! band, and as the record has it in bins.
 
+use crate::config::words::Words;
 use crate::report::kit::page::parts::{spoken, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line};
@@ -37,9 +38,10 @@ pub fn diagram(curve: &EffectCurve) -> Diagram {
 }
 
 /// What the picture shows, as a caption and as alternative text.
-pub fn words(curve: &EffectCurve) -> String {
+pub fn words(curve: &EffectCurve, rig: &Words) -> String {
     let (abscissa, _) = axes(curve.over);
     let (signal, unit) = abscissa.split_once(", ").unwrap_or((abscissa, ""));
+    let unit = rig.unit(unit);
     let what = match curve.over {
         Abscissa::GainOverTime => "acceleration by 1 % of duty",
         Abscissa::AfterDuty => "share of the acceleration that has come",

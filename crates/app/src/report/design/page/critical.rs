@@ -3,7 +3,7 @@
 
 use crate::report::design::critical_gain::{RIG, Row, Table};
 use crate::report::kit::page::made::Made;
-use crate::report::kit::page::parts::{capital, command, glossary, minus, number, table, to_copy, values};
+use crate::report::kit::page::parts::{capital, glossary, minus, number, table, to_copy, values};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
 use maud::{Markup, html};
@@ -32,7 +32,7 @@ pub fn page(report: &Report<'_>) -> String {
     if let Some((_, patch)) = report.patch {
         sections.push(Section::words("simulator", "Correct the model", to_copy("patch", "third-pole.toml", patch)));
     }
-    sections.push(Section::words("next", "What to do next", next()));
+    sections.push(Section::words("next", "What to do next", next(report.made)));
     sections.push(Section::words("words", "Words on this page", glossary(&WORDS)));
     let mut from = vec![format!("sampled every {} s", found.period_s)];
     from.extend(report.patch.map(|(config, _)| format!("model: {config}")));
@@ -99,12 +99,12 @@ fn gaps(all: &[String]) -> Markup {
     html! { ul { @for gap in all { li { (capital(&minus(gap))) "." } } } }
 }
 
-fn next() -> Markup {
+fn next(made: &Made) -> Markup {
     html! {
         ul {
-            li { "Measure the critical gain of your own rig: " (command("airball measure critical-gain")) "." }
+            li { "Measure the critical gain of your own rig: " (made.then("airball measure critical-gain")) "." }
             li { "Find the fan pole of your own model from it: "
-                (command("airball identify third-pole --critical-gain K --patch-out third-pole.toml")) "." }
+                (made.then("airball identify third-pole --critical-gain K --patch-out third-pole.toml")) "." }
         }
     }
 }

@@ -13,7 +13,7 @@ use super::words::{Document, law, rows};
 use crate::analysis::loop_margins::{Assessment, Loop, Pid};
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::made::Made;
-use crate::report::kit::page::parts::{capital, command, glossary, minus, table, to_copy};
+use crate::report::kit::page::parts::{capital, glossary, minus, table, to_copy};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, PageError, Section};
 use crate::report::kit::plot::Diagram;
@@ -67,7 +67,7 @@ pub fn page(report: &Report<'_>) -> Result<String, PageError> {
         Section::across("poles", "The poles", poles(document, report.before, &drawn)),
         Section::words("warnings", "Warnings", warnings(report)),
         Section::words("law", "Controller", law_to_copy(report)),
-        Section::words("next", "What to do next", next(decisive(document))),
+        Section::words("next", "What to do next", next(decisive(document), report.made)),
     ];
     if let Some(effort) = effort {
         sections.insert(1, effort);
@@ -201,7 +201,7 @@ fn warnings(report: &Report<'_>) -> Markup {
                         point" } @else { "nothing \
                          of it" }
                     "; check it with "
-                    (command("airball simulate")) "." }
+                    (report.made.then("airball simulate")) "." }
             }
             li { "The step response above has no limits of the duty, no quantisation and no noise. A step that \
                  saturates the fan is slower." }
@@ -223,17 +223,17 @@ fn law_to_copy(report: &Report<'_>) -> Markup {
     }
 }
 
-fn next(of: &Assessment) -> Markup {
+fn next(of: &Assessment, made: &Made) -> Markup {
     html! {
         ul {
             @if of.stable {
                 li { "Fly it on the simulated rig first, with its noise and its limits: "
-                    (command("airball simulate --patch gains.toml --experiment experiments/steps.toml")) "." }
-                li { "Then on the rig: " (command("airball measure steps --patch gains.toml")) " measures overshoot \
+                    (made.then("airball simulate --patch gains.toml --experiment experiments/steps.toml")) "." }
+                li { "Then on the rig: " (made.then("airball measure steps --patch gains.toml")) " measures overshoot \
                      and settling time." }
-                li { "To measure the gain margin of the rig: " (command("airball measure critical-gain")) "." }
+                li { "To measure the gain margin of the rig: " (made.then("airball measure critical-gain")) "." }
             } @else {
-                li { "Do not fly it. " (command("airball design pid")) " places the poles of a stable loop; or lower \
+                li { "Do not fly it. " (made.then("airball design pid")) " places the poles of a stable loop; or lower \
                      the gain." }
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::report::design::observer::Document;
 use crate::report::kit::page::made::Made;
-use crate::report::kit::page::parts::{command, glossary, number, table, three_digits, to_copy, values};
+use crate::report::kit::page::parts::{glossary, number, table, three_digits, to_copy, values};
 use crate::report::kit::page::record::Record;
 use crate::report::kit::page::{Page, Section};
 use maud::{Markup, html};
@@ -31,7 +31,7 @@ pub fn page(report: &Report<'_>) -> String {
         Section::across("gains", "Its gains", gains(document)),
         Section::words("noise", "What it believes of the noise", noise(document)),
         Section::words("law", "Fly it", to_copy("patch", "observer.toml", report.patch)),
-        Section::words("next", "What to do next", next()),
+        Section::words("next", "What to do next", next(report.made)),
         Section::words("words", "Words on this page", glossary(&WORDS)),
     ];
     let from = vec![format!("model: {}", report.config), format!("sampled every {} s", document.period_s)];
@@ -96,13 +96,13 @@ fn noise(document: &Document) -> Markup {
     }
 }
 
-fn next() -> Markup {
+fn next(made: &Made) -> Markup {
     html! {
         ul {
-            li { "Fly it on the simulated rig: " (command("airball simulate --patch observer.toml"))
+            li { "Fly it on the simulated rig: " (made.then("airball simulate --patch observer.toml"))
                 " says how many readings came as expected." }
-            li { "Measure the noise of your rig, on which it rests: " (command("airball measure noise-floor")) "." }
-            li { "A controller that uses it: " (command("airball design lqr --with-fan --patch-out lqg.toml")) "." }
+            li { "Measure the noise of your rig, on which it rests: " (made.then("airball measure noise-floor")) "." }
+            li { "A controller that uses it: " (made.then("airball design lqr --with-fan --patch-out lqg.toml")) "." }
         }
     }
 }

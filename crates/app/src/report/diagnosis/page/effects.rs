@@ -23,7 +23,8 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
                 "is at least " (FIRST_EFFECT) " nats; a second one needs " (SECOND_EFFECT) " nats and \
                     " (format!("{:.0} \
                      %", 100.0 * SHARE_OF_OMITTED)) " \
-                     of the remaining misfit."
+                     of the remaining misfit. The probability in a search compares the effects of that search with each \
+                     other and with none; the probability beside a name above counts all searches."
             }
             (tried(report, "Tried with the config model", first))
             @for (k, round) in later.iter().enumerate() {
@@ -120,12 +121,18 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
     all.sort_by(|a, b| b.0.held_out_gain.total_cmp(&a.0.held_out_gain));
     let (all, rejected): (Vec<_>, Vec<_>) = all.into_iter().partition(|(one, _)| one.in_full);
     let rejected: Vec<String> = rejected.iter().map(|(one, _)| spoken(one.name)).collect();
+    let best = all.first().map(|(one, _)| one.name);
     let rows: Vec<(Markup, Vec<Markup>)> = all
         .into_iter()
         .map(|(one, likely)| {
+            let is_best = best == Some(one.name);
             let said = match (named(one.name), like(one.name)) {
-                (Some(_), _) => html! { strong { "named" } },
+                (Some(_), _) if is_best => html! { strong { "named" } },
+                (Some(_), _) => html! { "explains less here, named in another search" },
                 (_, Some(best)) => html! { "indistinguishable from " (spoken(best.candidate.entry.name)) },
+                _ if is_best && one.penalised_gain >= FIRST_EFFECT => {
+                    html! { "explains most here, not needed in the end" }
+                }
                 _ => html! { "explains less" },
             };
             let chance = likely.map_or_else(|| "–".into(), chance_in_words);
@@ -145,7 +152,7 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
         @if rows.is_empty() {
             p { (caption) ": none was fitted in full." }
         } @else {
-            (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability", "verdict"], &rows))
+            (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability in this search", "verdict"], &rows))
         }
         @if !rejected.is_empty() { p { "Rejected by the screening: " (rejected.join(", ")) "." } }
     }

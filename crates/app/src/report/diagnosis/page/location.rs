@@ -1,6 +1,7 @@
 //! Where simulator and rig differ: by place, by frequency, and by the time since the duty.
 
 use super::Report;
+use crate::config::words::Words;
 use crate::report::diagnosis::effect_plot;
 use crate::report::diagnosis::plot::{formula, over_signals, over_time};
 use crate::report::kit::page::figure::{Size, figure};
@@ -21,7 +22,7 @@ const STANDS_OUT: f64 = 1.8;
 pub(super) fn body(report: &Report<'_>) -> Markup {
     let (picture, places) = (report.picture, report.found.regions());
     html! {
-        div.two { (named(&picture.effects)) div { (in_words(&places)) (nothing_by_time(report)) (residual(report.found)) } }
+        div.two { (named(&picture.effects, report.words)) div { (in_words(&places, report.words)) (nothing_by_time(report)) (residual(report.found)) } }
         @if is_drawn(&picture.missing, &places) {
             p {
                 "Residual force of the model with refitted parameters. Shaded: significant forecast errors (5 % over \
@@ -75,10 +76,10 @@ fn residual(found: &Diagnosis) -> Markup {
 }
 
 /// The effects that were found, each over the signal that it depends on.
-fn named(effects: &[EffectCurve]) -> Markup {
+fn named(effects: &[EffectCurve], rig: &Words) -> Markup {
     html! {
         @for curve in effects {
-            @let words = effect_plot::words(curve);
+            @let words = effect_plot::words(curve, rig);
             (figure(&effect_plot::diagram(curve), Size::HALF, &words, &html! { (words) "." }))
         }
     }
@@ -151,7 +152,7 @@ fn span(place: &Place) -> String {
     format!("{} to {}", three_digits(place.from), three_digits(place.to))
 }
 
-fn in_words(places: &[Place]) -> Markup {
+fn in_words(places: &[Place], rig: &Words) -> Markup {
     html! {
         @if places.is_empty() {
             p { "No region of duty, height, speed, time or time since a change of the duty has significant forecast \
@@ -161,7 +162,7 @@ fn in_words(places: &[Place]) -> Markup {
                 @for place in places.iter().take(MOST_PLACES) {
                     @let (name, unit) = signal(place.signal);
                     li {
-                        strong { (name) " " (span(place)) " " (unit) }
+                        strong { (name) " " (span(place)) " " (rig.unit(unit)) }
                         @let percent = 100.0 * place.share;
                         (format!(": {}, {percent:.0} % of the misfit of all regions", p_value(place.p_value)))
                     }

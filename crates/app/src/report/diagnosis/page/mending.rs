@@ -2,25 +2,24 @@
 
 use super::Report;
 use super::effects::is_mended;
-use crate::analysis::next_experiment::Advice;
 use crate::report::diagnosis::mend;
 use crate::report::diagnosis::words::first_of_all;
-use crate::report::kit::page::parts::{command, spoken, to_copy};
+use crate::report::kit::page::parts::{spoken, to_copy};
 use crate::report::kit::patch::rounded;
-use diagnose::{Change, Diagnosis};
+use diagnose::Change;
 use maud::{Markup, html};
 use plant::Entry;
 
-pub(super) fn simulator(found: &Diagnosis) -> Markup {
-    let patch = rounded(&found.patch_toml());
+pub(super) fn simulator(report: &Report<'_>) -> Markup {
+    let (patch, made) = (rounded(&report.found.patch_toml()), report.made);
     html! {
         @if patch.is_empty() {
             p { "The config model needs no change." }
         } @else {
             p { "The mended model as a config patch, which replaces these keys of the config:" }
             (to_copy("patch", "mended.toml", &patch))
-            p { "Try it with " (command("airball simulate --patch mended.toml")) ", and on another record with "
-                (command("airball replay LOG --patch mended.toml")) "." }
+            p { "Try it with " (made.then("airball simulate --patch mended.toml")) ", and on another record with "
+                (made.then("airball replay LOG --patch mended.toml")) "." }
         }
     }
 }
@@ -47,7 +46,8 @@ pub(super) fn rig(report: &Report<'_>) -> Markup {
     }
 }
 
-pub(super) fn next(found: &Diagnosis, advice: &Advice) -> Markup {
+pub(super) fn next(report: &Report<'_>) -> Markup {
+    let Report { found, advice, made, .. } = *report;
     html! {
         @if let Some(next) = &advice.experiment {
             p { strong { (spoken(next.name)) } ". " (next.reason) }
@@ -58,8 +58,13 @@ pub(super) fn next(found: &Diagnosis, advice: &Advice) -> Markup {
                 }
             }
             (to_copy("next-file", "next.toml", &next.file))
-            p { "Fly it with " (command("airball run --experiment next.toml")) ", or first with "
-                (command("airball simulate --experiment next.toml")) "." }
+            @let simulate = made.then("airball simulate --experiment next.toml");
+            @if report.words.is_ball_pipe() {
+                p { "Fly it with " (made.then("airball run --experiment next.toml")) ", or first with "
+                    (simulate) "." }
+            } @else {
+                p { "See it simulated with " (simulate) ", and give your rig the same setpoints and inputs." }
+            }
         } @else {
             p { (first_of_all(found).unwrap_or("No further experiment is needed.")) }
         }

@@ -56,7 +56,7 @@ pub fn page(report: &Report<'_>) -> String {
     let record = record(report);
     let sections = match report.found.verdict {
         Verdict::InsufficientData => vec![
-            Section::words("next", "What to fly next", mending::next(report.found, report.advice)),
+            Section::words("next", "What to fly next", mending::next(report)),
             Section::words("check", "What was checked", check(report)),
             Section::across("record", "The whole record", whole(report, &record)),
         ],
@@ -94,9 +94,9 @@ fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {
         Section::across("where", "Where simulator and rig differ", location::body(report)),
         Section::across("which", "Which effect it is", effects::body(report)),
         Section::across("how-far", "How much of the gap is closed", gap::body(report)),
-        Section::words("simulator", "Correct the simulator", mending::simulator(report.found)),
+        Section::words("simulator", "Correct the simulator", mending::simulator(report)),
         Section::words("rig", "Correct the rig", mending::rig(report)),
-        Section::words("next", "What to fly next", mending::next(report.found, report.advice)),
+        Section::words("next", "What to fly next", mending::next(report)),
         Section::words("check", "What the record can answer", check(report)),
         Section::across("record", "The whole record", whole(report, record)),
         Section::words("words", "Words on this page", words()),

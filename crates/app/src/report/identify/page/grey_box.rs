@@ -8,7 +8,7 @@ use crate::report::identify::{digits, name, said};
 use crate::report::kit::about::About;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::made::Made;
-use crate::report::kit::page::parts::{bars, capital, command, findings, glossary, minus, number, table, values};
+use crate::report::kit::page::parts::{bars, capital, findings, glossary, minus, number, table, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::stretch::worst;
 use crate::report::kit::page::{Page, Section};
@@ -279,25 +279,26 @@ fn tests(found: &[GreyBox]) -> Markup {
 }
 
 fn next(report: &Report<'_>) -> Markup {
+    let made = report.made;
     let unbounded = report.best.estimates.iter().any(|estimate| estimate.low.is_none() || estimate.high.is_none());
     html! {
         ul {
             @if unbounded {
-                li { "The record does not determine every parameter: fly " (command("airball run --experiment \
+                li { "The record does not determine every parameter: fly " (made.then("airball run --experiment \
                      experiments/identify.toml")) ", \
                      which takes 100 s." }
             }
             @if Residuals::of(report.best) == Residuals::Noise {
-                li { "Validate it on another flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
-                li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out \
+                li { "Validate it on another flight: " (made.then(&format!("airball replay LOG --patch {PATCH}"))) "." }
+                li { "Design a controller for it: " (made.then(&format!("airball design pid --patch {PATCH} --patch-out \
                      gains.toml"))) "." }
             } @else {
-                li { "Find the effect that the model lacks: " (command(&format!("airball diagnose LOG --patch {PATCH} \
+                li { "Find the effect that the model lacks: " (made.then(&format!("airball diagnose LOG --patch {PATCH} \
                      --html report.html"))) "." }
             }
             @if report.best.poles == Poles::Two {
                 li { "A fan lag that this flight does not show may still limit the gain. Measure it: "
-                (command("airball \
+                (made.then("airball \
                      measure critical-gain")) "." }
             }
         }

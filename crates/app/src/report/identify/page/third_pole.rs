@@ -7,7 +7,7 @@ use crate::report::design::page::{frequency, loci, step_first};
 use crate::report::design::plot::Diagrams;
 use crate::report::identify::third_pole::{Document, lines};
 use crate::report::kit::page::made::Made;
-use crate::report::kit::page::parts::{capital, command, glossary, values};
+use crate::report::kit::page::parts::{capital, glossary, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, PageError, Section};
 use maud::{Markup, html};
@@ -39,7 +39,7 @@ pub fn page(report: &Report<'_>) -> Result<String, PageError> {
         Section::across("frequency", "The loop of half the critical gain, in frequency", frequency(&drawn)),
         Section::across("poles", "Its poles", loci(&drawn)),
         Section::words("simulator", "Believe it", to_believe(report.patch)),
-        Section::words("next", "What to do next", next(found)),
+        Section::words("next", "What to do next", next(found, report.made)),
         Section::across(
             "record",
             "The step, to look into",
@@ -78,7 +78,7 @@ fn first(found: &Document, drawn: &Diagrams) -> Markup {
     }
 }
 
-fn next(found: &Document) -> Markup {
+fn next(found: &Document, made: &Made) -> Markup {
     html! {
         ul {
             @if let Some(ti_s) = found.critical_ti_s {
@@ -88,8 +88,8 @@ fn next(found: &Document) -> Markup {
                     "This measurement was not used to find the lag."
                 }
             }
-            li { "Compare it with a flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
-            li { "Design a controller for it: " (command(&format!("airball design pid --patch {PATCH} --patch-out \
+            li { "Compare it with a flight: " (made.then(&format!("airball replay LOG --patch {PATCH}"))) "." }
+            li { "Design a controller for it: " (made.then(&format!("airball design pid --patch {PATCH} --patch-out \
                  gains.toml"))) "." }
         }
     }

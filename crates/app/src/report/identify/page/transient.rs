@@ -6,7 +6,7 @@ use crate::report::identify::transient::{HEADS, row};
 use crate::report::identify::{digits, name};
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::made::Made;
-use crate::report::kit::page::parts::{command, glossary, values, words};
+use crate::report::kit::page::parts::{glossary, values, words};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Diagram, duty};
@@ -43,7 +43,7 @@ pub fn page(report: &Report<'_>) -> String {
     let sections = vec![
         Section::across("gains", "Gain by gain", gains(found)),
         Section::words("simulator", "Believe it", to_believe(report.patch)),
-        Section::words("next", "What to do next", next()),
+        Section::words("next", "What to do next", next(report.made)),
         Section::across("record", "The whole record", whole(&record)),
         Section::words("words", "Words on this page", glossary(&WORDS)),
     ];
@@ -118,15 +118,15 @@ fn gains(found: &Sweep) -> Markup {
     }
 }
 
-fn next() -> Markup {
+fn next(made: &Made) -> Markup {
     html! {
         ul {
-            li { "Find the fan pole: " (command(&format!("airball identify grey-box LOG --patch {PATCH}"))) "." }
+            li { "Find the fan pole: " (made.then(&format!("airball identify grey-box LOG --patch {PATCH}"))) "." }
             li {
-                "Or measure it: " (command("airball measure critical-gain")) ", then "
-                (command(&format!("airball identify third-pole --critical-gain K --patch {PATCH}"))) "."
+                "Or measure it: " (made.then("airball measure critical-gain")) ", then "
+                (made.then(&format!("airball identify third-pole --critical-gain K --patch {PATCH}"))) "."
             }
-            li { "Try it on another flight: " (command(&format!("airball replay LOG --patch {PATCH}"))) "." }
+            li { "Try it on another flight: " (made.then(&format!("airball replay LOG --patch {PATCH}"))) "." }
         }
     }
 }

@@ -6,9 +6,12 @@ use crate::log::header::About;
 use maud::{Markup, html};
 use plant::Model;
 use sha2::{Digest, Sha256};
+use std::path::Path;
 
 /// Digits of the digest of a model: enough to tell two versions of a config apart.
 const DIGITS: usize = 8;
+/// The config that every command takes where none is named.
+const USUAL_CONFIG: &str = "config.toml";
 
 /// The command, and what identifies its sources.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +20,8 @@ pub struct Made {
     command: String,
     /// Dates and seeds of the logs, version of the model.
     sources: Vec<String>,
+    /// The flags that name the config, as a shell reads them, with a space before each.
+    config: String,
     /// What the rig calls its position and its input.
     pub(super) words: Words,
 }
@@ -32,6 +37,26 @@ impl Made {
     #[must_use]
     pub fn in_words(self, words: &Words) -> Self {
         Self { words: words.clone(), ..self }
+    }
+
+    /// With the files of the config: the config, then what is merged over it. The commands that follow name them too; the
+    /// usual config needs no flag.
+    #[must_use]
+    pub fn in_config(self, files: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
+        let flags = files.into_iter().enumerate().map(|(k, file)| match (k, file.as_ref().display().to_string()) {
+            (0, config) if config == USUAL_CONFIG => String::new(),
+            (0, config) => format!(" --config {}", shell_word(&config)),
+            (_, patch) => format!(" --patch {}", shell_word(&patch)),
+        });
+        Self { config: flags.collect(), ..self }
+    }
+
+    /// A command that follows, with the config of this one: its flags stand before those of `line`, so that a patch of
+    /// `line` wins.
+    #[must_use]
+    pub fn then(&self, line: &str) -> Markup {
+        let (first, flags) = line.split_at(line.find(" --").unwrap_or(line.len()));
+        command(&format!("{first}{}{flags}", self.config))
     }
 
     /// With the version of the model: the beginning of a digest of its numbers, the same for the same numbers.
@@ -70,9 +95,14 @@ impl Made {
 
 /// The command that makes the page again, as a shell reads it.
 fn command_line(arguments: impl Iterator<Item = String>) -> String {
-    let plain = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "._-/:=+,%@".contains(c));
-    let quoted = |word: String| if plain(&word) { word } else { format!("'{}'", word.replace('\'', "'\\''")) };
-    std::iter::once("airball".to_owned()).chain(arguments.map(quoted)).collect::<Vec<_>>().join(" ")
+    let words = arguments.map(|word| shell_word(&word));
+    std::iter::once("airball".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a shell reads it.
+pub fn shell_word(word: &str) -> String {
+    let plain = !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "._-/:=+,%@".contains(c));
+    if plain { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
 #[cfg(test)]
@@ -95,5 +125,20 @@ mod tests {
         other.drag_per_s += 0.1;
         let version = |model| Made::default().of_model(model).sources[0].clone();
         assert!(version(&model) == made.sources[0] && version(&other) != made.sources[0]);
+    }
+
+    #[test]
+    fn commands_that_follow_name_the_config_and_its_patches_before_their_own() {
+        let then = |files: &[&str]| {
+            let line = Made::default().in_config(files).then("airball replay LOG --patch mended.toml").into_string();
+            line.replace("<span>", "").replace("</span>", "")
+        };
+        let typed = |line: &str| format!("<code class=\"typed\">{line}</code>");
+        assert_eq!(then(&["config.toml"]), typed("airball replay LOG --patch mended.toml"));
+        assert_eq!(
+            then(&["my rig.toml", "a.toml"]),
+            typed("airball replay LOG --config 'my rig.toml' --patch a.toml --patch mended.toml")
+        );
+        assert_eq!(Made::default().then("airball simulate").into_string().matches("--config").count(), 0);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Report;
 use crate::analysis::measurement::{Calibration, Found, Steps};
-use crate::report::kit::page::parts::command;
+use crate::report::kit::page::made::shell_word;
 use crate::report::measure::words::{BLIND, given, readings, settled, verdict_of_zone};
 use diagnose::measure::critical::{Critical, CriticalTime};
 use diagnose::measure::dead_zone::DeadZone;
@@ -128,7 +128,7 @@ pub(super) const fn no_patch(found: &Found) -> &'static str {
 
 /// What to do next.
 pub(super) fn next(report: &Report<'_>) -> Markup {
-    let line = |words: &str, typed: &str| html! { li { (words) ": " (command(typed)) "." } };
+    let line = |words: &str, typed: &str| html! { li { (words) ": " (report.made.then(typed)) "." } };
     let ti_s = |critical: &Critical| (critical.kp_per_mm.value, critical.ti_s);
     html! {
         ul {
@@ -165,12 +165,6 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
             }
         }
     }
-}
-
-/// A file's name as the shell reads it, where it has no special characters; else a placeholder.
-fn shell_word(name: &str) -> &str {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
-    if name.chars().all(plain) { name } else { "LOG" }
 }
 
 /// Terms on the page.

@@ -1,0 +1,183 @@
+//! The verdict in one sentence: the headline of terminal, page and document.
+
+use crate::answer::diagnosis::Diagnosis;
+use crate::answer::ladder::Rung;
+use crate::answer::verdict::{Verdict, matters, parameters_matter};
+use crate::select::stepwise::{Change, NamedEffect, is_of_path};
+use crate::thresholds::LIKELY;
+use plant::{Effects, Entry, Stage};
+
+impl Diagnosis {
+    /// The verdict in one sentence, without a full stop.
+    #[must_use]
+    pub fn verdict_in_words(&self) -> String {
+        match self.verdict {
+            Verdict::NoGap => "No gap: the simulator forecasts this record as well as noise allows".into(),
+            Verdict::Parameters => {
+                "The simulator lacks no effect that this record shows, but its numbers are off".into()
+            }
+            Verdict::InsufficientData => "This record cannot say what separates simulator and rig".into(),
+            Verdict::Unexplained => {
+                let likely = self.effects.iter().filter(|named| named.probability >= LIKELY);
+                let likely: Vec<_> = likely.collect();
+                unexplained((!likely.is_empty()).then(|| self.headline(&likely)))
+            }
+            Verdict::Effect => {
+                let all: Vec<&NamedEffect> = self.effects.iter().collect();
+                let said = self.headline(&all);
+                let are_off = all.iter().all(|named| self.is_small(named)) && parameters_matter(&self.gaps);
+                if are_off { format!("The simulator's numbers are off; {}", small(&said)) } else { said }
+            }
+        }
+    }
+
+    /// The named effects that the mended model does not have.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<&'static str> {
+        let added = self.effects.iter().filter(|named| named.change == Change::Added);
+        let names = added.map(|named| named.candidate.entry.name);
+        names.filter(|name| self.mended.model.effects.values(name).is_none()).collect()
+    }
+
+    /// Effects in one sentence, first those that matter and that the mended model has.
+    fn headline(&self, effects: &[&NamedEffect]) -> String {
+        let left_out = self.left_out();
+        let is_out = |named: &&NamedEffect| left_out.contains(&named.candidate.entry.name);
+        let (out, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) = effects.iter().copied().partition(is_out);
+        let (small, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) =
+            kept.into_iter().partition(|named| self.is_small(named));
+        headline(&kept, &small, &out)
+    }
+
+    /// Whether an added effect on the path moves no forecast of 1 s by enough to matter, neither alone nor beside the
+    /// others. Effects of the sensor are no part of the motion, and matter to a loop by other figures.
+    fn is_small(&self, named: &NamedEffect) -> bool {
+        let Entry { name, stage, .. } = *named.candidate.entry;
+        let on_the_motion = stage != Stage::Sensor && is_of_path(named.candidate.entry);
+        let at = self.ladder.iter().position(|rung| rung.name == Some(name));
+        let step = at.and_then(|at| Some([self.ladder.get(at.checked_sub(1)?)?, self.ladder.get(at)?]));
+        on_the_motion && named.change == Change::Added && step.is_some_and(|step| self.hardly_moves(step) == Some(true))
+    }
+
+    /// The same of the step between two rungs; `None` without the errors at 1 s.
+    fn hardly_moves(&self, [below, with]: [&Rung; 2]) -> Option<bool> {
+        let ([nominal, refitted, _], floor) = (&self.gaps, self.gaps[2].floor_mm[2]?);
+        let [nominal, refitted, below] = [nominal.error_mm[2]?, refitted.error_mm[2]?, below.error_mm[2]?];
+        let fall = with.alone.unwrap_or(0.0) * (nominal.powi(2) - floor.powi(2));
+        let alone = (refitted.powi(2) - fall).max(0.0).sqrt();
+        Some(!matters(below - with.error_mm[2]?, floor) && !matters(refitted - alone, floor))
+    }
+}
+
+/// An effect and those that are indistinguishable from it, each with its article.
+#[must_use]
+pub fn with_rivals(named: &NamedEffect) -> String {
+    let names = std::iter::once(&named.candidate.entry.name).chain(&named.indistinguishable_from);
+    names.map(|name| with_article(name)).collect::<Vec<_>>().join(" or ")
+}
+
+/// "a, b and c".
+pub(super) fn listed(names: &[String]) -> String {
+    match names {
+        [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+/// The headline where most of the gap has another cause than the likely effects.
+fn unexplained(likely: Option<String>) -> String {
+    likely.map_or_else(
+        || "Something separates simulator and rig that no effect of the catalogue explains".into(),
+        |likely| format!("{likely}, but most of the gap has another cause"),
+    )
+}
+
+/// The headline of effects that the mended model has, of those among them that are too small to matter, and of others
+/// that it leaves out.
+fn headline(kept: &[&NamedEffect], small: &[&NamedEffect], out: &[&NamedEffect]) -> String {
+    let also = |effects: &[&NamedEffect], why: &str| {
+        let names: Vec<String> = effects.iter().map(|named| with_rivals(named)).collect();
+        (!names.is_empty()).then(|| format!("also seen, but {why}: {}", listed(&names)))
+    };
+    let left_out = also(out, "left out of the mended model");
+    let (first, also_small) = match (kept, small) {
+        ([], []) => return format!("{}; with that, forecasts are no better", of_effects(out)),
+        ([], _) => (format!("{}, but too little to matter for a forecast of 1 s", of_effects(small)), None),
+        _ => (of_effects(kept), also(small, "too small to matter for a forecast of 1 s")),
+    };
+    [Some(first), also_small, left_out].into_iter().flatten().collect::<Vec<_>>().join("; ")
+}
+
+fn of_effects(effects: &[&NamedEffect]) -> String {
+    let by = |change| {
+        let own = effects.iter().filter(move |named| named.change == change);
+        own.map(|named| with_rivals(named)).collect::<Vec<_>>()
+    };
+    let clause = |change, before: &str, after: &str| {
+        let names = by(change);
+        (!names.is_empty()).then(|| format!("{before}{}{after}", listed(&names)))
+    };
+    let clauses = [
+        clause(Change::Added, "the rig has ", " that the simulator lacks"),
+        clause(Change::Retuned, "the rig has ", " of another size than believed"),
+        clause(Change::Removed, "the simulator has ", " that the rig lacks"),
+    ];
+    first_letter(&clauses.into_iter().flatten().collect::<Vec<_>>().join("; "), char::to_ascii_uppercase)
+}
+
+/// "a dead zone", "an end stop", "turbulence".
+fn with_article(name: &str) -> String {
+    format!("{}{}", Effects::built_in(name).map_or("a ", |entry| entry.article), name.replace('_', " "))
+}
+
+/// A sentence as a clause after another one.
+fn small(sentence: &str) -> String {
+    first_letter(sentence, char::to_ascii_lowercase)
+}
+
+fn first_letter(words: &str, of: impl Fn(&char) -> char) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| std::iter::once(of(&first)).chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{listed, unexplained, with_article};
+    use crate::diagnose;
+    use crate::options::Options;
+    use crate::tests_support::{model, record};
+
+    #[test]
+    fn names_are_spoken_as_a_person_would() {
+        assert_eq!(
+            ["dead_zone", "end_stop", "turbulence"].map(with_article),
+            ["a dead zone", "an end stop", "turbulence"]
+        );
+        assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
+    }
+
+    #[test]
+    fn a_headline_without_a_likely_effect_asserts_none() {
+        assert_eq!(unexplained(None), "Something separates simulator and rig that no effect of the catalogue explains");
+    }
+
+    /// The headline of a rig with little noise, with a gain 5 % above the belief and this much friction.
+    fn headline_of(friction_mm_per_s2: f64) -> String {
+        let mut belief = model();
+        belief.noise.sensor_mm = 0.3;
+        belief.noise.acceleration_psd_mm2_per_s3 = 1.0;
+        let mut rig = belief.clone();
+        rig.gain_mm_per_s2_per_percent *= 1.05;
+        rig.effects.set("wall_friction", &[friction_mm_per_s2]);
+        let options = Options { without_formula: true, ..Options::default() };
+        diagnose(&belief, &record(&rig, 4, 80), &options).verdict_in_words()
+    }
+
+    #[test]
+    fn an_effect_that_moves_no_forecast_is_said_to_be_too_small_to_matter_and_a_large_one_is_not() {
+        let small = "The simulator's numbers are off; the rig has wall friction that the simulator lacks, but too \
+                     little to matter for a forecast of 1 s";
+        assert_eq!(headline_of(2.0), small);
+        assert_eq!(headline_of(20.0), "The rig has wall friction that the simulator lacks");
+    }
+}

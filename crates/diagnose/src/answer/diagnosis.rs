@@ -18,6 +18,7 @@ use crate::gap::share_closed::Closed;
 use crate::mistakes::mistakes;
 use crate::options::Options;
 use crate::record::check::{Finding, other_rig};
+use crate::record::checks::Check;
 use crate::record::decimate::Purpose;
 use crate::record::folds::Folds;
 use crate::record::prepare::{FlightFinding, Prepared};
@@ -145,6 +146,19 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
 }
 
 impl Diagnosis {
+    /// Whether the record was put to a check. A record without a verdict is compared with no fitted model; and beside a
+    /// significant residual, or a belief whose noise hides what it lacks, a gain or a drag that is far off does not
+    /// show another rig.
+    #[must_use]
+    pub fn was_checked(&self, check: Check) -> bool {
+        let answers = self.verdict != Verdict::InsufficientData;
+        match check {
+            Check::Model => answers && !self.mends_noise && !self.rest.is_significant,
+            Check::Bounds => answers,
+            _ => true,
+        }
+    }
+
     /// Whether there is no verdict because units, signs or columns are wrong.
     #[must_use]
     pub fn has_mistake(&self) -> bool {

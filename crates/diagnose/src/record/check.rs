@@ -44,7 +44,7 @@ pub fn check(recording: &Recording, model: &Model) -> Vec<Finding> {
     } else {
         let seen: Vec<f64> = readings.iter().copied().filter(|reading| !is_code(*reading)).collect();
         let implausible = implausible_readings(samples, model, is_code);
-        vec![no_target(&readings), implausible, outside_pipe(&seen, model), outliers(&seen, model), repeats(&seen)]
+        vec![no_target(&readings), implausible, outside_pipe(&seen, model), outliers(samples, model), repeats(&seen)]
     };
     duty(samples, model).into_iter().chain(clock(samples)).chain(of_position).flatten().collect()
 }
@@ -104,19 +104,35 @@ fn outside_pipe(readings: &[f64], model: &Model) -> Option<Finding> {
     Some(Finding::OutsidePipe { count: outside().count(), furthest_mm, length_mm: model.pipe_length_mm })
 }
 
-/// Each reading against the mean of its neighbours: steady motion of the ball cancels, a single error of the sensor
+/// Each reading against the line between its neighbours: steady motion of the ball cancels, a single error of the sensor
 /// does not.
-fn outliers(readings: &[f64], model: &Model) -> Option<Finding> {
-    let odd: Vec<f64> = readings.windows(3).map(|r| r[1] - (r[0] + r[2]) / 2.0).collect();
-    let deviation = 1.4826 * median(odd.iter().map(|value| value.abs()).collect())?;
+fn outliers(samples: &[Sample], model: &Model) -> Option<Finding> {
+    let readings: Vec<(f64, f64)> = samples
+        .iter()
+        .filter_map(|sample| Some((sample.time_s, sample.position_mm.filter(|reading| !is_code(*reading))?)))
+        .collect();
+    let odd: Vec<(f64, f64)> = readings.windows(3).map(|r| beside_line([r[0], r[1], r[2]])).collect();
+    let deviation = 1.4826 * median(odd.iter().map(|(value, _)| value.abs()).collect())?;
     // At least what the believed noise gives: the standard deviation of this difference is σ·√1.5.
     let limit_mm = OUTLIER * deviation.max(1.5_f64.sqrt() * model.noise.sensor_mm);
     // An error at one reading gives −½, 1, −½ of itself, whose sum is 0. A turn of the ball gives differences of one
-    // sign, whose sum is up to 3 times the middle one. The limit between the two, ½, was chosen by hand.
-    let single = |w: &[f64]| w[1].abs() > limit_mm && (w[0] + w[1] + w[2]).abs() < w[1].abs() / 2.0;
+    // sign, whose sum is up to 3 times the middle one. The limit between the two, ½, was chosen by hand. Where one step
+    // is more than twice the other, the weights leave ⅓ to ⅔, and motion is no line over the longer one.
+    let single = |w: &[(f64, f64)]| {
+        let [(before, _), (value, weight), (after, _)] = [w[0], w[1], w[2]];
+        value.abs() > limit_mm
+            && (before + value + after).abs() < value.abs() / 2.0
+            && (weight - 0.5).abs() <= 1.0 / 6.0
+    };
     let count = odd.windows(3).filter(|w| single(w)).count();
     let percent = 100.0 * count as f64 / readings.len() as f64;
     (count > 0).then_some(Finding::Outliers { count, percent, limit_mm })
+}
+
+/// The middle one of three readings above the line between the others, mm, and the weight of the last one in it.
+fn beside_line([(t0, y0), (t1, y1), (t2, y2)]: [(f64, f64); 3]) -> (f64, f64) {
+    let weight = if t2 > t0 { (t1 - t0) / (t2 - t0) } else { 0.5 };
+    (y1 - y0 - weight * (y2 - y0), weight)
 }
 
 fn repeats(readings: &[f64]) -> Option<Finding> {

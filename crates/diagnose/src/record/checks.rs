@@ -21,15 +21,17 @@ pub enum Check {
     Repeats,
     /// The number of readings in free flight.
     Length,
-    /// That a model within the bounds of the record fits.
+    /// That the fitted model is of the believed rig.
     Model,
+    /// That the fitted numbers lie within the bounds of the record.
+    Bounds,
     /// Which rows are used.
     Rows,
 }
 
 impl Check {
     /// All checks, in the order of a report.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Units,
         Self::Clock,
         Self::Excitation,
@@ -38,6 +40,7 @@ impl Check {
         Self::Repeats,
         Self::Length,
         Self::Model,
+        Self::Bounds,
         Self::Rows,
     ];
 
@@ -60,9 +63,8 @@ impl Check {
             Self::Outliers => format!("no reading is {OUTLIER} robust standard deviations off its neighbours"),
             Self::Repeats => format!("at most {REPEATED_PERCENT} % of the readings repeat the one before"),
             Self::Length => format!("at least {ENOUGH_READINGS} readings in free flight"),
-            Self::Model => {
-                format!("gain and drag within a factor of {OTHER_RIG} of the belief, other numbers in their bounds")
-            }
+            Self::Model => format!("gain and drag within a factor of {OTHER_RIG} of the belief"),
+            Self::Bounds => "the fitted numbers lie within the bounds that this record sets".into(),
             Self::Rows => "all rows are used".into(),
         }
     }
@@ -92,7 +94,8 @@ impl Finding {
             Self::Outliers { .. } => Check::Outliers,
             Self::Repeats { .. } => Check::Repeats,
             Self::TooFew { .. } => Check::Length,
-            Self::NotFinite | Self::OtherRig { .. } | Self::Impossible { .. } => Check::Model,
+            Self::OtherRig { .. } => Check::Model,
+            Self::NotFinite | Self::Impossible { .. } => Check::Bounds,
             Self::LeftOut
             | Self::Stretches { .. }
             | Self::Decimated { .. }

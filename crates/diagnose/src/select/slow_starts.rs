@@ -78,7 +78,7 @@ mod tests {
     use crate::identify::initial;
     use crate::options::Options;
     use crate::random_for_tests::uniform;
-    use crate::{Recording, Sample, diagnose};
+    use crate::{Check, Recording, Sample, diagnose};
 
     /// A cart, ẍ = 1333·u − 1.67·ẋ mm/s², that sticks below 833 mm/s² of dry friction, held by a PD controller with a
     /// random setpoint; 0.8 mm of noise. Its own simulator, with twenty steps a row.
@@ -120,6 +120,8 @@ mod tests {
         let close = |value: f64, truth: f64| (value / truth - 1.0).abs() < 0.03;
         let friction = mended.effects.values("wall_friction").unwrap()[0];
         assert!(close(friction, 833.0) && close(mended.gain_mm_per_s2_per_percent, 1333.0), "{mended:?}");
+        // A drag far from the belief says nothing here of another rig.
+        assert!(!found.was_checked(Check::Model) && found.was_checked(Check::Bounds));
         // It forecasts with its own noise, which the patch brings.
         assert!(found.gaps[2].error_mm[2].unwrap() < 1.0, "{:?}", found.gaps[2]);
         assert!(found.patch_toml().contains("[plant.noise]"), "{}", found.patch_toml());

@@ -5,7 +5,7 @@
 
 use super::names::Name;
 use super::roles::Roles;
-use super::scales::Scales;
+use super::scales::{Scales, length_mm};
 use crate::config::words::Words;
 use rows::Sheet;
 
@@ -16,6 +16,7 @@ const POSITIONS: &[(&[&str], &str)] = &[
     (&["level"], "level"),
     (&["displacement", "weg"], "displacement"),
     (&["distance"], "distance"),
+    (&["altitude"], "altitude"),
 ];
 /// The same of a unit.
 const POSITION_UNITS: &[(&[&str], &str)] =
@@ -83,7 +84,8 @@ pub(super) fn rig_words(sheet: &Sheet, roles: &Roles, scales: &Scales) -> Words 
     };
     Words {
         position: quantity(&position, POSITIONS, POSITION_UNITS).map(str::to_owned).or_else(|| neutral("position")),
-        position_unit: unit(&position, POSITION_UNITS, scales.position.scale),
+        position_unit: unit(&position, POSITION_UNITS, scales.position.scale)
+            .or_else(|| length(position.as_ref()?, scales.position.scale)),
         input: quantity(&input, INPUTS, INPUT_UNITS).map(str::to_owned).or_else(|| neutral("input")),
         input_unit: unit(&input, INPUT_UNITS, scales.input.scale),
     }
@@ -100,6 +102,13 @@ fn is_of(name: &Name, units: &[&str]) -> bool {
 /// A unit in small letters as it is written.
 pub(super) fn written(unit: &str) -> String {
     WRITTEN.iter().find(|(small, _)| *small == unit).map_or(unit, |(_, written)| written).to_owned()
+}
+
+/// The unit of a length that is not read in mm, because it is too long or too short for that.
+fn length(name: &Name, scale: f64) -> Option<String> {
+    let mm = length_mm(name.unit.as_deref()?)? / scale.abs();
+    let known = [("nm", 1e-6), ("µm", 1e-3), ("m", 1e3), ("in", 25.4)];
+    known.into_iter().find(|(_, own)| (mm / own - 1.0).abs() < 1e-9).map(|(unit, _)| unit.to_owned())
 }
 
 /// The unit of a number that was multiplied by `scale`.
@@ -142,6 +151,10 @@ mod tests {
         assert_eq!(all(words(arm, 0.5, 1.5)), of(["angle", "mrad", "voltage", ""]));
         let cart = [("t", None), ("u", Some("V")), ("y", Some("m"))];
         assert_eq!(all(words(cart, 12.0, 0.4)), of(["position", "", "voltage", "V"]));
+        // A length that is too long or too short for mm keeps its unit, or has one of its own.
+        let drone = [("t", None), ("thrust_N", None), ("altitude_m", None)];
+        assert_eq!(all(words(drone, 40.0, 200.0)), of(["altitude", "m", "thrust", "N"]));
+        assert_eq!(all(words(cart, 12.0, 0.002)), of(["position", "µm", "voltage", "V"]));
         let pipe = [("time_s", None), ("duty_percent", None), ("position_mm", None)];
         assert!(words(pipe, 40.0, 400.0).is_ball_pipe());
         // A fan that lifts something else than a ball in a pipe is told by its words in `[rig]`.

@@ -3,8 +3,9 @@
 //! ```text
 //! time       by its unit, or by the usual step: 1 to 1000 is milliseconds, more is microseconds or nanoseconds
 //! input      by a power of ten to within ±100 %; 0 to 255 is a PWM of 8 bits
-//! position   a length by its unit; what has another unit in that unit, or in thousandths or millionths of it, to a
-//!            range of 10 to 100,000; anything else by a power of ten to a range of 100 to 1000 mm
+//! position   a length by its unit, to a range of 10 to 100,000 mm; what has another unit, or is longer or shorter, in
+//!            that unit, or in thousandths or millionths of it, to a range of 10 to 100,000; anything else by a power of
+//!            ten to a range of 100 to 1000 mm
 //! speed      by a power of ten to a range of 100 to 1000 mm/s, or less where its integral would leave the longest pipe
 //! ```
 
@@ -75,8 +76,8 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
         let own = (y.name == "position_mm").then_some(1.0);
         let range = of(&values, "");
         let in_units = || [1.0, 1e3, 1e6].into_iter().find(|scale| is_usual(scale * span(range.range)));
-        let has_unit = !roles.is_speed && by_unit.is_none() && Name::of(y).unit.is_some();
         let by_unit = by_unit.filter(|scale| is_usual(scale * span(range.range)));
+        let has_unit = !roles.is_speed && by_unit.is_none() && Name::of(y).unit.is_some();
         let scale = asked.position_scale.or(own).or(by_unit).or_else(|| in_units().filter(|_| has_unit));
         let by_range =
             || if roles.is_speed { speed_scale(y, span(range.range)) } else { to_hundreds(span(range.range)) };
@@ -161,7 +162,7 @@ fn input_scale(column: &SheetColumn, values: &[Option<f64>]) -> f64 {
 }
 
 /// Millimetres of a unit of length.
-fn length_mm(unit: &str) -> Option<f64> {
+pub(super) fn length_mm(unit: &str) -> Option<f64> {
     let known = [("m", 1000.0), ("cm", 10.0), ("mm", 1.0), ("um", 1e-3), ("in", 25.4)];
     known.into_iter().find(|(name, _)| *name == unit).map(|(_, scale)| scale)
 }

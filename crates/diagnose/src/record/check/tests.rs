@@ -34,6 +34,26 @@ fn a_ball_that_swings_within_a_few_readings_and_rests_otherwise_gives_no_outlier
 }
 
 #[test]
+fn motion_at_irregular_times_gives_no_outlier_and_a_wild_reading_there_does() {
+    let count = |wild_mm: Option<f64>| {
+        let found = findings(|rows| {
+            let mut number = 0;
+            rows.retain(|_| {
+                number += 1;
+                number % 7 != 0 && number % 11 != 0
+            });
+            rows.iter_mut().for_each(|row| row.position_mm = Some(200.0 + 200.0 * (3.0 * row.time_s).sin()));
+            let step = |k: usize| rows[k].time_s - rows[k - 1].time_s;
+            let even = (900..).find(|&k| (step(k) - step(k + 1)).abs() < 1e-6).unwrap();
+            rows[even].position_mm = wild_mm.or(rows[even].position_mm);
+        });
+        found.into_iter().find_map(|one| if let Finding::Outliers { count, .. } = one { Some(count) } else { None })
+    };
+    assert_eq!(count(Some(450.0)), Some(1));
+    assert_eq!(count(None), None);
+}
+
+#[test]
 fn codes_of_the_sensor_are_told_from_positions() {
     assert_eq!(findings(|rows| rows[700].position_mm = Some(8190.0)), [Finding::NoTarget { count: 1 }]);
 }

@@ -43,7 +43,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
         } @else {
             div.three {
                 @for diagram in over_signals(&picture.missing, &places) {
-                    @if !diagram.shaded.is_empty() { (over(&diagram, &places)) }
+                    @if !diagram.shaded.is_empty() { (over(&diagram, &places, report.words)) }
                 }
             }
             @if shows_force(&picture.missing, &places) {
@@ -123,8 +123,9 @@ fn outstanding(left: &ResidualPlots) -> Option<(f64, f64)> {
     most.filter(|(_, r)| r.abs() > STANDS_OUT * left.by_chance)
 }
 
-fn over(diagram: &Diagram, places: &[Place]) -> Markup {
+fn over(diagram: &Diagram, places: &[Place], rig: &Words) -> Markup {
     let (name, unit) = diagram.abscissa.split_once(", ").unwrap_or((diagram.abscissa, ""));
+    let unit = rig.unit(unit);
     let own = places.iter().filter(|place| signal(place.signal).0 == name);
     let shaded: Vec<String> = own.map(|place| format!("{} {unit}", span(place))).collect();
     let words = format!("shaded: {}", shaded.join("; "));

@@ -135,10 +135,10 @@ fn whole(report: &Report<'_>, record: &Record) -> Markup {
 }
 
 fn check(report: &Report<'_>) -> Markup {
-    let Report { found, advice, logs, .. } = report;
+    let Report { advice, logs, .. } = report;
     let several = logs.names.len() > 1;
-    let answers = found.verdict != Verdict::InsufficientData;
-    let found: Vec<_> = findings(found, logs).map(|(name, one)| (if several { name } else { "" }, one)).collect();
+    let found: Vec<_> =
+        findings(report.found, logs).map(|(name, one)| (if several { name } else { "" }, one)).collect();
     let others: Vec<String> = logs.findings_of_loop().chain(advice.findings.iter().cloned()).collect();
     html! {
         p {
@@ -146,7 +146,7 @@ fn check(report: &Report<'_>) -> Markup {
             (format!("{:.1} s", logs.duration_s)) ", "
             (report.picture.recording.samples().iter().filter(|row| row.position_mm.is_some()).count()) " readings used."
         }
-        (checks(&found, answers))
+        (checks(&found, |check| report.found.was_checked(check)))
         @if !others.is_empty() { ul { @for other in &others { li { (other) "." } } } }
     }
 }

@@ -99,15 +99,14 @@ pub fn findings(all: &[String]) -> Markup {
     }
 }
 
-/// The checks of a record, each with whether it passed, and what was found. A record that does not answer is compared
-/// with no fitted model.
-pub fn checks(findings: &[(&str, &Finding)], answers: bool) -> Markup {
+/// The checks of a record, each with whether it passed, and what was found; `was_checked`: whether it was made.
+pub fn checks(findings: &[(&str, &Finding)], was_checked: impl Fn(Check) -> bool) -> Markup {
     html! {
         ul.checks {
             @for check in Check::ALL {
                 @let found: Vec<&(&str, &Finding)> = findings.iter().filter(|(_, one)| one.check() == check).collect();
                 @let (class, sign, said) = match (found.is_empty(), check) {
-                    (true, Check::Model) if !answers => ("noted", "–", "not checked: "),
+                    (true, check) if !was_checked(check) => ("noted", "–", "not checked: "),
                     (true, _) => ("passed", "✓", "passed: "),
                     // Rows that are left out are no fault of the record.
                     (false, Check::Rows) => ("noted", "•", "noted: "),

@@ -35,6 +35,8 @@ const MOST_POINTS_A_PIXEL: usize = 2;
 /// No point further than this is drawn, in the unit of its axis, nor is an axis narrower than this share of its ends.
 const WIDEST: f64 = 1e100;
 const NARROWEST: f64 = 1e-9;
+/// Labels of an axis that is shorter would be equal in six decimal places.
+const FINEST: f64 = 1e-5;
 /// With more crosses than this, they overlap on a phone.
 const CROWDED: usize = 40;
 
@@ -111,7 +113,8 @@ fn grounds(chart: &mut Chart<'_, '_>, of: &Diagram) -> Result<(), PlotError> {
         let corners = [(from.max(times.start), values.start), (to.min(times.end), values.end)];
         Rectangle::new(corners, SHADE.mix(0.28).filled())
     };
-    chart.draw_series(of.shaded.iter().map(shade)).map_err(failed)?;
+    let is_within = |(from, to): &&(f64, f64)| *from < times.end && *to > times.start;
+    chart.draw_series(of.shaded.iter().filter(is_within).map(shade)).map_err(failed)?;
     let (times, values) = (chart.x_range(), chart.y_range());
     let within = of.timeline.events.iter().filter(|(t, _)| times.contains(t));
     let event = |(t, _): &(f64, String)| {
@@ -204,7 +207,8 @@ fn number(value: f64, span: f64) -> String {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
     let places = (1.0 - span.abs().max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
     // Beyond these an axis is of wild numbers, and a label of all their digits would hide it.
-    let text = if value.abs() < 1e7 { format!("{value:.places$}") } else { format!("{value:.1e}") };
+    let plain = value == 0.0 || (value.abs() < 1e7 && span.abs() > FINEST);
+    let text = if plain { format!("{value:.places$}") } else { format!("{value:.1e}") };
     let text = if text.contains('.') && !text.contains('e') {
         text.trim_end_matches('0').trim_end_matches('.')
     } else {
@@ -231,7 +235,16 @@ fn ranges(of: &Diagram) -> Result<(Range<f64>, Range<f64>), PlotError> {
         all.filter(|(t, y)| is_there(*t, *y))
     };
     let (times, values) = (range(points().map(|p| p.0))?, range(points().map(|p| p.1).chain(of.base))?);
-    let pad = 0.05 * (values.end - values.start).max(1e-6);
+    // A value that does not change lies in the middle of an axis of its own size.
+    let is_constant = values.end - values.start <= 2.0 * narrowest(&values);
+    let size = values.start.abs().max(values.end.abs());
+    let pad = if !is_constant {
+        0.05 * (values.end - values.start)
+    } else if size > 0.0 {
+        0.05 * size
+    } else {
+        1.0
+    };
     Ok((times, values.start - pad..values.end + pad))
 }
 
@@ -241,8 +254,11 @@ fn range(values: impl Iterator<Item = f64>) -> Result<Range<f64>, PlotError> {
         return Err(PlotError::Nothing);
     }
     // The library looks for labels by steps of a share of the range, which must be seen beside its ends.
-    let narrowest = NARROWEST * low.abs().max(high.abs()).max(1.0);
-    Ok(low..high.max(low + narrowest))
+    Ok(low..high.max(low + narrowest(&(low..high))))
+}
+
+fn narrowest(range: &Range<f64>) -> f64 {
+    NARROWEST * range.start.abs().max(range.end.abs()).max(1.0)
 }
 
 /// Pixels in drawing steps.
@@ -271,6 +287,20 @@ mod tests {
             [number(200.0, 400.0), number(-0.5, 3.0), number(21.25, 0.8), number(-0.0, 3.0), number(0.0625, 0.0625)];
         assert_eq!(labels, ["200", "−0.5", "21.25", "0", "0.062"]);
         assert_eq!([number(-2e300, 4e300), number(4e7, 1e8)], ["−2.0e300", "4.0e7"]);
+        assert_eq!([number(-2e-7, 4e-7), number(0.0, 4e-7)], ["−2.0e−7", "0"]);
+    }
+
+    #[test]
+    fn a_value_that_does_not_change_has_an_axis_with_labels_that_differ() {
+        for value in [0.0, 21.4] {
+            let diagram = Diagram {
+                lines: vec![Line { label: "", colour: RECORDED, points: vec![(0.0, value), (9.0, value)] }],
+                ..Diagram::default()
+            };
+            let (_, axis) = super::ranges(&diagram).unwrap();
+            let ends = [axis.start, axis.end].map(|end| number(end, axis.end - axis.start));
+            assert!(ends[0] != ends[1] && axis.contains(&value), "{ends:?}");
+        }
     }
 
     // Without limits of the axes the library looks for their labels without end.

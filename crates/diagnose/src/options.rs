@@ -11,6 +11,8 @@ pub struct Options {
     pub without: Vec<String>,
     /// Whether what no effect explains is left without a formula, whose search may take longer than all else.
     pub without_formula: bool,
+    /// Whether the belief was fitted to a record of this rig, so that its noise contains what the model lacks.
+    pub is_fitted: bool,
     /// The receiver of progress reports.
     #[serde(skip)]
     pub progress: Progress,

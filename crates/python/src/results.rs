@@ -111,7 +111,7 @@ pub(crate) fn diagnose_logs(
     let (belief, named) = (belief.0.clone(), Arc::clone(&count));
     let begun = stop.clone();
     let work = move || {
-        let options = Options { progress: heard, without, without_formula };
+        let options = Options { progress: heard, without, without_formula, ..Options::default() };
         let logs: Vec<_> = logs.into_iter().map(|log| log.0).collect();
         let step = |words| {
             begun.here();

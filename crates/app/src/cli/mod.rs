@@ -164,7 +164,8 @@ impl DiagnoseArgs {
     /// The options of the search, which reports to `progress`.
     #[must_use]
     pub fn options(&self, progress: Progress) -> Options {
-        Options { progress, without: self.without.clone(), without_formula: self.without_formula }
+        let (without, without_formula) = (self.without.clone(), self.without_formula);
+        Options { progress, without, without_formula, ..Options::default() }
     }
 }
 

@@ -35,7 +35,7 @@ pub(crate) struct Asked {
     pub(crate) columns: SourceColumns,
     /// What the rig calls its position and its input.
     pub(crate) words: Words,
-    /// Whether it was fitted to a record by `airball init`.
+    /// Whether it was fitted to a record by `airball init`, and not changed since.
     is_fitted: bool,
     /// Each log, without the codes of a sensor that saw no target, of a very long one its middle; and its name.
     pub(crate) logs: Vec<LoadedLog>,
@@ -114,7 +114,7 @@ impl Asked {
             logs.iter_mut().for_each(|log| log.keep_middle(each));
         }
         logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
-        let is_fitted = config.begins_with(first_belief::HEAD);
+        let is_fitted = first_belief::is_as_fitted(config.first_line(), &belief);
         Ok(Self {
             belief,
             files: config.files().map(Path::to_owned).collect(),
@@ -174,7 +174,8 @@ impl Asked {
     pub(crate) fn diagnose(&self, options: &Options, progress: &dyn Fn(&'static str)) -> Answer {
         let [search, fly, choose] = STEPS;
         progress(search);
-        let found = diagnose::diagnose(&self.belief, &self.recordings, options);
+        let options = Options { is_fitted: self.is_fitted, ..options.clone() };
+        let found = diagnose::diagnose(&self.belief, &self.recordings, &options);
         let mended = (found.verdict != Verdict::InsufficientData).then_some(&found.mended.model);
         progress(fly);
         // Without a gap nothing was mended that the loop could be flown with.

@@ -211,10 +211,10 @@ impl Config {
         &self.path
     }
 
-    /// Whether the file, and not one of its patches, begins with this.
+    /// The first line of the file, not of its patches.
     #[must_use]
-    pub fn begins_with(&self, head: &str) -> bool {
-        self.sources.first().is_some_and(|source| source.text.starts_with(head))
+    pub fn first_line(&self) -> &str {
+        self.sources.first().and_then(|source| source.text.lines().next()).unwrap_or_default()
     }
 
     /// The table that `command` needs.

@@ -1,37 +1,57 @@
 //! A first belief as a config with the origin of each number, and in words.
 
 use crate::analysis::first_belief::{FirstBelief, Named, Scaled, Scales};
+use crate::config::Config;
 use crate::config::source_columns::quoted;
+use crate::report::kit::page::made::version;
 use diagnose::decimals;
 use diagnose::identify::ParameterEstimate;
-use plant::Effect;
 use plant::effects::HeightDependentFlow;
+use plant::{Effect, Model};
 use rows::{Column, shown};
 use std::fmt::Write;
 
-/// The meaning of a diagnosis with a belief that was fitted to the same record.
-pub const MEANING: &str = "the belief is a linear model fitted to this record, so what follows is how the rig differs \
-     from a linear model of itself; wrong numbers of a belief of your own cannot show";
+/// The meaning of a diagnosis with a belief that was fitted to a record of the rig.
+pub const MEANING: &str = "the belief is a linear model fitted to a record of this rig, so what follows is how the rig \
+     differs from a linear model of itself; wrong numbers of a belief of your own cannot show";
 
 /// How the config of a first belief begins.
-pub const HEAD: &str = "# A first belief about ";
+const HEAD: &str = "# A first belief about ";
 
 /// Where the comments of the config begin.
 const COMMENT_COLUMN: usize = 46;
 
+/// Whether a model is the one that was fitted to a record and written below this first line of a config.
+#[must_use]
+pub fn is_as_fitted(first_line: &str, model: &Model) -> bool {
+    first_line.starts_with(HEAD) && first_line.ends_with(&end(&version(model)))
+}
+
+fn end(version: &str) -> String {
+    format!("{version}).")
+}
+
 /// The config.
 #[must_use]
 pub fn config(belief: &FirstBelief, logs: &[String]) -> String {
-    let mut text = format!(
-        "{HEAD}{}, written by `airball init` ({} s, {} readings).\n\
+    let tables = tables(belief);
+    let written = Config::of_texts([(String::new(), tables.clone())]).ok().and_then(|config| config.tables.plant);
+    let head = format!(
+        "{HEAD}{}, written by `airball init` ({} s, {} readings, {}\n\
          # Gain, drag, hover and noise are those of a linear model fitted to this record, so that a diagnosis with it \
          says how the rig\n\
          # differs from a linear model of itself. Put in what you know: a diagnosis against it then says \
-         more.\n\n[import]\n",
+         more.\n\n",
         logs.iter().map(|log| shown(log)).collect::<Vec<_>>().join(", "),
         number(belief.duration_s),
         belief.readings,
+        end(&version(&written.unwrap_or_else(|| belief.plant.model.clone()))),
     );
+    head + &tables
+}
+
+fn tables(belief: &FirstBelief) -> String {
+    let mut text = String::from("[import]\n");
     let import = &belief.import;
     let mut column = |key: &str, column: &Column, why: &str| line(&mut text, key, &toml_of(column), why);
     column("time_s", &import.time_s, &time(belief));

@@ -94,7 +94,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let mut answers = can_answer && obstacles.is_empty();
     findings.extend(obstacles);
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
-    search.noise_hides = noise_hides(recording, belief, &refitted.model);
+    search.noise_hides = options.is_fitted || noise_hides(recording, belief, &refitted.model);
     let asks = answers && !is_quiet(&refitted);
     let mut found = if asks { select_effects(&search, &refitted) } else { Selection::nothing(&search, &refitted) };
     let other_rig = another_rig(&search, &found).filter(|_| answers);

@@ -24,7 +24,7 @@ pub(crate) struct Search<'a> {
 impl<'a> Search<'a> {
     pub(crate) fn new(belief: &'a Model, recording: &'a Recording, folds: &'a Folds, options: &Options) -> Self {
         let problem = Problem { recording, belief, folds, prior: Prior::Belief };
-        let Options { without, without_formula, progress } = options.clone();
+        let Options { without, without_formula, progress, .. } = options.clone();
         Self { problem, without, formula: !without_formula, progress, noise_hides: false, slow: None }
     }
 

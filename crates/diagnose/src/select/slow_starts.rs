@@ -6,7 +6,7 @@
 //! from the first to the second. A fit by forecasts does (see [`crate::select::by_forecasts`]), because its filter does
 //! not correct the model. So the effects with the largest gains by forecasts are also fitted by likelihood from there.
 //!
-//! The noise hides the model where both hold:
+//! The noise hides the model where the belief is known to be fitted to a record of the rig, or where both hold:
 //!
 //! ```text
 //! 1/ω = (r·Δt/q)^(1/4) < 0.05 s     of the belief: by the shortest forecast its filter has forgotten the model
@@ -47,7 +47,7 @@ fn forgets(recording: &Recording, model: &Model) -> bool {
 /// The effects on the path with the largest gains by forecasts, each with the model from which it is fitted by likelihood;
 /// none where the noise does not hide them.
 pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static Entry]) -> Vec<Screened> {
-    if search.is_by_forecasts() || !search.noise_hides || !forgets(search.problem.recording, &so_far.model) {
+    if search.is_by_forecasts() || !search.noise_hides {
         return Vec::new();
     }
     let noise = slow_noise(search, so_far, by_forecasts::HORIZONS_S[0]);

@@ -59,12 +59,10 @@ impl Made {
         command(&format!("{first}{}{flags}", self.config))
     }
 
-    /// With the version of the model: the beginning of a digest of its numbers, the same for the same numbers.
+    /// With the version of the model.
     #[must_use]
     pub fn of_model(mut self, model: &Model) -> Self {
-        let numbers = toml::to_string(model).unwrap_or_default();
-        let digest: String = Sha256::digest(numbers).iter().map(|byte| format!("{byte:02x}")).collect();
-        self.sources.push(format!("model {}", &digest[..DIGITS]));
+        self.sources.push(version(model));
         self
     }
 
@@ -91,6 +89,14 @@ impl Made {
     pub(super) fn head(&self) -> Markup {
         html! { p.made { "airball " (env!("CARGO_PKG_VERSION")) ": " (command(&self.command)) } }
     }
+}
+
+/// The version of a model: the beginning of a digest of its numbers, the same for the same numbers.
+#[must_use]
+pub fn version(model: &Model) -> String {
+    let numbers = toml::to_string(model).unwrap_or_default();
+    let digest: String = Sha256::digest(numbers).iter().map(|byte| format!("{byte:02x}")).collect();
+    format!("model {}", &digest[..DIGITS])
 }
 
 /// The command that makes the page again, as a shell reads it.

@@ -7,6 +7,7 @@
 use crate::answer::evidence::add_odds;
 use crate::answer::ladder::{Rest, Rung};
 use crate::answer::mending::Mending;
+use crate::answer::poles::{in_other_order, more_likely};
 use crate::answer::verdict::{Verdict, rest_matters, verdict};
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
@@ -83,6 +84,15 @@ pub struct Diagnosis {
 #[must_use]
 pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
     let logs = recordings.as_ref();
+    let found = diagnose_once(belief, logs, options);
+    let other = in_other_order(belief).filter(|_| options.is_fitted && found.verdict != Verdict::InsufficientData);
+    match other {
+        Some(other) => more_likely(found, diagnose_once(&other, logs, options)),
+        None => found,
+    }
+}
+
+fn diagnose_once(belief: &Model, logs: &[Recording], options: &Options) -> Diagnosis {
     let Prepared { mut findings, recording, can_answer } = Prepared::of(logs, belief, Purpose::Diagnosis);
     let recording = recording.as_ref();
     let belief = &with_rounding(belief, recording);

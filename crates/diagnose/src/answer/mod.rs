@@ -13,6 +13,7 @@ pub(crate) mod intervals;
 pub(crate) mod ladder;
 pub(crate) mod mending;
 pub(crate) mod patch;
+pub(crate) mod poles;
 pub(crate) mod sentences;
 pub(crate) mod series;
 pub(crate) mod stages;

@@ -132,46 +132,12 @@ impl GreyBox {
         }
         let start = with_poles(start, poles);
         let problem = Problem { recording, belief: &start, folds: &folds, prior: Prior::Nothing };
-        Ok(Self::of_fit(&problem, best_fit(&problem, poles), poles))
+        let fit = best_fit(&problem, poles);
+        let estimates = estimates(&problem, &fit);
+        let residuals = ResidualTests::of(&fit, recording, &folds);
+        let held_out = HeldOut::of(&problem, &fit);
+        Ok(Self { poles, fit, estimates, residuals, held_out })
     }
-
-    fn of_fit(problem: &Problem<'_>, fit: Fit, poles: Poles) -> Self {
-        let estimates = estimates(problem, &fit);
-        let residuals = ResidualTests::of(&fit, problem.recording, problem.folds);
-        let held_out = HeldOut::of(problem, &fit);
-        Self { poles, fit, estimates, residuals, held_out }
-    }
-
-    /// The same plant with the faster one of its two poles as the lag, where it has it as the drag: `self` otherwise.
-    ///
-    /// K/(s(s + a)(τs + 1)) keeps its response if a and 1/τ are exchanged, and K becomes K/(aτ). Which is which shows in
-    /// the noise alone, which enters behind the lag; and a missing effect distorts that. An actuator that is slower than
-    /// the motion is rare.
-    #[must_use]
-    pub fn with_faster_lag(self, recording: &Recording) -> Self {
-        let Some(start) = with_exchanged_poles(&self.fit.model).filter(|_| has_slower_lag(&self.fit.model)) else {
-            return self;
-        };
-        let folds = Folds::new(&start, recording);
-        let problem = Problem { recording, belief: &start, folds: &folds, prior: Prior::Nothing };
-        let near = with_noise_that_fits(&problem, &parameters(&start));
-        let fit = problem.fit(&near, &parameters(&near));
-        // The fit may return to the poles that it came from.
-        if has_slower_lag(&fit.model) { self } else { Self::of_fit(&problem, fit, self.poles) }
-    }
-}
-
-/// Whether the lag is slower than the drag.
-fn has_slower_lag(model: &Model) -> bool {
-    model.effects.fan_lag_s().is_some_and(|lag_s| lag_s * model.drag_per_s > 1.0)
-}
-
-/// The model of the same response with drag and lag exchanged; `None` without a lag.
-fn with_exchanged_poles(model: &Model) -> Option<Model> {
-    let (drag_per_s, lag_s) = (model.drag_per_s, model.effects.fan_lag_s().filter(|lag_s| *lag_s > 0.0)?);
-    let gain_mm_per_s2_per_percent = model.gain_mm_per_s2_per_percent / (drag_per_s * lag_s);
-    let exchanged = Model { drag_per_s: 1.0 / lag_s, gain_mm_per_s2_per_percent, ..model.clone() };
-    Some(with_lag(&exchanged, Some(1.0 / drag_per_s)))
 }
 
 impl GreyBox {

@@ -125,7 +125,7 @@ pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial,
     let (_, recording) = prepared(&turned, &start);
     let identify = |poles: &Poles| GreyBox::identify(&start, &recording, *poles);
     let found = [Poles::Two, Poles::Three].par_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
-    let found = better(&found).cloned().ok_or(NoPlant::Still)?.with_faster_lag(&recording);
+    let found = better(&found).cloned().ok_or(NoPlant::Still)?;
     let fitted = &found.fit.model;
     let gain_is_lost = fitted.gain_mm_per_s2_per_percent < LOST * start.gain_mm_per_s2_per_percent;
     let kept = if gain_is_lost { Model { noise: fitted.noise, ..start.clone() } } else { fitted.clone() };

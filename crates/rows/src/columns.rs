@@ -9,6 +9,7 @@ use crate::import::{Column, Import};
 use crate::sheet::Sheet;
 use crate::shown::{listed, shown};
 use crate::table::Table;
+use crate::wrap::unwrapped;
 use diagnose::Sample;
 
 /// Finds the columns and converts their numbers.
@@ -23,7 +24,7 @@ pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsErr
     let position2 = Found::optional(table, "position2_mm", import.position2_mm.as_ref())?;
     let fresh = Found::optional(table, "fresh", None)?;
 
-    let mut time_s = time.all(table)?;
+    let mut time_s = time.times(table)?;
     check_order(table, &time_s)?;
     if import.time_s.spread {
         spread(&mut time_s);
@@ -115,14 +116,25 @@ impl<'a> Found<'a> {
         Ok(table.columns().position(|column| column == name).or(row))
     }
 
+    /// The column as times, every cell a number: a counter that wraps goes on.
+    fn times(&self, table: &Table) -> Result<Vec<f64>, RowsError> {
+        let counts = self.numbers(table)?;
+        self.in_our_units(table, unwrapped(&counts).unwrap_or(counts))
+    }
+
     /// The column in our units, every cell a number.
     fn all(&self, table: &Table) -> Result<Vec<f64>, RowsError> {
-        (0..table.len())
-            .map(|row| self.number(table, row)?.ok_or_else(|| self.wrong(table, row, CellProblem::Empty)))
-            .map(|value| Ok(value? * self.scale + self.offset))
-            .enumerate()
-            .map(|(row, value)| self.finite(table, row, value?))
-            .collect()
+        self.in_our_units(table, self.numbers(table)?)
+    }
+
+    fn numbers(&self, table: &Table) -> Result<Vec<f64>, RowsError> {
+        let cell = |row| self.number(table, row)?.ok_or_else(|| self.wrong(table, row, CellProblem::Empty));
+        (0..table.len()).map(cell).collect()
+    }
+
+    fn in_our_units(&self, table: &Table, numbers: Vec<f64>) -> Result<Vec<f64>, RowsError> {
+        let ours = numbers.into_iter().map(|value| value * self.scale + self.offset);
+        ours.enumerate().map(|(row, value)| self.finite(table, row, value)).collect()
     }
 
     /// The column in our units; a cell without a reading, empty or NaN, is `None`.

@@ -19,6 +19,7 @@ mod sheet;
 mod shown;
 mod table;
 mod text;
+mod wrap;
 
 #[cfg(test)]
 mod dialect_tests;

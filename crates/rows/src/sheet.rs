@@ -2,6 +2,7 @@
 
 use crate::error::RowsError;
 use crate::table::Table;
+use crate::wrap::unwrapped;
 
 /// The columns of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +33,8 @@ pub struct SheetColumn {
     pub name: String,
     /// Its unit, where a row of units has it.
     pub unit: Option<String>,
-    /// Its numbers, `None` where there is none; empty where the column holds something else.
+    /// Its numbers, `None` where there is none, those of a counter that wraps going on; empty where the column holds
+    /// something else.
     pub values: Vec<Option<f64>>,
     /// The first cell that is no number, where others are.
     pub text: Option<TextCell>,
@@ -70,6 +72,8 @@ fn column(table: &Table, index: usize) -> SheetColumn {
     let text = cells.iter().position(Option::is_none).filter(|_| cells.iter().any(is_number));
     let text = text.map(|row| TextCell { line: table.line(row), content: table.cell(row, index).into() });
     let values: Vec<Option<f64>> = cells.into_iter().collect::<Option<_>>().unwrap_or_default();
+    let on = values.iter().copied().collect::<Option<Vec<f64>>>().and_then(|values| unwrapped(&values));
+    let values = on.map_or(values, |on| on.into_iter().map(Some).collect());
     let decreases = values.windows(2).position(|pair| pair[1].is_some() && pair[1] < pair[0]);
     let decreases_in = decreases.map(|row| table.line(row + 1));
     SheetColumn { values, text, decreases_in, ..SheetColumn::default() }

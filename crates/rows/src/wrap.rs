@@ -1,8 +1,14 @@
 //! Counters that wrap: `millis()` in 16 bits begins again after 65.5 s, `micros()` in 32 bits after 72 minutes.
 
 /// The first number above those of a counter, and its lowest number.
-const COUNTERS: [(f64, f64); 4] =
-    [(65_536.0, 0.0), (32_768.0, -32_768.0), (4_294_967_296.0, 0.0), (2_147_483_648.0, -2_147_483_648.0)];
+const COUNTERS: [(f64, f64); 6] = [
+    (65_536.0, 0.0),
+    (32_768.0, 0.0),
+    (32_768.0, -32_768.0),
+    (4_294_967_296.0, 0.0),
+    (2_147_483_648.0, 0.0),
+    (2_147_483_648.0, -2_147_483_648.0),
+];
 /// A wrap goes from the last numbers of a counter to its first ones, of this share of all. Chosen: a pause that is
 /// longer looks like a restart.
 const NEAR: f64 = 0.01;
@@ -51,5 +57,6 @@ mod tests {
             assert_eq!(unwrapped(times), None, "{times:?}");
         }
         assert_eq!(unwrapped(&[65_530.0, 4.0]), Some(vec![65_530.0, 65_540.0]));
+        assert_eq!(unwrapped(&[32_760.0, 2.0]), Some(vec![32_760.0, 32_770.0]));
     }
 }

@@ -15,6 +15,9 @@ use plant::Model;
 pub(super) const GAP: f64 = 3.0;
 /// A reading this many robust deviations away from its neighbours is an outlier: noise gives one in 10⁸.
 pub(crate) const OUTLIER: f64 = 6.0;
+/// A reading this near to the middle of its neighbours in time, of the time between these, is in the middle: files round
+/// their times.
+const EVEN: f64 = 0.025;
 /// More exact repeats in a row than this, of a position that otherwise moves, show a sensor that refreshes slowly.
 const REPEATS: usize = 3;
 /// Repeats are a finding from this share of all readings on, percent.
@@ -132,7 +135,8 @@ fn outliers(samples: &[Sample], model: &Model) -> Option<Finding> {
 /// The middle one of three readings above the line between the others, mm, and the weight of the last one in it.
 fn beside_line([(t0, y0), (t1, y1), (t2, y2)]: [(f64, f64); 3]) -> (f64, f64) {
     let weight = if t2 > t0 { (t1 - t0) / (t2 - t0) } else { 0.5 };
-    (y1 - y0 - weight * (y2 - y0), weight)
+    let weight = if (weight - 0.5).abs() < EVEN { 0.5 } else { weight };
+    (y1 - ((1.0 - weight) * y0 + weight * y2), weight)
 }
 
 fn repeats(readings: &[f64]) -> Option<Finding> {

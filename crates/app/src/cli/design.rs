@@ -1,6 +1,7 @@
 //! The command line of `airball design`.
 
 use super::ConfigArgs;
+use crate::config::USUAL;
 use clap::{Args, Subcommand, ValueEnum};
 use control::design::Complex;
 use std::path::PathBuf;
@@ -218,7 +219,7 @@ pub struct CriticalGainArgs {
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
     /// Config file whose model the patch is for
-    #[arg(long, value_name = "FILE", default_value = "config.toml")]
+    #[arg(long, value_name = "FILE", default_value = USUAL)]
     pub config: PathBuf,
     /// Write a report as one self-contained page (HTML)
     #[arg(long, value_name = "FILE")]

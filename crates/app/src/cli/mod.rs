@@ -21,6 +21,7 @@ pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPo
 pub use init::{ColumnArgs, InitArgs};
 pub use measure::{MeasureArgs, Measurement};
 
+use crate::config::USUAL;
 use crate::rig::EnableLine;
 use clap::{Args, Parser, Subcommand};
 use diagnose::{Options, Progress};
@@ -90,7 +91,7 @@ pub enum Command {
 #[derive(Debug, Args)]
 pub struct ConfigArgs {
     /// Config file
-    #[arg(long, value_name = "FILE", default_value = "config.toml")]
+    #[arg(long, value_name = "FILE", default_value = USUAL)]
     pub config: PathBuf,
     /// Config patch, merged over the config; may be repeated, the last one wins
     #[arg(long, value_name = "FILE")]

@@ -7,6 +7,7 @@ use super::{announce, may_write, note, say, warn, write};
 use crate::analysis::next_experiment::Advice;
 use crate::analysis::virtual_flight::Desk;
 use crate::cli::DiagnoseArgs;
+use crate::config::USUAL;
 use crate::locked::locked;
 use crate::report::diagnosis::logs::findings;
 use crate::report::diagnosis::page::{Report, page as html};
@@ -24,8 +25,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// The config of a folder, and the one that is proposed where there is none.
-const CONFIG: &str = "config.toml";
+/// The config that is proposed where a folder has none.
 const PROPOSED: &str = "rig.toml";
 
 /// Time between two frames of the progress bar's spinner.
@@ -107,7 +107,7 @@ fn write_files<'a>(args: &'a DiagnoseArgs, asked: &Asked, answer: &Answer) -> Re
 
 /// Whether this is the usual config of a folder, and the folder has none.
 fn is_missing(config: &Path) -> bool {
-    config == Path::new(CONFIG) && !config.exists()
+    config == Path::new(USUAL) && !config.exists()
 }
 
 /// The config with the belief: the named one, or where there is none, one that is proposed from the logs.
@@ -118,7 +118,7 @@ fn belief(args: &DiagnoseArgs) -> Result<PathBuf> {
     }
     let proposed = PathBuf::from(PROPOSED);
     if !args.init && proposed.exists() {
-        note(format_args!("there is no {CONFIG} here; {PROPOSED} is used"));
+        note(format_args!("there is no {USUAL} here; {PROPOSED} is used"));
         return Ok(proposed);
     }
     let found = propose(&args.logs, &proposed, false, &args.columns, false)?;

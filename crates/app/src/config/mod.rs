@@ -3,6 +3,7 @@
 //! `tables` is its content, `signals` the optional ones of `[rig]`, `written` the effects that a user wrote; `load` reads
 //! it, merges patches and locates errors.
 
+mod error;
 mod load;
 mod merge;
 pub mod mqtt;
@@ -16,7 +17,11 @@ pub mod topics;
 pub mod words;
 mod written;
 
-pub use load::{Config, ConfigError, parse_file, parse_text};
+/// The config that every command takes where none is named.
+pub const USUAL: &str = "config.toml";
+
+pub use error::ConfigError;
+pub use load::{Config, parse_file, parse_text};
 pub(crate) use plain_words::plain_words;
 pub use predistorted::with_other_control;
 pub use rig::Rig;

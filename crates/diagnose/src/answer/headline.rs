@@ -26,7 +26,7 @@ impl Diagnosis {
                 let all: Vec<&NamedEffect> = self.effects.iter().collect();
                 let said = self.headline(&all);
                 let are_off = all.iter().all(|named| self.is_small(named)) && parameters_matter(&self.gaps);
-                if are_off { format!("The simulator's numbers are off; {}", small(&said)) } else { said }
+                if are_off { format!("The simulator's numbers are off; {}", as_clause(&said)) } else { said }
             }
         }
     }
@@ -131,7 +131,7 @@ fn with_article(name: &str) -> String {
 }
 
 /// A sentence as a clause after another one.
-fn small(sentence: &str) -> String {
+fn as_clause(sentence: &str) -> String {
     first_letter(sentence, char::to_ascii_lowercase)
 }
 

@@ -54,8 +54,8 @@ mod tests {
         assert!(in_other_order(&without).is_none());
     }
 
-    /// A ball in a pipe, ẍ = 150·(u(t − 0.12 s) − 40) − 1.2·ẋ mm/s², held by a PD controller with a random setpoint and a
-    /// square wave beside it; 0.25 mm of noise and 6 mm²/s³ of gusts. Its own simulator, with twenty steps a row.
+    /// A ball in a pipe, ẍ = 150·(u(t − 0.12 s) − 40) − 1.2·ẋ mm/s², held by a PD controller with a random setpoint
+    /// and a square wave beside it; 0.25 mm of noise and 6 mm²/s³ of gusts. Its own simulator, with twenty steps a row.
     fn pipe_with_delay() -> Recording {
         let (mut x, mut v, mut setpoint, mut last, mut slope) = (450.0, 0.0, 450.0, 450.0, 0.0);
         let mut uniform = uniform(4);

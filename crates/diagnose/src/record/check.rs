@@ -15,8 +15,8 @@ use plant::Model;
 pub(super) const GAP: f64 = 3.0;
 /// A reading this many robust deviations away from its neighbours is an outlier: noise gives one in 10⁸.
 pub(crate) const OUTLIER: f64 = 6.0;
-/// A reading this near to the middle of its neighbours in time, of the time between these, is in the middle: files round
-/// their times.
+/// A reading whose time is this near to the middle of its neighbours, as a share of the time between these, counts as
+/// in the middle, because files round their times. Chosen: steps that differ by a tenth.
 const EVEN: f64 = 0.025;
 /// More exact repeats in a row than this, of a position that otherwise moves, show a sensor that refreshes slowly.
 const REPEATS: usize = 3;
@@ -107,8 +107,8 @@ fn outside_pipe(readings: &[f64], model: &Model) -> Option<Finding> {
     Some(Finding::OutsidePipe { count: outside().count(), furthest_mm, length_mm: model.pipe_length_mm })
 }
 
-/// Each reading against the line between its neighbours: steady motion of the ball cancels, a single error of the sensor
-/// does not.
+/// Each reading against the line between its neighbours: steady motion of the ball cancels, a single error of the
+/// sensor does not.
 fn outliers(samples: &[Sample], model: &Model) -> Option<Finding> {
     let readings: Vec<(f64, f64)> = samples
         .iter()

@@ -16,9 +16,10 @@ const ON_GRID: f64 = 0.97;
 /// Largest ratio of successive steps in the scan, and the largest step, mm.
 const FINER: f64 = 1.0004;
 const COARSEST_MM: f64 = 60.0;
-/// The best step is chosen among those from the first one that passes down to this share of it, and to the one whose
-/// grid is off by so many steps at the end of the range: the one that passes is off by a share of one.
+/// The best step is chosen among those from the first one that passes down to this share of it.
 const NEAR: f64 = 0.94;
+/// It is sought no further than where its grid leaves that of the first one by so many steps over the range of the
+/// readings. Chosen wide: the first one passes where its own grid leaves the true one by a share of a step.
 const DRIFT: f64 = 2.0;
 /// Number of levels that a step is first tried on, and the share of them that must lie on its grid: chance puts a sixth
 /// there.

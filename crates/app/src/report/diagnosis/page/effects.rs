@@ -8,6 +8,9 @@ use diagnose::{Change, Diagnosis, Interval, NamedEffect, Scored, chance_in_words
 use maud::{Markup, html};
 use plant::Effects;
 
+/// The heads of the table of a search.
+const HEADS: [&str; 6] = ["effect", "stage", "gain, nats", "evidence, nats", "probability in this search", "verdict"];
+
 pub(super) fn body(report: &Report<'_>) -> Markup {
     let found = report.found;
     html! {
@@ -152,7 +155,7 @@ fn tried(report: &Report<'_>, caption: &str, round: &[Scored]) -> Markup {
         @if rows.is_empty() {
             p { (caption) ": none was fitted in full." }
         } @else {
-            (table(caption, &["effect", "stage", "gain, nats", "evidence, nats", "probability in this search", "verdict"], &rows))
+            (table(caption, &HEADS, &rows))
         }
         @if !rejected.is_empty() { p { "Rejected by the screening: " (rejected.join(", ")) "." } }
     }

@@ -22,7 +22,10 @@ const STANDS_OUT: f64 = 1.8;
 pub(super) fn body(report: &Report<'_>) -> Markup {
     let (picture, places) = (report.picture, report.found.regions());
     html! {
-        div.two { (named(&picture.effects, report.words)) div { (in_words(&places, report.words)) (nothing_by_time(report)) (residual(report.found)) } }
+        div.two {
+            (named(&picture.effects, report.words))
+            div { (in_words(&places, report.words)) (nothing_by_time(report)) (residual(report.found)) }
+        }
         @if is_drawn(&picture.missing, &places) {
             p {
                 "Residual force of the model with refitted parameters. Shaded: significant forecast errors (5 % over \

@@ -1,6 +1,7 @@
 //! How a page was made: what its head says, so that it can be made again.
 
 use super::parts::command;
+use crate::config::USUAL;
 use crate::config::words::Words;
 use crate::log::header::About;
 use maud::{Markup, html};
@@ -10,8 +11,6 @@ use std::path::Path;
 
 /// Digits of the digest of a model: enough to tell two versions of a config apart.
 const DIGITS: usize = 8;
-/// The config that every command takes where none is named.
-const USUAL_CONFIG: &str = "config.toml";
 
 /// The command, and what identifies its sources.
 #[derive(Clone, Debug, Default)]
@@ -39,12 +38,12 @@ impl Made {
         Self { words: words.clone(), ..self }
     }
 
-    /// With the files of the config: the config, then what is merged over it. The commands that follow name them too; the
-    /// usual config needs no flag.
+    /// With the files of the config: the config, then what is merged over it. The commands that follow name them too;
+    /// the usual config needs no flag.
     #[must_use]
     pub fn in_config(self, files: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
         let flags = files.into_iter().enumerate().map(|(k, file)| match (k, file.as_ref().display().to_string()) {
-            (0, config) if config == USUAL_CONFIG => String::new(),
+            (0, config) if config == USUAL => String::new(),
             (0, config) => format!(" --config {}", shell_word(&config)),
             (_, patch) => format!(" --patch {}", shell_word(&patch)),
         });

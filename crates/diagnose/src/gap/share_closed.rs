@@ -4,18 +4,12 @@
 //! closed = (E_nominal² − E_mended²) / (E_nominal² − F²)      on held-out stretches, not clipped
 //! ```
 //!
-//! The interval is a block bootstrap: the stretches are drawn again with replacement, which gives the variation between
-//! flights of the same kind. F is that of the whole record.
-//! Source: Künsch, "The jackknife and the bootstrap for general stationary observations", Annals of Statistics 17
-//! (1989).
+//! The interval is a block bootstrap. F is that of the whole record.
 
+use crate::gap::bootstrap::{interval, square};
 use crate::gap::forecast_error::Tally;
 use crate::thresholds::OPEN_GAP;
-use plant::Normal;
 use serde::Serialize;
-
-/// Number of bootstrap draws.
-const DRAWS: usize = 500;
 
 /// A share of the gap, with its 90 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -33,21 +27,14 @@ impl Closed {
     /// and the mean square by noise alone, mm². `None`: there is no gap to close.
     pub(crate) fn of(nominal: &[Tally], [before, after]: [&[Tally]; 2], floor: f64) -> Option<Self> {
         let count = [nominal, before, after].map(<[Tally]>::len).into_iter().min()?;
-        let square = |all: &[Tally], at: &[usize]| Some(Tally::sum(at.iter().map(|k| &all[*k])).squares_at_1_s()?.0);
         let share = |at: &[usize]| Some((square(before, at)? - square(after, at)?) / (square(nominal, at)? - floor));
         let all: Vec<usize> = (0..count).collect();
         if !is_open(square(nominal, &all)?, floor) {
             return None;
         }
         let value = share(&all)?;
-        let mut chance = Normal::new(0, 11);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length")]
-        let mut draw = || ((chance.uniform() * count as f64) as usize).min(count - 1);
-        let draws = (0..DRAWS).filter_map(|_| share(&(0..count).map(|_| draw()).collect::<Vec<_>>()));
-        let mut draws: Vec<f64> = draws.filter(|share| share.is_finite()).collect();
-        draws.sort_by(f64::total_cmp);
-        let at = |part: usize| draws.get(draws.len() * part / 20).or(draws.last()).copied().unwrap_or(value);
-        Some(Self { value, low: at(1).min(value), high: at(19).max(value) })
+        let [low, high] = interval(count, share).unwrap_or([value; 2]);
+        Some(Self { value, low: low.min(value), high: high.max(value) })
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
+use crate::gap::bootstrap::is_lower;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::record::folds::Folds;
 use crate::select::candidates::Candidate;
@@ -114,7 +115,7 @@ impl Evaluated {
 /// The index of the best of these models, of which the first is the belief.
 pub(crate) fn best_forecast(models: &[Evaluated]) -> usize {
     let errors = |at: usize| &models[at].of_patch;
-    (1..models.len()).fold(0, |best, at| if deviations(errors(best), errors(at)) > BETTER_FORECAST { at } else { best })
+    (1..models.len()).fold(0, |best, at| if is_lower(errors(at), errors(best)) { at } else { best })
 }
 
 /// Whether the forecasts of `this` are better than those of `that` in the mean of the stretches by more than chance.

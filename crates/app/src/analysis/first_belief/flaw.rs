@@ -1,4 +1,5 @@
-//! What keeps a column from the role that its name says: text, one value in all rows, or a time that goes backwards.
+//! What keeps a column from the role that its name says: text, one value in all rows, a number of the row, or a time
+//! that goes backwards.
 
 use super::roles::Role;
 use rows::{SheetColumn, TextCell, shown};
@@ -17,6 +18,9 @@ pub(super) fn flaw(role: Role, column: &SheetColumn) -> Option<String> {
     }
     if role != Role::Time && !moves(column) {
         return Some(format!(": `{name}` has the same value in all rows"));
+    }
+    if role == Role::Time && counts_rows(column) {
+        return Some(format!(": `{name}` counts the rows and does not say how far apart they are"));
     }
     let line = column.decreases_in.filter(|_| role == Role::Time)?;
     Some(format!(": `{name}` goes backwards in line {line}; sort the rows, or cut the file there"))
@@ -38,7 +42,8 @@ pub(super) fn grows(column: &SheetColumn) -> bool {
 
 /// Whether each number is larger by one than the one before.
 pub(super) fn counts_rows(column: &SheetColumn) -> bool {
-    column.values.windows(2).all(|pair| matches!(pair, [Some(one), Some(next)] if next - one == 1.0))
+    column.values.len() > 1
+        && column.values.windows(2).all(|pair| matches!(pair, [Some(one), Some(next)] if next - one == 1.0))
 }
 
 /// Whether every row has a number, and fewer than one of a hundred is smaller than the one before, as where a ring
@@ -83,6 +88,24 @@ mod tests {
         for (text, time) in [(ramps, "column1"), (counted, "column2")] {
             let sheet = rows::sheet("rig.csv", text.as_bytes()).unwrap();
             assert_eq!(roles(&sheet, &Asked::default()).unwrap().time.column, time);
+        }
+    }
+
+    #[test]
+    fn a_column_that_counts_the_rows_is_the_time_only_with_the_period_or_a_unit() {
+        let rows: String = (0..200).map(|k| format!("{k},{},{}\n", k % 7, k % 9)).collect();
+        let time = |header: &str, asked: &Asked| {
+            let sheet = rows::sheet("rig.csv", format!("{header},duty,position_mm\n{rows}").as_bytes()).unwrap();
+            roles(&sheet, asked).map(|found| found.time.column).map_err(|error| error.to_string())
+        };
+        let refused = time("sample", &Asked::default()).unwrap_err();
+        let said = "the time: `sample` counts the rows and does not say how far apart they are; name it with --time \
+                    COLUMN, or give the time between two rows with --period SECONDS";
+        assert!(refused.contains(said), "{refused}");
+        let asked = Asked { period_s: Some(0.005), ..Asked::default() };
+        assert_eq!(time("sample", &asked), Ok("sample".into()));
+        for header in ["t", "clock [ms]"] {
+            assert_eq!(time(header, &Asked::default()), Ok(header.into()));
         }
     }
 }

@@ -232,7 +232,8 @@ impl Columns<'_> {
 
     fn not_found(&self, role: Role) -> NoRole {
         let named = self.all.iter().filter(|one| role.words().iter().any(|words| one.name.says(words)));
-        let nearly = self.all.iter().filter(|one| role == Role::Time && nearly_grows(one.column));
+        let is_near = |one: &Candidate<'_>| nearly_grows(one.column) || counts_rows(one.column);
+        let nearly = self.all.iter().filter(|one| role == Role::Time && is_near(one));
         let flaw = named.chain(nearly).find_map(|one| flaw(role, one.column)).unwrap_or_default();
         NoRole::NotFound { role, flaw, columns: self.names() }
     }
@@ -253,11 +254,12 @@ impl Columns<'_> {
         }
         let grows: Vec<&Candidate<'_>> = self.all.iter().filter(|one| grows(one.column)).collect();
         let named = self.named(&grows, "", TIMES, &[]);
-        // The first, unless it counts the rows.
+        // The first, unless it counts the rows: then it says nothing of the time between them.
+        let has_period = |one: &Candidate<'_>| one.name.unit.is_some() || asked.period_s.is_some();
         let unnamed = || {
             let mut all = grows.iter().filter(|one| !one.column.name.is_empty());
-            let last = all.clone().next_back();
-            all.find(|one| !counts_rows(one.column)).or(last)
+            let counts = all.clone().rfind(|one| has_period(one));
+            all.find(|one| !counts_rows(one.column)).or(counts)
         };
         let by_order = || unnamed().map(|one| Named { column: one.column.name.clone(), why: BY_ORDER });
         named.or_else(by_order).ok_or_else(|| self.not_found(Role::Time))

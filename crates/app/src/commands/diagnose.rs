@@ -149,7 +149,8 @@ fn tell(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
         note(format_args!("{name}: {}: {}", stage.name, rig.of(&stage.finding)));
     }
     let desk = asked.desk();
-    say(rig.of(&words_of(&answer.found, desk.as_ref().map(Desk::compensation), rig)))?;
+    let compensation = desk.as_ref().map(Desk::compensation);
+    say(rig.of(&words_of(&answer.found, compensation, rig, about.columns)))?;
     // Beside a record that cannot say what separates simulator and rig, nothing compares the two.
     let answers = answer.found.verdict != Verdict::InsufficientData;
     let looped = if answers { closed_loop::words(&answer.looped) } else { Vec::new() };

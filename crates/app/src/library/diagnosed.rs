@@ -80,7 +80,7 @@ impl Diagnosed {
     #[must_use]
     pub fn words(&self) -> String {
         let (desk, rig) = (self.asked.desk(), &self.asked.words);
-        let words = words_of(&self.answer.found, desk.as_ref().map(Desk::compensation), rig);
+        let words = words_of(&self.answer.found, desk.as_ref().map(Desk::compensation), rig, &self.asked.columns);
         let more = closed_loop::words(&self.answer.looped).into_iter().chain(next::words(&self.answer.advice));
         std::iter::once(words).chain(more).map(|line| rig.of(&line)).collect::<Vec<_>>().join("\n")
     }

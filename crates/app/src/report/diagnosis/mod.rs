@@ -9,6 +9,7 @@ pub mod mend;
 pub mod missing_force;
 pub mod next;
 pub mod page;
+mod place;
 pub mod plot;
 pub mod timeline;
 pub mod words;

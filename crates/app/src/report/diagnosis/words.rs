@@ -1,10 +1,10 @@
 //! A diagnosis in words, for a terminal.
 
-use super::{ladder, mend};
+use super::{ladder, mend, place};
 use crate::config::words::Words;
 use crate::report::kit::words::p_value;
 use control::compensation::Compensation;
-use diagnose::{Change, Closed, Diagnosis, NamedEffect, Place, Verdict};
+use diagnose::{Change, Closed, Diagnosis, NamedEffect, SourceColumns, Verdict};
 use std::fmt::Write;
 
 /// The advice after a record with too little information.
@@ -23,13 +23,18 @@ pub fn first_of_all(found: &Diagnosis) -> Option<&'static str> {
 /// The same as [`words_of`] for a ball pipe.
 #[must_use]
 pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
-    words_of(found, compensation, &Words::default())
+    words_of(found, compensation, &Words::default(), &SourceColumns::default())
 }
 
 /// The result in a sentence, then a line for each finding. `compensation`: the one of the recorded flight; `rig`: its
-/// words, which decide how an effect is corrected.
+/// words, which decide how an effect is corrected; `columns`: those of the log.
 #[must_use]
-pub fn words_of(found: &Diagnosis, compensation: Option<&Compensation>, rig: &Words) -> String {
+pub fn words_of(
+    found: &Diagnosis,
+    compensation: Option<&Compensation>,
+    rig: &Words,
+    columns: &SourceColumns,
+) -> String {
     let mut words = format!("{}.", found.verdict_in_words());
     if let Some(advice) = first_of_all(found) {
         return format!("{words} {advice}");
@@ -38,7 +43,7 @@ pub fn words_of(found: &Diagnosis, compensation: Option<&Compensation>, rig: &Wo
         let _ = write!(words, "\n{}", effect(named, found, compensation, rig));
     }
     for place in found.regions().iter().take(3) {
-        let _ = write!(words, "\nwrong {} ({})", place_in_words(place), p_value(place.p_value));
+        let _ = write!(words, "\nwrong {} ({})", place::words(place, columns), p_value(place.p_value));
     }
     if let Some(residual) = found.residual_in_words() {
         let _ = write!(words, "\n{residual}");
@@ -65,14 +70,6 @@ fn effect(named: &NamedEffect, found: &Diagnosis, compensation: Option<&Compensa
     }
     let mend = mend::words(entry, &found.mended.model, compensation, rig);
     format!("{line}\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "")
-}
-
-/// A place as written after "wrong".
-fn place_in_words(place: &Place) -> String {
-    match place.signal {
-        "lag_s" => format!("{:.2} to {:.2} s after the duty moves", place.from, place.to),
-        signal => format!("where {signal} is {:.1} to {:.1}", place.from, place.to),
-    }
 }
 
 /// A share in whole percent; what rounds to 0 has no sign.

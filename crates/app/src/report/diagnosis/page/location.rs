@@ -2,8 +2,8 @@
 
 use super::Report;
 use crate::config::words::Words;
-use crate::report::diagnosis::effect_plot;
 use crate::report::diagnosis::plot::{formula, over_signals, over_time};
+use crate::report::diagnosis::{effect_plot, place};
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::parts::{capital, number, signal, table, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
@@ -24,7 +24,7 @@ pub(super) fn body(report: &Report<'_>) -> Markup {
     html! {
         div.two {
             (named(&picture.effects, report.words))
-            div { (in_words(&places, report.words)) (nothing_by_time(report)) (residual(report.found)) }
+            div { (in_words(&places, report)) (nothing_by_time(report)) (residual(report.found)) }
         }
         @if is_drawn(&picture.missing, &places) {
             p {
@@ -156,7 +156,8 @@ fn span(place: &Place) -> String {
     format!("{} to {}", three_digits(place.from), three_digits(place.to))
 }
 
-fn in_words(places: &[Place], rig: &Words) -> Markup {
+fn in_words(places: &[Place], report: &Report<'_>) -> Markup {
+    let (rig, columns) = (report.words, report.logs.columns);
     html! {
         @if places.is_empty() {
             p { "No region of duty, height, speed, time or time since a change of the duty has significant forecast \
@@ -167,6 +168,7 @@ fn in_words(places: &[Place], rig: &Words) -> Markup {
                     @let (name, unit) = signal(place.signal);
                     li {
                         strong { (name) " " (span(place)) " " (rig.unit(unit)) }
+                        @if let Some(said) = place::in_the_log(place, columns) { " (" code { (said) } ")" }
                         @let percent = 100.0 * place.share;
                         (format!(": {}, {percent:.0} % of the misfit of all regions", p_value(place.p_value)))
                     }

@@ -124,6 +124,16 @@ fn a_sensor_whose_scale_bends_with_height_is_named() {
 }
 
 #[test]
+fn play_before_what_is_measured_is_named() {
+    let act: Act = |now| {
+        let measured = &mut now.own[0];
+        *measured = measured.clamp(now.x - 8.0, now.x + 8.0);
+        (0.0, *measured - now.x)
+    };
+    is_named_first(act, "backlash", &[("half", 8.0)]);
+}
+
+#[test]
 fn a_leak_above_one_height_is_named() {
     let act: Act = |now| (if now.x > 280.0 { -4.0 * (now.x - 280.0) } else { 0.0 }, 0.0);
     is_named_first(act, "leak", &[("k", 4.0), ("start", 280.0)]);

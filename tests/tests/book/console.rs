@@ -77,7 +77,7 @@ fn steps(block: &str) -> Vec<Step<'_>> {
 
 /// The output of each command on standard output and standard error.
 fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item = &'a str>) -> Vec<String> {
-    for folder in ["docs", "experiments", "data"] {
+    for folder in ["docs", "experiments", "data", "effects.toml"] {
         std::os::unix::fs::symlink(root().join(folder).canonicalize().unwrap(), bench.path(folder)).unwrap();
     }
     let broker = text.contains("mosquitto").then(Broker::default);

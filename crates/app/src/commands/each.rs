@@ -65,6 +65,8 @@ pub(super) fn each(args: &DiagnoseArgs, config: Option<&Path>) -> Result<()> {
     let finished = todo.par_iter().map(|log| {
         let said = one(args, config, log, out)?;
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+        // An error begins with the name of its log.
+        let said = said.strip_prefix(&format!("{}: ", log.name)).unwrap_or(&said);
         note(format_args!("{count} of {}: {}: {said}", todo.len(), log.name));
         Ok(())
     });

@@ -57,7 +57,7 @@ impl Config {
     pub fn read(path: &Path, patches: &[PathBuf]) -> Result<Self, ConfigError> {
         let mut sources = vec![read_source(path, CONFIG_FLAG)?];
         for patch in patches {
-            sources.push(read_source(patch, "--patch FILE")?);
+            sources.push(read_source(patch, "--patch FILE` or `--effects FILE")?);
         }
         Self::of(sources)
     }
@@ -241,7 +241,10 @@ fn merged(sources: &[Source]) -> Result<toml::Table, ConfigError> {
 fn typed<T: DeserializeOwned>(merged: toml::Table, sources: &[Source]) -> Result<T, ConfigError> {
     serde_path_to_error::deserialize(merged).map_err(|error| {
         let key = error.path().to_string();
-        let message = plain_words(error.into_inner().message());
+        let mut message = plain_words(error.into_inner().message());
+        if key.starts_with("plant.effects.") && message.starts_with("unknown key") {
+            message = format!("{message}; {}", written::DEFINED_ELSEWHERE);
+        }
         let place = place(sources, &key);
         // At the top of a file the path is a dot.
         if key == "." { ConfigError::Syntax { place, message } } else { ConfigError::Key { place, key, message } }

@@ -14,6 +14,9 @@ pub(super) fn take(merged: &mut Table) -> Vec<(String, Value)> {
     names.into_iter().filter_map(|name| effects.remove(&name).map(|values| (name, values))).collect()
 }
 
+/// What to try where an effect is not known: it may be defined in a file that was not named.
+pub const DEFINED_ELSEWHERE: &str = "name the file that defines an effect of your own with `--effects FILE`";
+
 /// Makes the written effects known to the model, and switches on those with values.
 ///
 /// # Errors

@@ -110,7 +110,9 @@ fn keys_below(bench: &Bench, table: &str, held: &Holds, keys: &mut Vec<Key>) {
 fn holds(bench: &Bench, key: &str) -> Holds {
     let table = if key.is_empty() { String::new() } else { format!("[{key}]\n") };
     let said = answer(bench, format!("{table}{NOBODY} = 1\n"));
-    let expected = said.split("expected ").nth(1).unwrap_or_else(|| panic!("[{key}]: {said}")).trim();
+    let expected = said.split("expected ").nth(1).unwrap_or_else(|| panic!("[{key}]: {said}"));
+    // Advice may follow.
+    let expected = expected.split("; ").next().unwrap_or(expected).trim();
     let names = || expected.split('`').skip(1).step_by(2).map(str::to_owned).collect();
     match expected {
         _ if said.contains("unknown key") => Holds::Table(names()),

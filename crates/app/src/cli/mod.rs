@@ -129,7 +129,7 @@ pub struct DiagnoseArgs {
     /// is done anyway
     #[arg(long, conflicts_with = "config")]
     pub init: bool,
-    /// Write the model with the effects that were found, as a config patch
+    /// Write the mended model, with the found effects that make its forecasts better, as a config patch
     #[arg(long, value_name = "FILE")]
     pub patch_out: Option<PathBuf>,
     /// Write the experiment to fly next, for --experiment, if one is needed

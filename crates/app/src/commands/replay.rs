@@ -10,7 +10,7 @@ use crate::report::replay::gap;
 use crate::report::replay::page::{Against, Report, page as html};
 use crate::report::replay::plot;
 use anyhow::Result;
-use diagnose::{FreeRun, Gap, check, free_runs};
+use diagnose::{Finding, FreeRun, Gap, check, free_runs};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -60,7 +60,8 @@ impl<'a> Subject<'a> {
             config.refuse_setpoint(&no_setpoint(&args.log.display().to_string()), |_| false)?;
         }
         let columns = config.tables.source_columns();
-        let findings = check(&log.recording, &model).iter().map(|finding| finding.in_columns(&columns)).collect();
+        let said = |finding: &Finding| config.words.of(&finding.in_columns(&columns));
+        let findings = check(&log.recording, &model).iter().map(said).collect();
         log.discard_implausible_readings(&model);
         let draws = args.plot.is_some() || args.html.is_some();
         let on_log = |model: &Model| Replayed {

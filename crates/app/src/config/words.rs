@@ -157,6 +157,8 @@ impl Words {
         put("Duty", capital(input));
         if let Some(position) = position {
             put("the ball lies at an end of the pipe", format!("the {position} is at an end of its range"));
+            put("takes off", "leaves it".into());
+            put("lands", "is back there".into());
             for old in ["position", "height", "ball"] {
                 put(old, position.to_owned());
                 put(&capital(old), capital(position));

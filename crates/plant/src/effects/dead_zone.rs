@@ -1,4 +1,4 @@
-//! Dead zone: near hover the fan's force does not answer to the duty.
+//! Dead zone: near hover the fan's force does not respond to the duty.
 //!
 //! ```text
 //! u' = u − upper    u > upper           u, u' in percent of duty about hover

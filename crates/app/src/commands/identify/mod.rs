@@ -57,10 +57,8 @@ pub(crate) fn has_one_lag(model: &Model) -> Result<()> {
 
 /// The findings of the check of the logs, each with its log.
 fn said(asked: &Asked, findings: &[FlightFinding]) -> Vec<String> {
-    findings
-        .iter()
-        .map(|noted| format!("{}: {}", asked.names[noted.flight], noted.finding.in_columns(&asked.columns)))
-        .collect()
+    let finding = |noted: &FlightFinding| asked.words.of(&noted.finding.in_columns(&asked.columns));
+    findings.iter().map(|noted| format!("{}: {}", asked.names[noted.flight], finding(noted))).collect()
 }
 
 /// Writes the requested patch.

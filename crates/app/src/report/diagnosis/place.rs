@@ -1,8 +1,7 @@
 //! Where a model is wrong, in the columns of the log: there a user looks for it, and positions of a rig without ends
 //! have another origin in the config.
 
-use crate::report::kit::page::parts::three_digits;
-use diagnose::{Place, SourceColumns};
+use diagnose::{Place, SourceColumns, decimals};
 
 /// A place as written after "wrong".
 #[must_use]
@@ -34,7 +33,7 @@ pub fn in_the_log(place: &Place, columns: &SourceColumns) -> Option<String> {
     }
     let (offset, rate) = if does == "is" { (source.offset, "") } else { (0.0, " per s") };
     let [a, b] = [place.from, place.to].map(|end| (end - offset) / source.scale);
-    let [low, high] = [a.min(b), a.max(b)].map(three_digits);
+    let [low, high] = [a.min(b), a.max(b)].map(|end| format!("{end:.*}", decimals(end)));
     Some(format!("{} {does} {low} to {high}{rate}", source.column.trim_matches('"')))
 }
 

@@ -155,8 +155,8 @@ fn words() -> Markup {
     html! {
         dl {
             dt { "as believed" } dd { "The model of the config (nominal model), unchanged." }
-            dt { "mended" } dd { "The same model with the effects that were found and with refitted parameters \
-                 (corrected model)." }
+            dt { "mended" } dd { "The same model with refitted parameters, and with those of the found effects \
+                 that make its forecasts better (corrected model)." }
             dt { "noise alone" }
             dd { "The error that a correct model would have, from the noise of sensor and air. It is the lowest that \
                  can be reached." }

@@ -103,6 +103,11 @@ impl Table {
         self.rows.cell(row, column)
     }
 
+    /// Whether each cell of a row is as in the row before.
+    pub(crate) fn repeats_row_before(&self, row: usize) -> bool {
+        row > 0 && (0..self.width()).all(|column| self.cell(row, column) == self.cell(row - 1, column))
+    }
+
     /// A cell of the row of units under the header, if there is one.
     pub(crate) fn unit(&self, column: usize) -> Option<&str> {
         self.units.as_ref()?.get(column).filter(|unit| !unit.is_empty())

@@ -45,6 +45,22 @@ fn a_mark_windows_line_ends_spaces_and_empty_lines_do_no_harm() {
 }
 
 #[test]
+fn a_row_that_is_written_twice_is_one_measurement_and_two_readings_at_one_time_are_two() {
+    let plain = parse(&table().join("\n")).unwrap();
+    let (header, rows) = (table()[0].clone(), table()[1..].to_vec());
+    let doubled = |rows: &[String]| std::iter::once(&header).chain(rows).cloned().collect::<Vec<_>>().join("\n");
+    let each_twice: Vec<String> = rows.iter().flat_map(|row| [row.clone(), row.clone()]).collect();
+    assert_eq!(parse(&doubled(&each_twice)).unwrap(), plain);
+    let again = |row: &String| row.rsplit_once(',').map(|(rest, _)| format!("{rest},250")).unwrap();
+    let two_readings: Vec<String> = rows.iter().flat_map(|row| [row.clone(), again(row)]).collect();
+    assert_eq!(parse(&doubled(&two_readings)).unwrap().samples().len(), 80);
+    // Without a time of its own, a row like the one before is a moment later.
+    let import = Import { time_s: Column { scale: 0.02, ..Column::named("row") }, ..Import::default() };
+    let still = format!("duty_percent,position_mm\n{}", "21.5,300\n".repeat(40));
+    assert_eq!(recording("rig.csv", still.as_bytes(), &import).unwrap().samples().len(), 40);
+}
+
+#[test]
 fn a_wrong_cell_is_named_by_line_column_and_value() {
     for (cell, words) in
         [("abc", "`abc` is no number"), ("21,5", "cells"), ("inf", "not finite"), ("-inf", "not finite")]

@@ -37,7 +37,7 @@ pub fn compare(args: &CompareArgs) -> Result<()> {
     if args.json {
         say(serde_json::to_string(&found)?)?;
     } else {
-        lines(&found).into_iter().map(|line| words.of(&line)).try_for_each(say)?;
+        lines(&found, &words).into_iter().try_for_each(say)?;
     }
     announce(args.json, &[("page", args.html.as_deref())])
 }

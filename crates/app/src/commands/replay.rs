@@ -83,11 +83,11 @@ impl<'a> Subject<'a> {
             (self.args.log.display(), recording.duration_s(), self.args.config.config.display());
         say(format_args!("{file}: {duration_s:.1} s, {readings} readings; model of {config}"))?;
         let said = |text: String| say(self.words.of(&text));
-        said(gap::table(gap))?;
+        say(gap::table(gap, &self.words))?;
         said(gap::sentence(gap, recording))?;
         let Some((patch, other)) = self.args.against.as_ref().zip(other) else { return Ok(()) };
         say(format_args!("model of {config} with {}", patch.display()))?;
-        said(gap::table(other))?;
+        say(gap::table(other, &self.words))?;
         said(gap::nearer(gap, other, &patch.display().to_string()))
     }
 

@@ -78,7 +78,8 @@ pub fn replay(belief: &Belief, log: &Log) -> Result<Made> {
     let findings = diagnose::check(&held.recording, model);
     held.discard_implausible_readings(model);
     let gap = Gap::measure(model, &held.recording);
-    let words = [table(&gap), sentence(&gap, &held.recording)].map(|words| belief.0.words.of(&words));
+    let rig = &belief.0.words;
+    let words = [table(&gap, rig), rig.of(&sentence(&gap, &held.recording))];
     Ok(Made {
         document: serde_json::to_string(&ReplayDocument::of(&gap, None))?,
         words: words.join("\n"),

@@ -64,9 +64,9 @@ impl Found {
 
     /// The result in lines, in the words of the rig.
     pub(crate) fn words(&self, asked: &Asked) -> Vec<String> {
-        let about = self.about.map(|about| format!("about     {}", about.words()));
-        let lines = words::lines(self.used(), &self.models, &self.best).into_iter().chain(about);
-        lines.map(|line| asked.words.of(&line)).collect()
+        let rig = &asked.words;
+        let about = self.about.map(|about| rig.of(&format!("about     {}", about.words())));
+        words::lines(self.used(), &self.models, &self.best, rig).into_iter().chain(about).collect()
     }
 
     fn page(&self, args: &GreyBoxArgs, asked: &Asked) -> String {

@@ -1,8 +1,9 @@
 //! A comparison in words, for a terminal.
 
 use super::document::{ABSENT, Comparison, OF_90_PERCENT, SideEntry};
+use crate::config::words::Words;
 use crate::report::kit::page::parts::{capital, spoken};
-use crate::report::kit::table::empty;
+use crate::report::kit::table::{self, empty};
 use crate::report::kit::words::digits;
 use diagnose::{NumberChange, chance_in_words, decimals};
 
@@ -124,18 +125,18 @@ pub fn effects(side: &SideEntry) -> String {
     if all.is_empty() { "none".into() } else { all.join(", ") }
 }
 
-/// The comparison, line by line.
+/// The comparison, line by line, in the words of the rig.
 #[must_use]
-pub fn lines(found: &Comparison) -> Vec<String> {
+pub fn lines(found: &Comparison, rig: &Words) -> Vec<String> {
     let [before, after] = &found.sides;
-    let mut lines = vec![format!("{}.", answer(found))];
-    lines.push(format!("before    {}: effects {}", before.name, effects(before)));
-    lines.push(format!("after     {}: effects {}", after.name, effects(after)));
+    let mut lines = vec![rig.of(&format!("{}.", answer(found)))];
+    lines.push(format!("before    {}: effects {}", before.name, rig.of(&effects(before))));
+    lines.push(format!("after     {}: effects {}", after.name, rig.of(&effects(after))));
     let mut table = empty(["number of the rig", "before", "after", "difference, 90 %", ""]);
     found.numbers.iter().for_each(|one| {
         table.add_row(row(one, found.numbers.len()));
     });
-    lines.push(table.to_string());
+    lines.push(table::in_words(&table, rig));
     if !found.of_one_model {
         lines.push(
             "The numbers are of the models of two diagnoses. Where these have different effects, compare the two logs \
@@ -143,7 +144,7 @@ pub fn lines(found: &Comparison) -> Vec<String> {
                 .into(),
         );
     }
-    lines.extend(errors(found));
+    lines.extend(errors(found, rig));
     lines.extend(found.lateness.map(|late| {
         let said = if late.is_beyond_chance { "changed" } else { "within chance" };
         format!(
@@ -155,14 +156,14 @@ pub fn lines(found: &Comparison) -> Vec<String> {
 }
 
 /// The errors of both models on both records.
-fn errors(found: &Comparison) -> Option<String> {
+fn errors(found: &Comparison, rig: &Words) -> Option<String> {
     let [on_before, on_after] = found.error_mm?;
     let mm = |value: Option<f64>| value.map_or_else(|| "–".into(), |mm| format!("{mm:.2}"));
     let mut table = empty(["error 1 s ahead, mm", "record before", "record after"]);
     for (at, name) in ["model fitted to before", "model fitted to after"].into_iter().enumerate() {
         table.add_row([name.to_owned(), mm(on_before[at]), mm(on_after[at])]);
     }
-    Some(table.to_string())
+    Some(table::in_words(&table, rig))
 }
 
 #[cfg(test)]

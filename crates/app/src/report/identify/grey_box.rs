@@ -2,7 +2,7 @@
 
 use super::{SCHEMA, name, said};
 use crate::report::kit::about::About;
-use crate::report::kit::table::empty;
+use crate::report::kit::table::{empty, in_words};
 use diagnose::Recording;
 use diagnose::identify::{GreyBox, ParameterEstimate, Percent, Poles, ResidualTests, Test};
 use serde::Serialize;
@@ -93,8 +93,10 @@ impl Residuals {
 
 /// An identification in words.
 pub mod words {
-    use super::{GreyBox, HORIZONS_S, Percent, Poles, Recording, Residuals, empty, name, said};
+    use super::{GreyBox, HORIZONS_S, Percent, Poles, Recording, Residuals, empty, in_words, name, said};
+    use crate::config::words::Words;
     use crate::report::kit::words::p_value;
+    use comfy_table::Table;
 
     /// The number of poles, in words.
     #[must_use]
@@ -105,9 +107,9 @@ pub mod words {
         }
     }
 
-    /// The fit with each number of poles, and the one that is kept.
+    /// The fit with each number of poles, and the one that is kept, in the words of the rig.
     #[must_use]
-    pub fn lines(recording: &Recording, found: &[GreyBox], best: &GreyBox) -> Vec<String> {
+    pub fn lines(recording: &Recording, found: &[GreyBox], best: &GreyBox, rig: &Words) -> Vec<String> {
         let (seconds, readings) = (recording.duration_s(), recording.readings());
         let flights = recording.flights().len();
         let mut lines = vec![
@@ -115,12 +117,12 @@ pub mod words {
                 "record    {seconds:.1} s, {readings} readings in {flights} stretch{}",
                 if flights == 1 { "" } else { "es" }
             ),
-            table(found),
+            in_words(&table(found), rig),
         ];
         if found.len() > 1 {
-            lines.push(format!("kept      {}: {}", poles(best.poles), why(found, best)));
+            lines.push(rig.of(&format!("kept      {}: {}", poles(best.poles), why(found, best))));
         }
-        lines.push(verdict(Residuals::of(best)).into());
+        lines.push(rig.of(verdict(Residuals::of(best))));
         lines
     }
 
@@ -151,7 +153,7 @@ pub mod words {
         }
     }
 
-    fn table(found: &[GreyBox]) -> String {
+    fn table(found: &[GreyBox]) -> Table {
         let header = std::iter::once(String::new()).chain(found.iter().map(|one| poles(one.poles).to_owned()));
         let mut table = empty(header.collect::<Vec<String>>());
         let mut row = |title: String, cell: &dyn Fn(&GreyBox) -> String| {
@@ -168,7 +170,7 @@ pub mod words {
         row("fit of simulation, 10 s".into(), &|one| fit(one, |percent| percent.simulated_10s));
         row("whiteness".into(), &|one| p_value(one.residuals.whiteness.p_value));
         row("independence of duty".into(), &|one| p_value(one.residuals.input.p_value));
-        table.to_string()
+        table
     }
 
     /// A fit compared with the noise floor.

@@ -1,6 +1,7 @@
 //! The gap as a table, with a sentence on its meaning.
 
-use crate::report::kit::table::empty;
+use crate::config::words::Words;
+use crate::report::kit::table::{empty, in_words};
 use diagnose::{Gap, Recording};
 use serde::Serialize;
 
@@ -31,9 +32,9 @@ impl<'a> ReplayDocument<'a> {
     }
 }
 
-/// The gap as a table: one row per horizon.
+/// The gap as a table in the words of the rig: one row per horizon.
 #[must_use]
-pub fn table(gap: &Gap) -> String {
+pub fn table(gap: &Gap, rig: &Words) -> String {
     let mut table = empty(["forecast ahead", "model", "the ball stays put", "noise alone", "model / noise"]);
     for (h, horizon) in gap.horizons_s.iter().enumerate() {
         let (error, floor) = (gap.error_mm[h], gap.floor_mm[h]);
@@ -41,7 +42,7 @@ pub fn table(gap: &Gap) -> String {
     }
     let (error, floor) = (gap.free_run_10s_mm, gap.floor_free_run_10s_mm);
     table.add_row(["free run, 10 s".into(), mm(error), String::new(), mm(floor), ratio(error, floor)]);
-    table.to_string()
+    in_words(&table, rig)
 }
 
 /// Which of two models is nearer to the record 1 s ahead, in a sentence.

@@ -87,11 +87,12 @@ fn designs(bench: &Bench) {
 
 #[test]
 fn pages_open_offline_and_can_be_read_zoomed_and_printed_by_everyone() {
-    let bench = bench();
-    diagnosis(&bench);
-    identification(&bench);
-    measurements(&bench);
-    designs(&bench);
+    let bench = &bench();
+    std::thread::scope(|scope| {
+        for pages in [diagnosis, identification, measurements, designs] {
+            scope.spawn(move || pages(bench));
+        }
+    });
 
     let mut browser = Command::new("node");
     browser.arg("--test").arg(root().join("tests/browser/page.test.mjs")).env("PAGES", bench.path("."));

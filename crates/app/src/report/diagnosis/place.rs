@@ -15,26 +15,25 @@ pub fn words(place: &Place, columns: &SourceColumns) -> String {
     }
 }
 
-/// The same in a column of the log. `None`: the log has our own column, or none that is this quantity.
+/// The same in a column of the log. `None`: the log has our own column, or none that is this quantity. A time counts
+/// from the start of the record, and its column from any moment.
 #[must_use]
 pub fn in_the_log(place: &Place, columns: &SourceColumns) -> Option<String> {
-    let SourceColumns { time_s, duty_percent, position_mm } = columns;
+    let SourceColumns { duty_percent, position_mm, .. } = columns;
     let own = SourceColumns::default();
-    let (source, own, does) = match place.signal {
-        "time_s" => (time_s, own.time_s, "is"),
-        "duty_percent" => (duty_percent, own.duty_percent, "is"),
-        "position_mm" => (position_mm, own.position_mm, "is"),
-        "velocity_mm_per_s" => (position_mm, own.position_mm, "changes by"),
+    let (source, own, offset, verb, unit) = match place.signal {
+        "duty_percent" => (duty_percent, own.duty_percent, duty_percent.offset, "is", ""),
+        "position_mm" => (position_mm, own.position_mm, position_mm.offset, "is", ""),
+        "velocity_mm_per_s" => (position_mm, own.position_mm, 0.0, "changes by", " per s"),
         _ => return None,
     };
     // A difference of columns, or an integral, is in no column.
     if *source == own || !source.further_keys.is_empty() {
         return None;
     }
-    let (offset, rate) = if does == "is" { (source.offset, "") } else { (0.0, " per s") };
     let [a, b] = [place.from, place.to].map(|end| (end - offset) / source.scale);
     let [low, high] = [a.min(b), a.max(b)].map(|end| format!("{end:.*}", decimals(end)));
-    Some(format!("{} {does} {low} to {high}{rate}", source.column.trim_matches('"')))
+    Some(format!("{} {verb} {low} to {high}{unit}", source.column.trim_matches('"')))
 }
 
 #[cfg(test)]
@@ -61,7 +60,7 @@ mod tests {
             (place("position_mm", 100.0, 400.0), "where angle_deg is -100 to 50.0"),
             (place("velocity_mm_per_s", -8.0, 12.0), "where angle_deg changes by -4.00 to 6.00 per s"),
             (place("duty_percent", 20.0, 80.0), "where u is -3.00 to 3.00"),
-            (place("time_s", 1.5, 2.0), "where t [ms] is 1500 to 2000"),
+            (place("time_s", 1.5, 2.0), "where time_s is 1.5 to 2.0"),
             (place("lag_s", 0.25, 0.5), "0.25 to 0.50 s after the duty moves"),
         ] {
             assert_eq!(words(&place, &columns), said);

@@ -7,7 +7,7 @@ use crate::analysis::loop_deviations::{Upstream, upstream};
 use crate::analysis::next_experiment::{Advice, advise};
 use crate::analysis::virtual_flight::Desk;
 use crate::config::words::Words;
-use crate::config::{Config, DEFINED_ELSEWHERE, Tables};
+use crate::config::{Config, OWN_EFFECT_ADVICE, Tables};
 use crate::log::reader::{self, LoadedLog};
 use crate::report::diagnosis::logs::Logs;
 use crate::report::first_belief;
@@ -64,7 +64,7 @@ fn check_names(without: &[String], belief: &Model) -> Result<(), Usage> {
         Some(unknown) => {
             let known: Vec<&str> = belief.effects.catalogue().map(|entry| entry.name).collect();
             let known = known.join(", ");
-            Err(Usage(format!("--without {unknown}: there is no such effect; known are {known}; {DEFINED_ELSEWHERE}")))
+            Err(Usage(format!("--without {unknown}: there is no such effect; known are {known}; {OWN_EFFECT_ADVICE}")))
         }
         None => Ok(()),
     }

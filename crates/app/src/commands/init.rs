@@ -46,8 +46,8 @@ pub(crate) fn propose(
 ) -> Result<Proposed> {
     if out.exists() && !replaces {
         return Err(Usage(format!(
-            "{0} exists and is kept; diagnose with it (--config {0}), or propose another one by `airball init`, with --out \
-             under another name or with --force in its place",
+            "{0} exists and is kept; diagnose with it (--config {0}), or propose another one by `airball init`, with \
+             --out under another name or with --force in its place",
             out.display()
         ))
         .into());

@@ -44,7 +44,11 @@ pub enum ConfigError {
         error: control::OutOfRange,
     },
     /// A table that a command needs is absent.
-    #[error("{}: the table [{table}] is missing, and `airball {command}` needs it; copy it from the config.toml of the project", path.display())]
+    #[error(
+        "{}: the table [{table}] is missing, and `airball {command}` needs it; copy it from the config.toml of the \
+         project",
+        path.display()
+    )]
     Missing {
         /// The file.
         path: PathBuf,

@@ -8,7 +8,7 @@ use super::merge::put_over;
 use super::plain_words::plain_words;
 use super::tables::Tables;
 use super::words::{self, Words};
-use super::written;
+use super::written::{self, OWN_EFFECT_ADVICE};
 use plant::Unsound;
 use rows::shown;
 use serde::de::DeserializeOwned;
@@ -242,8 +242,9 @@ fn typed<T: DeserializeOwned>(merged: toml::Table, sources: &[Source]) -> Result
     serde_path_to_error::deserialize(merged).map_err(|error| {
         let key = error.path().to_string();
         let mut message = plain_words(error.into_inner().message());
-        if key.starts_with("plant.effects.") && message.starts_with("unknown key") {
-            message = format!("{message}; {}", written::DEFINED_ELSEWHERE);
+        let is_effect = key.strip_prefix("plant.effects.").is_some_and(|name| !name.contains('.'));
+        if is_effect && message.starts_with("unknown key") {
+            message = format!("{message}; {OWN_EFFECT_ADVICE}");
         }
         let place = place(sources, &key);
         // At the top of a file the path is a dot.

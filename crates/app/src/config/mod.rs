@@ -27,4 +27,4 @@ pub use predistorted::with_other_control;
 pub use rig::Rig;
 pub use signals::{SecondSensor, Tachometer};
 pub use tables::{Bus, Loop, Reference, Safety, Stuck, Tables};
-pub(crate) use written::DEFINED_ELSEWHERE;
+pub(crate) use written::OWN_EFFECT_ADVICE;

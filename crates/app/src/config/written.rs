@@ -15,7 +15,7 @@ pub(super) fn take(merged: &mut Table) -> Vec<(String, Value)> {
 }
 
 /// What to try where an effect is not known: it may be defined in a file that was not named.
-pub const DEFINED_ELSEWHERE: &str = "name the file that defines an effect of your own with `--effects FILE`";
+pub const OWN_EFFECT_ADVICE: &str = "name the file that defines an effect of your own with `--effects FILE`";
 
 /// Makes the written effects known to the model, and switches on those with values.
 ///

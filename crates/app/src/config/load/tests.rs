@@ -37,6 +37,8 @@ fn an_unknown_key_is_named_with_its_line_and_the_known_keys() {
     assert!(message.starts_with("/c.toml:11: plant.effects.fan_lagg: unknown key"), "{message}");
     assert!(message.contains("`dead_zone`") && message.contains("`fan_lag`"), "{message}");
     assert!(message.ends_with("name the file that defines an effect of your own with `--effects FILE`"), "{message}");
+    let message = error_of(&format!("{GOOD}\n[plant.effects.fan_lag]\ntau_s = 0.2\n"));
+    assert!(message.contains("unknown key `tau_s`") && !message.contains("--effects"), "{message}");
 }
 
 #[test]

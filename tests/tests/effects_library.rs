@@ -124,7 +124,7 @@ fn a_sensor_whose_scale_bends_with_height_is_named() {
 }
 
 #[test]
-fn play_before_what_is_measured_is_named() {
+fn backlash_before_what_is_measured_is_named() {
     let act: Act = |now| {
         let measured = &mut now.own[0];
         *measured = measured.clamp(now.x - 8.0, now.x + 8.0);

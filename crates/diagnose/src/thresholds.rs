@@ -41,8 +41,8 @@ pub(crate) const MOST_SHAPES: usize = 4;
 /// one-sided test at 5 %, corrected for the two shapes that are compared (Bonferroni). No rate was measured.
 pub(crate) const FORMULA_FORECAST: f64 = 1.96;
 
-/// A model forecasts better than a simpler one where its mean square at 1 s is lower by so many standard errors over the
-/// stretches of the record: a one-sided test at 5 %. No rate was measured.
+/// A model forecasts better than a simpler one where its mean squares at all horizons are lower by so many standard
+/// errors over the stretches of the record: a one-sided test at 5 %. No rate was measured.
 pub(crate) const BETTER_FORECAST: f64 = 1.645;
 
 // Which effect is named?

@@ -39,11 +39,11 @@ pub(crate) fn map(table: &Table, import: &Import) -> Result<Vec<Sample>, RowsErr
     let (fan_rpm, position2_mm) = (convert(fan_rpm)?, convert(position2)?);
     let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
     // A logger that writes a row twice repeats its noise as well, and two such readings are no two measurements.
-    let is_copy = |row: usize| row > 0 && time_s[row] == time_s[row - 1] && table.repeats_row_before(row);
+    let is_copy = |row: usize| table.repeats_row_before(row) && time_s[row] == time_s[row - 1];
     let known = time_s.iter().zip(&duty_percent).enumerate().filter_map(|(row, (&time_s, duty_percent))| {
         let has_reading = [&position_mm, &fan_rpm, &position2_mm].iter().any(|of| at(of, row).is_some());
-        let says_something = !is_copy(row) && (has_reading || duty.is_written(table, row));
-        says_something.then_some((row, time_s, (*duty_percent)?))
+        let is_used = !is_copy(row) && (has_reading || duty.is_written(table, row));
+        is_used.then_some((row, time_s, (*duty_percent)?))
     });
     let samples = known.map(|(row, time_s, duty_percent)| {
         let read = fresh.as_ref().map_or(Ok(true), |fresh| fresh.flag(table, row))?;

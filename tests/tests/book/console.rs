@@ -77,8 +77,8 @@ fn steps(block: &str) -> Vec<Step<'_>> {
 
 /// The output of each command on standard output and standard error.
 fn run<'a>(bench: &Bench, page: &Path, text: &str, commands: impl Iterator<Item = &'a str>) -> Vec<String> {
-    for folder in ["docs", "experiments", "data", "effects.toml"] {
-        std::os::unix::fs::symlink(root().join(folder).canonicalize().unwrap(), bench.path(folder)).unwrap();
+    for name in ["docs", "experiments", "data", "effects.toml"] {
+        std::os::unix::fs::symlink(root().join(name).canonicalize().unwrap(), bench.path(name)).unwrap();
     }
     let broker = text.contains("mosquitto").then(Broker::default);
     let port = broker.as_ref().map_or(1, |broker| broker.port);

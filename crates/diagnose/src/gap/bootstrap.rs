@@ -1,15 +1,15 @@
 //! The block bootstrap: an interval of a statistic of the forecast errors, from stretches of the record that are drawn
 //! again with replacement, which gives the variation between flights of the same kind.
 //!
-//! It holds where a few stretches have most of the error, as beyond a threshold of friction: a standard error of the
-//! mean is then wide on both sides, though the mean cannot change its sign.
+//! It needs no normal distribution. Where a few stretches have most of the error, as with dry friction, the standard
+//! error of the mean is large although the sign of the mean is certain.
 //! Source: Künsch, "The jackknife and the bootstrap for general stationary observations", Annals of Statistics 17
 //! (1989).
 
 use crate::gap::forecast_error::Tally;
 use plant::Normal;
 
-/// Number of draws.
+/// Number of draws: the 5 % quantile of so many is off by one percent of the distribution, √(0.05·0.95/500).
 const DRAWS: usize = 500;
 
 /// The 90 % interval of a statistic of `count` stretches, given the indices of those that were drawn. `None`: it is no

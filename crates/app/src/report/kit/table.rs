@@ -18,9 +18,6 @@ pub fn empty(header: impl Into<Row>) -> Table {
 
 /// A table in the words of a rig, aligned by them.
 pub fn in_words(table: &Table, rig: &Words) -> String {
-    if rig.is_ball_pipe() {
-        return table.to_string();
-    }
     let cells = |row: &Row| row.cell_iter().map(|cell| rig.of(&cell.content())).collect::<Vec<_>>();
     let mut said = empty(table.header().map(cells).unwrap_or_default());
     said.add_rows(table.row_iter().map(cells));

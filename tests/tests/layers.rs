@@ -57,7 +57,7 @@ fn no_two_subjects_of_a_report_import_each_other_and_the_kit_imports_none() {
 #[test]
 fn the_folders_of_the_application_are_seen_with_their_imports() {
     let imports = Imports::read(&root().join("crates/app/src"));
-    for (from, to) in [("flight", "rig"), ("rig", "config"), ("report", "analysis"), ("commands", "report")] {
+    for (from, to) in [("flight", "bench"), ("report", "analysis"), ("commands", "report")] {
         assert!(imports.has(from, to), "{from} → {to} is missing: {imports:?}");
     }
 }

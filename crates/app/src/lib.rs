@@ -1,26 +1,27 @@
 //! The application: everything around control law, plant and diagnosis. See ARCHITECTURE.md.
 //!
-//! Its layers, each of which uses only those before it: `config`, `rig`, `flight` and `fmu`, `log` and `mqtt`,
-//! `analysis`, `report`, `commands`, and `program` and `library` on top. Public is what the binary, the Python package,
-//! the FMU, the fuzz targets and the book use.
+//! Its layers, each of which uses only those before it: `bench`, `flight`, `log` and `mqtt`, `analysis`, `report`,
+//! `commands`, and `program` and `library` on top. Public is what the binary, the Python package, the fuzz targets and
+//! the book use.
 
 // The modules are private: in them, `pub` is for the other modules, and their documentation is for developers.
 #![allow(unreachable_pub, rustdoc::private_intra_doc_links)]
 
 mod analysis;
+mod bench;
 pub mod cli;
 pub mod commands;
-mod config;
+mod export_fmu;
 mod files;
 mod flight;
-pub mod fmu;
+#[cfg(test)]
+mod fmu_tests;
 pub mod library;
 mod locked;
 mod log;
 mod mqtt;
 pub mod program;
 mod report;
-mod rig;
 mod standard_error;
 pub mod started;
 mod wrapped;
@@ -29,10 +30,8 @@ pub use config::ConfigError;
 
 /// Parsers of foreign bytes, for the fuzz targets, and what these need to process the results.
 pub mod fuzzing {
-    /// Topics of a broker, and the content of a message on one of them.
-    pub use crate::config::topics::{ORIGINAL_SETPOINT, Topics};
-    /// Tables of a config, and the parser of their text.
-    pub use crate::config::{Tables, parse_text};
+    /// The emulated bus behind its socket.
+    pub use crate::bench::serve;
     /// A programme, and the pilot that flies it.
     pub use crate::flight::experiment::Experiment;
     pub use crate::flight::pilot::{Orders, Pilot, Seen};
@@ -44,8 +43,10 @@ pub mod fuzzing {
     pub use crate::log::writer::LogWriter;
     pub use crate::mqtt::parse::{Asked, parse as parse_message};
     pub use crate::report::flight::summary::Summary;
-    /// The emulated bus behind its socket.
-    pub use crate::rig::serve;
+    /// Topics of a broker, and the content of a message on one of them.
+    pub use config::topics::{ORIGINAL_SETPOINT, Topics};
+    /// Tables of a config, and the parser of their text.
+    pub use config::{Tables, parse_text};
 }
 
 /// For the gallery of the book.
@@ -54,8 +55,6 @@ pub mod book {
     pub use crate::analysis::next_experiment::{Advice, advise};
     /// A controller that flies a model in memory.
     pub use crate::analysis::virtual_flight::{Desk, Flown};
-    /// The config of the shown rig.
-    pub use crate::config::{Config, ConfigError, Tables};
     /// An experiment.
     pub use crate::flight::experiment::Experiment;
     /// A cycle as a row of a recording.
@@ -66,4 +65,6 @@ pub mod book {
     pub use crate::report::flight::plot::two_flights;
     /// Names and numbers as they are printed.
     pub use crate::report::kit::page::parts::{number, spoken, stage};
+    /// The config of the shown rig.
+    pub use config::{Config, ConfigError, Tables};
 }

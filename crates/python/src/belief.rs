@@ -49,8 +49,8 @@ impl Belief {
         Some((numbers, model.not_linear()))
     }
 
-    fn export_fmu(&self, py: Python<'_>, library: PathBuf, out: PathBuf) -> PyResult<()> {
-        library::export_fmu(&self.0, &library, &out).or_raise(py)
+    fn export_fmu(&self, py: Python<'_>, folder: PathBuf, out: PathBuf) -> PyResult<()> {
+        library::export_fmu(&self.0, &folder, &out).or_raise(py)
     }
 
     #[getter]

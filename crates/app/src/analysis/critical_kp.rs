@@ -38,7 +38,7 @@ impl CriticalKp {
 mod tests {
     use super::CriticalKp;
     use crate::analysis::loop_margins::{Closing, Loop};
-    use crate::config::Tables;
+    use config::Tables;
     use control::numbers::{Numbers, Parameter};
 
     #[test]

@@ -10,12 +10,12 @@
 //! its config and its lateness. The law is followed from take-off to the first change of gains, open loop, fault or
 //! lost cycle. An excitation is in no log, so that a difference means nothing where an experiment was flown.
 
-use crate::config::{Reference, Tables};
 use crate::flight::command::Command;
 use crate::flight::experiment::Experiment;
 use crate::flight::pilot::{Orders, Pilot, Seen, Senses};
 use crate::flight::vocabulary::{Cycle, Mode};
 use crate::log::reader::{LoadedLog, sample};
+use config::{Reference, Tables};
 use control::waveform::Waveform;
 use diagnose::thresholds::FIRST_EFFECT;
 use diagnose::{Recording, Sample, kl_divergence};

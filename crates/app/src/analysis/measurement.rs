@@ -9,9 +9,9 @@
 
 use super::step_response::{AT_REST_PERCENT, Moment, Step, steps_of};
 use crate::cli::Measurement;
-use crate::config::{Rig, Tables};
 use crate::log::reader::LoadedLog;
 use anyhow::{Result, anyhow};
+use config::{Rig, Tables};
 use diagnose::measure::Estimate;
 use diagnose::measure::critical::{Critical, CriticalTime, critical, critical_time};
 use diagnose::measure::dead_zone::{DeadZone, dead_zone};

@@ -13,20 +13,20 @@
 //! 20° of phase to the lags; the integral only has to find hover.
 //! Source: loop shaping, Åström & Murray, *Feedback Systems*, "Frequency Domain Design".
 
-use crate::config::{Loop, Rig, Safety, Tables};
 use crate::flight::Flight;
 use crate::flight::experiment::Experiment;
 use crate::flight::outside::Recorder;
 use crate::flight::pilot::{Orders, Pilot, Signals, reading_period_s};
 use crate::flight::vocabulary::{Cycle, Event, Fault};
 use crate::log::reader::LoadedLog;
-use crate::rig::{Direct, simulated_in_virtual_time};
+use config::{Loop, Rig, Safety, Tables};
 use control::compensation::Compensation;
 use control::controller::{Controllers, Kind};
 use control::observer::Observer;
 use control::pid::{DerivativeOn, Pid};
 use control::regulator::Regulator;
 use plant::Model;
+use rig::{Direct, simulated_in_virtual_time};
 use std::sync::atomic::AtomicBool;
 
 /// Crossover of the slow loop times its lags, and the largest crossover, rad/s.

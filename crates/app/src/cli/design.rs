@@ -1,8 +1,8 @@
 //! The command line of `airball design`.
 
 use super::ConfigArgs;
-use crate::config::USUAL;
 use clap::{Args, Subcommand, ValueEnum};
+use config::USUAL;
 use control::design::Complex;
 use std::path::PathBuf;
 

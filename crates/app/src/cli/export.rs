@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// `airball export`
 #[derive(Debug, Subcommand)]
 pub enum ExportCommand {
-    /// Write the simulated rig as an FMU (FMI 2.0, co-simulation, 64-bit Linux), for Simulink, OpenModelica and FMPy
+    /// Write the simulated rig as an FMU (FMI 2.0, co-simulation), for Simulink, OpenModelica and FMPy
     Fmu(FmuArgs),
 }
 
@@ -20,7 +20,8 @@ pub struct FmuArgs {
     /// The FMU to write; one that exists is kept
     #[arg(long, value_name = "FILE", default_value = "rig.fmu")]
     pub out: PathBuf,
-    /// Compiled library of the FMU [default: libairball_fmu.so beside this program]
+    /// Compiled library of the FMU, once for each platform [default: libairball_fmu.so beside this program, and
+    /// airball_fmu.dll where it is there]
     #[arg(long, value_name = "FILE")]
-    pub library: Option<PathBuf>,
+    pub library: Vec<PathBuf>,
 }

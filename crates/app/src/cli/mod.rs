@@ -21,9 +21,9 @@ pub use identify::{GreyBoxArgs, IdentifyArgs, IdentifyCommand, PolesArg, ThirdPo
 pub use init::{ColumnArgs, InitArgs};
 pub use measure::{MeasureArgs, Measurement};
 
-use crate::config::USUAL;
-use crate::rig::EnableLine;
+use crate::bench::EnableLine;
 use clap::{Args, Parser, Subcommand};
+use config::USUAL;
 use diagnose::{Options, Progress};
 use flight::seconds;
 use std::path::PathBuf;

@@ -4,13 +4,13 @@ use super::diagnosing::{Answer, Asked};
 use super::{Usage, announce, may_write, note, say, typed, warn};
 use crate::analysis::lateness_change::LatenessChange;
 use crate::cli::CompareArgs;
-use crate::config::words::Words;
 use crate::report::compare::document::{Comparison, SideEntry};
 use crate::report::compare::page::{Report, page as html};
 use crate::report::compare::words::lines;
 use crate::report::kit::page;
 use ::diagnose::{Changes, Options, Verdict};
 use anyhow::{Context, Result, bail};
+use config::words::Words;
 use std::fs;
 use std::path::Path;
 

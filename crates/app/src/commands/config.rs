@@ -2,10 +2,10 @@
 
 use super::{say, warn};
 use crate::cli::ConfigArgs;
-use crate::config::Config;
-use crate::config::mqtt::MqttConfig;
 use crate::flight::experiment::offers::offers;
+use crate::mqtt::exposures;
 use anyhow::Result;
+use config::Config;
 use hal::BUDGET_US;
 
 /// Checks a config and prints the result.
@@ -19,7 +19,7 @@ pub fn check(args: &ConfigArgs) -> Result<()> {
     let names = if names.is_empty() { "none".into() } else { names.join(", ") };
     offered(&config)?;
     say(format_args!("{} is sound; effects of the plant that are on: {names}", args.config.display()))?;
-    let exposures = config.tables.mqtt.as_ref().map_or_else(Vec::new, MqttConfig::exposures);
+    let exposures = config.tables.mqtt.as_ref().map_or_else(Vec::new, exposures);
     exposures.iter().chain(&hasty(&config)).for_each(warn);
     Ok(())
 }

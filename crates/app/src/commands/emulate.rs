@@ -1,12 +1,13 @@
 //! `airball emulate`: a simulated rig in a process of its own, its bus on a socket.
 
 use super::say;
+use crate::bench::{Monotonic, Served, serve};
 use crate::cli::EmulateArgs;
-use crate::config::Config;
 use crate::locked::locked;
-use crate::rig::{Monotonic, Served, emulated_bus, serve};
 use anyhow::{Context, Result};
+use config::Config;
 use hal::Clock;
+use rig::emulated_bus;
 use std::fs;
 use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -32,7 +33,7 @@ pub fn emulate(args: &EmulateArgs) -> Result<()> {
     for handle in listener.incoming() {
         let (bus, said) = (bus.clone(), Arc::clone(&said));
         let after = move |bus: &hal::emulator::EmulatedBus<_>| {
-            let percent = bus.with_world(|world: &mut crate::rig::PlantWorld| world.fan_percent());
+            let percent = bus.with_world(|world: &mut rig::PlantWorld| world.fan_percent());
             let mut said = locked(&said);
             if *said != percent {
                 *said = percent;

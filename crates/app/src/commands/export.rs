@@ -2,10 +2,11 @@
 
 use super::say;
 use crate::cli::{ExportCommand, FmuArgs};
-use crate::config::Config;
-use crate::fmu;
+use crate::export_fmu::{export as export_fmu, libraries_in};
 use anyhow::Result;
-use std::path::PathBuf;
+use config::Config;
+use fmu::Platform;
+use std::path::{Path, PathBuf};
 
 /// Exports.
 ///
@@ -19,13 +20,14 @@ pub fn export(command: &ExportCommand) -> Result<()> {
 
 fn of_fmi(args: &FmuArgs) -> Result<()> {
     let config = Config::read(&args.config.config, &args.config.over())?;
-    let library = args.library.clone().unwrap_or_else(beside);
-    fmu::export(&config, &library, &args.out)?;
-    say(format_args!("wrote {}: FMI 2.0, co-simulation, 64-bit Linux", args.out.display()))
+    let libraries = if args.library.is_empty() { beside() } else { args.library.clone() };
+    let platforms = export_fmu(&config, &libraries, &args.out)?;
+    let names: Vec<String> = platforms.iter().map(Platform::to_string).collect();
+    say(format_args!("wrote {}: FMI 2.0, co-simulation, for {}", args.out.display(), names.join(" and ")))
 }
 
-/// The library beside the running program.
-fn beside() -> PathBuf {
+/// The libraries beside the running program.
+fn beside() -> Vec<PathBuf> {
     let program = std::env::current_exe().unwrap_or_default();
-    program.parent().map_or_else(|| fmu::LIBRARY.into(), |folder| folder.join(fmu::LIBRARY))
+    libraries_in(program.parent().unwrap_or(Path::new("")))
 }

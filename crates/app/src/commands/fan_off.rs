@@ -1,10 +1,10 @@
 //! `airball fan-off`: turns the fan off in every situation.
 
 use super::{say, warn};
+use crate::bench::{BenchError, EnableLine, claim, turn_off};
 use crate::cli::FanOffArgs;
-use crate::config::{Bus, Config};
-use crate::rig::{BenchError, EnableLine, claim, turn_off};
 use anyhow::Result;
+use config::{Bus, Config};
 
 /// How long the command tries, seconds.
 const ALLOWED_S: f64 = 5.0;

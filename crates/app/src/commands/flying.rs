@@ -2,7 +2,6 @@
 
 use super::{fail, note, say, with_causes};
 use crate::cli::FlightArgs;
-use crate::config::{Config, ConfigError, Loop, Safety};
 use crate::flight::Outcome;
 use crate::flight::experiment::Experiment;
 use crate::flight::experiment::offers::offers;
@@ -18,6 +17,7 @@ use crate::report::flight::summary::Summary;
 use crate::report::kit::plot;
 use crate::started;
 use anyhow::{Result, anyhow, bail};
+use config::{Config, ConfigError, Loop, Safety};
 use control::controller::Kind;
 use serde::Serialize;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};

@@ -2,12 +2,12 @@
 //! it.
 
 use super::{fail, warn};
+use crate::bench::{Heard, Ward, turn_off};
 use crate::cli::GuardArgs;
-use crate::config::Bus;
 use crate::flight::last_fault::LastFault;
 use crate::flight::real_time;
-use crate::rig::{Heard, Ward, turn_off};
 use anyhow::{Result, anyhow};
+use config::Bus;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

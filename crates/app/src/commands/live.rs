@@ -2,11 +2,11 @@
 
 use super::say;
 use crate::cli::LiveArgs;
-use crate::config::Config;
 use crate::report::kit::page;
 use crate::report::live::wall::wall;
 use crate::report::live::{Place, page as html};
 use anyhow::{Result, bail};
+use config::Config;
 use std::net::SocketAddr;
 
 /// The WebSockets port of `packaging/mosquitto.conf`.

@@ -2,12 +2,12 @@
 
 use super::say;
 use crate::cli::MonitorArgs;
-use crate::config::Config;
 use crate::mqtt::monitor::Monitor;
 use crate::mqtt::monitor::keys::{Deed, deed};
 use crate::mqtt::monitor::view::draw;
 use crate::mqtt::remote::{Heard, Remote};
 use anyhow::{Context, Result, bail};
+use config::Config;
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event};
 use std::io::{IsTerminal, stdin, stdout};

@@ -2,13 +2,13 @@
 
 use super::warn;
 use crate::analysis::critical_kp::CriticalKp;
-use crate::config::Tables;
 use crate::flight::last_fault::LastFault;
 use crate::flight::pilot::Pilot;
 use crate::flight::vocabulary::Fault;
 use crate::locked::locked;
 use crate::log::files::Files;
 use crate::mqtt::owner::Owner;
+use config::Tables;
 use control::numbers::Values;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};

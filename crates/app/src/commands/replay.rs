@@ -3,13 +3,13 @@
 use super::diagnosing::no_setpoint;
 use super::{announce, may_write, note, say, typed, warn};
 use crate::cli::ReplayArgs;
-use crate::config::{Config, words::Words};
 use crate::log::reader::{self, LoadedLog};
 use crate::report::kit::page;
 use crate::report::replay::gap;
 use crate::report::replay::page::{Against, Report, page as html};
 use crate::report::replay::plot;
 use anyhow::Result;
+use config::{Config, words::Words};
 use diagnose::{Finding, FreeRun, Gap, check, free_runs};
 use plant::Model;
 use std::path::{Path, PathBuf};

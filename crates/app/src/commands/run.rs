@@ -4,8 +4,8 @@ use super::flying::{Flown, Plan, landing_signal, log_of, plan, report, still_on}
 use super::live;
 use super::owner::{FlightOwner, keep};
 use super::{note, say, warn};
+use crate::bench::{EnableLine, Guard, GuardError, Monotonic, bench, claim};
 use crate::cli::{FlightArgs, RunArgs};
-use crate::config;
 use crate::flight::last_fault::LastFault;
 use crate::flight::outside::Commander;
 use crate::flight::real_time;
@@ -19,10 +19,10 @@ use crate::log::writer::LogWriter;
 use crate::mqtt::link::Endpoint;
 use crate::mqtt::local::{LocalError, LocalServer};
 use crate::mqtt::{About, Counts, Link};
-use crate::rig::{Chips, EnableLine, Guard, GuardError, bench, claim, simulated_in_real_time};
 use anyhow::{Result, bail};
 use embedded_hal::i2c::I2c;
 use hal::Clock;
+use rig::{Chips, simulated_in_real_time};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32};
@@ -71,7 +71,7 @@ pub(super) fn in_real_time(
     let kept = plan.config.tables.log.as_ref().and_then(|log| log.last_fault.as_deref());
     if sim {
         let model = plan.config.need(command, "plant", |tables| tables.plant.as_ref())?;
-        let rig = simulated_in_real_time(model, table, args.seed)?;
+        let rig = simulated_in_real_time(model, table, args.seed, Monotonic::start())?;
         return fly(&order, table, rig, None, &stop);
     }
     let bus = plan.config.need(command, "bus", |tables| tables.bus.as_ref())?;

@@ -2,15 +2,15 @@
 
 use super::flying::{Flown, Plan, landing_signal, log_of, plan, report};
 use crate::cli::{FlightArgs, SimulateArgs};
-use crate::config::Rig;
 use crate::flight::outside::Recorder;
 use crate::flight::{Flight, Outcome};
 use crate::log::header::SIMULATED_START;
 use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
-use crate::rig::simulated_in_virtual_time;
 use anyhow::Result;
+use config::Rig;
 use plant::Model;
+use rig::simulated_in_virtual_time;
 use std::sync::atomic::AtomicBool;
 
 /// How long a simulated flight without an end lasts, seconds.

@@ -21,13 +21,13 @@ pub mod vocabulary;
 pub mod wall_clock;
 pub mod watchdog;
 
-use crate::config::Loop;
-use crate::rig::{Rig, Sighting};
+use config::Loop;
 use control::{Duty, Millimetres};
 use deadline::{Deadlines, Punctuality};
 use embedded_hal::i2c::ErrorKind;
 use outside::{Commander, Recorder};
 use pilot::{Pilot, Seen, Senses};
+use rig::{Rig, Sighting};
 use state::{Answer, InForce, State};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use vocabulary::{Cycle, End, Event, Fault, Mode, What};

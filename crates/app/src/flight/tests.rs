@@ -6,13 +6,13 @@ use super::command::Command;
 use super::pilot::tests::pilot_holding;
 use super::vocabulary::{Cycle, End, Event, Fault, Mode, What};
 use super::{COMMANDS_PER_CYCLE, Flight, Outcome};
-use crate::config::Loop;
 use crate::flight::outside::Commander;
 use crate::flight::outside::Recorder;
 use crate::log::writer::LogWriter;
-use crate::rig::{Rig, Sighting, simulated_in_virtual_time};
+use config::Loop;
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
+use rig::{Rig, Sighting, simulated_in_virtual_time};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -204,7 +204,7 @@ fn a_flood_of_commands_is_taken_a_few_a_cycle_and_no_cycle_is_later_for_it() {
 /// the config.
 fn allocations(duration_s: f64) -> u64 {
     let tables = super::rich();
-    let mqtt = crate::config::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
+    let mqtt = config::mqtt::MqttConfig { port: Some(1), ..tables.mqtt.clone().unwrap() };
     let about = crate::mqtt::About { rig: "rig1".into(), ..Default::default() };
     let (_link, mut mailbox) = crate::mqtt::Link::start(
         &crate::mqtt::link::Endpoint::Broker(&mqtt),

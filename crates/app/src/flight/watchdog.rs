@@ -6,7 +6,7 @@
 //! guard then turns the fan off, and systemd, whose watchdog gets no message either, ends and restarts the service.
 //! Messages for systemd are sent by a thread of their own, because a manager that does not read would block the sender.
 
-use crate::rig::{Guard, GuardError};
+use crate::bench::{Guard, GuardError};
 use sd_notify::NotifyState;
 use std::io;
 use std::sync::Arc;

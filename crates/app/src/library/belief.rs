@@ -1,6 +1,6 @@
 //! A config as a value.
 
-use crate::config::{Config, ConfigError};
+use config::{Config, ConfigError};
 use plant::Model;
 use std::path::{Path, PathBuf};
 

@@ -18,6 +18,6 @@ pub use log::Log;
 pub use others::{Made, design, export_fmu, identify, is_log, propose, replay, summarise, tell_apart};
 
 pub use crate::commands::{Usage, with_causes};
-pub use crate::config::ConfigError;
 pub use crate::log::LogError;
+pub use config::ConfigError;
 pub use diagnose::{Options, Progress, ProgressStep, Recording, RecordingError, Sample};

@@ -9,7 +9,7 @@ use crate::commands::diagnosing::no_setpoint;
 use crate::commands::identify::grey_box::Found;
 use crate::commands::identify::has_one_lag;
 use crate::commands::{Usage, each, init};
-use crate::fmu::{self, ExportError};
+use crate::export_fmu::{ExportError, export, libraries_in};
 use crate::report::each::count;
 use crate::report::replay::gap::{ReplayDocument, sentence, table};
 use anyhow::Result;
@@ -100,12 +100,12 @@ pub fn propose(logs: &[String], out: &Path, flags: &[String]) -> Result<(Vec<Str
     Ok((proposed.lines, proposed.warnings))
 }
 
-/// Writes the simulated rig as an FMU, as `airball export fmu` does. `library`: the compiled library of the FMU.
+/// Writes the simulated rig as an FMU, as `airball export fmu` does. `folder`: that of the compiled libraries.
 ///
 /// # Errors
 /// A config without a model, a library that is none, a file that exists or cannot be written.
-pub fn export_fmu(belief: &Belief, library: &Path, out: &Path) -> Result<(), ExportError> {
-    fmu::export(&belief.0, library, out)
+pub fn export_fmu(belief: &Belief, folder: &Path, out: &Path) -> Result<(), ExportError> {
+    export(&belief.0, &libraries_in(folder), out).map(drop)
 }
 
 /// The logs that are named or lie in named folders, each with the name that tells it from the others, as

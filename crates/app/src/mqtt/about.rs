@@ -1,7 +1,7 @@
 //! The description of a rig: the retained message on `about`, with limits, units and names for pages and monitors.
 
-use crate::config::{Safety, Tables};
 use crate::flight::experiment::offers::Offer;
+use config::{Safety, Tables};
 use control::controller::Kind;
 use control::numbers::{Numbers, Parameter, Values};
 use control::pid::Pid;
@@ -230,8 +230,8 @@ impl From<&Offer> for Offered {
 #[cfg(test)]
 mod tests {
     use super::About;
-    use crate::config::Config;
     use crate::flight::experiment::offers::offers;
+    use config::Config;
     use std::path::Path;
 
     #[test]

@@ -5,7 +5,7 @@
 //! subscribes to less: to the mode alone, so that `stop` is received, or, if the packet is retained there, to nothing.
 //! A minute later it subscribes to everything again.
 
-use crate::config::topics::{ORIGINAL_GAINS, ORIGINAL_SETPOINT, Topics};
+use config::topics::{ORIGINAL_GAINS, ORIGINAL_SETPOINT, Topics};
 use rumqttc::mqttbytes::Error as Malformed;
 use rumqttc::{Client, ConnectionError, QoS, StateError, SubscribeFilter};
 use std::time::{Duration, Instant};

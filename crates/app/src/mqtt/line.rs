@@ -3,9 +3,9 @@
 use super::about::{About, in_force};
 use super::claim::Claim;
 use super::network::Aside;
-use crate::config::topics::Topics;
 use crate::flight::last_fault::LastFault;
 use crate::locked::locked;
+use config::topics::Topics;
 use control::numbers::Values;
 use rumqttc::{Client, PublishOptions};
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};

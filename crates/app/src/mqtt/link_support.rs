@@ -5,12 +5,12 @@ use super::link::{Endpoint, Link};
 use super::mailbox::Mailbox;
 use super::owner::Nobody;
 use super::test_broker::{Broker, Outside, until};
-use crate::config::mqtt::MqttConfig;
 use crate::flight::command::{Command, Refusal};
 use crate::flight::lateness::Histogram;
 use crate::flight::outside::Commander;
 use crate::flight::state::{Answer, Gains, InForce, State};
 use crate::flight::vocabulary::{Cycle, Mode};
+use config::mqtt::MqttConfig;
 use control::controller::Kind;
 use std::sync::Arc;
 

@@ -6,12 +6,12 @@ use super::link_support::{MODE, REPLY, SETPOINT, STATE, STATUS, about, connected
 use super::mailbox::ROOM;
 use super::owner::Nobody;
 use super::test_broker::{Broker, Cable, Outside, PATIENCE, config, until};
-use crate::config::mqtt::MqttConfig;
-use crate::config::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
 use crate::flight::command::{Command, Refusal};
 use crate::flight::outside::Commander;
 use crate::flight::state::{Answer, State};
 use crate::flight::vocabulary::Fault;
+use config::mqtt::MqttConfig;
+use config::topics::{ORIGINAL_POSITION, ORIGINAL_SETPOINT};
 use control::numbers::COUNT;
 use serde_json::json;
 use std::net::TcpListener;

@@ -1,10 +1,10 @@
 //! The messages of the loop, as JSON for the broker.
 
 use super::count::Counts;
-use crate::config::topics::Quantity;
 use crate::flight::command::Command;
 use crate::flight::state::{Answer, InForce, State};
 use crate::flight::vocabulary::Cycle;
+use config::topics::Quantity;
 use serde::Serialize;
 
 /// The message on `state`.

@@ -44,6 +44,7 @@
 pub mod about;
 mod claim;
 mod count;
+mod credentials;
 mod hearing;
 mod line;
 pub mod link;
@@ -63,6 +64,7 @@ pub mod tls;
 
 pub use about::About;
 pub use count::Counts;
+pub(crate) use credentials::exposures;
 pub use link::Link;
 #[cfg(test)]
 pub use mailbox::Mailbox;

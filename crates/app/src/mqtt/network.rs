@@ -5,6 +5,7 @@
 //! sessions the thread sleeps, because a refused connection fails within microseconds.
 
 use super::count::{Counters, count};
+use super::credentials::{Credentials, MqttError, credentials, exposures};
 use super::hearing::{Hearing, too_large};
 use super::line::Line;
 use super::link::Endpoint;
@@ -12,9 +13,9 @@ use super::local::LocalServer;
 use super::mailbox::Inbox;
 use super::outage::Outage;
 use super::parse::{Asked, ParseError, parse};
-use crate::config::mqtt::{Credentials, MqttConfig, MqttError};
-use crate::config::topics::Topics;
 use crate::standard_error::plain;
+use config::mqtt::MqttConfig;
+use config::topics::Topics;
 use rumqttc::{
     Client, ConnectionError, Event, LastWill, MqttOptions, Packet, Publish, PublishOptions, QoS, TlsConfiguration,
     Transport,
@@ -92,8 +93,8 @@ fn to_page(server: &LocalServer, id: String) -> MqttOptions {
 pub(super) fn to_broker(config: &MqttConfig, id: String) -> Result<MqttOptions, MqttError> {
     let mut options = MqttOptions::new(id, (config.host.clone(), config.port()));
     options.set_keep_alive(KEEP_ALIVE_S).set_max_packet_size(LARGEST_IN, LARGEST_OUT);
-    config.exposures().into_iter().for_each(|exposure| say(Some(format!("warning: mqtt: {exposure}"))));
-    if let Some(Credentials { user, password }) = config.credentials()? {
+    exposures(config).into_iter().for_each(|exposure| say(Some(format!("warning: mqtt: {exposure}"))));
+    if let Some(Credentials { user, password }) = credentials(config)? {
         options.set_credentials(user, password);
     }
     if let Some(tls) = &config.tls {

@@ -2,10 +2,10 @@
 //!
 //! Only the form is checked here. The loop checks whether a setpoint is safe or a gain within its bounds.
 
-use crate::config::plain_words;
-use crate::config::topics::{ORIGINAL_GAINS, ORIGINAL_SETPOINT, Quantity, Topics};
 use crate::flight::command::{Command, GainChange};
 use crate::flight::name::Name;
+use config::plain_words;
+use config::topics::{ORIGINAL_GAINS, ORIGINAL_SETPOINT, Quantity, Topics};
 use control::controller::Kind;
 use control::numbers::{COUNT, Parameter, Values};
 

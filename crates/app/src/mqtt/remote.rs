@@ -4,12 +4,13 @@
 
 use super::about::About;
 use super::claim::unique;
+use super::credentials::MqttError;
 use super::network;
 use super::seen::{Said, Seen};
-use crate::config::mqtt::{MqttConfig, MqttError};
-use crate::config::topics::{Quantity, Topics};
 use crate::flight::last_fault::LastFault;
 use crate::locked::locked;
+use config::mqtt::MqttConfig;
+use config::topics::{Quantity, Topics};
 use rumqttc::{Client, ConnectionError, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
 use serde::de::DeserializeOwned;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};

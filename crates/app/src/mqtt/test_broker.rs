@@ -1,7 +1,7 @@
 //! The environment of the link's tests: a broker, a second client, and a connection that can be cut.
 
 use super::line::RETAINED;
-use crate::config::mqtt::MqttConfig;
+use config::mqtt::MqttConfig;
 use rumqttc::{Client, Event, MqttOptions, Packet, Publish, PublishOptions, QoS, SubscribeFilter};
 use socket2::{Domain, Socket, Type};
 use std::io::{self, ErrorKind};

@@ -4,7 +4,8 @@
 //! `openssl`, is as good as a commercial one. The cryptography is `ring`, passed to each connection explicitly: no
 //! global provider has to be installed.
 
-use crate::config::mqtt::{MqttError, TlsConfig};
+use super::credentials::MqttError;
+use config::mqtt::TlsConfig;
 use rumqttc::ConnectionError;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};

@@ -1,14 +1,14 @@
 //! Tests of TLS with a real broker and an authority made for the test.
 
+use super::credentials::MqttError;
 use super::link::{Endpoint, Link};
 use super::link_support::{about, start};
 use super::network;
 use super::outage::Outage;
 use super::owner::Nobody;
 use super::test_broker::{Broker, config};
-use crate::config::mqtt::TlsConfig;
-use crate::config::mqtt::{MqttConfig, MqttError};
-use crate::config::topics::Topics;
+use config::mqtt::{MqttConfig, TlsConfig};
+use config::topics::Topics;
 use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, DnType, IsCa, KeyPair};
 use rumqttc::{Client, ConnectionError, Event, Packet};
 use std::fs;

@@ -1,9 +1,9 @@
 //! A first belief as a config with the origin of each number, and in words.
 
 use crate::analysis::first_belief::{FirstBelief, Named, Scaled, Scales};
-use crate::config::Config;
-use crate::config::source_columns::quoted;
 use crate::report::kit::page::made::version;
+use config::Config;
+use config::source_columns::quoted;
 use diagnose::decimals;
 use diagnose::identify::ParameterEstimate;
 use plant::effects::HeightDependentFlow;

@@ -190,10 +190,9 @@ class Model:
         self.to_innovations(period).to_mat(path)
 
     def to_fmu(self, path: _Path) -> None:
-        """Writes the simulated rig as an FMU (FMI 2.0, co-simulation, 64-bit Linux), as `airball export fmu` does. A
-        file that exists is kept."""
-        library = Path(__file__).with_name("libairball_fmu.so")
-        self._belief.export_fmu(os.fspath(library), os.fspath(path))
+        """Writes the simulated rig as an FMU (FMI 2.0, co-simulation, for 64-bit Linux and Windows), as
+        `airball export fmu` does. A file that exists is kept."""
+        self._belief.export_fmu(os.fspath(Path(__file__).parent), os.fspath(path))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Model) and self.to_toml() == other.to_toml()

@@ -15,8 +15,8 @@ mod stretch;
 
 use super::step_response::{Moment, Step, steps_of};
 use super::virtual_flight::Desk;
-use crate::config::Tables;
 use crate::log::reader::LoadedLog;
+use config::Tables;
 use control::design::step::BAND;
 use critical_gain::critical_gain;
 use diagnose::{ClosedLoop, Compared, Simulated};

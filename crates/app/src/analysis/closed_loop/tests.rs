@@ -3,9 +3,9 @@
 use super::critical_gain::critical_gain;
 use super::median;
 use crate::analysis::virtual_flight::Desk;
-use crate::config::Tables;
 use crate::log::header::About;
 use crate::log::reader::{LoadedLog, sample};
+use config::Tables;
 use diagnose::Recording;
 use plant::effects::TransportDelay;
 use plant::{Effects, Model, Noise};

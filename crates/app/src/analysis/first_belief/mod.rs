@@ -21,9 +21,9 @@ use words::MEASURED;
 pub use roles::{Asked, Named, Role, Roles, roles};
 pub use scales::{Scaled, Scales, scales};
 
-use crate::config::words::Words;
 use crate::log::LogError;
 use crate::log::reader::{self, LoadedLog};
+use config::words::Words;
 use diagnose::Recording;
 use diagnose::identify::{Initial, NoPlant, initial};
 use rows::{Column, Import, Sheet};

@@ -6,7 +6,7 @@
 use super::names::Name;
 use super::roles::Roles;
 use super::scales::{Scales, length_mm};
-use crate::config::words::Words;
+use config::words::Words;
 use rows::Sheet;
 
 /// Quantities of a position, by the words of a column's name; a length is none: it is read in mm.

@@ -3,11 +3,11 @@
 use super::{Upstream, upstream};
 use crate::analysis::closed_loop::tests::{log, project};
 use crate::analysis::virtual_flight::Desk;
-use crate::config::Tables;
 use crate::flight::experiment::Experiment;
 use crate::flight::vocabulary::Cycle;
 use crate::log::header::About;
 use crate::log::reader::{LoadedLog, sample};
+use config::Tables;
 
 /// A flight of the believed rig by the project's controller, whose log holds `header` as its config.
 fn flight(header: &Tables, spoil: impl Fn(usize, &mut Cycle)) -> LoadedLog {

@@ -3,11 +3,11 @@
 use super::{Ground, NAME, patch, write};
 use crate::cli::ObserverArgs;
 use crate::commands::{Usage, announce, may_write, say, typed};
-use crate::config::Config;
 use crate::report::design::observer::Document;
 use crate::report::design::page::observer::{self, Report};
 use crate::report::kit::page;
 use anyhow::{Result, anyhow, bail};
+use config::Config;
 use control::believed::Believed;
 use control::design::discretise::discretise;
 use control::design::riccati::{kalman, sampled_kalman};

@@ -1,10 +1,10 @@
 //! A design as a config patch: the tables that make the designed controller fly.
 
 use crate::analysis::loop_margins::Closing;
-use crate::config::Tables;
 use crate::report::design::words::Feedback;
 use crate::report::kit::patch::rounded;
 use anyhow::{Result, anyhow};
+use config::Tables;
 use control::controller::{Controllers, Kind};
 use control::design::law::{Gains, Weights};
 use control::inputs::Source;

@@ -9,7 +9,6 @@ use super::simulate::in_virtual_time;
 use super::{Usage, announce, fail, may_write, say, typed, warn, write};
 use crate::analysis::measurement::Found;
 use crate::cli::{MeasureArgs, Measurement};
-use crate::config::Config;
 use crate::log::reader::{self, LoadedLog};
 use crate::report::kit::page;
 use crate::report::measure::page::{Patch, Report, page as html};
@@ -18,6 +17,7 @@ use crate::report::measure::words::{document, words};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use config::Config;
 use std::path::{Path, PathBuf};
 
 /// The command's name for configs and errors.

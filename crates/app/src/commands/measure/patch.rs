@@ -1,9 +1,9 @@
 //! What a measurement found, as a config patch.
 
 use crate::analysis::measurement::Found;
-use crate::config::{Tables, with_other_control};
 use crate::report::kit::patch::rounded;
 use anyhow::{Result, anyhow};
+use config::{Tables, with_other_control};
 use control::predistortion::{MAX_POINTS, Predistortion};
 use diagnose::identify::fan_lag_s;
 use diagnose::measure::critical::Critical;

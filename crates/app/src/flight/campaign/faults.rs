@@ -1,7 +1,7 @@
 //! The faults of the campaign: what fails, how, at which registers and for how long.
 
-use crate::config::{Safety, Tables};
 use crate::flight::FAN_FAILURES;
+use config::{Safety, Tables};
 use hal::emulator::{EmulatedBus, Fault, World};
 
 /// The period of a cycle and of the readings, seconds.

@@ -13,12 +13,11 @@ use super::experiment::{Experiment, Limits, Segment};
 use super::pilot::{Orders, Pilot, Signals};
 use super::vocabulary::{Cycle, End};
 use super::{Flight, Outcome};
-use crate::config::{Loop, Tables};
 use crate::log::flight as logged;
 use crate::log::header::{Header, SIMULATED_START};
 use crate::log::recorder::Inline;
 use crate::log::writer::LogWriter;
-use crate::rig::{PlantWorld, WorldClock, start, with_signals};
+use config::{Loop, Tables};
 use control::regulator::Regulator;
 use control::waveform::Waveform;
 use faults::{Case, FAN, Mishap, PERIOD_S, cases};
@@ -26,6 +25,7 @@ use hal::emulator::EmulatedBus;
 use hal::stop_fan;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use rig::{PlantWorld, WorldClock, start, with_signals};
 use scene::{Bus, Scene, Struck};
 use std::cell::Cell;
 use std::io::Cursor;
@@ -185,8 +185,8 @@ fn in_thousands_of_flights_no_fault_leaves_the_fan_above_the_safe_duty_or_unknow
 fn a_stuck_ball_and_a_frozen_sensor_that_the_controller_pushes_end_the_flight() {
     let mut tables = tables();
     // Frozen during the ascent, far below the setpoint: the push lasts.
-    let stuck = crate::config::Stuck { control_percent: 1.0, after_s: 1.0 };
-    tables.safety = tables.safety.map(|safety| crate::config::Safety { stuck: Some(stuck), ..safety });
+    let stuck = config::Stuck { control_percent: 1.0, after_s: 1.0 };
+    tables.safety = tables.safety.map(|safety| config::Safety { stuck: Some(stuck), ..safety });
     for mishap in [Mishap::BallStuck, Mishap::SensorFrozen] {
         let case = Case { mishap, lasting: faults::Lasting::ForEver };
         let ended = (0..20).filter(|seed| fly(&tables, case, *seed).outcome.end == End::Fault).count();

@@ -1,10 +1,10 @@
 //! The world of the campaign: the plant behind emulated chips, a ball that can be lost or jam, and a record of the fan.
 
 use super::faults::{Case, Mishap, SLOW_BY_S};
-use crate::rig::{Chips, PlantWorld, Rig, Sighting, WorldClock};
 use control::Duty;
 use embedded_hal::i2c::ErrorKind;
 use hal::emulator::{EmulatedBus, EmulatedI2c, World};
+use rig::{Chips, PlantWorld, Rig, Sighting, WorldClock};
 use std::cell::Cell;
 
 /// The plant before the fault.

@@ -3,9 +3,9 @@
 
 use super::faults::{Case, DOUBTFUL, FAN, Lasting, Mishap, SECOND, SENSOR};
 use super::{check, fly, logged};
-use crate::config::Tables;
 use crate::flight::vocabulary::{Cycle, End, Fault as Ended, Mode};
 use crate::report::flight::signals::Signals;
+use config::Tables;
 use hal::emulator::Fault;
 use std::path::Path;
 

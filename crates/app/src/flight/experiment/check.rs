@@ -1,7 +1,7 @@
 //! Checks of an experiment: waveforms within the limits of the rig, and no contradictions.
 
 use super::{Experiment, Segment};
-use crate::config::Safety;
+use config::Safety;
 use control::OutOfRange;
 use control::check::within;
 use control::pid::{DerivativeOn, Pid};

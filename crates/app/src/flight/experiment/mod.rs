@@ -31,8 +31,8 @@ pub mod offers;
 mod segments;
 
 use super::command::GainChange;
-use crate::config::{ConfigError, Reference, Safety, parse_file, parse_text};
 use check::Problem;
+use config::{ConfigError, Reference, Safety, parse_file, parse_text};
 use control::waveform::Waveform;
 pub use segments::Segments;
 use serde::{Deserialize, Serialize};

@@ -4,8 +4,8 @@
 //! the flight, so that in flight only a name is sent.
 
 use super::Experiment;
-use crate::config::{ConfigError, Safety};
 use crate::flight::name::{LONGEST, Name};
+use config::{ConfigError, Safety};
 use std::path::{Path, PathBuf};
 
 /// The program's own: name of the file in the project, and its text.
@@ -58,10 +58,10 @@ fn name_of(file: &Path) -> Option<Name> {
 #[cfg(test)]
 mod tests {
     use super::{LONGEST, Name, OWN, offers};
-    use crate::config::Config;
+    use config::Config;
     use std::path::{Path, PathBuf};
 
-    fn safety() -> crate::config::Safety {
+    fn safety() -> config::Safety {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         Config::read(&root.join("config.toml"), &[]).unwrap().tables.safety.unwrap()
     }
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn what_is_unsafe_on_a_rig_is_not_on_offer_there() {
-        let low = crate::config::Safety { setpoint_max_mm: 300.0, ..safety() };
+        let low = config::Safety { setpoint_max_mm: 300.0, ..safety() };
         assert!(offers(&[], &low).unwrap().len() < OWN.len());
     }
 

@@ -1,7 +1,7 @@
 //! Tests of experiment files: their meaning, and their refusal.
 
 use super::{Demand, Experiment, Limits, Segment};
-use crate::config::Safety;
+use config::Safety;
 
 const SAFETY: Safety = Safety {
     setpoint_min_mm: 20.0,

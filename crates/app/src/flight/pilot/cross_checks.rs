@@ -8,8 +8,8 @@
 
 use super::Pilot;
 use super::exchange::{Seen, Senses};
-use crate::config::{SecondSensor, Tachometer};
 use crate::flight::vocabulary::{Fault, Mode, Which};
+use config::{SecondSensor, Tachometer};
 use control::Duty;
 
 /// Below this duty a fan need not turn, percent.

@@ -1,8 +1,8 @@
 //! Inputs and outputs of the pilot: orders before the flight, then readings and decisions, cycle by cycle.
 
-use crate::config::{Loop, Rig, Safety, SecondSensor, Tables, Tachometer};
 use crate::flight::experiment::Experiment;
 use crate::flight::vocabulary::{Fault, Mode};
+use config::{Loop, Rig, Safety, SecondSensor, Tables, Tachometer};
 use control::Duty;
 use control::compensation::Compensation;
 use control::observer::{Estimate, Innovation};

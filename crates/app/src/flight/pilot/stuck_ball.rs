@@ -10,7 +10,7 @@
 //! rests there until the controller pushes it away. A ball that is stuck where the controller has no error is not
 //! detected.
 
-use crate::config::Stuck;
+use config::Stuck;
 
 /// A ball whose readings vary by no more than this has not moved, mm: eight times the noise of one reading.
 const STILL_MM: f64 = 20.0;

@@ -4,10 +4,10 @@ mod experiments;
 mod signals;
 
 use super::{Orders, Pilot, Seen, Signals};
-use crate::config::{Safety, Stuck};
 use crate::flight::command::{Command, GainChange, Refusal};
 use crate::flight::experiment::{Experiment, Limits, Segment};
 use crate::flight::vocabulary::{Fault, Mode};
+use config::{Safety, Stuck};
 use control::compensation::Compensation;
 use control::controller::{Controllers, Kind};
 use control::pid::{DerivativeOn, Pid};
@@ -177,7 +177,7 @@ fn commands_beyond_the_limits_are_refused_with_them() {
 
 /// The controllers and the observer of the project's config.
 fn all() -> Regulator {
-    let tables: crate::config::Tables = toml::from_str(include_str!("../../../../../config.toml")).unwrap();
+    let tables: config::Tables = toml::from_str(include_str!("../../../../../config.toml")).unwrap();
     Regulator::new(tables.controller.unwrap(), tables.observer.as_ref(), T).unwrap()
 }
 

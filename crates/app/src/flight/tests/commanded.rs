@@ -1,7 +1,6 @@
 //! Tests of flights that somebody commands: faults that wait for `fly`, and gains that were too large.
 
 use super::{Memory, Script, WORKS};
-use crate::config::{Loop, Tables};
 use crate::flight::command::{Command, GainChange};
 use crate::flight::experiment::Experiment;
 use crate::flight::outside::Commander;
@@ -10,9 +9,10 @@ use crate::flight::pilot::{Orders, Pilot};
 use crate::flight::state::{Answer, State};
 use crate::flight::vocabulary::{End, Fault, Mode, What};
 use crate::flight::{Flight, Outcome};
-use crate::rig::{Sighting, simulated_in_virtual_time};
+use config::{Loop, Tables};
 use control::{Duty, Millimetres};
 use embedded_hal::i2c::ErrorKind;
+use rig::{Sighting, simulated_in_virtual_time};
 use std::cell::Cell;
 use std::sync::atomic::AtomicBool;
 

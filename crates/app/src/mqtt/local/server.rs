@@ -2,7 +2,6 @@
 
 use super::exchange::Exchange;
 use super::session::{Role, Session};
-use crate::config::topics::Topics;
 use axum::Router;
 use axum::extract::State;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
@@ -11,6 +10,7 @@ use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
 use bytes::Bytes;
+use config::topics::Topics;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ pub enum LocalError {
     Thread(io::Error),
     /// The rig's name cannot be part of a topic.
     #[error(transparent)]
-    Rig(#[from] crate::config::mqtt::MqttError),
+    Rig(#[from] config::topics::RigNameError),
 }
 
 /// Serves page and messages until it is dropped.

@@ -7,7 +7,7 @@ pub mod view;
 use super::About;
 use super::remote::Heard;
 use super::seen::Seen;
-use crate::config::topics::Quantity;
+use config::topics::Quantity;
 use keys::Deed;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};

@@ -3,13 +3,13 @@
 use super::Monitor;
 use super::keys::Deed;
 use super::view::draw;
-use crate::config::topics::Quantity;
 use crate::flight::last_fault::LastFault;
 use crate::flight::vocabulary::{Cycle, Mode};
 use crate::mqtt::About;
 use crate::mqtt::about::Range;
 use crate::mqtt::remote::Heard;
 use crate::mqtt::seen::{Said, Seen};
+use config::topics::Quantity;
 use control::controller::Kind;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;

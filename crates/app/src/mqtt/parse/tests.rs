@@ -1,8 +1,8 @@
 //! Tests of `parse.rs`: what is understood, and the reasons for what is not.
 
 use super::{Asked, LONGEST_PAYLOAD, Parameter, ParseError, parse};
-use crate::config::topics::{ORIGINAL_GAINS, ORIGINAL_SETPOINT, Topics};
 use crate::flight::command::{Command, GainChange};
+use config::topics::{ORIGINAL_GAINS, ORIGINAL_SETPOINT, Topics};
 use control::controller::Kind;
 use proptest::prelude::*;
 

@@ -1,10 +1,10 @@
 //! A comparison in words, for a terminal.
 
 use super::document::{ABSENT, Comparison, OF_90_PERCENT, SideEntry};
-use crate::config::words::Words;
 use crate::report::kit::page::parts::{capital, spoken};
 use crate::report::kit::table::{self, empty};
 use crate::report::kit::words::digits;
+use config::words::Words;
 use diagnose::{NumberChange, chance_in_words, decimals};
 
 /// Ends of the keys of a config, and the units that they say; longer ends first.

@@ -1,10 +1,10 @@
 //! The picture of a found effect: the acceleration over the signal that it depends on, as believed, as mended with its
 //! band, and as the record has it in bins.
 
-use crate::config::words::Words;
 use crate::report::kit::page::parts::{spoken, three_digits};
 use crate::report::kit::palette::{MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line};
+use config::words::Words;
 use diagnose::{Abscissa, EffectCurve};
 
 /// The labels of the axes.

@@ -8,7 +8,7 @@
 //! The duty of a log is the one that the fan received, compensation included: a dead zone found in it is the whole dead
 //! zone, not the rest that a correction left.
 
-use crate::config::words::Words;
+use config::words::Words;
 use control::compensation::{Compensation, DeadZoneCorrection};
 use plant::effects::DeadZone;
 use plant::{Effect, Entry, Model};
@@ -85,7 +85,7 @@ fn correction(is: DeadZoneCorrection, should: DeadZoneCorrection) -> String {
 mod tests {
     use super::{patch, words};
     use crate::analysis::closed_loop::tests::project;
-    use crate::config::words::Words;
+    use config::words::Words;
     use control::compensation::{Compensation, DeadZoneCorrection};
     use plant::Effects;
 

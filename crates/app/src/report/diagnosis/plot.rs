@@ -5,9 +5,9 @@
 //! each. The places where the belief is significantly wrong are shaded; that significance comes from the innovations,
 //! never from this force.
 
-use crate::config::words::Words;
 use crate::report::kit::palette::{FORCE, MENDED, NOMINAL};
 use crate::report::kit::plot::{Diagram, Line, PlotError, drawn, forecasts, panel, recorded, titled, write};
+use config::words::Words;
 use diagnose::{Diagnosis, FormulaCurve, MissingForce, Place, Series};
 use plant::Stage;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! A diagnosis in words, for a terminal.
 
 use super::{ladder, mend, place};
-use crate::config::words::Words;
 use crate::report::kit::words::p_value;
+use config::words::Words;
 use control::compensation::Compensation;
 use diagnose::{Change, Closed, Diagnosis, NamedEffect, SourceColumns, Verdict};
 use std::fmt::Write;

@@ -94,9 +94,9 @@ impl Residuals {
 /// An identification in words.
 pub mod words {
     use super::{GreyBox, HORIZONS_S, Percent, Poles, Recording, Residuals, empty, in_words, name, said};
-    use crate::config::words::Words;
     use crate::report::kit::words::p_value;
     use comfy_table::Table;
+    use config::words::Words;
 
     /// The number of poles, in words.
     #[must_use]

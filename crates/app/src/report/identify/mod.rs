@@ -69,7 +69,7 @@ pub(super) fn name(key: &str) -> &str {
 mod tests {
     use super::{digits, patch};
     use crate::analysis::closed_loop::tests::project;
-    use crate::config::Tables;
+    use config::Tables;
     use diagnose::identify::ParameterEstimate;
 
     fn estimate(name: &'static str, value: f64) -> ParameterEstimate {

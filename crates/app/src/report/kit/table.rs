@@ -1,8 +1,8 @@
 //! The format of every table in words: lines above and below, the first column to the left and the others to the right.
 
-use crate::config::words::Words;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Row, Table, TableComponent};
+use config::words::Words;
 
 /// A table without rows.
 pub fn empty(header: impl Into<Row>) -> Table {
@@ -27,7 +27,7 @@ pub fn in_words(table: &Table, rig: &Words) -> String {
 #[cfg(test)]
 mod tests {
     use super::{empty, in_words};
-    use crate::config::words::Words;
+    use config::words::Words;
 
     #[test]
     fn a_table_in_longer_words_has_lines_of_one_length() {

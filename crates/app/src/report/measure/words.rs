@@ -3,10 +3,10 @@
 use crate::analysis::measurement::{Band, Calibration, Found, Steps};
 use crate::analysis::step_response::AT_REST_PERCENT;
 use crate::cli::Measurement;
-use crate::config::Tables;
 use crate::report::kit::table::empty;
 use anyhow::Result;
 use clap::ValueEnum;
+use config::Tables;
 use diagnose::measure::Estimate;
 use diagnose::measure::critical::{Critical, CriticalTime, Swing};
 use diagnose::measure::dead_zone::DeadZone;

@@ -1,7 +1,7 @@
 //! The gap as a table, with a sentence on its meaning.
 
-use crate::config::words::Words;
 use crate::report::kit::table::{empty, in_words};
+use config::words::Words;
 use diagnose::{Gap, Recording};
 use serde::Serialize;
 

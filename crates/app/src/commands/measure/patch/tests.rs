@@ -2,7 +2,7 @@
 
 use super::{lag_of, patch};
 use crate::analysis::measurement::Found;
-use crate::config::{Tables, with_other_control};
+use config::{Tables, with_other_control};
 use control::design::critical::critical_gain;
 use control::design::law::Gains;
 use diagnose::measure::Estimate;

@@ -1,9 +1,9 @@
 //! Tests that the limits of the config hold for every sequence of commands.
 
-use crate::config::Tables;
 use crate::flight::command::{Command, GainChange};
 use crate::flight::experiment::{Experiment, Limits, Segment};
 use crate::flight::pilot::{Orders, Pilot, Seen, Signals};
+use config::Tables;
 use control::Duty;
 use control::controller::Kind;
 use control::regulator::Regulator;

@@ -1,9 +1,9 @@
 //! Tests of the pilot with a tachometer and a second sensor.
 
 use super::{T, pilot_holding};
-use crate::config::{SecondSensor, Tachometer};
 use crate::flight::pilot::{Pilot, Seen, Senses, Signals};
 use crate::flight::vocabulary::{Fault, Mode, Which};
+use config::{SecondSensor, Tachometer};
 
 const NOTHING: Seen = Seen::Nothing(None);
 

@@ -1,9 +1,9 @@
 //! Tests that numbers change without a bump, as a whole or not at all, and back.
 
-use crate::config::Tables;
 use crate::flight::command::{Command, GainChange, Refusal};
 use crate::flight::experiment::{Experiment, Limits, Segment};
 use crate::flight::pilot::{Orders, Pilot, Seen, Signals};
+use config::Tables;
 use control::controller::Kind;
 use control::inputs::Source;
 use control::numbers::{COUNT, Numbers, Parameter, Values};

@@ -1,7 +1,6 @@
 //! Where simulator and rig differ: by place, by frequency, and by the time since the duty.
 
 use super::Report;
-use crate::config::words::Words;
 use crate::report::diagnosis::plot::{formula, over_signals, over_time};
 use crate::report::diagnosis::{effect_plot, place};
 use crate::report::kit::page::figure::{Size, figure};
@@ -9,6 +8,7 @@ use crate::report::kit::page::parts::{capital, number, signal, table, three_digi
 use crate::report::kit::palette::{MENDED, NOMINAL, SETPOINT};
 use crate::report::kit::plot::{Diagram, Line};
 use crate::report::kit::words::p_value;
+use config::words::Words;
 use diagnose::thresholds::SIGNIFICANT;
 use diagnose::{Band, Diagnosis, EffectCurve, MissingForce, Omitted, Place, ResidualPlots, Verdict};
 use maud::{Markup, html};

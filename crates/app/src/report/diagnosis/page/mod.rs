@@ -10,13 +10,13 @@ mod summary;
 
 use super::logs::{Logs, findings};
 use crate::analysis::next_experiment::Advice;
-use crate::config::words::Words;
 use crate::report::diagnosis::plot::{over_time, runs};
 use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::checks;
 use crate::report::kit::page::record::{Record, events};
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Timeline, commanded, duty};
+use config::words::Words;
 use control::compensation::Compensation;
 use diagnose::ClosedLoop;
 use diagnose::{Diagnosis, Series, SourceColumn, Verdict};

@@ -1,9 +1,9 @@
 //! How a page was made: what its head says, so that it can be made again.
 
 use super::parts::command;
-use crate::config::USUAL;
-use crate::config::words::Words;
 use crate::log::header::About;
+use config::USUAL;
+use config::words::Words;
 use maud::{Markup, html};
 use plant::Model;
 use sha2::{Digest, Sha256};

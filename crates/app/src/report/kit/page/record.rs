@@ -2,8 +2,8 @@
 
 use super::figure::{Size, picture};
 use super::parts::words as words_table;
-use crate::config::words::Words;
 use crate::report::kit::plot::{Diagram, Line, Timeline, extremes};
+use config::words::Words;
 use maud::{Markup, html};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -148,9 +148,9 @@ fn places(diagram: &Diagram) -> usize {
 #[cfg(test)]
 mod tests {
     use super::{Chart, Record};
-    use crate::config::words::Words;
     use crate::report::kit::palette::{MENDED, RECORDED};
     use crate::report::kit::plot::{Diagram, Line};
+    use config::words::Words;
 
     #[test]
     fn a_chart_has_one_row_a_time_and_nothing_where_a_line_has_no_point() {

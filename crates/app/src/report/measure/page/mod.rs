@@ -6,13 +6,13 @@ mod said;
 use super::plot::{flight, result};
 use super::words::{Row, rows, said as in_words};
 use crate::analysis::measurement::Found;
-use crate::config::Tables;
 use crate::report::kit::page::figure::{Size, figure};
 use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{glossary, minus, number, table, to_copy, values};
 use crate::report::kit::page::record::{Record, how_to_zoom};
 use crate::report::kit::page::{Page, Section};
 use crate::report::kit::plot::{Diagram, duty};
+use config::Tables;
 use diagnose::Recording;
 use maud::{Markup, html};
 

@@ -82,7 +82,8 @@ fn numbers(exhibit: &Exhibit) -> String {
     for (Param { name, min, max, neutral, .. }, value) in exhibit.entry.params.iter().zip(&exhibit.values) {
         let neutral = match neutral {
             Neutral::At(value) | Neutral::Any(value) => value.to_string(),
-            Neutral::PipeLength => "the pipe's length".into(),
+            Neutral::PipeBottom => "the lower end of the pipe".into(),
+            Neutral::PipeTop => "the upper end of the pipe".into(),
         };
         let _ = write!(table, "\n| `{name}` | {value} | {min} to {max} | {neutral} |");
     }

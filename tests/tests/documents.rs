@@ -11,7 +11,8 @@ fn the_architecture_page_names_every_crate_and_no_other() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     crates.sort();
-    let mut named: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("| `crates/")?.split('`').next()).collect();
+    let mut named: Vec<&str> =
+        page.lines().filter_map(|line| line.strip_prefix("| `crates/")?.split('`').next()).collect();
     named.sort_unstable();
     assert_eq!(named, crates);
 }

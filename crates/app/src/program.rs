@@ -5,10 +5,10 @@ use crate::commands::{
     Usage, compare, config, design, diagnose, emulate, export, fail, fan_off, guard, identify, init, live, log,
     measure, monitor, reader_is_gone, replay, run, simulate, with_causes,
 };
+use ::config::ConfigError;
 use anyhow::Result;
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
-use ::config::ConfigError;
 use std::process::ExitCode;
 
 /// Exit status of wrong usage, as in clap; a config is part of the usage.

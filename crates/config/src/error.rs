@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file cannot be read.
-    #[error("cannot read {}: {source}; name the file with `{flag}`{}", path.display(), or_init(flag))]
+    #[error("cannot read {}: {source}; name the file with {flag}{}", path.display(), or_init(flag))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -73,4 +73,4 @@ fn or_init(flag: &str) -> &'static str {
 }
 
 /// The flag that names a config.
-pub(super) const CONFIG_FLAG: &str = "--config FILE";
+pub(super) const CONFIG_FLAG: &str = "`--config FILE`";

@@ -57,7 +57,7 @@ impl Config {
     pub fn read(path: &Path, patches: &[PathBuf]) -> Result<Self, ConfigError> {
         let mut sources = vec![read_source(path, CONFIG_FLAG)?];
         for patch in patches {
-            sources.push(read_source(patch, "--patch FILE` or `--effects FILE")?);
+            sources.push(read_source(patch, "`--patch FILE` or `--effects FILE`")?);
         }
         Self::of(sources)
     }

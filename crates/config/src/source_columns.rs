@@ -16,7 +16,13 @@ fn source(column: &Column) -> SourceColumn {
     let minus = column.minus.as_ref().map(|other| format!(", minus = {}", quoted(other)));
     let integrate = column.integrate.then(|| ", integrate = true".to_owned());
     let further_keys = [minus, integrate].into_iter().flatten().collect();
-    SourceColumn { column: quoted(&column.column), scale: column.scale, offset: column.offset, further_keys }
+    SourceColumn {
+        column: column.column.clone(),
+        quoted: quoted(&column.column),
+        scale: column.scale,
+        offset: column.offset,
+        further_keys,
+    }
 }
 
 /// A word as TOML writes it.

@@ -12,6 +12,7 @@
 //! names of files keep theirs: only whole words are replaced, and none beside an underscore, a dot or a slash. No
 //! number is converted: the unit is that of the position as `[import]` scales it.
 
+use diagnose::{Finding, SourceColumns};
 use serde::Serialize;
 use toml::{Table, Value};
 
@@ -99,6 +100,12 @@ impl Words {
     #[must_use]
     pub fn unit<'a>(&'a self, unit: &'a str) -> &'a str {
         self.input_unit.as_deref().filter(|_| unit == "%").unwrap_or(unit)
+    }
+
+    /// A finding in the words of the rig, its lines of `[import]` for a record from these columns.
+    #[must_use]
+    pub fn finding(&self, finding: &Finding, columns: &SourceColumns) -> String {
+        self.of(&finding.in_columns(columns))
     }
 
     /// The same of the words between the tags of a page or a picture; what is code, style or script stays.

@@ -132,7 +132,9 @@ fn sign(belief: &Model, fit: &LinearFit, recording: &Recording) -> Finding {
         return Finding::SignReversed { deviations };
     }
     if usual * hover > 0.0 {
-        return Finding::PositionReversed { deviations, offset_mm: belief.pipe_length_mm };
+        // The pipe stays where it is.
+        let (bottom, top) = belief.pipe_mm();
+        return Finding::PositionReversed { deviations, offset_mm: bottom + top };
     }
     Finding::InputReversed { deviations }
 }

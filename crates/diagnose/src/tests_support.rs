@@ -9,6 +9,7 @@ pub(crate) fn model() -> Model {
         gain_mm_per_s2_per_percent: 254.6,
         drag_per_s: 1.889,
         hover_duty_percent: 21.4,
+        pipe_bottom_mm: 0.0,
         pipe_length_mm: 583.0,
         turn_mm: None,
         noise: Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 },

@@ -82,6 +82,7 @@ impl Axis {
             gain_mm_per_s2_per_percent: BELIEVED.gain,
             drag_per_s: BELIEVED.drag,
             hover_duty_percent: 0.0,
+            pipe_bottom_mm: 0.0,
             pipe_length_mm: 1000.0,
             turn_mm: None,
             noise,

@@ -18,6 +18,7 @@ fn rig(lag_s: Option<f64>) -> Model {
         gain_mm_per_s2_per_percent: 827.2,
         drag_per_s: 3.896,
         hover_duty_percent: 21.4,
+        pipe_bottom_mm: 0.0,
         pipe_length_mm: 583.0,
         turn_mm: None,
         noise: Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 },

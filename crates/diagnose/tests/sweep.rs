@@ -63,6 +63,7 @@ fn flown(seed: u64, gains: &[f64]) -> Recording {
         gain_mm_per_s2_per_percent: 254.598,
         drag_per_s: 1.889,
         hover_duty_percent: 21.4,
+        pipe_bottom_mm: 0.0,
         pipe_length_mm: 583.0,
         turn_mm: None,
         noise,

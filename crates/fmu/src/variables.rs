@@ -94,7 +94,7 @@ type Row = (&'static str, u32, Kind, Role, Option<&'static str>, &'static str, f
 fn fixed(model: &Model) -> Vec<Variable> {
     use Kind::{Boolean, Integer, Real};
     use Role::{Input, Output, Parameter};
-    let middle = model.pipe_length_mm / 2.0;
+    let middle = model.middle_mm();
     let rows: [Row; 11] = [
         ("duty_percent", DUTY, Real, Input, Some("%"), "Duty of the fan during the next step", 0.0),
         ("setpoint_mm", SETPOINT, Real, Input, Some("mm"), "Setpoint, for effects that depend on it", middle),

@@ -102,6 +102,7 @@ fn rig(sensor_mm: f64, acceleration_psd_mm2_per_s3: f64) -> Model {
         gain_mm_per_s2_per_percent: 827.2,
         drag_per_s: 3.896,
         hover_duty_percent: 21.4,
+        pipe_bottom_mm: 0.0,
         pipe_length_mm: 583.0,
         turn_mm: None,
         noise: Noise { sensor_mm, acceleration_psd_mm2_per_s3 },

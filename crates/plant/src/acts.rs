@@ -57,8 +57,8 @@ pub struct Conditions {
     pub drag_per_s: f64,
     /// The model's duty at hover, percent.
     pub hover_duty_percent: f64,
-    /// Length of the pipe, mm.
-    pub pipe_length_mm: f64,
+    /// Middle of the pipe, mm.
+    pub middle_mm: f64,
 }
 
 /// Step of finite differences, in mm, mm/s and mm/s²: far below what a flight covers, far above rounding.

@@ -57,8 +57,10 @@ pub struct Param {
 pub enum Neutral {
     /// At this value.
     At(f64),
-    /// At the model's length of the pipe.
-    PipeLength,
+    /// At the lower end of the model's pipe.
+    PipeBottom,
+    /// At the upper end of the model's pipe.
+    PipeTop,
     /// At any value, as long as the others are neutral; this value stands for all.
     Any(f64),
 }
@@ -221,7 +223,8 @@ impl Entry {
     pub fn neutral(&self, model: &Model) -> Vec<f64> {
         let value = |param: &Param| match param.neutral {
             Neutral::At(value) | Neutral::Any(value) => value,
-            Neutral::PipeLength => model.pipe_length_mm,
+            Neutral::PipeBottom => model.pipe_mm().0,
+            Neutral::PipeTop => model.pipe_mm().1,
         };
         self.params.iter().map(value).collect()
     }

@@ -25,7 +25,10 @@ pub struct Model {
     pub drag_per_s: f64,
     /// Duty at which the ball hovers, percent.
     pub hover_duty_percent: f64,
-    /// Length of the pipe, mm; the ball rests, without bounce, at 0 and here.
+    /// Lower end of the pipe, mm: where another zero of the position is of use. The ball rests there, without bounce.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub pipe_bottom_mm: f64,
+    /// Length of the pipe, mm; the ball rests, without bounce, at its upper end, too.
     pub pipe_length_mm: f64,
     /// Length of one turn, mm, where the position is an angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -45,6 +48,11 @@ pub struct Noise {
     pub sensor_mm: f64,
     /// White acceleration: the variance of the velocity grows by this per second, mm²/s³.
     pub acceleration_psd_mm2_per_s3: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// A base parameter with its bounds.
@@ -75,6 +83,7 @@ impl Model {
             ] {
                 within(param.name, value, param.min, param.max)?;
             }
+            within("pipe_bottom_mm", self.pipe_bottom_mm, -Self::LONGEST_PIPE_MM, Self::LONGEST_PIPE_MM)?;
             within("pipe_length_mm", self.pipe_length_mm, 1.0, Self::LONGEST_PIPE_MM)?;
             self.turn_mm.map_or(Ok(()), |turn_mm| within("turn_mm", turn_mm, 1e-3, 1e6))
         };
@@ -106,7 +115,7 @@ impl Model {
         Conditions {
             time_s: 0.0,
             setpoint_mm: self.setpoint(None),
-            position_mm: 0.0,
+            position_mm: self.pipe_bottom_mm,
             velocity_mm_per_s: 0.0,
             commanded_mm_per_s2: 0.0,
             fan_mm_per_s2: 0.0,
@@ -114,7 +123,7 @@ impl Model {
             gain_mm_per_s2_per_percent: self.gain_mm_per_s2_per_percent,
             drag_per_s: self.drag_per_s,
             hover_duty_percent: self.hover_duty_percent,
-            pipe_length_mm: self.pipe_length_mm,
+            middle_mm: self.middle_mm(),
         }
     }
 
@@ -138,7 +147,7 @@ impl Model {
     pub(crate) const fn setpoint(&self, known_mm: Option<f64>) -> f64 {
         match known_mm {
             Some(setpoint_mm) => setpoint_mm,
-            None => 0.5 * self.pipe_length_mm,
+            None => self.middle_mm(),
         }
     }
 
@@ -190,10 +199,23 @@ impl Model {
         self.effects.own_spread(&self.conditions())
     }
 
+    /// Both ends of the pipe, mm: bottom and top.
+    #[must_use]
+    pub const fn pipe_mm(&self) -> (f64, f64) {
+        (self.pipe_bottom_mm, self.pipe_bottom_mm + self.pipe_length_mm)
+    }
+
+    /// The middle of the pipe, mm.
+    #[inline(always)]
+    #[must_use]
+    pub const fn middle_mm(&self) -> f64 {
+        self.pipe_bottom_mm + 0.5 * self.pipe_length_mm
+    }
+
     /// Where the ball's way ends, mm: bottom and top.
     #[must_use]
     pub fn ends_mm(&self) -> (f64, f64) {
-        self.effects.ends().map_or((0.0, self.pipe_length_mm), |stop| (stop.bottom_mm, stop.top_mm))
+        self.effects.ends().map_or(self.pipe_mm(), |stop| (stop.bottom_mm, stop.top_mm))
     }
 
     /// The velocity after a hit at an end, mm/s. The ends of the pipe itself give no bounce.
@@ -213,6 +235,7 @@ pub(crate) mod tests {
             gain_mm_per_s2_per_percent: 827.2,
             drag_per_s: 3.896,
             hover_duty_percent: 21.4,
+            pipe_bottom_mm: 0.0,
             pipe_length_mm: 583.0,
             turn_mm: None,
             noise: Noise { sensor_mm: 2.5, acceleration_psd_mm2_per_s3: 360.0 },

@@ -105,6 +105,7 @@ mod tests {
             gain_mm_per_s2_per_percent: 800.0,
             drag_per_s: 3.0,
             hover_duty_percent: 20.0,
+            pipe_bottom_mm: 0.0,
             pipe_length_mm: 600.0,
             turn_mm: None,
             noise: Noise { sensor_mm: 1.0, acceleration_psd_mm2_per_s3: 100.0 },

@@ -110,8 +110,8 @@ impl Desk {
         let (gain, pipe_mm) = (model.gain_mm_per_s2_per_percent, model.pipe_length_mm);
         let reach = (HARDEST_PIPES_PER_S2 * pipe_mm / gain).clamp(0.05 * room, 0.95 * room);
         let safety = Safety {
-            setpoint_min_mm: 0.1 * pipe_mm,
-            setpoint_max_mm: 0.9 * pipe_mm,
+            setpoint_min_mm: model.pipe_bottom_mm + 0.1 * pipe_mm,
+            setpoint_max_mm: model.pipe_bottom_mm + 0.9 * pipe_mm,
             duty_min_percent: hover - reach,
             duty_max_percent: hover + reach,
             coast_s: 0.3,
@@ -160,7 +160,7 @@ impl Desk {
             experiment: experiment.clone(),
             reading_period_s: self.reading_period_s(),
             signals: self.rig.as_ref().map(Signals::from).unwrap_or_default(),
-            top_mm: self.rig.as_ref().map_or(model.pipe_length_mm, |rig| rig.sensor_to_bottom_mm),
+            top_mm: self.rig.as_ref().map_or(model.pipe_mm().1, |rig| rig.sensor_to_bottom_mm),
         });
         let stop = AtomicBool::new(false);
         let outcome = match &self.rig {

@@ -14,15 +14,16 @@ pub(super) fn asked(model: &Model, args: AboutArgs) -> Result<Option<About>> {
         return Ok(None);
     }
     let duty_percent = args.about_duty.unwrap_or(model.hover_duty_percent);
-    let position_mm = args.about_height.unwrap_or(model.pipe_length_mm / 2.0);
+    let position_mm = args.about_height.unwrap_or(model.middle_mm());
     if !(0.0..=100.0).contains(&duty_percent) {
         bail!(
             "--about-duty {duty_percent}: give 0 to 100 %, for instance the model's hover, {}",
             model.hover_duty_percent
         );
     }
-    if !(0.0..=model.pipe_length_mm).contains(&position_mm) {
-        bail!("--about-height {position_mm}: give a height within the pipe, 0 to {} mm", model.pipe_length_mm);
+    let (bottom, top) = model.pipe_mm();
+    if !(bottom..=top).contains(&position_mm) {
+        bail!("--about-height {position_mm}: give a height within the pipe, {bottom} to {top} mm");
     }
     let Slopes { gain_mm_per_s2_per_percent, drag_per_s, gradient_per_s2 } = model.slopes_at(position_mm, duty_percent);
     let bounded = gain_mm_per_s2_per_percent.is_finite() && drag_per_s.is_finite() && gradient_per_s2.is_finite();

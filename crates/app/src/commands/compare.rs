@@ -93,7 +93,7 @@ fn one(args: &CompareArgs, log: &Path) -> Result<(Asked, Answer)> {
     }
     let answer = asked.diagnose(&Options::default(), &|_| {});
     for noted in &answer.found.findings {
-        note(format_args!("{name}: {}", asked.words.of(&noted.finding.in_columns(&asked.columns))));
+        note(format_args!("{name}: {}", asked.words.finding(&noted.finding, &asked.columns)));
     }
     if answer.found.verdict == Verdict::InsufficientData {
         bail!("{name} cannot be compared: {}; `airball diagnose {name}` says more", answer.found.verdict_in_words());

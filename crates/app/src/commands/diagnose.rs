@@ -137,7 +137,7 @@ fn tell(args: &DiagnoseArgs, asked: &Asked, answer: &Answer) -> Result<()> {
     // Beside a mistake of units, signs or columns, other findings are its consequences.
     let is_said = |finding: &Finding| !answer.found.has_mistake() || finding.is_mistake();
     for (name, finding) in findings(&answer.found, &about).filter(|(_, finding)| is_said(finding)) {
-        note(format_args!("{name}: {}", rig.of(&finding.in_columns(about.columns))));
+        note(format_args!("{name}: {}", rig.finding(finding, about.columns)));
     }
     if let Some(line) = about.words() {
         say(line)?;

@@ -60,7 +60,7 @@ impl<'a> Subject<'a> {
             config.refuse_setpoint(&no_setpoint(&args.log.display().to_string()), |_| false)?;
         }
         let columns = config.tables.source_columns();
-        let said = |finding: &Finding| config.words.of(&finding.in_columns(&columns));
+        let said = |finding: &Finding| config.words.finding(finding, &columns);
         let findings = check(&log.recording, &model).iter().map(said).collect();
         log.discard_implausible_readings(&model);
         let draws = args.plot.is_some() || args.html.is_some();

@@ -78,13 +78,13 @@ pub fn replay(belief: &Belief, log: &Log) -> Result<Made> {
     let findings = diagnose::check(&held.recording, model);
     held.discard_implausible_readings(model);
     let gap = Gap::measure(model, &held.recording);
-    let rig = &belief.0.words;
+    let (rig, columns) = (&belief.0.words, belief.0.tables.source_columns());
     let words = [table(&gap, rig), rig.of(&sentence(&gap, &held.recording))];
     Ok(Made {
         document: serde_json::to_string(&ReplayDocument::of(&gap, None))?,
         words: words.join("\n"),
         patch: String::new(),
-        notes: findings.iter().map(|finding| finding.in_columns(&belief.0.tables.source_columns())).collect(),
+        notes: findings.iter().map(|finding| rig.finding(finding, &columns)).collect(),
     })
 }
 

@@ -62,9 +62,7 @@ pub(super) struct Credentials {
 pub(crate) fn exposures(table: &MqttConfig) -> Vec<String> {
     let Some(file) = &table.password_file else { return Vec::new() };
     let mut found = Vec::new();
-    if let Some(mode) =
-        fs::metadata(file).ok().map(|about| about.permissions().mode() & 0o777).filter(|m| m & 7 != 0)
-    {
+    if let Some(mode) = fs::metadata(file).ok().map(|about| about.permissions().mode() & 0o777).filter(|m| m & 7 != 0) {
         let path = file.display();
         found.push(format!(
             "[mqtt] password_file {path} has mode {mode:o}, so that every user of this computer has the password; \

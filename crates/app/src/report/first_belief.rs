@@ -97,6 +97,9 @@ fn plant(text: &mut String, belief: &FirstBelief) {
     } else {
         "no ends: three times the range of the record"
     };
+    if model.pipe_bottom_mm != 0.0 {
+        set("pipe_bottom_mm", model.pipe_bottom_mm, "no ends: the record is in the middle");
+    }
     set("pipe_length_mm", model.pipe_length_mm, ends);
     text.push_str("\n[plant.noise]\n");
     let mut set = |key: &str, value: f64| line(text, key, &number(value), "fitted");

@@ -42,7 +42,7 @@ impl Over {
     /// The conditions of a ball at rest at mid-pipe and hover, but for this signal.
     fn at(self, model: &Model, value: f64) -> Conditions {
         let rest = model.conditions();
-        let rest = Conditions { position_mm: 0.5 * rest.pipe_length_mm, ..rest };
+        let rest = Conditions { position_mm: rest.middle_mm, ..rest };
         let force = (value - rest.hover_duty_percent) * rest.gain_mm_per_s2_per_percent;
         match self {
             Self::Duty => Conditions { commanded_mm_per_s2: force, fan_mm_per_s2: force, ..rest },

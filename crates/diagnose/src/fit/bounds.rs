@@ -42,10 +42,11 @@ impl Bounds {
         let [low, high] = recording.duty_range();
         let margin = MARGIN * (high - low);
         let [lowest, highest] = recording.height_range();
+        let (bottom, top) = belief.pipe_mm();
         let beyond_mm = belief.turn_mm.map_or(0.0, |turn_mm| turn_mm / 2.0);
         Self {
             hover_percent: [(low - margin).max(Model::HOVER.min), (high + margin).min(Model::HOVER.max)],
-            height_mm: [lowest.min(0.0) - beyond_mm, highest.max(belief.pipe_length_mm) + beyond_mm],
+            height_mm: [lowest.min(bottom) - beyond_mm, highest.max(top) + beyond_mm],
         }
     }
 

@@ -97,11 +97,11 @@ pub enum NoPlant {
     OutOfBounds(String),
 }
 
-/// A first belief about the rig of `recordings`, in a pipe of this length.
+/// A first belief about the rig of `recordings`, in a pipe with this lower end and this length, mm.
 ///
 /// # Errors
 /// [`NoPlant`]: the record is of no plant of ours, or too short.
-pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial, NoPlant> {
+pub fn initial(recordings: &[Recording], bottom_mm: f64, length_mm: f64) -> Result<Initial, NoPlant> {
     let flight = recordings.iter().max_by_key(|one| one.readings()).ok_or(NoPlant::Still)?;
     if let Some((row, times)) = recordings.iter().find_map(input_outlier) {
         return Err(NoPlant::InputOutlier { row, times });
@@ -120,7 +120,7 @@ pub fn initial(recordings: &[Recording], pipe_length_mm: f64) -> Result<Initial,
     if form.spring_per_s2 > STIFFEST_PER_S2 {
         return Err(NoPlant::Servo { per_s2: form.spring_per_s2 });
     }
-    let start = model(&form, sign, pipe_length_mm);
+    let start = Model { pipe_bottom_mm: bottom_mm, pipe_length_mm: length_mm, ..model(&form, sign) };
     let turned: Vec<Recording> = recordings.iter().map(|one| with_sign(one, sign)).collect();
     let (_, recording) = prepared(&turned, &start);
     let identify = |poles: &Poles| GreyBox::identify(&start, &recording, *poles);
@@ -153,7 +153,7 @@ fn with_sign(flight: &Recording, sign: f64) -> Recording {
 }
 
 /// The model that a fit begins with.
-fn model(form: &LinearFit, sign: f64, pipe_length_mm: f64) -> Model {
+fn model(form: &LinearFit, sign: f64) -> Model {
     let mut effects = Effects::default();
     if form.spring_per_s2 != 0.0 {
         effects.set(HeightDependentFlow::ENTRY.name, &[form.spring_per_s2]);
@@ -162,7 +162,8 @@ fn model(form: &LinearFit, sign: f64, pipe_length_mm: f64) -> Model {
         gain_mm_per_s2_per_percent: form.gain.abs(),
         drag_per_s: form.drag_per_s,
         hover_duty_percent: sign * form.hover,
-        pipe_length_mm,
+        pipe_bottom_mm: 0.0,
+        pipe_length_mm: 1.0,
         turn_mm: None,
         noise: Noise { sensor_mm: form.sensor, acceleration_psd_mm2_per_s3: form.psd },
         effects,
@@ -195,7 +196,7 @@ mod tests {
     }
 
     fn of(recording: Recording) -> Result<Initial, NoPlant> {
-        initial(&[recording], 583.0)
+        initial(&[recording], 0.0, 583.0)
     }
 
     #[test]

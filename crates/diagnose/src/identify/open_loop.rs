@@ -48,7 +48,8 @@ impl OpenLoop {
         if there.effects.coloured_force().is_none() {
             there.effects = there.effects.with_coloured_force(sigma_mm_per_s2, FOR_EVER_S);
         }
-        let free = |s: &Sample| s.position_mm.is_none_or(|mm| mm > AT_END_MM && mm < belief.pipe_length_mm - AT_END_MM);
+        let (bottom, top) = belief.pipe_mm();
+        let free = |s: &Sample| s.position_mm.is_none_or(|mm| mm > bottom + AT_END_MM && mm < top - AT_END_MM);
         let open = |s: &Sample| s.setpoint_mm.is_none() && free(s);
         let of_flight = |flight: &'_ Recording| {
             let stretches = flight.samples().chunk_by(|a, b| open(a) && open(b));
@@ -88,7 +89,7 @@ fn detrended(rows: &[Sample], belief: &Model) -> Option<Recording> {
     let points: Vec<(f64, f64)> = rows.iter().filter_map(|s| Some((s.time_s - first.time_s, s.position_mm?))).collect();
     let (slope, offset) = line(&points)?;
     let mean = rows.iter().map(|s| s.duty_percent).sum::<f64>() / rows.len() as f64;
-    let middle_mm = 0.5 * belief.pipe_length_mm;
+    let middle_mm = belief.middle_mm();
     let flat = |s: &Sample| Sample {
         position_mm: s.position_mm.map(|mm| mm - offset - slope * (s.time_s - first.time_s) + middle_mm),
         duty_percent: s.duty_percent - mean + belief.hover_duty_percent,
@@ -115,7 +116,7 @@ mod tests {
         let found = OpenLoop::of(&[Recording::new(rows).unwrap()], &model());
         // The stretch of 2 s at the end is too short.
         assert_eq!(found.recording.flights().len(), 1);
-        let middle = 0.5 * found.detrended.pipe_length_mm;
+        let middle = found.detrended.middle_mm();
         let rows = found.recording.samples();
         assert_eq!(rows.len(), 300);
         assert!(rows.iter().all(|s| (s.position_mm.unwrap() - middle).abs() < 1.1 && s.duty_percent == 21.4));

@@ -101,10 +101,11 @@ fn no_target(readings: &[f64]) -> Option<Finding> {
 fn outside_pipe(readings: &[f64], model: &Model) -> Option<Finding> {
     // Noise moves the readings of a ball at an end a little beyond it.
     let slack_mm = OUTLIER * model.noise.sensor_mm;
-    let beyond = |reading: f64| (-reading).max(reading - model.pipe_length_mm);
+    let (bottom_mm, top_mm) = model.pipe_mm();
+    let beyond = |reading: f64| (bottom_mm - reading).max(reading - top_mm);
     let outside = || readings.iter().copied().filter(|reading| beyond(*reading) > slack_mm);
     let furthest_mm = outside().max_by(|a, b| beyond(*a).total_cmp(&beyond(*b)))?;
-    Some(Finding::OutsidePipe { count: outside().count(), furthest_mm, length_mm: model.pipe_length_mm })
+    Some(Finding::OutsidePipe { count: outside().count(), furthest_mm, bottom_mm, top_mm })
 }
 
 /// Each reading against the line between its neighbours: steady motion of the ball cancels, a single error of the

@@ -59,7 +59,7 @@ impl Correction {
         let offset = if keeps_place { source.offset } else { source.offset * self.scale + self.offset };
         let offset = if offset == 0.0 { String::new() } else { format!(", offset = {}", digits(offset)) };
         let scale = digits(source.scale * self.scale);
-        format!("{key} = {{ column = {}, scale = {scale}{offset}{} }}", source.column, source.further_keys)
+        format!("{key} = {{ column = {}, scale = {scale}{offset}{} }}", source.quoted, source.further_keys)
     }
 }
 
@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn a_correction_is_composed_with_the_conversion_that_is_there() {
         let mut columns = SourceColumns::default();
-        columns.position_mm.column = r#""y \"raw\"""#.into();
+        columns.position_mm.quoted = r#""y \"raw\"""#.into();
         columns.position_mm.scale = 10.0;
         columns.position_mm.offset = -40.0;
         columns.position_mm.further_keys = ", minus = \"zero\"".into();

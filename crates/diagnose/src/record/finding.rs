@@ -94,7 +94,7 @@ pub enum Finding {
     },
     /// Readings outside the model's pipe.
     #[error(
-        "{count} readings lie outside the model's pipe of 0 to {length_mm} mm, the furthest at {} mm; check \
+        "{count} readings lie outside the model's pipe of {bottom_mm} to {top_mm} mm, the furthest at {} mm; check \
          plant.pipe_length_mm and the scale and offset of [import]",
         short(*furthest_mm)
     )]
@@ -103,8 +103,10 @@ pub enum Finding {
         count: usize,
         /// The reading furthest outside, mm.
         furthest_mm: f64,
-        /// Length of the model's pipe, mm.
-        length_mm: f64,
+        /// Lower end of the model's pipe, mm.
+        bottom_mm: f64,
+        /// Upper end of the model's pipe, mm.
+        top_mm: f64,
     },
     /// Readings that are codes for "no target".
     #[error("{count} readings are 8190 or 8191, which a VL53L0X says without a target: they count as empty")]

@@ -18,8 +18,8 @@ pub(crate) fn near_end_mm(model: &Model) -> f64 {
 
 /// Whether a ball at height `mm` rests at an end of the pipe.
 pub(crate) fn is_at_end(model: &Model, mm: f64) -> bool {
-    let near_mm = near_end_mm(model);
-    mm < near_mm || mm > model.pipe_length_mm - near_mm
+    let (near_mm, (bottom, top)) = (near_end_mm(model), model.pipe_mm());
+    mm < bottom + near_mm || mm > top - near_mm
 }
 
 /// Which rows count in a comparison of models: those where the ball has been in free flight for some time. At an end

@@ -77,7 +77,8 @@ pub(crate) fn duty_beyond_percent(samples: &[Sample], model: &Model) -> Option<F
 fn looks_exchanged(samples: &[Sample], model: &Model) -> bool {
     let duty = median(samples.iter().map(|sample| sample.duty_percent).collect());
     let position = median(samples.iter().filter_map(|sample| sample.position_mm).collect());
-    let is_position = duty.is_some_and(|duty| (0.0..=model.pipe_length_mm).contains(&duty));
+    let (bottom, top) = model.pipe_mm();
+    let is_position = duty.is_some_and(|duty| (bottom..=top).contains(&duty));
     let is_hover = position.map(|position| position / model.hover_duty_percent);
     is_position && is_hover.is_some_and(|ratio| ratio > 0.0 && ratio.ln().abs() < OTHER_HOVER.ln())
 }
@@ -141,7 +142,8 @@ fn implausible_rows(samples: &[Sample], model: &Model) -> Vec<usize> {
 }
 
 fn is_far(position_mm: f64, model: &Model) -> bool {
-    (-position_mm).max(position_mm - model.pipe_length_mm) > FAR * model.pipe_length_mm
+    let (bottom, top) = model.pipe_mm();
+    (bottom - position_mm).max(position_mm - top) > FAR * model.pipe_length_mm
 }
 
 /// The recording without codes of a sensor that saw no target, and without readings and fan speeds that cannot be.

@@ -3,8 +3,10 @@
 /// The source of a quantity: a column, and the conversion of its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceColumn {
-    /// Its name in the file, as TOML writes it.
+    /// Its name in the file.
     pub column: String,
+    /// The same as TOML writes it, in quotes.
+    pub quoted: String,
     /// Our unit per theirs.
     pub scale: f64,
     /// Added after scaling, in our unit.
@@ -28,7 +30,8 @@ impl Default for SourceColumns {
     /// Columns with the names of the quantities, in our units.
     fn default() -> Self {
         let own = |name: &str| SourceColumn {
-            column: format!("\"{name}\""),
+            column: name.to_owned(),
+            quoted: format!("\"{name}\""),
             scale: 1.0,
             offset: 0.0,
             further_keys: String::new(),

@@ -124,11 +124,11 @@ fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
 fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     let mut heights: Vec<f64> = recording.samples().iter().filter_map(|s| s.position_mm).collect();
     heights.sort_by(f64::total_cmp);
-    let noise = model.noise.sensor_mm;
+    let (noise, (bottom, top)) = (model.noise.sensor_mm, model.pipe_mm());
     let at = |share: f64, inwards: f64| {
         let top_mm = quantile(&heights, 1.0 - share) - inwards * noise;
         let bottom_mm = quantile(&heights, share) + inwards * noise;
-        [vec![0.0, top_mm, 0.5], vec![bottom_mm, model.pipe_length_mm, 0.5], vec![bottom_mm, top_mm, 0.5]]
+        [vec![bottom, top_mm, 0.5], vec![bottom_mm, top, 0.5], vec![bottom_mm, top_mm, 0.5]]
     };
     STOPS.iter().flat_map(|(share, inwards)| at(*share, *inwards)).collect()
 }

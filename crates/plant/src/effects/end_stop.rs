@@ -34,8 +34,8 @@ impl Effect for EndStop {
         stage: Stage::Ball,
         article: "an ",
         params: &[
-            Param { name: "bottom_mm", min: -1e6, max: 1e6, neutral: Neutral::At(0.0), scale: Scale::Height(10.0) },
-            Param { name: "top_mm", min: 0.0, max: 1e6, neutral: Neutral::PipeLength, scale: Scale::Height(10.0) },
+            Param { name: "bottom_mm", min: -1e6, max: 1e6, neutral: Neutral::PipeBottom, scale: Scale::Height(10.0) },
+            Param { name: "top_mm", min: -1e6, max: 1e6, neutral: Neutral::PipeTop, scale: Scale::Height(10.0) },
             Param { name: "restitution", min: 0.0, max: 1.0, neutral: Neutral::At(0.0), scale: Scale::Value },
         ],
         sizes: &[&[20.0, 560.0, 0.3]],

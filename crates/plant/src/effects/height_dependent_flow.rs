@@ -66,8 +66,8 @@ impl Effect for HeightDependentFlow {
     };
 
     const ACTS: Acts<Self> = Acts {
-        force: Some(|flow, now| flow.lift(now.position_mm, now.pipe_length_mm)),
-        force_slopes: Some(|flow, now| [flow.slope_per_s2(now.position_mm, now.pipe_length_mm), 0.0, 0.0]),
+        force: Some(|flow, now| flow.lift(now.position_mm, now.middle_mm)),
+        force_slopes: Some(|flow, now| [flow.slope_per_s2(now.position_mm, now.middle_mm), 0.0, 0.0]),
         is_linear: Some(|flow| flow.turn_mm.is_none()),
         linearise: Some(|flow, plant| plant.gradient_per_s2 = flow.gradient_per_s2),
         ..Acts::NONE
@@ -98,8 +98,8 @@ impl Effect for HeightDependentFlow {
 impl HeightDependentFlow {
     /// The acceleration that the height adds, mm/s².
     #[must_use]
-    pub fn lift(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
-        let off_centre_mm = self.off_centre_mm(position_mm, pipe_length_mm);
+    pub fn lift(&self, position_mm: f64, middle_mm: f64) -> f64 {
+        let off_centre_mm = self.off_centre_mm(position_mm, middle_mm);
         let arm_mm = self.turn_mm.map_or(off_centre_mm, |turn_mm| {
             let radian_mm = turn_mm / TAU;
             radian_mm * libm::sin(off_centre_mm / radian_mm)
@@ -108,13 +108,13 @@ impl HeightDependentFlow {
     }
 
     /// The derivative of [`Self::lift`] by the position, 1/s².
-    fn slope_per_s2(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
-        let off_centre_mm = self.off_centre_mm(position_mm, pipe_length_mm);
+    fn slope_per_s2(&self, position_mm: f64, middle_mm: f64) -> f64 {
+        let off_centre_mm = self.off_centre_mm(position_mm, middle_mm);
         -self.gradient_per_s2 * self.turn_mm.map_or(1.0, |turn_mm| libm::cos(off_centre_mm * TAU / turn_mm))
     }
 
-    fn off_centre_mm(&self, position_mm: f64, pipe_length_mm: f64) -> f64 {
-        position_mm - self.centre_mm.unwrap_or(pipe_length_mm / 2.0)
+    fn off_centre_mm(&self, position_mm: f64, middle_mm: f64) -> f64 {
+        position_mm - self.centre_mm.unwrap_or(middle_mm)
     }
 }
 
@@ -126,9 +126,9 @@ mod tests {
     #[test]
     fn the_middle_of_the_pipe_is_the_centre_unless_another_is_given() {
         let flow = HeightDependentFlow { gradient_per_s2: 2.0, centre_mm: None, turn_mm: None };
-        assert_eq!((flow.lift(300.0, 600.0), flow.lift(350.0, 600.0)), (0.0, -100.0));
+        assert_eq!((flow.lift(300.0, 300.0), flow.lift(350.0, 300.0)), (0.0, -100.0));
         let flow = HeightDependentFlow { centre_mm: Some(100.0), ..flow };
-        assert_eq!(flow.lift(50.0, 600.0), 100.0);
+        assert_eq!(flow.lift(50.0, 300.0), 100.0);
     }
 
     #[test]

@@ -106,6 +106,7 @@ fn the_critical_gain_is_that_of_the_characteristic_equation() {
         gain_mm_per_s2_per_percent: gain,
         drag_per_s: drag,
         hover_duty_percent: 50.0,
+        pipe_bottom_mm: 0.0,
         pipe_length_mm: 2000.0,
         turn_mm: None,
         noise: Noise { sensor_mm: 1.0, acceleration_psd_mm2_per_s3: 100.0 },

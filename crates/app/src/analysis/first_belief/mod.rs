@@ -93,7 +93,7 @@ fn of_roles(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Asked) -> Re
     let recordings: Vec<Recording> = logs_read.into_iter().map(|log| log.recording).collect();
     let of_first = || logs.first().cloned().unwrap_or_default();
     let no_plant = |source| NoBelief::Plant { path: of_first(), roles: Box::new(roles.clone()), source };
-    let plant = initial(&recordings, scales.length_mm).map_err(no_plant)?;
+    let plant = initial(&recordings, scales.bottom_mm, scales.length_mm).map_err(no_plant)?;
     if plant.is_turned {
         import.duty_percent.scale = -import.duty_percent.scale;
     }
@@ -109,11 +109,7 @@ fn of_roles(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Asked) -> Re
 }
 
 fn import(roles: &Roles, scales: &Scales) -> Import {
-    let column = |named: &Named, scaled: &Scaled| Column {
-        scale: scaled.scale,
-        offset: scaled.offset,
-        ..Column::named(&named.column)
-    };
+    let column = |named: &Named, scaled: &Scaled| Column { scale: scaled.scale, ..Column::named(&named.column) };
     let position = column(&roles.position, &scales.position);
     Import {
         time_s: Column { spread: scales.has_coarse_clock, ..column(&roles.time, &scales.time) },

@@ -16,20 +16,18 @@ use diagnose::SETTLING_S;
 use plant::Model;
 use rows::{Sheet, SheetColumn, held_if_sparse, spread_if_coarse};
 
-/// A scale, an offset, and what they rest on.
+/// A scale, and what it rests on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scaled {
     /// Ours per theirs.
     pub scale: f64,
-    /// Added after scaling.
-    pub offset: f64,
     /// The smallest and the largest value in the file.
     pub range: [f64; 2],
     /// The unit in the file, or what it is read as.
     pub read_as: String,
 }
 
-/// The scales of a table, and the length of the pipe that holds the record.
+/// The scales of a table, and the pipe that holds the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scales {
     /// To seconds.
@@ -44,6 +42,8 @@ pub struct Scales {
     pub input: Scaled,
     /// To millimetres.
     pub position: Scaled,
+    /// Lower end of the pipe, mm.
+    pub bottom_mm: f64,
     /// Length of the pipe, mm.
     pub length_mm: f64,
     /// Whether a user gave the length, and so the ends.
@@ -83,7 +83,7 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
             || if roles.is_speed { speed_scale(y, span(range.range)) } else { to_hundreds(span(range.range)) };
         Scaled { scale: scale.unwrap_or_else(by_range), ..of(&values, &unit(y)) }
     });
-    let (length_mm, offset) = match asked.length_mm {
+    let (length_mm, bottom_mm) = match asked.length_mm {
         Some(length_mm) => (length_mm, 0.0),
         None => around(&position),
     };
@@ -95,14 +95,15 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
         has_coarse_clock,
         is_input_held: column(&roles.input.column).is_some_and(|u| held_if_sparse(&u.values).is_some()),
         input,
-        position: Scaled { offset, range, ..position },
+        position: Scaled { range, ..position },
+        bottom_mm,
         length_mm,
         has_ends: asked.length_mm.is_some(),
     }
 }
 
 fn nothing() -> Scaled {
-    Scaled { scale: 1.0, offset: 0.0, range: [0.0, 1.0], read_as: String::new() }
+    Scaled { scale: 1.0, range: [0.0, 1.0], read_as: String::new() }
 }
 
 /// The range of some values, unscaled.
@@ -110,7 +111,7 @@ fn of(values: &[Option<f64>], read_as: &str) -> Scaled {
     let numbers = values.iter().flatten();
     let range = numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
     let range = if range[0] <= range[1] { range } else { [0.0, 0.0] };
-    Scaled { scale: 1.0, offset: 0.0, range, read_as: read_as.into() }
+    Scaled { scale: 1.0, range, read_as: read_as.into() }
 }
 
 fn unit(column: &SheetColumn) -> String {
@@ -183,14 +184,14 @@ fn speed_scale(speed: &SheetColumn, range_of_integral: f64) -> f64 {
     to_hundreds(span(of(&speed.values, "").range)).min(10f64.powf(longest.log10().floor()))
 }
 
-/// Length and offset of a pipe in whose middle the record lies, mm, both round.
+/// Length and lower end of a pipe in whose middle the record lies, mm, both round.
 fn around(position: &Scaled) -> (f64, f64) {
     let [low, high] = position.range;
     // A distance from above has a scale below 0.
     let length = round(ROOM * span(position.range) * position.scale.abs(), 2).clamp(1.0, Model::LONGEST_PIPE_MM);
-    let offset = 0.5 * length - 0.5 * (low + high) * position.scale;
+    let bottom = 0.5 * (low + high) * position.scale - 0.5 * length;
     let grid = 10f64.powf(length.log10().floor() - 2.0);
-    (length, (offset / grid).round() * grid)
+    (length, (bottom / grid).round() * grid)
 }
 
 /// A number with so many significant digits.
@@ -241,7 +242,7 @@ mod tests {
         let asked = Asked { position_scale: Some(-100.0), ..Asked::default() };
         let scales = scales(&sheet, &found, &asked);
         assert_eq!((scales.length_mm, scales.position.scale), (600.0, -100.0));
-        assert_eq!(-100.0 * 13.0 + scales.position.offset, 300.0);
+        assert_eq!(-100.0 * 13.0 - scales.bottom_mm, 300.0);
     }
 
     #[test]

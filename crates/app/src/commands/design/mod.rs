@@ -136,7 +136,7 @@ impl Ground {
     /// The plant at the lowest duty that the config allows, at hover and at the highest.
     fn over_duties(&self) -> Vec<AtDuty> {
         let Some(safety) = self.config.tables.safety.as_ref() else { return Vec::new() };
-        let height_mm = self.about.map_or(self.model.pipe_length_mm / 2.0, |about| about.position_mm);
+        let height_mm = self.about.map_or(self.model.middle_mm(), |about| about.position_mm);
         let duties = [safety.duty_min_percent, self.model.hover_duty_percent, safety.duty_max_percent];
         AtDuty::over(&self.model, height_mm, &duties)
     }

@@ -57,7 +57,7 @@ pub(crate) fn has_one_lag(model: &Model) -> Result<()> {
 
 /// The findings of the check of the logs, each with its log.
 fn said(asked: &Asked, findings: &[FlightFinding]) -> Vec<String> {
-    let finding = |noted: &FlightFinding| asked.words.of(&noted.finding.in_columns(&asked.columns));
+    let finding = |noted: &FlightFinding| asked.words.finding(&noted.finding, &asked.columns);
     findings.iter().map(|noted| format!("{}: {}", asked.names[noted.flight], finding(noted))).collect()
 }
 

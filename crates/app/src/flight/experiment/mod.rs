@@ -125,7 +125,7 @@ impl Experiment {
     /// # Errors
     /// [`ConfigError`] names file, line and key.
     pub fn read(path: &Path, safety: &Safety) -> Result<Self, ConfigError> {
-        Self::of_file(path, safety, "--experiment FILE")
+        Self::of_file(path, safety, "`--experiment FILE`")
     }
 
     /// The same for a file that `flag` names.

@@ -37,7 +37,7 @@ pub fn offers(files: &[PathBuf], safety: &Safety) -> Result<Vec<Offer>, ConfigEr
     });
     let mut all: Vec<Offer> = own.collect();
     for file in files {
-        let experiment = Experiment::of_file(file, safety, "[mqtt] experiments")?;
+        let experiment = Experiment::of_file(file, safety, "`[mqtt] experiments`")?;
         let name = name_of(file).ok_or_else(|| ConfigError::Contradiction {
             place: file.display().to_string(),
             message: format!(
@@ -104,6 +104,6 @@ mod tests {
         let error = offers(&[file], &safety()).unwrap_err().to_string();
         assert!(error.contains("square.toml:4") && error.contains("5000"), "{error}");
         let gone = offers(&[folder.path().join("gone.toml")], &safety()).unwrap_err().to_string();
-        assert!(gone.contains("gone.toml") && gone.contains("[mqtt] experiments"), "{gone}");
+        assert!(gone.contains("gone.toml") && gone.contains("`[mqtt] experiments`"), "{gone}");
     }
 }

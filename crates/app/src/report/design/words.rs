@@ -275,6 +275,7 @@ mod tests {
             gain_mm_per_s2_per_percent: 200.0,
             drag_per_s: 2.0,
             hover_duty_percent: 20.0,
+            pipe_bottom_mm: 0.0,
             pipe_length_mm: 600.0,
             turn_mm: None,
             noise: Noise { sensor_mm: 2.0, acceleration_psd_mm2_per_s3: 360.0 },

@@ -1,8 +1,12 @@
 //! The rungs of the ladder in words, for terminal and page.
 
 use super::words::whole_percent;
+use config::words::Words;
 use diagnose::{Closed, Diagnosis, Rung, Step};
 use std::fmt::Write;
+
+/// Width of the names of rungs, letters: the longest effect's.
+const WIDTH: usize = 26;
 
 /// What a rung adds.
 pub(super) fn name(rung: &Rung) -> String {
@@ -28,16 +32,19 @@ pub(super) fn alone(rung: &Rung) -> Option<String> {
     rung.alone.filter(|alone| *alone >= 0.0).map(|alone| format!("{} %", whole_percent(alone)))
 }
 
-/// The ladder as a table: a line for each rung, the lowest first, and one for noise alone.
-pub(super) fn table(found: &Diagnosis) -> String {
+/// The ladder as a table: a line for each rung, the lowest first, and one for noise alone. Its head is in the words of
+/// the rig before it is aligned, since its unit may be longer.
+pub(super) fn table(found: &Diagnosis, rig: &Words) -> String {
+    let head = rig.of("error ahead, held out, mm");
+    let wide = head.chars().count().max(WIDTH);
     let number = |mm: Option<f64>| mm.map_or("–".into(), |mm| format!("{mm:.2}"));
     let mut text = format!(
-        "{:<26}{:>8}{:>8}{:>8}{:>10}   {}",
-        "error ahead, held out, mm", "0.1 s", "0.5 s", "1 s", "free run", "share of the gap at 1 s"
+        "{head:<wide$}{:>8}{:>8}{:>8}{:>10}   {}",
+        "0.1 s", "0.5 s", "1 s", "free run", "share of the gap at 1 s"
     );
     let mut line = |name: &str, errors: [Option<f64>; 3], free: Option<f64>, share: &str| {
         let [a, b, c] = errors.map(number);
-        let row = format!("{name:<26}{a:>8}{b:>8}{c:>8}{:>10}   {share}", number(free));
+        let row = format!("{name:<wide$}{a:>8}{b:>8}{c:>8}{:>10}   {share}", number(free));
         let _ = write!(text, "\n{}", row.trim_end());
     };
     for rung in &found.ladder {

@@ -33,7 +33,7 @@ pub fn in_the_log(place: &Place, columns: &SourceColumns) -> Option<String> {
     }
     let [a, b] = [place.from, place.to].map(|end| (end - offset) / source.scale);
     let [low, high] = [a.min(b), a.max(b)].map(|end| format!("{end:.*}", decimals(end)));
-    Some(format!("{} {verb} {low} to {high}{unit}", source.column.trim_matches('"')))
+    Some(format!("{} {verb} {low} to {high}{unit}", source.column))
 }
 
 #[cfg(test)]
@@ -46,7 +46,7 @@ mod tests {
     }
 
     fn column(name: &str, scale: f64, offset: f64) -> SourceColumn {
-        SourceColumn { column: format!("\"{name}\""), scale, offset, further_keys: String::new() }
+        SourceColumn { column: name.into(), scale, offset, ..SourceColumns::default().position_mm }
     }
 
     #[test]

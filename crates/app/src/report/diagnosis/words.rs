@@ -54,7 +54,7 @@ pub fn words_of(
     if let Some(left_out) = found.left_out_in_words() {
         let _ = write!(words, "\n{left_out}");
     }
-    let _ = write!(words, "\n{}", ladder::table(found));
+    let _ = write!(words, "\n{}", ladder::table(found, rig));
     if let Some(Closed { value, low, high }) = found.closed {
         let [value, low, high] = [value, low, high].map(whole_percent);
         let _ = write!(words, "\n{value} % of the gap is closed ({low} to {high} %)");

@@ -160,7 +160,7 @@ impl Drawn {
     fn value(&self, model: &Model, at: f64) -> f64 {
         let hover = Settled {
             duty_percent: model.hover_duty_percent,
-            position_mm: 0.5 * model.pipe_length_mm,
+            position_mm: model.middle_mm(),
             velocity_mm_per_s: 0.0,
             time_s: self.middle_s,
         };

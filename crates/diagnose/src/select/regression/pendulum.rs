@@ -32,7 +32,7 @@ fn pendulum(entry: &Entry, model: &Model, solved: &[f64]) -> Option<Model> {
     // A·sin + B·cos = −amplitude·sin(2π·(x − centre)/turn)
     let (gradient, centre_mm) = (sin.hypot(cos) / radian_mm, cos.atan2(-sin) * radian_mm);
     // Of the turns the one nearest to the middle of the pipe.
-    let turns = ((0.5 * model.pipe_length_mm - centre_mm) / model.turn_mm?).round();
+    let turns = ((model.middle_mm() - centre_mm) / model.turn_mm?).round();
     let mut found = with_base(model, gain, minus_drag, constant)?;
     found.effects.set(entry.name, &[gradient, centre_mm + turns * model.turn_mm?, model.turn_mm?]);
     found.check().ok().map(|()| found)

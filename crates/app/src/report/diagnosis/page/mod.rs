@@ -85,8 +85,8 @@ fn with<'a>(report: &Report<'a>, answer: &'a str, sections: Vec<Section>, record
 
 /// Where the zero of the file's own column lies, if `[import]` moves it: every position on the page counts from there.
 fn zero(position: &SourceColumn) -> Option<String> {
-    let SourceColumn { column, offset, .. } = position;
-    (*offset != 0.0).then(|| format!("0 of the column {column} is at {offset} mm"))
+    let SourceColumn { quoted, offset, .. } = position;
+    (*offset != 0.0).then(|| format!("0 of the column {quoted} is at {offset} mm"))
 }
 
 fn all_sections(report: &Report<'_>, record: &Record) -> Vec<Section> {
@@ -182,12 +182,12 @@ fn words() -> Markup {
 #[cfg(test)]
 mod tests {
     use super::zero;
-    use diagnose::SourceColumn;
+    use diagnose::{SourceColumn, SourceColumns};
 
     #[test]
     fn a_zero_that_the_import_moves_is_said_where_it_lies() {
-        let column =
-            |offset| SourceColumn { column: "\"angle_rad\"".into(), scale: 100.0, offset, further_keys: String::new() };
+        let own = SourceColumns::default().position_mm;
+        let column = |offset| SourceColumn { quoted: "\"angle_rad\"".into(), offset, ..own.clone() };
         assert_eq!(zero(&column(4000.0)).as_deref(), Some("0 of the column \"angle_rad\" is at 4000 mm"));
         assert_eq!(zero(&column(0.0)), None);
     }

@@ -1,7 +1,7 @@
 //! `airball init`: a first config for the log of a rig that has none.
 
 use super::{Usage, note, say, write};
-use crate::analysis::first_belief::{Asked, FirstBelief, Role, Roles, first_belief, roles};
+use crate::analysis::first_belief::{Asked, FirstBelief, NoBelief, Role, Roles, first_belief, roles};
 use crate::cli::{ColumnArgs, InitArgs};
 use crate::files;
 use crate::log::reader::{Undescribed, undescribed};
@@ -72,7 +72,11 @@ pub(crate) fn propose(
         ask(&sheet, &guessed, &mut asked)?;
         guessed = guess(&asked)?;
     }
-    let belief = first_belief(logs, &sheet, &guessed, &asked)?;
+    let with_others = |error: NoBelief| match unused(&guessed, &sheet).filter(|_| error.is_of_columns()) {
+        Some(others) => anyhow!("{error}; {others}"),
+        None => error.into(),
+    };
+    let belief = first_belief(logs, &sheet, &guessed, &asked).map_err(with_others)?;
     let names: Vec<String> = logs.iter().map(|log| log.display().to_string()).collect();
     write("config", out, &config(&belief, &names))?;
     let warnings = warnings(&belief).into_iter().chain(unread).collect();
@@ -81,8 +85,12 @@ pub(crate) fn propose(
 
 /// What was found, and which columns were not used.
 fn lines(belief: &FirstBelief, sheet: &Sheet) -> Vec<String> {
-    let mut lines = words(belief);
-    let Roles { time, input, position, setpoint, .. } = &belief.roles;
+    words(belief).into_iter().chain(unused(&belief.roles, sheet)).collect()
+}
+
+/// The columns that have no role.
+fn unused(roles: &Roles, sheet: &Sheet) -> Option<String> {
+    let Roles { time, input, position, setpoint, .. } = roles;
     let used = [Some(time), Some(input), Some(position), setpoint.as_ref()];
     let is_used = |name: &str| used.iter().flatten().any(|named| named.column == name);
     let others: Vec<String> = sheet
@@ -93,13 +101,8 @@ fn lines(belief: &FirstBelief, sheet: &Sheet) -> Vec<String> {
         .map(|(at, one)| name_of(at, &one.name))
         .take(20)
         .collect();
-    if !others.is_empty() {
-        lines.push(format!(
-            "not used: {}; other columns are chosen with --time, --input, --position, --speed, --setpoint",
-            others.join(", ")
-        ));
-    }
-    lines
+    let others = (!others.is_empty()).then(|| others.join(", "))?;
+    Some(format!("not used: {others}; other columns are chosen with --time, --input, --position, --speed, --setpoint"))
 }
 
 /// A column by its name, or by its place where it has none.

@@ -66,6 +66,14 @@ pub enum NoBelief {
     },
 }
 
+impl NoBelief {
+    /// Whether other columns may give a belief.
+    #[must_use]
+    pub const fn is_of_columns(&self) -> bool {
+        matches!(self, Self::Plant { source: NoPlant::Servo { .. } | NoPlant::NoAnswer { .. } | NoPlant::Still, .. })
+    }
+}
+
 /// A first belief about the rig of `logs`, whose columns have the `roles` of the first of them. Where the position does
 /// not answer a current or torque and there is a command, the rig is a servo.
 ///

@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -186,7 +187,7 @@ def test_fmpy_simulates_it_with_another_step(file):
 def test_the_binary_writes_the_same_file_and_keeps_one_that_exists(file, mended, binary, tmp_path):
     (tmp_path / "rig.toml").write_text(mended.to_toml())
     out = tmp_path / "theirs.fmu"
-    binary("export", "fmu", "--config", tmp_path / "rig.toml", "--out", out, *library(file, tmp_path))
+    binary("export", "fmu", "--config", tmp_path / "rig.toml", "--out", out, *libraries(file, tmp_path))
     assert out.read_bytes() == file.read_bytes()
     said = binary("export", "fmu", "--config", tmp_path / "rig.toml", "--out", out, fails=True)
     assert "exists and is kept" in said
@@ -194,10 +195,10 @@ def test_the_binary_writes_the_same_file_and_keeps_one_that_exists(file, mended,
     assert "is no library for 64-bit Linux" in said
 
 
-def library(file, tmp_path):
-    """The library of the package: beside a binary of another build lies another one."""
-    folder = fmpy.extract(file, tmp_path / "parts")
-    return "--library", f"{folder}/binaries/linux64/airball.so"
+def libraries(file, tmp_path):
+    """The libraries of the package: beside a binary of another build lie others."""
+    folder = Path(fmpy.extract(file, tmp_path / "parts"))
+    return [word for path in folder.glob("binaries/*/*") for word in ("--library", path)]
 
 
 def test_nothing_of_a_broker_or_a_folder_is_in_it(file, tmp_path):

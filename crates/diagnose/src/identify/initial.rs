@@ -83,7 +83,8 @@ pub enum NoPlant {
     #[error(
         "the position follows the input as a servo does (it returns by {per_s2:.0} per s², and at most \
          {STIFFEST_PER_S2} is read as gravity or a spring); if the input is a commanded position, name it as the \
-         setpoint: the input is then setpoint minus position"
+         setpoint: the input is then setpoint minus position; if a controller only holds one position, its answer \
+         looks the same: record a setpoint that moves"
     )]
     Servo {
         /// k, 1/s².

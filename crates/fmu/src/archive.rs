@@ -2,14 +2,11 @@
 
 use super::description::description;
 use super::variables::variables;
-use super::{IDENTIFIER, MODEL, Platform};
+use super::{IDENTIFIER, MODEL, Platform, period_s};
 use config::{Config, ConfigError, Tables};
 use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
-
-/// Period of the loop where the config has none, seconds.
-const PERIOD_S: f64 = 0.02;
 
 /// Why there is no FMU.
 #[derive(Debug, thiserror::Error)]
@@ -30,9 +27,8 @@ pub enum ArchiveError {
 pub fn archive(config: &Config, libraries: Vec<(Platform, Vec<u8>)>) -> Result<Vec<u8>, ArchiveError> {
     let model = config.need("export fmu", "plant", |tables| tables.plant.as_ref())?;
     let resources = resources(&config.tables);
-    let period_s = config.tables.r#loop.map_or(PERIOD_S, |table| table.period_s);
     let name = config.tables.rig.as_ref().map_or("rig", |rig| rig.name.as_str());
-    let about = description(&variables(model), name, period_s, &resources);
+    let about = description(&variables(model), name, period_s(config), &resources);
     let mut parts = vec![("modelDescription.xml".to_owned(), about.into_bytes())];
     parts.extend(libraries.into_iter().map(|(platform, code)| {
         let (folder, ending) = platform.place();

@@ -1,10 +1,10 @@
 //! A running FMU: parameters and inputs in, steps, outputs out.
 
-use super::MODEL;
 use super::variables::{
     BALL, DUTY, FAN, FRESH, HELD, Kind, NOISE, POSITION, RPM, Role, SEED, SETPOINT, VELOCITY, Variable, variables,
     with_values,
 };
+use super::{MODEL, period_s};
 use config::{Config, ConfigError};
 use plant::Model;
 use rig::{Seen, Stepped};
@@ -12,8 +12,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use toml::{Table, Value};
 
-/// Period of the deadlines where the config has no loop, seconds.
-const PERIOD_S: f64 = 0.02;
 /// Communication points that are closer than this to a deadline of the loop are that deadline, seconds.
 const HAIR_S: f64 = 1e-7;
 
@@ -208,7 +206,7 @@ impl Instance {
         let seed = self.state.values.get(&SEED).copied().unwrap_or(1.0);
         #[expect(clippy::cast_possible_truncation, reason = "it was set as an integer of 32 bits")]
         let seed = (seed as i64).unsigned_abs();
-        let rig = Stepped::start(model, config.tables.rig.as_ref(), self.period_s(), seed);
+        let rig = Stepped::start(model, config.tables.rig.as_ref(), period_s(&self.config), seed);
         self.rig = Some(rig.map_err(|error| InstanceError::Start(error.to_string()))?);
         self.state.is_started = true;
         Ok(())
@@ -225,10 +223,6 @@ impl Instance {
         let model = Value::Table(Table::try_from(&self.model).unwrap_or_default());
         let table = Table::from_iter([("plant".to_owned(), with_values("plant", &model, &value))]);
         toml::to_string(&table).unwrap_or_default()
-    }
-
-    fn period_s(&self) -> f64 {
-        self.config.tables.r#loop.map_or(PERIOD_S, |table| table.period_s)
     }
 
     /// Flies with the inputs that were set, from a communication point for `step_s`.
@@ -249,7 +243,7 @@ impl Instance {
             return refused(&format!("it begins at {from_s} s, and the time is {now_s} s"));
         }
         // The deadlines of the loop by its own formula, so that the times are the same to the last bit.
-        let on_grid = (until_s / self.period_s()).round() * self.period_s();
+        let on_grid = (until_s / period_s(&self.config)).round() * period_s(&self.config);
         let deadline_s = if (on_grid - until_s).abs() < HAIR_S { on_grid } else { until_s };
         let value = |reference| self.state.values.get(&reference).copied();
         let made = Made { deadline_s, duty_percent: value(DUTY).unwrap_or_default(), setpoint_mm: value(SETPOINT) };

@@ -15,6 +15,8 @@ mod platform;
 mod resources;
 mod variables;
 
+use config::Config;
+
 pub use archive::{ArchiveError, archive};
 pub use instance::{Instance, InstanceError, State};
 pub use platform::Platform;
@@ -25,6 +27,14 @@ pub use variables::{
 
 /// The name of the file with the tables of the rig, in the resources.
 pub const MODEL: &str = "model.toml";
+
+/// Period of the loop where the config has none, seconds: the shortest timing budget of a VL53L0X.
+const USUAL_PERIOD_S: f64 = 0.02;
+
+/// Period of the loop of a config, seconds.
+fn period_s(config: &Config) -> f64 {
+    config.tables.r#loop.map_or(USUAL_PERIOD_S, |table| table.period_s)
+}
 
 /// The name of the library in the FMU, without its ending.
 const IDENTIFIER: &str = "airball";

@@ -21,9 +21,7 @@ impl Direct {
     pub fn new(model: &Model, seed: u64) -> Self {
         Self { simulator: Simulator::new(model.clone(), seed), now_s: Cell::new(0.0), setpoint_mm: None }
     }
-}
 
-impl Direct {
     /// The true motion of the ball now.
     pub(super) fn motion_now(&self) -> Motion {
         motion_at(&self.simulator, self.now_s.get())

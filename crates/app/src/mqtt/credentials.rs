@@ -24,7 +24,10 @@ pub enum MqttError {
     #[error("[mqtt] has a password_file but no user; give `user` as well")]
     NoUser,
     /// A file of `[mqtt.tls]` cannot be used.
-    #[error("[mqtt.tls] {key} {}: {cause}; it is a file of PEM text, as `openssl` writes it with -----BEGIN lines", path.display())]
+    #[error(
+        "[mqtt.tls] {key} {}: {cause}; it is a file of PEM text, as `openssl` writes it with -----BEGIN lines",
+        path.display()
+    )]
     Pem {
         /// Which file.
         key: &'static str,

@@ -121,7 +121,7 @@ pub fn initial(recordings: &[Recording], bottom_mm: f64, length_mm: f64) -> Resu
     if form.spring_per_s2 > STIFFEST_PER_S2 {
         return Err(NoPlant::Servo { per_s2: form.spring_per_s2 });
     }
-    let start = Model { pipe_bottom_mm: bottom_mm, pipe_length_mm: length_mm, ..model(&form, sign) };
+    let start = model(&form, sign, bottom_mm, length_mm);
     let turned: Vec<Recording> = recordings.iter().map(|one| with_sign(one, sign)).collect();
     let (_, recording) = prepared(&turned, &start);
     let identify = |poles: &Poles| GreyBox::identify(&start, &recording, *poles);
@@ -154,7 +154,7 @@ fn with_sign(flight: &Recording, sign: f64) -> Recording {
 }
 
 /// The model that a fit begins with.
-fn model(form: &LinearFit, sign: f64) -> Model {
+fn model(form: &LinearFit, sign: f64, bottom_mm: f64, length_mm: f64) -> Model {
     let mut effects = Effects::default();
     if form.spring_per_s2 != 0.0 {
         effects.set(HeightDependentFlow::ENTRY.name, &[form.spring_per_s2]);
@@ -163,8 +163,8 @@ fn model(form: &LinearFit, sign: f64) -> Model {
         gain_mm_per_s2_per_percent: form.gain.abs(),
         drag_per_s: form.drag_per_s,
         hover_duty_percent: sign * form.hover,
-        pipe_bottom_mm: 0.0,
-        pipe_length_mm: 1.0,
+        pipe_bottom_mm: bottom_mm,
+        pipe_length_mm: length_mm,
         turn_mm: None,
         noise: Noise { sensor_mm: form.sensor, acceleration_psd_mm2_per_s3: form.psd },
         effects,

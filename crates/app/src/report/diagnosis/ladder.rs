@@ -5,7 +5,7 @@ use config::words::Words;
 use diagnose::{Closed, Diagnosis, Rung, Step};
 use std::fmt::Write;
 
-/// Width of the names of rungs, letters: the longest effect's.
+/// Width of the names of rungs, letters: that of the head in mm, and a space.
 const WIDTH: usize = 26;
 
 /// What a rung adds.

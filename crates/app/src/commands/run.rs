@@ -17,7 +17,7 @@ use crate::log::queue::Queue;
 use crate::log::rotation::{Limits, Rotation};
 use crate::log::writer::LogWriter;
 use crate::mqtt::link::Endpoint;
-use crate::mqtt::local::{LocalError, LocalServer};
+use crate::mqtt::local::LocalServer;
 use crate::mqtt::{About, Counts, Link};
 use anyhow::{Result, bail};
 use embedded_hal::i2c::I2c;
@@ -100,7 +100,9 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     }
     let seed = sim.then_some(args.seed);
     let (path, header) = log_of(plan, args, seed, SystemTime::now());
-    let page = live_port.map(|port| served(&table.name, port)).transpose()?;
+    let rig_name = &table.name;
+    let serve = |port| LocalServer::start(rig_name, port, |address| live::local(rig_name, address));
+    let page = live_port.map(serve).transpose()?;
     let mqtt = plan.config.tables.mqtt.as_ref();
     let endpoint = page.as_ref().map(Endpoint::Page).or(mqtt.map(Endpoint::Broker));
     let about = About::of(&plan.config.tables, plan.pilot.offers(), sim);
@@ -116,6 +118,10 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
     real_time::of_the_loop().into_iter().for_each(warn);
+    // Only now nothing can fail before the flight.
+    if let Some(page) = &page {
+        note(format_args!("live page {}", page.url()));
+    }
     note(format_args!("flying \"{}\", Ctrl-C lands; log {}", plan.experiment.title, path.display()));
 
     let commander = link.as_mut().map(|(_, mailbox)| mailbox as &mut dyn Commander);
@@ -137,13 +143,6 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let log = queue.finish();
     let watched = watched.map_err(Into::into).and(other);
     Ok((Flown { outcome, log, files: files.all(), counts }, watched))
-}
-
-/// The live page of a rig, without a broker.
-fn served(rig: &str, port: u16) -> Result<LocalServer, LocalError> {
-    let server = LocalServer::start(rig, port, |address| live::local(rig, address))?;
-    note(format_args!("live page {}", server.url()));
-    Ok(server)
 }
 
 /// Refuses to fly beside another program that flies a rig of this name on the same broker: each would obey the other's

@@ -13,7 +13,7 @@ mod exchange;
 mod server;
 mod session;
 
-pub use server::{LocalError, LocalServer};
+pub use server::LocalServer;
 
 #[cfg(test)]
 mod tests;

@@ -78,7 +78,7 @@ pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
         "{readings} readings in free flight after the first {SETTLING_S} s, in which the filter settles; \
-         {ENOUGH_READINGS} are needed: record longer (experiments/identify.toml takes 100 s)"
+         {ENOUGH_READINGS} are needed: record longer, with an input that moves all the time"
     )]
     Readings {
         /// Number of readings found.

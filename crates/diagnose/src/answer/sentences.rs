@@ -50,10 +50,10 @@ impl Diagnosis {
         }
         let size = match self.rest {
             Rest { matters: false, .. } => "too little to matter for a forecast of 1 s".to_owned(),
-            Rest { share: Some(share), .. } => format!("{:.0} % of what the refit leaves", 100.0 * share),
+            Rest { share: Some(share), .. } => format!("{:.0} % of the gap that the refit leaves", 100.0 * share),
             Rest { share: None, .. } => return self.form_in_words(),
         };
-        Some(self.form_in_words().map_or_else(|| format!("what is left is {size}"), |form| format!("{form}; {size}")))
+        Some(self.form_in_words().map_or_else(|| format!("the residual is {size}"), |form| format!("{form}; {size}")))
     }
 
     /// What of the residual is reported: terms, then events, each the most significant first; none where the residual
@@ -68,7 +68,7 @@ impl Diagnosis {
         terms.chain(misfit.event_terms.iter().filter(|_| misfit.events_are_reported()).take(MOST_TERMS)).collect()
     }
 
-    /// What is left without its terms: how much, and whether it is noise of the air; `None` where it is not
+    /// The residual without its terms: how much, and whether it is noise of the air; `None` where it is not
     /// significant.
     #[must_use]
     pub fn residual_size_in_words(&self) -> Option<String> {
@@ -76,9 +76,11 @@ impl Diagnosis {
             return None;
         }
         let size = match self.rest {
-            Rest { matters: false, .. } => "something is left, too little to matter for a forecast of 1 s".to_owned(),
-            Rest { share: Some(share), .. } => format!("{:.0} % of what the refit leaves has no name", 100.0 * share),
-            Rest { share: None, .. } => "something is left".to_owned(),
+            Rest { matters: false, .. } => "a residual remains, too little to matter for a forecast of 1 s".to_owned(),
+            Rest { share: Some(share), .. } => {
+                format!("{:.0} % of the gap that the refit leaves is unexplained", 100.0 * share)
+            }
+            Rest { share: None, .. } => "a residual remains".to_owned(),
         };
         let misfit = &self.misfit;
         let without =
@@ -115,7 +117,7 @@ impl Diagnosis {
         let acts = stage_in_words(misfit).unwrap_or_default();
         let without =
             self.rejected_effect().map_or(String::new(), |name| format!(" without {name}, which explains less,"));
-        (!form.is_empty()).then(|| format!("what is left{without} looks like {}{acts}", form.join(", and ")))
+        (!form.is_empty()).then(|| format!("the residual{without} looks like {}{acts}", form.join(", and ")))
     }
 
     /// Which of the effects that were found the mended model does not have, and why; `None`: it has them all.

@@ -72,7 +72,7 @@ fn residual(found: &Diagnosis) -> Markup {
     html! {
         @if let Some(size) = found.residual_size_in_words() { p { (capital(&size)) "." } }
         @if !rows.is_empty() {
-            (table("What is left has the form of", &["kind", "goes with", "stage", "z"], &rows))
+            (table("The residual has the form of", &["kind", "goes with", "stage", "z"], &rows))
             p.legend { "z: standard deviations from nothing. " (Diagnosis::RESIDUAL_LETTERS) "." }
         }
     }

@@ -19,6 +19,7 @@ use crate::names::named;
 use crate::outcome::{exact, no_alarm};
 use crate::proportion::Proportion;
 use crate::truth::{Kind, TrueEffect};
+use plant::Effects;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -163,15 +164,18 @@ fn effect_estimates(case: &Case) -> Vec<Estimate> {
     found(case).flat_map(of_effect).collect()
 }
 
-/// Relative errors of the parameters of the effects that were found; the width of a dead zone for its edges.
+/// Relative errors of the parameters of the effects that were found. Of two parameters whose difference is known far
+/// better than each, such as the edges of a dead zone, it is that of the difference.
 fn effect_errors(case: &Case) -> Vec<f64> {
     let of_effect = |(effect, values): (&TrueEffect, &BTreeMap<String, Interval>)| -> Vec<f64> {
         let value = |key: &str| values.get(key).map(|interval| interval.value);
-        if effect.name == "dead_zone" {
-            let truth = effect.parameters.get("upper_percent").zip(effect.parameters.get("lower_percent"));
-            let answered = value("upper_percent").zip(value("lower_percent"));
-            let width = answered.zip(truth).map(|(a, t)| relative_error(a.0 - a.1, t.0 - t.1));
-            return width.into_iter().collect();
+        let entry = Effects::built_in(&effect.name);
+        if let Some((entry, difference)) = entry.and_then(|entry| Some((entry, entry.difference?))) {
+            let [lower, upper] = difference.of.map(|index| entry.params[index].name);
+            let truth = effect.parameters.get(upper).zip(effect.parameters.get(lower));
+            let answered = value(upper).zip(value(lower));
+            let error = answered.zip(truth).map(|(a, t)| relative_error(a.0 - a.1, t.0 - t.1));
+            return error.into_iter().collect();
         }
         let acting = effect.parameters.iter().filter(|(key, truth)| acts(case, key, **truth));
         acting.filter_map(|(key, truth)| Some(relative_error(value(key)?, *truth))).collect()

@@ -118,7 +118,7 @@ fn fly<S: I2c, P: I2c, C: Clock + Clone>(
     let pulse = Arc::new(AtomicU32::new(0));
     let watch = Watch::start(guard, Arc::clone(&pulse), Arc::clone(stop))?;
     real_time::of_the_loop().into_iter().for_each(warn);
-    // Only now nothing can fail before the flight.
+    // From here on nothing can fail before the flight.
     if let Some(page) = &page {
         note(format_args!("live page {}", page.url()));
     }

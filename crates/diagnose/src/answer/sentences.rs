@@ -41,11 +41,26 @@ impl Diagnosis {
         format!("{sure}{retuned}{}{twins}", numbers.join(", "))
     }
 
+    /// Whether there is a verdict, and a significant residual.
+    fn has_residual(&self) -> bool {
+        self.verdict != Verdict::InsufficientData && self.rest.is_significant
+    }
+
+    /// The terms of the residual that are reported, the most significant first.
+    fn reported_terms(&self) -> impl Iterator<Item = &Omitted> {
+        self.misfit.omitted_terms.iter().filter(|_| self.misfit.omitted_is_reported()).take(MOST_TERMS)
+    }
+
+    /// The same of its events.
+    fn reported_events(&self) -> impl Iterator<Item = &Omitted> {
+        self.misfit.event_terms.iter().filter(|_| self.misfit.events_are_reported()).take(MOST_TERMS)
+    }
+
     /// A significant residual: how much of the gap it is, whether it matters, and its form. `None` if none is
     /// significant, or it has no clear form.
     #[must_use]
     pub fn residual_in_words(&self) -> Option<String> {
-        if self.verdict == Verdict::InsufficientData || !self.rest.is_significant {
+        if !self.has_residual() {
             return None;
         }
         let size = match self.rest {
@@ -60,19 +75,17 @@ impl Diagnosis {
     /// is not significant.
     #[must_use]
     pub fn residual_terms(&self) -> Vec<&Omitted> {
-        let misfit = &self.misfit;
-        if self.verdict == Verdict::InsufficientData || !self.rest.is_significant {
+        if !self.has_residual() {
             return Vec::new();
         }
-        let terms = misfit.omitted_terms.iter().filter(|_| misfit.omitted_is_reported()).take(MOST_TERMS);
-        terms.chain(misfit.event_terms.iter().filter(|_| misfit.events_are_reported()).take(MOST_TERMS)).collect()
+        self.reported_terms().chain(self.reported_events()).collect()
     }
 
     /// The residual without its terms: how much, and whether it is noise of the air; `None` where it is not
     /// significant.
     #[must_use]
     pub fn residual_size_in_words(&self) -> Option<String> {
-        if self.verdict == Verdict::InsufficientData || !self.rest.is_significant {
+        if !self.has_residual() {
             return None;
         }
         let size = match self.rest {
@@ -103,13 +116,10 @@ impl Diagnosis {
     /// The form of the residual; `None` if it has no clear form.
     fn form_in_words(&self) -> Option<String> {
         let misfit = &self.misfit;
-        let terms = misfit.omitted_terms.iter().filter(|_| misfit.omitted_is_reported());
-        let terms: Vec<String> =
-            terms.take(MOST_TERMS).map(|term| format!("{} (z = {:.1})", term.words, term.z)).collect();
+        let with_score = |term: &Omitted| format!("{} (z = {:.1})", term.words, term.z);
+        let terms: Vec<String> = self.reported_terms().map(with_score).collect();
         let known = (!terms.is_empty()).then(|| format!("{} [{LETTERS}]", terms.join(", ")));
-        let events = misfit.event_terms.iter().filter(|_| misfit.events_are_reported());
-        let events: Vec<String> =
-            events.take(MOST_TERMS).map(|event| format!("{} (z = {:.1})", event.words, event.z)).collect();
+        let events: Vec<String> = self.reported_events().map(with_score).collect();
         let events = (!events.is_empty()).then(|| events.join(", "));
         let air = (misfit.air_ratio > AIR_RATIO)
             .then(|| format!("noise of the air {:.1} times as strong as believed", misfit.air_ratio));

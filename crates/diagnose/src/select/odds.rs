@@ -60,7 +60,7 @@ mod tests {
     use super::Evidence;
 
     #[test]
-    fn gain_and_worse_forecasts_without_it_raise_the_odds_and_what_is_left_lowers_them() {
+    fn gain_and_worse_forecasts_without_it_raise_the_odds_and_a_residual_lowers_them() {
         let good = Evidence {
             held_out_gain: 60.0,
             dropped_share: 0.8,

@@ -76,7 +76,9 @@ impl Line {
         if !self.claim.is_settled() || self.claim.other().is_some() {
             return None;
         }
-        let client = self.claiming().take()?;
+        // Held to the end: a session that ends meanwhile must find its client here, and not leave it behind.
+        let mut claiming = self.claiming();
+        let client = claiming.take()?;
         // The queue of a new session has space for these.
         let _ = client.try_publish(&topics.status, "online", RETAINED).is_ok()
             && client.try_publish(&topics.about, self.about.clone(), RETAINED).is_ok()
@@ -84,6 +86,13 @@ impl Line {
             && self.publish_fault(&client, topics);
         *self.client() = Some(client);
         locked(&self.owed).take()
+    }
+
+    /// Forgets the client of a session that has ended.
+    pub(super) fn ended(&self) {
+        let mut claiming = self.claiming();
+        *claiming = None;
+        *self.client() = None;
     }
 
     /// Whether a session waits for the answers of others of our name. What is to be said waits with it.
@@ -128,4 +137,38 @@ impl Line {
 /// A number as JSON.
 fn json(number: Option<f64>) -> String {
     number.map_or_else(|| "null".to_owned(), |number| number.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Line, Topics, locked};
+    use crate::mqtt::claim::Claim;
+    use crate::mqtt::link_support::about;
+    use crate::mqtt::test_broker::until;
+    use rumqttc::{Client, MqttOptions};
+    use std::sync::Arc;
+    use std::thread;
+    use std::time::Duration;
+
+    #[test]
+    fn a_session_that_ends_while_it_introduces_itself_leaves_no_client() {
+        let (client, _connection) = Client::builder(MqttOptions::new("rig1", ("127.0.0.1", 1))).capacity(9).build();
+        let line = Arc::new(Line::new(&about(), Claim::new(Arc::default())));
+        line.claim.no_broker();
+        *line.claiming() = Some(client);
+        let halfway = locked(&line.numbers);
+        let introduces = Arc::clone(&line);
+        let publisher = thread::spawn(move || introduces.introduce(&Topics::new("rig1").unwrap()));
+        until("the introduction", || {
+            line.claiming.try_lock().map_or(Some(()), |client| client.is_none().then_some(()))
+        });
+        let ends = Arc::clone(&line);
+        let network = thread::spawn(move || ends.ended());
+        // Time for the end of the session, were it not to wait for the introduction.
+        thread::sleep(Duration::from_millis(20));
+        drop(halfway);
+        publisher.join().unwrap();
+        network.join().unwrap();
+        assert!(line.client().is_none());
+    }
 }

@@ -24,12 +24,13 @@ pub(super) fn start(config: &MqttConfig) -> (Link, Mailbox) {
     Link::start(&Endpoint::Broker(config), &about(), None, &Arc::default(), Box::new(Nobody)).unwrap()
 }
 
-/// A broker, a second client, and a connected link.
+/// A broker, a second client, and a connected link whose loop has been told so: `online` is published before that.
 pub(super) fn connected() -> (Broker, Outside, Link, Mailbox) {
     let broker = Broker::start();
     let outside = Outside::on(broker.port);
     let (link, mailbox) = start(&broker.config());
     assert_eq!(outside.hear(STATUS), "online");
+    until("the loop is told of the connection", || mailbox.is_heard().then_some(()));
     (broker, outside, link, mailbox)
 }
 

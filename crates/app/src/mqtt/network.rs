@@ -110,8 +110,7 @@ impl Network {
         while !self.line.stopping() {
             let began = Instant::now();
             let cause = self.session();
-            *self.line.client() = None;
-            *self.line.claiming() = None;
+            self.line.ended();
             if self.line.stopping() {
                 return;
             }

@@ -53,10 +53,11 @@ impl Formula {
         (value, slope)
     }
 
-    /// The same along `N` directions at once; `towards`: the speeds of each variable along them.
+    /// The value, and its derivatives by `N` of the variables at once, given by their places among the names; see
+    /// [`Formula::dual`].
     #[must_use]
-    pub fn duals<const N: usize>(&self, variables: &[f64], towards: &[[f64; N]]) -> (f64, [f64; N]) {
-        self.along(variables, |k| towards.get(k).copied().unwrap_or([0.0; N]))
+    pub fn gradient<const N: usize>(&self, variables: &[f64], by: &[usize; N]) -> (f64, [f64; N]) {
+        self.along(variables, |k| by.map(|one| f64::from(u8::from(one == k))))
     }
 
     #[inline(always)]

@@ -110,19 +110,29 @@ pub(crate) struct Step {
 }
 
 /// The step of an operation; takes the one out of `steps`, one for each earlier operation, that it makes superfluous.
+/// `uses`: how often each of their results is used; one that is used twice stays a step.
 ///
-/// Every result is used once. Products and sums may change the order of two operands, a sign may move within a product.
-pub(crate) fn join(op: Op, operands: [Operand; 3], steps: &mut [Option<Step>]) -> Step {
+/// Products and sums may change the order of two operands, a sign may move within a product.
+pub(crate) fn join(op: Op, operands: [Operand; 3], steps: &mut [Option<Step>], uses: &[usize]) -> Step {
     let [left, right, _] = operands;
-    let joined = absorb(steps, right, |inner| with_right(op, left, inner));
-    let joined = joined.or_else(|| absorb(steps, left, |inner| with_left(op, inner, right)));
+    let mut absorb = |operand, join: &dyn Fn(Step) -> Option<Step>| absorb(steps, uses, operand, join);
+    let joined = absorb(right, &|inner| with_right(op, left, inner));
+    let joined = joined.or_else(|| absorb(left, &|inner| with_left(op, inner, right)));
     let step = joined.unwrap_or(Step { code: Code::of(op), operands });
-    absorb(steps, step.operands[0], |inner| with_first(step, inner)).unwrap_or(step)
+    absorb(step.operands[0], &|inner| with_first(step, inner)).unwrap_or(step)
 }
 
-/// Takes out the step whose result is the operand, if it can be joined.
-fn absorb(steps: &mut [Option<Step>], operand: Operand, join: impl FnOnce(Step) -> Option<Step>) -> Option<Step> {
+/// Takes out the step whose result is the operand, if nothing else uses that and it can be joined.
+fn absorb(
+    steps: &mut [Option<Step>],
+    uses: &[usize],
+    operand: Operand,
+    join: &dyn Fn(Step) -> Option<Step>,
+) -> Option<Step> {
     let Operand::Result(place) = operand else { return None };
+    if uses.get(place) != Some(&1) {
+        return None;
+    }
     let step = steps.get_mut(place)?;
     let joined = join((*step)?)?;
     *step = None;

@@ -42,8 +42,9 @@ struct Instruction {
 impl Program {
     pub(crate) fn new(tree: &Tree) -> Self {
         let mut steps: Vec<Option<Step>> = Vec::with_capacity(tree.operations.len());
+        let uses = tree.uses();
         for operation in &tree.operations {
-            let step = join(operation.op, operation.operands, &mut steps);
+            let step = join(operation.op, operation.operands, &mut steps, &uses);
             steps.push(Some(step));
         }
         let places = Places::new(tree, &steps);

@@ -1,9 +1,10 @@
-//! A formula as operations in the order in which they can be computed, each result used once.
+//! A formula as operations in the order in which they can be computed. What the text repeats is computed once.
 
 use crate::MAX_OPERATIONS;
 use crate::mistake::{Mistake, MistakeKind};
 use crate::operation::Op;
 use alloc::string::String;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// What an operation works on.
@@ -23,6 +24,23 @@ pub(crate) struct Operation {
     /// Those that the operation does not take are zeros.
     pub(crate) operands: [Operand; 3],
     pub(crate) column: usize,
+}
+
+impl Operand {
+    /// Whether both are the same in every bit.
+    fn is(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Constant(a), Self::Constant(b)) => a.to_bits() == b.to_bits(),
+            _ => self == other,
+        }
+    }
+}
+
+impl Operation {
+    /// Whether this is the operation on these operands.
+    fn is(&self, op: Op, operands: [Operand; 3]) -> bool {
+        self.op == op && self.operands.into_iter().zip(operands).all(|(own, other)| own.is(other))
+    }
 }
 
 /// A variable that occurs in the text.
@@ -77,8 +95,24 @@ impl Tree {
                 return Ok(Operand::Constant(result));
             }
         }
-        self.operations.push(Operation { op, operands, column });
-        Ok(Operand::Result(self.operations.len() - 1))
+        let known = self.operations.iter().position(|known| known.is(op, operands));
+        Ok(Operand::Result(known.unwrap_or_else(|| {
+            self.operations.push(Operation { op, operands, column });
+            self.operations.len() - 1
+        })))
+    }
+
+    /// How often each result is used.
+    pub(crate) fn uses(&self) -> Vec<usize> {
+        let mut uses = vec![0; self.operations.len()];
+        for operand in self.operations.iter().flat_map(|operation| operation.operands).chain([self.root]) {
+            if let Operand::Result(place) = operand
+                && let Some(count) = uses.get_mut(place)
+            {
+                *count += 1;
+            }
+        }
+        uses
     }
 }
 

@@ -198,3 +198,21 @@ fn large_formulas_are_evaluated_as_small_ones_are() {
         }
     }
 }
+
+#[test]
+fn what_a_formula_repeats_is_computed_once_and_has_the_same_bits_as_when_written_once_each() {
+    // The repeated term is bound to a variable of its own in the second text.
+    let once = |a: f64, b: f64| libm::tanh((a - b) / 3.0);
+    for (repeated, named) in [
+        ("tanh((a - b) / 3) * (a + b * tanh((a - b) / 3) + abs(tanh((a - b) / 3)))", "c * (a + b * c + abs(c))"),
+        ("tanh((a - b) / 3) * tanh((a - b) / 3) + a * tanh((a - b) / 3)", "c * c + a * c"),
+        ("max(tanh((a - b) / 3), 0) - -tanh((a - b) / 3) * b * abs(tanh((a - b) / 3))", "max(c, 0) - -c * b * abs(c)"),
+    ] {
+        for [a, b] in [[1.5, -2.0], [-0.7, 0.3], [4.0, 4.0], [0.0, 5.0]] {
+            let (ours, exact) = (value(repeated, &[a, b, 0.0]), value(named, &[a, b, once(a, b)]));
+            assert!(same(ours, exact), "{repeated} at {a}, {b}: {ours}, not {exact}");
+        }
+    }
+    // Zeros of both signs differ: 1/0 is not 1/−0.
+    is("1 / (a * 0) + 1 / (a * -0)", |a, _, _| 1.0 / (a * 0.0) + 1.0 / (a * -0.0));
+}

@@ -1,7 +1,7 @@
 //! A written effect that was read: its entry and its formulas.
 
 use super::entry::entry;
-use super::gradient;
+use super::gradient::UsedStates;
 use super::intern;
 use super::names::Names;
 use super::scope::{ALL_BUT_PARAMETERS, SETPOINT, STATES};
@@ -18,6 +18,9 @@ pub struct Definition {
     table: DefinitionTable,
     adds: Formula,
     states: Vec<[Formula; 2]>,
+    /// The states that `adds` uses, and those that each rate uses.
+    adds_uses: UsedStates,
+    rates_use: Vec<UsedStates>,
     motion_is_linear: bool,
     uses_time: bool,
     moves_with_time: bool,
@@ -61,6 +64,8 @@ impl Definition {
             setpoint: setpoint_use(table, &names, &adds, &states),
             entry: entry(name, table),
             table: table.clone(),
+            adds_uses: UsedStates::of(&adds),
+            rates_use: states.iter().map(|[rate, _]| UsedStates::of(rate)).collect(),
             adds,
             states,
         };
@@ -105,7 +110,7 @@ impl Definition {
 
     /// What it adds, and the derivatives of that by the states.
     pub(super) fn adds_with_slopes(&self, values: &[f64]) -> (f64, [f64; STATES]) {
-        gradient::of(&self.adds, values)
+        self.adds_uses.value_and_slopes(&self.adds, values)
     }
 
     pub(super) const fn uses_time(&self) -> bool {
@@ -133,7 +138,8 @@ impl Definition {
     /// The rates, and the derivatives of each by the states.
     pub(super) fn rates_with_slopes(&self, values: &[f64]) -> [(f64, [f64; STATES]); OWN_STATES] {
         std::array::from_fn(|state| {
-            self.states.get(state).map_or_else(Default::default, |[rate, _]| gradient::of(rate, values))
+            let rate = self.states.get(state).zip(self.rates_use.get(state));
+            rate.map_or_else(Default::default, |([rate, _], uses)| uses.value_and_slopes(rate, values))
         })
     }
 

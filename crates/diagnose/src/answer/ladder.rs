@@ -99,7 +99,7 @@ impl Ladder {
         let others = added.each(1..count, |only, k| k == only);
         let alone = |k: usize| if k == 0 { &models[base + 1] } else { &others[k - 1] };
         let last = &models[models.len() - 1];
-        let end = last.gap_with_floor();
+        let end = last.gap_with_floor(search);
         let shares = Shares::of(&models, &end);
         let dropped = |k: usize| match count {
             1 => shares.dropped(&models[before], last),
@@ -127,9 +127,9 @@ impl Ladder {
 
 impl Ladder {
     /// The rung of a formula that was found on top of the model of rung `below`.
-    pub(super) fn rung_of(&self, below: usize, formula: &Formula) -> Rung {
+    pub(super) fn rung_of(&self, search: &Search<'_>, below: usize, formula: &Formula) -> Rung {
         let with = &formula.evaluated;
-        let shares = Shares::of(&self.models, &with.gap_with_floor());
+        let shares = Shares::of(&self.models, &with.gap_with_floor(search));
         shares.rung(Step::Formula, with, Some(&self.models[below]))
     }
 }

@@ -62,10 +62,10 @@ impl Mending {
             ladder = Ladder::of(search, refitted, found);
         }
         let (last, below) = (ladder.models.len() - 1, best(&ladder, incomplete));
-        let rung = formula.as_ref().map(|formula| ladder.rung_of(below, formula));
+        let rung = formula.as_ref().map(|formula| ladder.rung_of(search, below, formula));
         let mended = formula.as_ref().map_or(&ladder.models[below], |formula| &formula.evaluated);
         let is_last = formula.is_none() && below == last;
-        let end = if is_last { ladder.end.clone() } else { mended.gap_with_floor() };
+        let end = if is_last { ladder.end.clone() } else { mended.gap_with_floor(search) };
         let belief = &ladder.models[0].errors;
         let floor = end.floor_mm[2].map(|floor| floor * floor);
         let closed = floor.and_then(|floor| Closed::of(belief, [belief, &mended.errors], floor));

@@ -19,6 +19,16 @@ pub(crate) struct Track<'a> {
     innovations: Vec<Innovation>,
     /// Whether each row holds a reading that is no repeat.
     new: Vec<bool>,
+    variances: Variances,
+}
+
+/// Whether forecasts have variances, which take most of their time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variances {
+    /// They have.
+    Computed,
+    /// They have none.
+    Omitted,
 }
 
 /// A model's forecast of a later reading.
@@ -28,8 +38,8 @@ pub struct Forecast {
     pub row: usize,
     /// Expected reading, mm.
     pub position_mm: f64,
-    /// Its variance by the model's noise, including the reading's own, mm².
-    pub variance_mm2: f64,
+    /// Its variance by the model's noise, including the reading's own, mm²; `None`: it was not asked for.
+    pub variance_mm2: Option<f64>,
 }
 
 /// The innovation of every reading but the first, which has no prediction; then of every reading of a second sensor,
@@ -97,7 +107,18 @@ impl<'a> Track<'a> {
             }
             estimates.push((row, ekf.clone()));
         });
-        Self { model, recording, estimates, innovations, new }
+        Self { model, recording, estimates, innovations, new, variances: Variances::Computed }
+    }
+
+    /// The same, with or without variances of its forecasts.
+    #[must_use]
+    pub(crate) fn with(variances: Variances, model: &'a Model, recording: &'a Recording) -> Self {
+        Self { variances, ..Self::new(model, recording) }
+    }
+
+    /// The recording.
+    pub(crate) const fn recording(&self) -> &'a Recording {
+        self.recording
     }
 
     /// The innovation of every reading but the first.
@@ -135,7 +156,9 @@ impl<'a> Track<'a> {
         let start = self.estimates.get(from);
         let mut row = start.map_or(self.new.len(), |(row, _)| *row);
         let flight = self.recording.flight_of(row);
-        let mut ekf = start.map(|(_, ekf)| ekf.clone());
+        let has_variances = self.variances == Variances::Computed;
+        let filter = |ekf: Ekf<'a>| if has_variances { ekf } else { ekf.of_mean_alone() };
+        let mut ekf = start.map(|(_, ekf)| filter(ekf.clone()));
         let mut steps = PropagationCache::of(self.model);
         std::iter::from_fn(move || {
             let ekf = ekf.as_mut()?;
@@ -143,8 +166,8 @@ impl<'a> Track<'a> {
                 row += 1;
                 if *self.new[..flight.end].get(row)? {
                     ekf.advance_to_row(row - flight.start, &mut steps);
-                    let (position_mm, variance_mm2) = ekf.predicted_rounded_reading();
-                    return Some(Forecast { row, position_mm, variance_mm2 });
+                    let variance_mm2 = has_variances.then(|| ekf.rounded_reading_mm2());
+                    return Some(Forecast { row, position_mm: ekf.expected_reading_mm(), variance_mm2 });
                 }
             }
         })
@@ -153,7 +176,7 @@ impl<'a> Track<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Track, innovations};
+    use super::{Track, Variances, innovations};
     use crate::filter::ekf::VELOCITY_PRIOR_MM_PER_S;
     use crate::filter::written_support::with_written;
     use crate::record::recording::{Recording, Sample};
@@ -186,7 +209,7 @@ mod tests {
             for from in (100..1400).step_by(50) {
                 let forecast = track.forecasts(from).nth(49).unwrap();
                 let real = recording.samples()[forecast.row].position_mm.unwrap();
-                sum += (forecast.position_mm - real).powi(2) / forecast.variance_mm2;
+                sum += (forecast.position_mm - real).powi(2) / forecast.variance_mm2.unwrap();
                 count += 1.0;
             }
         }
@@ -258,7 +281,8 @@ mod tests {
         let track = Track::new(&own, &recording);
         let first = track.forecasts(0).next().unwrap();
         // One period later the velocity's prior dominates the variance.
-        assert!(first.variance_mm2 > (0.9 * VELOCITY_PRIOR_MM_PER_S * 0.02).powi(2), "{}", first.variance_mm2);
+        let variance_mm2 = first.variance_mm2.unwrap();
+        assert!(variance_mm2 > (0.9 * VELOCITY_PRIOR_MM_PER_S * 0.02).powi(2), "{variance_mm2}");
     }
 
     #[test]
@@ -285,6 +309,20 @@ mod tests {
             };
             let (own, without) = (variance(&model), variance(&plain));
             assert!((own - 1.0).abs() < 0.1 && without > 1.2, "{stage:?}: {own}, without {without}");
+        }
+    }
+
+    #[test]
+    fn forecasts_without_variances_are_those_with_them_in_every_kind_of_motion() {
+        for entry in plant::Effects::CATALOGUE {
+            let mut own = model();
+            assert!(own.effects.set(entry.name, entry.sizes[0]));
+            let recording = record(&own, 3, 8);
+            let (with, without) = (Track::new(&own, &recording), Track::with(Variances::Omitted, &own, &recording));
+            let far = |track: &Track<'_>| track.forecasts(50).nth(100).unwrap();
+            let (with, without) = (far(&with), far(&without));
+            let off = (with.position_mm - without.position_mm).abs();
+            assert!(off < 1e-9 && without.variance_mm2.is_none(), "{}: {with:?}, {without:?}", entry.name);
         }
     }
 }

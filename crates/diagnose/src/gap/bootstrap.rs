@@ -27,7 +27,7 @@ pub(crate) fn interval(count: usize, statistic: impl Fn(&[usize]) -> Option<f64>
 
 /// Mean square at 1 s over the stretches with these indices, mm².
 pub(crate) fn square(all: &[Tally], at: &[usize]) -> Option<f64> {
-    Some(Tally::sum(at.iter().map(|k| &all[*k])).squares_at_1_s()?.0)
+    Tally::sum(at.iter().map(|k| &all[*k])).square_at_1_s()
 }
 
 /// Whether the mean square at 1 s is lower in `these` than in `those` by more than chance: a one-sided test at 5 %, the

@@ -85,11 +85,11 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Mean squares at the longest horizon: of the model, and of its noise floor.
-    pub(crate) fn squares_at_1_s(&self) -> Option<(f64, f64)> {
-        let Errors { model, floor, .. } = self.horizons[2];
-        let squares = (model.count > 0.0).then(|| (model.sum / model.count, floor.sum / floor.count))?;
-        (squares.0.is_finite() && squares.1.is_finite()).then_some(squares)
+    /// Mean square of the model at the longest horizon.
+    pub(crate) fn square_at_1_s(&self) -> Option<f64> {
+        let Errors { model, .. } = self.horizons[2];
+        let square = model.sum / model.count;
+        square.is_finite().then_some(square)
     }
 
     /// Mean squares of the model at the horizons.
@@ -149,20 +149,20 @@ impl Gap {
     /// Measures the gap of the forecasts and free runs that start from rows for which `counts` holds.
     #[must_use]
     pub fn measure_where(model: &Model, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> Self {
-        Tally::sum(tallies(model, recording, &|row| counts(row).then_some(0)).iter()).gap()
+        Tally::sum(tallies(&Track::new(model, recording), &|row| counts(row).then_some(0)).iter()).gap()
     }
 }
 
 /// Errors of the forecasts and free runs that start from each row, by its group.
-pub(crate) fn tallies(model: &Model, recording: &Recording, group: &dyn Fn(usize) -> Option<usize>) -> Vec<Tally> {
-    let track = Track::new(model, recording);
+pub(crate) fn tallies(track: &Track<'_>, group: &dyn Fn(usize) -> Option<usize>) -> Vec<Tally> {
+    let recording = track.recording();
     let mut all: Vec<Tally> = Vec::new();
     let mut add = |group: usize, tally: Tally| {
         all.resize(all.len().max(group + 1), Tally::default());
         all[group] = Tally::sum([all[group], tally].iter());
     };
-    horizons(&track, recording, group, &mut |group, horizons| add(group, Tally { horizons, ..Tally::default() }));
-    for run in runs(&track, recording) {
+    horizons(track, recording, group, &mut |group, horizons| add(group, Tally { horizons, ..Tally::default() }));
+    for run in runs(track, recording, &|row| group(row).is_some()) {
         let Some(group) = group(run.row) else { continue };
         let mut free_run = Errors::default();
         for forecast in run.forecasts {
@@ -235,10 +235,11 @@ pub struct FreeRun {
 /// Successive free runs: as many as fit into each flight of the recording.
 #[must_use]
 pub fn free_runs(model: &Model, recording: &Recording) -> Vec<FreeRun> {
-    runs(&Track::new(model, recording), recording)
+    runs(&Track::new(model, recording), recording, &|_| true)
 }
 
-fn runs(track: &Track, recording: &Recording) -> Vec<FreeRun> {
+/// Those that start from a row for which `counts` holds.
+fn runs(track: &Track, recording: &Recording, counts: &dyn Fn(usize) -> bool) -> Vec<FreeRun> {
     let samples = recording.samples();
     let (mut next_s, mut last_s, mut flight) = (0.0, 0.0, 0..0);
     let mut runs = Vec::new();
@@ -252,6 +253,9 @@ fn runs(track: &Track, recording: &Recording) -> Vec<FreeRun> {
             continue;
         }
         next_s = start_s + FREE_RUN_S;
+        if !counts(row) {
+            continue;
+        }
         let forecasts = track.forecasts(from).take_while(|f| samples[f.row].time_s <= next_s).collect();
         runs.push(FreeRun { row, start_mm, forecasts });
     }
@@ -269,7 +273,9 @@ impl Errors {
         let Some(reading_mm) = reading_mm else { return };
         self.model.add((forecast.position_mm - reading_mm).powi(2));
         self.stay_put.add((start_mm - reading_mm).powi(2));
-        self.floor.add(forecast.variance_mm2);
+        if let Some(variance_mm2) = forecast.variance_mm2 {
+            self.floor.add(variance_mm2);
+        }
     }
 }
 

@@ -53,6 +53,7 @@ pub fn share_closed(before: f64, after: f64, floor: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::Closed;
+    use crate::filter::track::Track;
     use crate::gap::forecast_error::{Tally, tallies};
     use crate::tests_support::{model, record};
     use plant::{Effects, Model};
@@ -60,10 +61,10 @@ mod tests {
     #[test]
     fn the_right_model_closes_all_of_the_gap_and_the_belief_itself_none() {
         let recording = record(&model(), 5, 80);
-        let by_stretch = |model: &Model| tallies(model, &recording, &|row| Some(row / 250));
+        let by_stretch = |model: &Model| tallies(&Track::new(model, &recording), &|row| Some(row / 250));
         let belief = by_stretch(&Model { effects: Effects::default(), ..model() });
         let right = by_stretch(&model());
-        let floor = |all: &[Tally]| Tally::sum(all.iter()).squares_at_1_s().unwrap().1;
+        let floor = |all: &[Tally]| Tally::sum(all.iter()).gap().floor_mm[2].unwrap().powi(2);
         let closed = Closed::of(&belief, [&belief, &right], floor(&right)).unwrap();
         assert!(closed.value > 0.85 && closed.high > 0.95 && closed.high - closed.low < 0.5, "{closed:?}");
         // A fitted model that equals the belief closes nothing.

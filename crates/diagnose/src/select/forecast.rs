@@ -4,8 +4,10 @@
 //! the belief, its refit, and the fits with the effects that were found are compared by their held-out forecast errors at
 //! 1 s. A model takes the place of a simpler one where it is better in the mean of the stretches by more than chance.
 
+use crate::filter::track::{Track, Variances};
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
+
 use crate::gap::bootstrap::is_lower;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::record::folds::Folds;
@@ -39,10 +41,7 @@ impl Evaluated {
     /// A fit with the models fitted without each fold, and their held-out log-likelihood.
     fn with(search: &Search<'_>, fit: Fit, without_each_fold: Vec<Model>, held_out: f64) -> Self {
         let log_likelihood = held_out + fit.log_prior;
-        let own = with_own_noise(search, &without_each_fold);
-        let with_believed_noise = with_believed_noise(search, &without_each_fold);
-        let errors = better(own, with_believed_noise.clone());
-        let of_patch = if search.noise_hides { errors.clone() } else { with_believed_noise };
+        let [errors, of_patch] = errors_and_of_patch(search, &without_each_fold, Variances::Omitted);
         Self { fit, without_each_fold, errors, of_patch, log_likelihood }
     }
 
@@ -97,19 +96,30 @@ impl Evaluated {
 
     /// Mean square at 1 s over all stretches, mm²; 0 if the record is too short.
     pub(crate) fn square(&self) -> f64 {
-        Tally::sum(self.errors.iter()).squares_at_1_s().map_or(0.0, |(square, _)| square)
+        Tally::sum(self.errors.iter()).square_at_1_s().unwrap_or(0.0)
     }
 
-    /// Root mean squares over all stretches.
+    /// Root mean squares over all stretches, without the errors by noise alone.
     pub(crate) fn gap(&self) -> Gap {
         Tally::sum(self.errors.iter()).gap()
     }
 
     /// The same, with the errors by noise alone: of the model with the noise that was fitted, or with the believed noise,
     /// whichever is less, since a fitted noise takes in what the model lacks; at most the errors themselves.
-    pub(crate) fn gap_with_floor(&self) -> Gap {
-        self.gap().with_floor_at_most(&Tally::sum(self.of_patch.iter()).gap())
+    pub(crate) fn gap_with_floor(&self, search: &Search<'_>) -> Gap {
+        let [errors, of_patch] = errors_and_of_patch(search, &self.without_each_fold, Variances::Computed);
+        Tally::sum(errors.iter()).gap().with_floor_at_most(&Tally::sum(of_patch.iter()).gap())
     }
+}
+
+/// [`Evaluated::errors`] and [`Evaluated::of_patch`] of the models fitted without each fold.
+fn errors_and_of_patch(search: &Search<'_>, models: &[Model], variances: Variances) -> [Vec<Tally>; 2] {
+    let believed = with_believed_noise(search, models, variances);
+    // A search by forecasts fits no noise: both are the same.
+    let own = if search.is_by_forecasts() { None } else { Some(with_own_noise(search, models, variances)) };
+    let errors = own.map_or_else(|| believed.clone(), |own| better(own, believed.clone()));
+    let of_patch = if search.noise_hides { errors.clone() } else { believed };
+    [errors, of_patch]
 }
 
 /// The index of the best of these models, of which the first is the belief.
@@ -135,19 +145,19 @@ pub(crate) fn is_better(search: &Search<'_>, this: &Fit, that: &Fit) -> bool {
 
 /// Held-out forecast errors of a fit, by stretch of the record, with its own noise.
 fn errors_of(search: &Search<'_>, fit: &Fit) -> Vec<Tally> {
-    with_own_noise(search, &search.problem.without_each_fold(fit))
+    with_own_noise(search, &search.problem.without_each_fold(fit), Variances::Omitted)
 }
 
 /// Held-out forecast errors of the models fitted without each fold, by stretch of the record, each with its own noise.
-pub(crate) fn with_own_noise(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
-    held_out(search, models, |model| search.forecasting(model))
+fn with_own_noise(search: &Search<'_>, models: &[Model], variances: Variances) -> Vec<Tally> {
+    held_out(search, models, variances, |model| search.forecasting(model))
 }
 
 /// Whether a fit loses track: at a horizon the mean square of its held-out forecasts is larger than without its last
 /// effect. A likelihood of the next reading can gain by that, where readings are coarse or most of them show a rest.
 pub(crate) fn loses_track(search: &Search<'_>, with: &Candidate, without: &Fit) -> bool {
     let squares = |errors: &[Tally]| Tally::sum(errors.iter()).squares();
-    let with = with_own_noise(search, &with.without_each_fold);
+    let with = with_own_noise(search, &with.without_each_fold, Variances::Omitted);
     let pairs = squares(&with).zip(squares(&errors_of(search, without)));
     pairs.is_some_and(|(with, without)| with.iter().zip(without).any(|(with, without)| *with > LARGER * without))
 }
@@ -155,36 +165,43 @@ pub(crate) fn loses_track(search: &Search<'_>, with: &Candidate, without: &Fit) 
 /// The errors with the noise that was fitted, or with the believed noise, whichever are less: a fitted noise takes in
 /// what the model lacks, and then the filter weighs the readings wrongly.
 fn better(own: Vec<Tally>, with_believed_noise: Vec<Tally>) -> Vec<Tally> {
-    let square =
-        |errors: &[Tally]| Tally::sum(errors.iter()).squares_at_1_s().map_or(f64::INFINITY, |(square, _)| square);
+    let square = |errors: &[Tally]| Tally::sum(errors.iter()).square_at_1_s().unwrap_or(f64::INFINITY);
     if square(&with_believed_noise) < square(&own) { with_believed_noise } else { own }
 }
 
 /// Held-out forecast errors of the models fitted without each fold, by stretch of the record, with the noise that a
 /// patch leaves.
 pub(crate) fn of_patch(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
-    let believed = with_believed_noise(search, models);
-    if search.noise_hides { better(with_own_noise(search, models), believed) } else { believed }
+    let believed = with_believed_noise(search, models, Variances::Omitted);
+    if search.noise_hides { better(with_own_noise(search, models, Variances::Omitted), believed) } else { believed }
 }
 
 /// Held-out forecast errors of the models fitted without each fold, by stretch of the record, with the noise of the
 /// belief.
-fn with_believed_noise(search: &Search<'_>, models: &[Model]) -> Vec<Tally> {
-    held_out(search, models, |model| Model { noise: search.problem.belief.noise, ..model.clone() })
+fn with_believed_noise(search: &Search<'_>, models: &[Model], variances: Variances) -> Vec<Tally> {
+    held_out(search, models, variances, |model| Model { noise: search.problem.belief.noise, ..model.clone() })
 }
 
 /// Forecast errors of the belief, by stretch of the record.
 fn of_belief(search: &Search<'_>) -> Vec<Tally> {
     let Problem { recording, folds, belief, .. } = search.problem;
-    tallies(belief, recording, &|row| folds.stretch(row))
+    tallies(&Track::with(Variances::Omitted, belief, recording), &|row| folds.stretch(row))
 }
 
 /// Held-out forecast errors by stretch of the record: each under the model that was fitted without its fold, as `change`
 /// makes it.
-fn held_out(search: &Search<'_>, models: &[Model], change: impl Fn(&Model) -> Model + Sync) -> Vec<Tally> {
+fn held_out(
+    search: &Search<'_>,
+    models: &[Model],
+    variances: Variances,
+    change: impl Fn(&Model) -> Model + Sync,
+) -> Vec<Tally> {
     let Problem { recording, folds, .. } = search.problem;
     let one = |(fold, model): (usize, &Model)| {
-        tallies(&change(model), recording, &|row| folds.stretch(row).filter(|_| folds.of(row) == Some(fold)))
+        let model = change(model);
+        tallies(&Track::with(variances, &model, recording), &|row| {
+            folds.stretch(row).filter(|_| folds.of(row) == Some(fold))
+        })
     };
     let parts: Vec<Vec<Tally>> = models.par_iter().enumerate().map(one).collect();
     let longest = parts.iter().map(Vec::len).max().unwrap_or_default();
@@ -194,8 +211,8 @@ fn held_out(search: &Search<'_>, models: &[Model], change: impl Fn(&Model) -> Mo
 /// By how many standard errors over the stretches the mean square at 1 s is larger in `these`; 0 where that cannot be
 /// told.
 pub(crate) fn deviations(these: &[Tally], those: &[Tally]) -> f64 {
-    let square = |tally: &Tally| tally.squares_at_1_s().map(|(square, _)| square);
-    standard_errors(these.iter().zip(those).filter_map(|(this, that)| Some(square(this)? - square(that)?)))
+    let rise = |(this, that): (&Tally, &Tally)| Some(this.square_at_1_s()? - that.square_at_1_s()?);
+    standard_errors(these.iter().zip(those).filter_map(rise))
 }
 
 /// The same of the mean square of free runs.

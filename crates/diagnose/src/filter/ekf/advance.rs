@@ -74,6 +74,11 @@ impl Ekf<'_> {
         self.commanded_mm_per_s2 = commanded;
         let motion = motion_of(&self.state);
         let step = Step::new(self.model, self.input(), dt, self.covariance[(1, 1)].max(0.0).sqrt());
+        if !self.keeps_covariance && !self.linear {
+            self.state = vector(&step.after(&motion));
+            self.time_s += dt;
+            return;
+        }
         let (next, propagation) = if self.linear {
             let (shared, scratch) = known.shared(dt, |new| new.set_linear(&self.active, &step));
             match self.slid(&step, &motion, shared) {
@@ -94,7 +99,9 @@ impl Ekf<'_> {
             back.go(&propagation.transition);
         }
         self.state = next;
-        self.active.predict(&propagation.transition, &propagation.noise, &mut self.covariance);
+        if self.keeps_covariance {
+            self.active.predict(&propagation.transition, &propagation.noise, &mut self.covariance);
+        }
         self.time_s += dt;
     }
 

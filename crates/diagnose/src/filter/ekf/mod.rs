@@ -68,6 +68,8 @@ pub(crate) struct Ekf<'a> {
     flown: DutyAveraging,
     /// Variance of a reading, mm².
     reading_mm2: f64,
+    /// Whether the covariance is kept: where friction is smoothed, the mean depends on it.
+    keeps_covariance: bool,
     /// What the smoother needs, boxed because most filters lack it; `None`: no smoothing.
     back: Option<Box<SmootherMemory>>,
 }
@@ -104,6 +106,7 @@ impl<'a> Ekf<'a> {
             wild_run: 0,
             reading_mm2: reading_variance(model),
             flown: DutyAveraging::of(duration_s, writes.len()),
+            keeps_covariance: true,
             back: None,
         };
         ekf.advance_to(time_s, steps);
@@ -119,6 +122,12 @@ impl<'a> Ekf<'a> {
         Self { reading_mm2: self.reading_mm2 / count as f64, flown, ..self }
     }
 
+    /// The same filter for forecasts of the mean alone, which takes a fraction of the time.
+    pub(crate) fn of_mean_alone(self) -> Self {
+        let keeps_covariance = self.model.effects.friction().is_some();
+        Self { keeps_covariance, ..self }
+    }
+
     /// Propagates the filter to the time of the reading of `row`.
     pub(crate) fn advance_to_row(&mut self, row: usize, steps: &mut PropagationCache) {
         if let Some(time_s) = reading_time(self.model, self.writes, row) {
@@ -130,7 +139,12 @@ impl<'a> Ekf<'a> {
     pub(crate) fn predicted_reading(&self) -> (f64, f64) {
         let measured = self.measured(&self.state);
         let variance_mm2 = measured.change(&measured.towards(&self.covariance));
-        (expected_mm(self.model, &self.state, self.input()), variance_mm2 + self.reading_mm2)
+        (self.expected_reading_mm(), variance_mm2 + self.reading_mm2)
+    }
+
+    /// The expected reading, mm.
+    pub(crate) fn expected_reading_mm(&self) -> f64 {
+        expected_mm(self.model, &self.state, self.input())
     }
 
     /// What a reading measures now, about a state.
@@ -143,11 +157,10 @@ impl<'a> Ekf<'a> {
         Input { commanded_mm_per_s2: self.commanded_mm_per_s2, time_s: self.time_s, setpoint_mm }
     }
 
-    /// The same for a reading as the file holds it, rounded by a quantised sensor.
-    pub(crate) fn predicted_rounded_reading(&self) -> (f64, f64) {
+    /// The variance of a reading as the file holds it, rounded by a quantised sensor, mm².
+    pub(crate) fn rounded_reading_mm2(&self) -> f64 {
         let rounding = self.model.effects.reading_step_mm().map_or(0.0, |step_mm| step_mm.powi(2) / 12.0);
-        let (position_mm, variance_mm2) = self.predicted_reading();
-        (position_mm, variance_mm2 + rounding)
+        self.predicted_reading().1 + rounding
     }
 
     /// The innovation of a reading.

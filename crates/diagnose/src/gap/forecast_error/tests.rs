@@ -1,6 +1,7 @@
 //! Properties of the gap.
 
 use super::Gap;
+use crate::filter::track::Track;
 use crate::tests_support::{model, record};
 use crate::{Recording, Sample};
 use plant::Model;
@@ -52,10 +53,11 @@ fn the_forecasts_of_several_flights_are_those_of_each() {
     let flights = [record(&model(), 9, 40), record(&model(), 10, 35)];
     let both = Recording::together(flights.clone());
     let wrong = Model { gain_mm_per_s2_per_percent: 170.0, ..model() };
-    let at_once = super::tallies(&wrong, &both, &|_| Some(0));
-    let apart: Vec<_> = flights.iter().flat_map(|flight| super::tallies(&wrong, flight, &|_| Some(0))).collect();
+    let at_once = super::tallies(&Track::new(&wrong, &both), &|_| Some(0));
+    let apart: Vec<_> =
+        flights.iter().flat_map(|flight| super::tallies(&Track::new(&wrong, flight), &|_| Some(0))).collect();
     let apart = super::Tally::sum(apart.iter());
-    assert!((at_once[0].squares_at_1_s().unwrap().0 / apart.squares_at_1_s().unwrap().0 - 1.0).abs() < 1e-6);
+    assert!((at_once[0].square_at_1_s().unwrap() / apart.square_at_1_s().unwrap() - 1.0).abs() < 1e-6);
     assert_eq!(at_once[0].free_run.model.count, apart.free_run.model.count);
     let runs = super::free_runs(&wrong, &both);
     assert!(runs.iter().all(|run| both.flight_of(run.row).contains(&run.forecasts.last().unwrap().row)));

@@ -31,6 +31,11 @@ pub(super) fn ripple(signal: &str) -> String {
     format!("a * sin(2 * pi * {signal} / wave) + b * cos(2 * pi * {signal} / wave)")
 }
 
+/// A bound as a patch writes the numbers within it, so that a number at its bound is not outside it there.
+fn to_six_digits(bound: f64) -> f64 {
+    format!("{bound:.5e}").parse().unwrap_or(bound)
+}
+
 /// A number to four digits, as a formula has it.
 pub(super) fn number(value: f64) -> String {
     let text = four_digits(value);
@@ -49,7 +54,7 @@ impl Shape {
 
     /// With sizes that are 0 where the shape does nothing.
     pub(super) fn sized(mut self, names: &[&str], scale: f64, unit: &str) -> Self {
-        let most = MOST * scale;
+        let most = to_six_digits(MOST * scale);
         let (neutral, scale, unit) = (Some(0.0), Some(scale), unit.to_owned());
         let size = ParameterTable { neutral, value: None, scale, low: -most, high: most, unit };
         self.parameters.extend(names.iter().map(|name| ((*name).to_owned(), size.clone())));
@@ -69,13 +74,8 @@ impl Shape {
     }
 
     /// The same with the distance between the places where it is tried; `None`: equal ratios.
-    fn free_in_steps(
-        mut self,
-        name: &str,
-        (value, scale): (f64, Option<f64>),
-        [low, high]: [f64; 2],
-        unit: &str,
-    ) -> Self {
+    fn free_in_steps(mut self, name: &str, (value, scale): (f64, Option<f64>), bounds: [f64; 2], unit: &str) -> Self {
+        let [low, high] = bounds.map(to_six_digits);
         let table = ParameterTable {
             neutral: None,
             value: Some(value.clamp(low, high)),
@@ -121,5 +121,28 @@ impl Shape {
         let Self { name, stage, words, adds, parameters, states } = self;
         let (looks, mend) = (words.to_owned(), String::new());
         Definition::new(name, &DefinitionTable { stage, adds, looks, mend, parameters, states }).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shape;
+    use plant::Stage;
+
+    // The patch of a diagnosis was refused: width = 1 was below 1.0000000000000002.
+    #[test]
+    fn a_number_at_its_bound_lies_within_it_after_a_patch_rounds_it_to_six_digits() {
+        for tenths in 1..=2000 {
+            let half = f64::from(tenths) / 10.0;
+            let shape = Shape::new("formula_any", Stage::Ball, "a friction", "-a * tanh(v / width)".into())
+                .sized(&["a"], 0.1 * half, "mm/s2")
+                .free("width", half, [0.1 * 0.1 * half, half / 3.0], "mm/s");
+            for (name, table) in &shape.parameters {
+                for bound in [table.low, table.high] {
+                    let written: f64 = format!("{bound:.5e}").parse().unwrap();
+                    assert!((table.low..=table.high).contains(&written), "{name} = {written}: {table:?}");
+                }
+            }
+        }
     }
 }

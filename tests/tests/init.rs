@@ -141,6 +141,48 @@ fn a_servo_is_one_also_where_it_measures_a_current_that_its_position_does_not_an
     assert!(refused.errors.contains("not used: `current (5)`; other columns are chosen with"), "{}", refused.errors);
 }
 
+/// A loop that steers a cart to a setpoint: time, input, position, setpoint.
+fn steered() -> Vec<[f64; 4]> {
+    let mut random = Random(8);
+    let (mut rows, mut y, mut v, mut r) = (Vec::new(), 300.0, 0.0, 300.0);
+    for k in 0..3000_u32 {
+        if k % 150 == 0 {
+            r = 100.0 + 400.0 * random.next();
+        }
+        let u = 0.02 * (r - y) - 0.01 * v + 3.0 * (random.next() - 0.5);
+        for _ in 0..20 {
+            v += 1e-3 * (300.0 * u - 1.5 * v);
+            y += 1e-3 * v;
+        }
+        rows.push([f64::from(k) * 0.02, u, y + random.next() - 0.5, r]);
+    }
+    rows
+}
+
+#[test]
+fn an_input_with_an_unknown_name_is_found_beside_a_setpoint_and_is_no_servo() {
+    let bench = bare();
+    let rows = steered().into_iter().map(|[t, u, y, r]| format!("{t:.2},{u:.4},{y:.2},{r:.1}\n"));
+    let rows: String = rows.collect();
+    bench.write("boat.csv", format!("t,helm,depth,depth_ref\n{rows}"));
+    let said = bench.output(&["init", "boat.csv"]);
+    assert!(said.contains("`helm` → input") && !said.contains("servo"), "{said}");
+    let config: toml::Table = toml::from_str(&bench.read("rig.toml")).unwrap();
+    assert_eq!(config["import"]["setpoint_mm"]["column"].as_str(), Some("depth_ref"), "{config}");
+}
+
+#[test]
+fn times_in_milliseconds_under_a_name_in_seconds_are_said_with_a_flag_that_mends_them() {
+    let bench = bare();
+    let rows: String = steered().into_iter().map(|[t, u, y, _]| format!("{:.0},{u:.4},{y:.2}\n", 1e3 * t)).collect();
+    bench.write("boat.csv", format!("time_s,u,y\n{rows}"));
+    let refused = bench.run(&["init", "boat.csv"]);
+    assert!(refused.code == Some(1) && refused.errors.contains("--time-scale 0.001"), "{}", refused.errors);
+    let _ = bench.output(&["init", "boat.csv", "--time-scale", "0.001"]);
+    let config: toml::Table = toml::from_str(&bench.read("rig.toml")).unwrap();
+    assert_eq!(config["import"]["time_s"]["scale"].as_float(), Some(0.001), "{config}");
+}
+
 #[test]
 fn a_heater_is_refused_as_of_first_order() {
     let mut random = Random(3);

@@ -44,6 +44,9 @@ pub struct ColumnArgs {
     /// Column of where it shall be; without an input, the rig is a servo, and setpoint minus position its input
     #[arg(long, value_name = "COLUMN")]
     pub setpoint: Option<String>,
+    /// Seconds per unit of the time, for instance 0.001 where it is in milliseconds
+    #[arg(long, value_name = "SECONDS", conflicts_with = "period", value_parser = period)]
+    pub time_scale: Option<f64>,
     /// Percent per unit of the input; below 0 turns its sign
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = scale)]
     pub input_scale: Option<f64>,

@@ -58,7 +58,7 @@ pub(crate) fn propose(
     let mut asked = asked(columns);
     let (mut sheet, unread) = match undescribed(first)? {
         Undescribed::Table(sheet, unread) => (sheet, unread),
-        Undescribed::Flight(held) => return held_by_log(first, held, out),
+        Undescribed::Flight(held) => return held_by_log(logs, held, out),
     };
     if asked.period_s.is_some() {
         sheet.number_rows();
@@ -110,18 +110,26 @@ fn name_of(at: usize, name: &str) -> String {
     if name.trim().is_empty() { format!("column {} (without a name)", at + 1) } else { format!("`{}`", shown(name)) }
 }
 
-/// The config that a flight of our own holds.
-fn held_by_log(log: &Path, held: Option<String>, out: &Path) -> Result<Proposed> {
-    let log = log.display();
+/// The config that the first of these logs holds, a flight of our own; the others must be such flights too.
+fn held_by_log(logs: &[PathBuf], held: Option<String>, out: &Path) -> Result<Proposed> {
+    let log = logs.first().map(|log| log.display().to_string()).unwrap_or_default();
+    for other in logs.iter().skip(1) {
+        if let Undescribed::Table(..) = undescribed(other)? {
+            let other = other.display();
+            let why = format!("{log} holds the config of its rig, and {other} none: propose a config for each alone");
+            return Err(Usage(why).into());
+        }
+    }
     let Some(held) = held else { bail!("{log} holds no config; name one with --config FILE") };
     write("config", out, &format!("# The config that {log} was flown with, as the log holds it.\n\n{held}"))?;
     Ok(Proposed { lines: vec![format!("{log} holds the config that it was flown with")], warnings: Vec::new() })
 }
 
 fn asked(columns: &ColumnArgs) -> Asked {
-    let ColumnArgs { time, period, input, position, speed, setpoint, input_scale, position_scale, length } =
-        columns.clone();
-    Asked { time, period_s: period, input, position, speed, setpoint, input_scale, position_scale, length_mm: length }
+    let ColumnArgs { time, period, time_scale, input, position, speed, setpoint, .. } = columns.clone();
+    let ColumnArgs { input_scale, position_scale, length: length_mm, .. } = *columns;
+    let scales = Asked { time_scale, input_scale, position_scale, length_mm, ..Asked::default() };
+    Asked { time, period_s: period, input, position, speed, setpoint, ..scales }
 }
 
 /// Asks on the terminal for each role; an empty line takes what is proposed.

@@ -111,8 +111,16 @@ fn plant(text: &mut String, belief: &FirstBelief) {
     }
     if let Some(values) = model.effects.values(HeightDependentFlow::ENTRY.name) {
         text.push_str("\n[plant.effects.height_dependent_flow]\n");
-        let why = |gradient: f64| format!("a force {}: without one the input shows nothing", by_stiffness(gradient));
-        values.iter().for_each(|value| line(text, "gradient_per_s2", &number(*value), &why(*value)));
+        let is_gravity = values.len() > 1;
+        for (param, value) in HeightDependentFlow::ENTRY.params.iter().zip(values) {
+            let why = match param.name {
+                "centre_mm" => "fitted: where a pendulum hangs".to_owned(),
+                "turn_mm" => "one turn of the angle".to_owned(),
+                _ if is_gravity => "fitted: gravity, which goes with the sine of the angle".to_owned(),
+                _ => format!("a force {}: without one the input shows nothing", by_stiffness(value)),
+            };
+            line(text, param.name, &number(value), &why);
+        }
     }
 }
 

@@ -65,8 +65,19 @@ impl Forms {
         (turned(&self.second) || turned(&self.spring)) && self.drifting.gain_in_deviations < -SEEN
     }
 
-    /// The form to begin with; `sign` is that of the input.
-    pub(super) fn start(&self, sign: f64) -> LinearFit {
+    /// The sign of the input.
+    pub(super) fn sign(&self) -> f64 {
+        if self.are_turned() { -1.0 } else { 1.0 }
+    }
+
+    /// Whether the form to begin with shows that sign.
+    pub(super) fn show_sign(&self) -> bool {
+        self.sign() * self.start().gain_in_deviations > SEEN
+    }
+
+    /// The form to begin with.
+    pub(super) fn start(&self) -> LinearFit {
+        let sign = self.sign();
         if self.is_unstable() {
             return self.unstable;
         }

@@ -87,7 +87,8 @@ pub enum TooLittle {
     /// The rows are too far apart.
     #[error(
         "the rows are {apart_s:.3} s apart, and no lag or drag of a rig shows in such a record: record at least 10 a \
-         second; if the times are in another unit, say it as [import] time_s.scale (0.001 for milliseconds)"
+         second; if the times are in another unit, such as milliseconds, say --time-scale 0.001 to `airball \
+         init`, or scale = 0.001 of time_s in [import]"
     )]
     SlowRows {
         /// The mean time between rows, seconds.

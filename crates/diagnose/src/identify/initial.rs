@@ -8,14 +8,17 @@
 //! does, is no rig of ours and refused.
 
 use crate::identify::forms::{Forms, SEEN};
+use crate::identify::gravity::gravity;
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
 use crate::identify::input_outlier::input_outlier;
+use crate::identify::rest::moving_part;
 use crate::linear::{LinearFit, beginning};
 use crate::record::prepare::prepared;
 use crate::record::recording::{Recording, Sample};
 use plant::effects::HeightDependentFlow;
 use plant::{Effect, Effects, Model, Noise};
 use rayon::prelude::*;
+use std::iter;
 
 /// A grey-box gain below this share of the form's has lost it, to noise that follows the record instead.
 const LOST: f64 = 0.2;
@@ -98,16 +101,22 @@ pub enum NoPlant {
     OutOfBounds(String),
 }
 
-/// A first belief about the rig of `recordings`, in a pipe with this lower end and this length, mm.
+/// A first belief about the rig of `recordings`, in a pipe with this lower end and this length, mm; `turn_mm`: length of
+/// one turn where the position is an angle. A force that returns an angle to one place is then tried as gravity too.
 ///
 /// # Errors
 /// [`NoPlant`]: the record is of no plant of ours, or too short.
-pub fn initial(recordings: &[Recording], bottom_mm: f64, length_mm: f64) -> Result<Initial, NoPlant> {
+pub fn initial(
+    recordings: &[Recording],
+    bottom_mm: f64,
+    length_mm: f64,
+    turn_mm: Option<f64>,
+) -> Result<Initial, NoPlant> {
     let flight = recordings.iter().max_by_key(|one| one.readings()).ok_or(NoPlant::Still)?;
     if let Some((row, times)) = recordings.iter().find_map(input_outlier) {
         return Err(NoPlant::InputOutlier { row, times });
     }
-    let forms = Forms::of(&beginning(flight)).ok_or(NoPlant::Still)?;
+    let forms = forms_of(flight).ok_or(NoPlant::Still)?;
     if let Some(time_constant_s) = forms.first_order_s() {
         return Err(NoPlant::FirstOrder { time_constant_s });
     }
@@ -116,16 +125,18 @@ pub fn initial(recordings: &[Recording], bottom_mm: f64, length_mm: f64) -> Resu
         return Err(NoPlant::NoAnswer { deviations: forms.best_deviations() });
     }
     let is_turned = forms.are_turned();
-    let sign = if is_turned { -1.0 } else { 1.0 };
-    let form = forms.start(sign);
+    let (sign, form) = (forms.sign(), forms.start());
     if form.spring_per_s2 > STIFFEST_PER_S2 {
         return Err(NoPlant::Servo { per_s2: form.spring_per_s2 });
     }
     let start = model(&form, sign, bottom_mm, length_mm);
     let turned: Vec<Recording> = recordings.iter().map(|one| with_sign(one, sign)).collect();
     let (_, recording) = prepared(&turned, &start);
-    let identify = |poles: &Poles| GreyBox::identify(&start, &recording, *poles);
-    let found = [Poles::Two, Poles::Three].par_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
+    let starts: Vec<Model> = iter::once(start.clone()).chain(gravity(&start, turn_mm, &recording)).collect();
+    let tried: Vec<(&Model, Poles)> =
+        starts.iter().flat_map(|start| [Poles::Two, Poles::Three].map(|poles| (start, poles))).collect();
+    let identify = |(start, poles): &(&Model, Poles)| GreyBox::identify(start, &recording, *poles);
+    let found = tried.par_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
     let found = better(&found).cloned().ok_or(NoPlant::Still)?;
     let fitted = &found.fit.model;
     let gain_is_lost = fitted.gain_mm_per_s2_per_percent < LOST * start.gain_mm_per_s2_per_percent;
@@ -135,8 +146,17 @@ pub fn initial(recordings: &[Recording], bottom_mm: f64, length_mm: f64) -> Resu
     // A fit may put all noise into the force; the readings have that of their rounding at least.
     model.noise.sensor_mm = model.noise.sensor_mm.max(recording.rounding_mm());
     model.check().map_err(|(_, unsound)| NoPlant::OutOfBounds(unsound.to_string()))?;
-    let sign_is_seen = sign * form.gain_in_deviations > SEEN;
-    Ok(Initial { model, is_turned, gain_is_lost, sign_is_seen, form, found })
+    Ok(Initial { model, is_turned, gain_is_lost, sign_is_seen: forms.show_sign(), form, found })
+}
+
+/// The forms of a flight; where they do not show the sign of the input, those of the flight without its rests.
+fn forms_of(flight: &Recording) -> Option<Forms> {
+    let forms = Forms::of(&beginning(flight))?;
+    if forms.show_sign() {
+        return Some(forms);
+    }
+    let moving = moving_part(flight).and_then(|moving| Forms::of(&beginning(&moving)));
+    moving.filter(Forms::show_sign).or(Some(forms))
 }
 
 /// The model without a lag that is shorter than this.
@@ -197,7 +217,7 @@ mod tests {
     }
 
     fn of(recording: Recording) -> Result<Initial, NoPlant> {
-        initial(&[recording], 0.0, 583.0)
+        initial(&[recording], 0.0, 583.0, None)
     }
 
     #[test]
@@ -212,6 +232,53 @@ mod tests {
         assert!(close(model.hover_duty_percent, 21.4, 0.02), "{model:?}");
         assert!(model.effects.fan_lag_s().is_some_and(|lag_s| close(lag_s, 0.2, 0.3)), "{model:?}");
         assert!(!found.is_turned && found.sign_is_seen && !found.gain_is_lost);
+    }
+
+    /// A pendulum of 13/s², in degrees, pushed by steps of a propeller whose thrust holds it at 10 to 50 degrees.
+    fn pendulum() -> Recording {
+        let (mut angle, mut speed, mut duty, mut random) = (15.0_f64, 0.0, 20.0, uniform(11));
+        let row = |k: i32| {
+            if k % 150 == 0 {
+                duty = 29.0 + 38.0 * random();
+            }
+            for _ in 0..20 {
+                speed += 5e-4 * (12.0 * duty - 1.1 * speed - 13.0 * angle.to_radians().sin().to_degrees());
+                angle += 5e-4 * speed;
+            }
+            let position_mm = Some(angle + 0.2 * random());
+            Sample { time_s: 0.01 * f64::from(k), duty_percent: duty, position_mm, ..Sample::default() }
+        };
+        Recording::new((0..6000).map(row).collect()).unwrap()
+    }
+
+    #[test]
+    fn gravity_is_believed_as_a_sine_where_the_position_is_an_angle() {
+        let values = |turn_mm: Option<f64>| {
+            let found = initial(&[pendulum()], -200.0, 400.0, turn_mm).unwrap();
+            found.model.effects.values("height_dependent_flow").unwrap()
+        };
+        let [gradient, centre, turn] = values(Some(360.0))[..] else { panic!("no sine") };
+        assert!((12.3..13.7).contains(&gradient) && centre.abs() < 3.0 && turn == 360.0, "{gradient}, {centre}");
+        assert_eq!(values(None).len(), 1);
+    }
+
+    #[test]
+    fn the_sign_is_seen_in_a_record_that_begins_and_ends_at_rest_on_the_ground() {
+        let flight = shaken(&model(), 2, 60);
+        let end_s = flight.duration_s() + 4.0;
+        for sign in [1.0, -1.0] {
+            let resting =
+                |time_s: f64| Sample { time_s, duty_percent: 0.0, position_mm: Some(0.0), ..Sample::default() };
+            let before = (0..100).map(|k| resting(f64::from(k) * 0.02));
+            let between = flight.samples().iter().map(|row| Sample {
+                time_s: row.time_s + 3.0,
+                duty_percent: sign * row.duty_percent,
+                ..*row
+            });
+            let after = (0..100).map(|k| resting(end_s + f64::from(k) * 0.02));
+            let found = of(Recording::new(before.chain(between).chain(after).collect()).unwrap()).unwrap();
+            assert!(found.sign_is_seen && found.is_turned == (sign < 0.0), "{sign}: {found:?}");
+        }
     }
 
     #[test]

@@ -2,12 +2,14 @@
 //! relay.
 
 mod forms;
+mod gravity;
 pub(crate) mod grey_box;
 mod initial;
 mod input_outlier;
 pub(crate) mod open_loop;
 mod relay;
 pub(crate) mod residual_tests;
+mod rest;
 pub(crate) mod transient;
 pub(crate) mod validation;
 

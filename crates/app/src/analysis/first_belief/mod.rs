@@ -101,7 +101,8 @@ fn of_roles(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Asked) -> Re
     let recordings: Vec<Recording> = logs_read.into_iter().map(|log| log.recording).collect();
     let of_first = || logs.first().cloned().unwrap_or_default();
     let no_plant = |source| NoBelief::Plant { path: of_first(), roles: Box::new(roles.clone()), source };
-    let plant = initial(&recordings, scales.bottom_mm, scales.length_mm).map_err(no_plant)?;
+    let turn_mm = import.position_mm.turn();
+    let plant = initial(&recordings, scales.bottom_mm, scales.length_mm, turn_mm).map_err(no_plant)?;
     if plant.is_turned {
         import.duty_percent.scale = -import.duty_percent.scale;
     }

@@ -1,6 +1,6 @@
 //! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
 
-use super::by_fit::by_fit;
+use super::by_fit::{by_fit, drives_better_than_setpoint};
 use super::flaw::{counts_rows, flaw, grows, moves, nearly_grows};
 use super::names::Name;
 use super::scales;
@@ -15,6 +15,8 @@ pub struct Asked {
     pub time: Option<String>,
     /// Seconds between two rows, where no column holds the time.
     pub period_s: Option<f64>,
+    /// Seconds per unit of the time.
+    pub time_scale: Option<f64>,
     /// The column of the input.
     pub input: Option<String>,
     /// The column of the position.
@@ -202,21 +204,35 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
     let setpoint = setpoint.filter(|found| input.as_ref().is_none_or(|input| input.column != found.column));
     match (input, position, setpoint) {
         (Some(input), Some(position), setpoint) => Ok(Roles { time, input, minus: None, position, is_speed, setpoint }),
-        (None, Some(position), Some(setpoint)) if !is_speed => Ok(Roles::servo(time, position, setpoint)),
+        (None, Some(position), Some(setpoint)) if !is_speed => {
+            let input = columns.driving(asked, &others, [&time, &position, &setpoint]);
+            let driven = |input| Roles {
+                input,
+                minus: None,
+                is_speed,
+                setpoint: Some(setpoint.clone()),
+                time: time.clone(),
+                position: position.clone(),
+            };
+            Ok(input.map_or_else(|| Roles::servo(time.clone(), position.clone(), setpoint.clone()), driven))
+        }
         (input, position, setpoint) => {
             let free = moving.iter().filter(|one| setpoint.as_ref().is_none_or(|set| set.column != one.column.name));
             let free: Vec<&Candidate<'_>> = free.copied().collect();
             let time_column = all.iter().find(|one| one.column.name == time.column);
-            let pair = time_column.and_then(|time| {
-                let scale = asked.period_s.unwrap_or_else(|| scales::time(time.column).scale);
-                by_fit((time, scale), &free, input.as_ref(), position.as_ref())
-            });
+            let pair = time_column
+                .and_then(|time| by_fit((time, scale_of(time, asked)), &free, input.as_ref(), position.as_ref()));
             let missing = if position.is_none() { Role::Position } else { Role::Input };
             let (found_input, found_position) = pair.ok_or_else(|| columns.not_found(missing))?;
             let (input, position) = (input.unwrap_or(found_input), position.unwrap_or(found_position));
             Ok(Roles { time, input, minus: None, position, is_speed, setpoint })
         }
     }
+}
+
+/// Seconds per unit of the time.
+fn scale_of(time: &Candidate<'_>, asked: &Asked) -> f64 {
+    asked.period_s.or(asked.time_scale).unwrap_or_else(|| scales::time(time.column).scale)
 }
 
 /// The columns of a table.
@@ -292,6 +308,16 @@ impl Columns<'_> {
         let found = self.named(&free, "", SPEEDS, &inputs);
         let is_speed = found.is_some();
         Ok((found, is_speed))
+    }
+
+    /// The input whose name says nothing, beside a position and a setpoint. `None`: the rig is a servo.
+    fn driving(&self, asked: &Asked, others: &[&Candidate<'_>], named: [&Named; 3]) -> Option<Named> {
+        let of = |named: &Named| self.all.iter().find(|one| one.column.name == named.column);
+        let [time, position, setpoint] = named.map(of);
+        let (time, position, setpoint) = (time?, position?, setpoint?);
+        let is_free = |one: &&&Candidate<'_>| one.column.name != setpoint.column.name;
+        let free: Vec<&Candidate<'_>> = others.iter().filter(is_free).copied().collect();
+        drives_better_than_setpoint((time, scale_of(time, asked)), &free, position, setpoint)
     }
 
     /// The first column with one of these words; before others one with this number, then one of the same part of the

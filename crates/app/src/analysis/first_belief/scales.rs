@@ -61,8 +61,12 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
     let spread = spread_if_coarse(&clock.values);
     let has_coarse_clock = spread.is_some();
     clock.values = spread.unwrap_or(clock.values);
-    let rows = |period_s: f64| Scaled { scale: period_s, ..of(&clock.values, "rows") };
-    let time = asked.period_s.map_or_else(|| time(&clock), rows);
+    let by = |scale: f64, read_as: &str| Scaled { scale, ..of(&clock.values, read_as) };
+    let time = match (asked.period_s, asked.time_scale) {
+        (Some(period_s), _) => by(period_s, "rows"),
+        (None, Some(scale)) => by(scale, &format!("{scale} s")),
+        (None, None) => time(&clock),
+    };
     let step_s = step(&clock) * time.scale;
     let times = &clock.values[..];
     let input = column(&roles.input.column).map_or_else(nothing, |u| {
@@ -204,7 +208,7 @@ fn round(value: f64, digits: i32) -> f64 {
     (value * 10f64.powi(power)).round() / 10f64.powi(power)
 }
 
-fn difference(u: &SheetColumn, minus: Option<&SheetColumn>) -> Vec<Option<f64>> {
+pub(super) fn difference(u: &SheetColumn, minus: Option<&SheetColumn>) -> Vec<Option<f64>> {
     let held = |column: &SheetColumn| held_if_sparse(&column.values).unwrap_or_else(|| column.values.clone());
     let Some(minus) = minus else { return u.values.clone() };
     let (u, minus) = (held(u), held(minus));

@@ -45,9 +45,8 @@ pub enum ConfigError {
     },
     /// A table that a command needs is absent.
     #[error(
-        "{}: the table [{table}] is missing, and `airball {command}` needs it; copy it from the config.toml of the \
-         project",
-        path.display()
+        "{}: the table [{table}] is missing, and `airball {command}` needs it; {}",
+        path.display(), where_from(table)
     )]
     Missing {
         /// The file.
@@ -65,6 +64,14 @@ pub enum ConfigError {
         /// What contradicts what, and what to do.
         message: String,
     },
+}
+
+/// Where the owner of a config finds a table that it lacks.
+fn where_from(table: &str) -> &'static str {
+    match table {
+        "plant" | "noise" => "`airball init LOG` proposes one for a log of the rig",
+        _ => "copy it from the config.toml of the project, which the package holds too, and set it for the rig",
+    }
 }
 
 /// How a config is made where there is none.

@@ -50,7 +50,11 @@ fn documents(args: &CompareArgs) -> Result<Comparison> {
     let read = |path: &Path| -> Result<_> {
         let name = path.display().to_string();
         let text = fs::read_to_string(path).with_context(|| format!("cannot read {name}; check the name"))?;
-        Ok(SideEntry::of_document(&name, &text)?)
+        let (side, document) = SideEntry::of_document(&name, &text)?;
+        if side.cannot_answer() {
+            bail!("{name} cannot be compared: its record cannot answer; its findings say why");
+        }
+        Ok((side, document))
     };
     let ((a, before), (b, after)) = (read(&args.before)?, read(&args.after)?);
     Ok(Comparison::of_documents([a, b], &[before, after]))

@@ -1,5 +1,6 @@
 //! The diagnoses of many logs as one table: CSV and page.
 
+use crate::report::compare::document::CANNOT_ANSWER;
 use crate::report::kit::page::made::Made;
 use crate::report::kit::page::parts::{number, spoken, table};
 use crate::report::kit::page::record::Record;
@@ -44,9 +45,6 @@ pub struct Row {
     finding: String,
 }
 
-/// The verdict of a log that cannot answer.
-const CANNOT_ANSWER: &str = "insufficient_data";
-
 /// How many logs are diagnosed, cannot answer, and have an error.
 #[must_use]
 pub fn count(rows: &[Row]) -> [usize; 3] {
@@ -78,7 +76,7 @@ impl Row {
                 .map(|(name, value)| (name.clone(), estimate(value)))
                 .collect(),
         };
-        Self {
+        let row = Self {
             log: log.into(),
             error: document["verdict"].is_null().then(|| "its JSON is damaged; delete it and run again".into()),
             verdict: words(&document["verdict"]),
@@ -87,7 +85,12 @@ impl Row {
             closed: estimate(&gap["closed"]),
             base: BASE.map(|name| estimate(&document["parameters"][name])),
             finding: findings(&document),
+        };
+        // What a record that cannot answer leaves as believed is not its number.
+        if row.cannot_answer() {
+            return Self { log: row.log, verdict: row.verdict, finding: row.finding, ..Self::default() };
         }
+        row
     }
 
     /// The row of a log without a diagnosis.
@@ -233,13 +236,16 @@ mod tests {
 
     #[test]
     fn a_log_that_cannot_answer_is_not_counted_as_diagnosed_and_its_reasons_are_on_the_page() {
-        let mute = r#"{"verdict":"insufficient_data","check":{"findings":["the duty stays","too few readings"]}}"#;
+        let mute = r#"{"verdict":"insufficient_data","parameters":{"drag_per_s":{"value":3.9}},
+            "check":{"findings":["the duty stays","too few readings"]}}"#;
         let rows =
             [Row::of("a.csv", r#"{"verdict":"no_gap"}"#), Row::of("b.csv", mute), Row::without("c.csv", "empty")];
         assert_eq!(count(&rows), [1, 1, 1]);
         let page = page(&rows, 3, &Made::default());
         assert!(page.contains("1 of 3 logs diagnosed, 1 cannot answer, 1 with an error"));
         assert!(page.contains("the duty stays; too few readings"));
+        // The believed drag is not that of the record.
+        assert!(!page.contains("3.9") && !csv(&rows).unwrap().contains("3.9"));
     }
 
     #[test]

@@ -67,8 +67,8 @@ pub enum Finding {
     },
     /// Readings that cannot be positions of the ball.
     #[error(
-        "{count} readings are no position of the ball: they lie more than half the pipe's length outside of it, or \
-         jump by three quarters of it and back, the first in row {row}: {reading_mm:.4e} mm; they count as empty"
+        "{count} readings cannot be right: they lie more than half the pipe's length outside of it, or jump by three \
+         quarters of it and back, the first in row {row}: {reading_mm:.4e} mm; they count as empty"
     )]
     ImplausibleReadings {
         /// Number of such readings.

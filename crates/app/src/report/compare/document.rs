@@ -7,6 +7,8 @@ use serde_json::Value;
 
 /// How the schema of a diagnosis begins.
 const DIAGNOSIS: &str = "airball.diagnosis/";
+/// The verdict of a record that cannot answer.
+pub const CANNOT_ANSWER: &str = "insufficient_data";
 /// What stands before a believed effect that a diagnosis did not find.
 pub const ABSENT: &str = "no ";
 /// Half of a 90 % interval, standard deviations.
@@ -58,6 +60,12 @@ pub struct NoDiagnosis {
 }
 
 impl SideEntry {
+    /// Whether the record of the diagnosis cannot answer.
+    #[must_use]
+    pub fn cannot_answer(&self) -> bool {
+        self.verdict == CANNOT_ANSWER
+    }
+
     /// Of the document of a diagnosis.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use super::{ladder, mend, place};
 use crate::report::kit::words::p_value;
 use config::words::Words;
 use control::compensation::Compensation;
-use diagnose::{Change, Closed, Diagnosis, NamedEffect, SourceColumns, Verdict};
+use diagnose::{Change, Check, Closed, Diagnosis, NamedEffect, SourceColumns, Verdict};
 use std::fmt::Write;
 
 /// The advice after a record with too little information.
@@ -13,10 +13,19 @@ const FLY_ANOTHER: &str = "Fly at least 30 s in free flight with a moving setpoi
 /// The same where units, signs or columns are wrong.
 const MEND_FIRST: &str = "Correct units, signs or columns as said above, and diagnose it again.";
 
+/// The same where the unit of the duty may be wrong.
+const MEND_OR_FLY: &str = "If the duties are in another unit, correct it as said above; else fly at least 30 s in free flight with a \
+                           moving setpoint.";
+
 /// What to do before anything else after a record that cannot answer; `None` where it can. Terminal and page use it.
 #[must_use]
 pub fn first_of_all(found: &Diagnosis) -> Option<&'static str> {
-    let advice = if found.has_mistake() { MEND_FIRST } else { FLY_ANOTHER };
+    let may_be_unit = found.findings.iter().any(|noted| matches!(noted.finding.check(), Check::Units));
+    let advice = match found.has_mistake() {
+        true => MEND_FIRST,
+        false if may_be_unit => MEND_OR_FLY,
+        false => FLY_ANOTHER,
+    };
     (found.verdict == Verdict::InsufficientData).then_some(advice)
 }
 

@@ -69,7 +69,8 @@ pub fn sentence(gap: &Gap, recording: &Recording) -> String {
         let (rows, duration_s) = (recording.samples().len(), recording.duration_s());
         return format!(
             "No two readings are 1 s apart ({rows} rows in {duration_s:.1} s): record at least 30 s with a moving \
-             setpoint, or, if time is not in seconds, give its unit as [import] time_s.scale."
+             setpoint, or, if time is not in seconds but, for instance, in milliseconds, write [import] time_s = \
+             {{ column = \"NAME\", scale = 0.001 }}."
         );
     };
     if error < AS_GOOD_AS_NOISE * floor {

@@ -18,8 +18,13 @@ pub(super) fn simulator(report: &Report<'_>) -> Markup {
         } @else {
             p { "The mended model as a config patch, which replaces these keys of the config:" }
             (to_copy("patch", "mended.toml", &patch))
-            p { "Try it with " (made.then("airball simulate --patch mended.toml")) ", and on another record with "
-                (made.then("airball replay LOG --patch mended.toml")) "." }
+            p {
+                // Only a config with a control loop can be flown.
+                @if report.compensation.is_some() {
+                    "Try it with " (made.then("airball simulate --patch mended.toml")) ", and on another record with "
+                } @else { "Try it on another record with " }
+                (made.then("airball replay LOG --patch mended.toml")) "."
+            }
         }
     }
 }

@@ -167,7 +167,7 @@ fn words() -> Markup {
                 "other three (cross-validation)."
             }
             dt { "residual force" }
-            dd { "The force that the model lacks for the recorded motion, divided by the mass of the ball, upward, \
+            dd { "The force that the model lacks for the recorded motion, divided by the moving mass, upward, \
                  mm/s²." }
             dt { "nats" }
             dd {

@@ -13,7 +13,8 @@ use std::fmt::Write;
 
 /// The meaning of a diagnosis with a belief that was fitted to a record of the rig.
 pub const MEANING: &str = "the belief is a linear model fitted to a record of this rig, so what follows is how the rig \
-     differs from a linear model of itself; wrong numbers of a belief of your own cannot show";
+     differs from a linear model of itself; wrong numbers of a belief of your own cannot show, and its noise, fitted too, \
+     may hold a missing effect, so that the noise floor is too high";
 
 /// How the config of a first belief begins.
 const HEAD: &str = "# A first belief about ";
@@ -257,10 +258,12 @@ pub fn words(belief: &FirstBelief) -> Vec<String> {
 fn fitted(belief: &FirstBelief) -> String {
     let model = &belief.plant.model;
     let lag = model.effects.fan_lag_s().map_or_else(String::new, |lag_s| format!(", lag {} s", number(lag_s)));
-    let spring = model.effects.values(HeightDependentFlow::ENTRY.name).and_then(|values| values.first().copied());
     let does = |k: f64| if k < 0.0 { "drives it away from" } else { "returns it to" };
-    let of_place = |k: f64| format!(", a force of {} /s² that {} one place", number(k.abs()), does(k));
-    let spring = spring.map_or_else(String::new, of_place);
+    let spring = match model.effects.values(HeightDependentFlow::ENTRY.name).as_deref() {
+        Some([k, centre_mm, ..]) => format!(", gravity of {} /s² about {} mm", number(*k), number(*centre_mm)),
+        Some([k]) => format!(", a force of {} /s² that {} one place", number(k.abs()), does(*k)),
+        _ => String::new(),
+    };
     format!(
         "linear model of the record: gain {} mm/s² per %, drag {} /s, hover {} %{lag}{spring}; noise of a reading {} \
          mm",

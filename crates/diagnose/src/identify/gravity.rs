@@ -5,28 +5,32 @@ use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect};
 use crate::record::folds::Folds;
 use crate::record::recording::Recording;
 use crate::select::regression::regressed;
-use plant::effects::HeightDependentFlow;
+use plant::effects::{FanLag, HeightDependentFlow};
 use plant::{Effect, Model};
 
 /// Steps of the fits of which the best is continued.
 const FIRST_LOOK: usize = 2;
 
-/// `start` with its force over the position as gravity, fitted to the recording. `None`: it has none, the position is no
-/// angle, or no such pendulum is possible.
-pub(super) fn gravity(start: &Model, turn_mm: Option<f64>, recording: &Recording) -> Option<Model> {
+/// A fitted model with its force over the position as gravity, fitted to the recording. `None`: it has none, the position
+/// is no angle, or no such pendulum is possible.
+pub(super) fn gravity(linear: &Model, turn_mm: Option<f64>, recording: &Recording) -> Option<Model> {
     let entry = &HeightDependentFlow::ENTRY;
-    start.effects.values(entry.name).and(turn_mm)?;
-    let mut bare = Model { turn_mm, ..start.clone() };
+    linear.effects.values(entry.name).and(turn_mm)?;
+    let mut bare = Model { turn_mm, ..linear.clone() };
     bare.effects.remove(entry.name);
     let folds = Folds::new(&bare, recording);
     let problem = Problem { recording, belief: &bare, folds: &folds, prior: Prior::Nothing };
-    let with_parameters = |model: Model| -> Option<(Model, Vec<Parameter>)> {
-        let own = parameters_of_effect(entry, &model.effects.values(entry.name)?);
-        Some((model, [&BASE[..], &own].concat()))
+    let with_parameters = |model: Model| -> (Model, Vec<Parameter>) {
+        let mut parameters = BASE.to_vec();
+        for entry in [entry, &FanLag::ENTRY] {
+            let values = model.effects.values(entry.name);
+            parameters.extend(values.map_or_else(Vec::new, |values| parameters_of_effect(entry, &values)));
+        }
+        (model, parameters)
     };
-    let looks = regressed(entry, &bare, &bare, recording).into_iter().filter_map(with_parameters);
+    let looks = regressed(entry, &bare, &bare, recording).into_iter().map(with_parameters);
     let looks = looks.map(|(model, parameters)| problem.fit_briefly(&model, &parameters, FIRST_LOOK));
     let (best, _) = looks.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let (best, parameters) = with_parameters(best)?;
+    let (best, parameters) = with_parameters(best);
     Some(problem.fit(&best, &parameters).model)
 }

@@ -132,11 +132,12 @@ pub fn initial(
     let start = model(&form, sign, bottom_mm, length_mm);
     let turned: Vec<Recording> = recordings.iter().map(|one| with_sign(one, sign)).collect();
     let (_, recording) = prepared(&turned, &start);
-    let starts: Vec<Model> = iter::once(start.clone()).chain(gravity(&start, turn_mm, &recording)).collect();
-    let tried: Vec<(&Model, Poles)> =
-        starts.iter().flat_map(|start| [Poles::Two, Poles::Three].map(|poles| (start, poles))).collect();
-    let identify = |(start, poles): &(&Model, Poles)| GreyBox::identify(start, &recording, *poles);
-    let found = tried.par_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
+    let identify = |poles: &Poles| GreyBox::identify(&start, &recording, *poles);
+    let found = [Poles::Two, Poles::Three].par_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
+    let linear = better(&found).cloned().ok_or(NoPlant::Still)?;
+    let gravity = gravity(&linear.fit.model, turn_mm, &recording);
+    let gravity = gravity.map(|model| GreyBox::identify(&model, &recording, linear.poles)).transpose()?;
+    let found: Vec<GreyBox> = iter::once(linear).chain(gravity).collect();
     let found = better(&found).cloned().ok_or(NoPlant::Still)?;
     let fitted = &found.fit.model;
     let gain_is_lost = fitted.gain_mm_per_s2_per_percent < LOST * start.gain_mm_per_s2_per_percent;

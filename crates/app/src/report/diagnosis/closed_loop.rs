@@ -2,6 +2,9 @@
 
 use diagnose::{ClosedLoop, Compared};
 
+/// Why only the record has figures.
+const NOT_SIMULATED: &str = "(not simulated: neither log nor config holds a controller and its [loop])";
+
 /// A table with a line for each figure that is known for a flight; empty where none is.
 #[must_use]
 pub fn words(found: &ClosedLoop) -> Vec<String> {
@@ -25,8 +28,25 @@ pub fn words(found: &ClosedLoop) -> Vec<String> {
         };
         lines.insert(0, row(&head, ["recorded", "as believed", "mended"].map(Into::into)));
     }
+    if !lines.is_empty() && !is_simulated(found) {
+        let recorded_alone = |line: &String| line.chars().take(RECORDED_ENDS).collect();
+        lines = lines.iter().map(recorded_alone).collect();
+        lines.push(NOT_SIMULATED.into());
+    }
     lines
 }
+
+/// Whether a model has figures too.
+#[must_use]
+pub const fn is_simulated(found: &ClosedLoop) -> bool {
+    let (flown, critical) = (found.overshoot_percent, found.critical_gain_ratio);
+    flown.nominal.is_some() || flown.mended.is_some() || critical.nominal.is_some() || critical.mended.is_some()
+}
+
+/// Widths of the first two columns.
+const NAME: usize = 26;
+const RECORDED: usize = 10;
+const RECORDED_ENDS: usize = NAME + RECORDED;
 
 /// A figure of the flights in `flew`. "none": there was a flight, and it has no such figure.
 fn line(name: &str, of: Compared, flew: Compared, digits: usize, unit: &str) -> String {
@@ -39,7 +59,7 @@ fn line(name: &str, of: Compared, flew: Compared, digits: usize, unit: &str) -> 
 }
 
 fn row(name: &str, [recorded, nominal, mended]: [String; 3]) -> String {
-    format!("{name:<26}{recorded:>10}{nominal:>13}{mended:>10}")
+    format!("{name:<NAME$}{recorded:>RECORDED$}{nominal:>13}{mended:>10}")
 }
 
 #[cfg(test)]
@@ -59,12 +79,21 @@ mod tests {
             critical_gain_ratio: Simulated::default(),
         };
         let lines = [
-            "closed loop, 3 steps        recorded  as believed    mended",
-            "overshoot                       12 %            –         –",
-            "first visible peak              none            –         –",
-            "settled to ±5 %                 none            –         –",
+            "closed loop, 3 steps        recorded",
+            "overshoot                       12 %",
+            "first visible peak              none",
+            "settled to ±5 %                 none",
+            super::NOT_SIMULATED,
         ];
         assert_eq!(words(&found), lines);
+        let overshoot_percent = Compared { nominal: Some(9.0), ..overshoot_percent };
+        let lines = [
+            "closed loop, 3 steps        recorded  as believed    mended",
+            "overshoot                       12 %          9 %         –",
+            "first visible peak              none         none         –",
+            "settled to ±5 %                 none         none         –",
+        ];
+        assert_eq!(words(&ClosedLoop { overshoot_percent, ..found }), lines);
         assert!(words(&ClosedLoop { steps: 0, ..found }).is_empty());
     }
 }

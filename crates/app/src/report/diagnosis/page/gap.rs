@@ -3,6 +3,7 @@
 use super::Report;
 use super::effects::ends;
 use crate::analysis::log_errors::LogErrors;
+use crate::report::diagnosis::closed_loop::is_simulated;
 use crate::report::diagnosis::ladder;
 use crate::report::kit::page::parts::{command, minus, number, table, three_digits};
 use diagnose::{ClosedLoop, Compared, Diagnosis, ParameterEntry};
@@ -96,9 +97,19 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
             "–",
         ));
     }
+    let headings: &[&str] = if is_simulated(found) {
+        &["figure", "recorded", "as believed", "mended"]
+    } else {
+        rows.iter_mut().for_each(|(_, cells)| cells.truncate(1));
+        &["figure", "recorded"]
+    };
     html! {
         @if rows.is_empty() {
             p.nothing { "The record has no steps of the setpoint, or its controller is not known." }
+        } @else if !is_simulated(found) {
+            p { (found.steps) " steps of the record; medians. They are not simulated: neither log nor config holds a \
+                 controller and its [loop]." }
+            (table("The loop as recorded", headings, &rows))
         } @else {
             p {
                 (found.steps) " steps of the record, simulated again with the controller of the record and each model; \
@@ -107,7 +118,7 @@ fn closed_loop(found: &ClosedLoop) -> Markup {
                  that of flights with steps of an eighth of the pipe, with every effect and the limits of the duty; "
                 (command("airball design loop")) " gives that of the linear model."
             }
-            (table("The loop as recorded and as simulated", &["figure", "recorded", "as believed", "mended"], &rows))
+            (table("The loop as recorded and as simulated", headings, &rows))
             @if let Some(words) = unexplained(found.settling_s) { p { (words) } }
         }
     }

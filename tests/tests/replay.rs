@@ -15,6 +15,29 @@ fn at(gap: &Value, key: &str, horizon: usize) -> f64 {
 const DEAD_ZONE: &str = "[plant.effects.dead_zone]\nlower_percent = -0.3\nupper_percent = 0.3\n";
 
 #[test]
+fn a_record_with_a_reversed_input_is_said_to_be_one_instead_of_a_model_that_lacks_an_effect() {
+    let bench = Bench::default();
+    let _ = bench.output(&["simulate", "--duration", "60", "--log", "f.mcap"]);
+    let text = bench.output(&["log", "export", "f.mcap"]);
+    let column = text.lines().next().unwrap().split(',').position(|name| name == "duty_percent").unwrap();
+    let turned = text.lines().enumerate().map(|(k, line)| {
+        let mut cells: Vec<String> = line.split(',').map(Into::into).collect();
+        if let Some(duty) = cells.get(column).and_then(|cell| cell.parse::<f64>().ok()).filter(|_| k > 0) {
+            cells[column] = (-duty).to_string();
+        }
+        cells.join(",") + "\n"
+    });
+    bench.write("turned.csv", turned.collect::<String>());
+    for command in [&["replay", "turned.csv"][..], &["identify", "grey-box", "turned.csv"]] {
+        let said = bench.run(command);
+        assert!(said.errors.contains("scale = -1"), "{command:?}: {}", said.errors);
+        assert!(!said.output.contains("lacks an effect"), "{}", said.output);
+    }
+    let said = bench.output(&["replay", "f.mcap"]);
+    assert!(!said.contains("units, signs or columns"), "{said}");
+}
+
+#[test]
 fn a_flight_by_its_own_model_shows_no_gap_at_any_horizon() {
     // Ten flights: one flight's 1 s errors are only about sixty independent values.
     let (mut error, mut floor) = ([0.0; 3], [0.0; 3]);

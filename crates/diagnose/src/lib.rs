@@ -60,6 +60,7 @@ mod tests_support;
 // The face: three functions, and what goes in.
 pub use answer::diagnosis::diagnose;
 pub use fit::log_likelihood::log_likelihood;
+pub use mistakes::mistakes;
 pub use options::{Options, Progress, ProgressStep};
 pub use record::check::{Finding, check};
 pub use record::checks::Check;

@@ -59,8 +59,9 @@ struct FittedLog {
     readings: f64,
 }
 
-/// The mistakes of several logs, by log.
-pub(crate) fn mistakes(belief: &Model, recordings: &[Recording]) -> Vec<FlightFinding> {
+/// The mistakes of units, signs and columns in several logs of a rig that is believed to be `belief`, by log.
+#[must_use]
+pub fn mistakes(belief: &Model, recordings: &[Recording]) -> Vec<FlightFinding> {
     let mut found = Vec::new();
     let mut fitted: Vec<FittedLog> = Vec::new();
     for (flight, recording) in recordings.iter().enumerate() {

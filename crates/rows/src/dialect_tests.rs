@@ -1,6 +1,6 @@
 //! How other programs write a CSV, and files of theirs that are none.
 
-use crate::{Column, Import, RowsError, recording, sheet};
+use crate::{Column, Import, RowsError, recording, recording_and_loss, sheet};
 use diagnose::Recording;
 
 /// Rows of time, duty and position that every dialect here holds.
@@ -56,6 +56,12 @@ fn every_dialect_reads_as_the_plain_table() {
         ),
         ("labels", plain().lines().skip(1).map(|row| labelled(row, ",") + "\n").collect()),
         ("labels and spaces", plain().lines().skip(1).map(|row| labelled(row, "  ") + "\n").collect()),
+        (
+            "quoted cells with decimal commas",
+            table("time_s,duty_percent,position_mm", ",", |value| {
+                format!("\"{}\"", format!("{value:.3}").replace('.', ","))
+            }),
+        ),
         ("spaces before each row", table("time_s duty_percent position_mm", " ", text).replace('\n', "\n  ")),
     ] {
         assert_eq!(read(table.as_bytes()).unwrap_or_else(|error| panic!("{dialect}: {error}")), expected, "{dialect}");
@@ -202,6 +208,20 @@ fn names_with_single_spaces_within_them_stand_two_spaces_apart() {
         assert_eq!((found.columns.len(), found.rows, found.columns[2].values[1]), (3, 2, Some(2.0)), "{text}");
         assert!(found.columns[1].name.contains(' '), "{text}: {:?}", found.columns[1]);
     }
+}
+
+#[test]
+fn half_a_row_at_the_end_of_a_file_is_left_out_and_said() {
+    let cut = plain() + "10,21.5";
+    let (recording, loss) = recording_and_loss("rig.csv", cut.as_bytes(), &Import::default()).unwrap();
+    assert_eq!(recording.samples(), read(plain().as_bytes()).unwrap().samples());
+    assert!(loss.unwrap().contains("its last line, 42, is an incomplete row"));
+    // A whole row needs no end of line, and a short one with an end was not cut off.
+    let whole = plain() + "10,21.5,220";
+    let (recording, loss) = recording_and_loss("rig.csv", whole.as_bytes(), &Import::default()).unwrap();
+    assert_eq!((recording.samples().len(), loss), (41, None));
+    let short = read((plain() + "10,21.5\n").as_bytes()).unwrap_err().to_string();
+    assert!(short.starts_with("rig.csv, line 42: 2 cells"), "{short}");
 }
 
 #[test]

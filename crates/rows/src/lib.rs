@@ -44,11 +44,21 @@ pub fn samples(name: &str, bytes: &[u8], import: &Import) -> Result<Vec<Sample>,
     columns::map(&Table::parse(name, bytes)?, import)
 }
 
+/// Reads a CSV as a recording, with what is missing at its end, in words: a recorder that is cut off leaves half a row.
+///
+/// # Errors
+/// As [`recording`].
+pub fn recording_and_loss(name: &str, bytes: &[u8], import: &Import) -> Result<(Recording, Option<String>), RowsError> {
+    let table = Table::parse(name, bytes)?;
+    let recording = Recording::new(columns::map(&table, import)?);
+    let recording = recording.map_err(|source| RowsError::NotARecording { name: name.into(), source })?;
+    Ok((recording, table.loss()))
+}
+
 /// Reads a CSV as a recording.
 ///
 /// # Errors
 /// As [`samples`], and rows that do not make a recording.
 pub fn recording(name: &str, bytes: &[u8], import: &Import) -> Result<Recording, RowsError> {
-    let samples = samples(name, bytes, import)?;
-    Recording::new(samples).map_err(|source| RowsError::NotARecording { name: name.into(), source })
+    recording_and_loss(name, bytes, import).map(|(recording, _)| recording)
 }

@@ -1,5 +1,7 @@
 //! Numbers and times as programs write them into cells.
 
+use std::borrow::Cow;
+
 /// What programs write where there is no number, in lower case: numpy, pandas, R, spreadsheets and databases.
 const NOTHING: [&str; 9] = ["nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
 
@@ -44,6 +46,7 @@ pub(crate) fn clock_s(cell: &str) -> Option<f64> {
         Some((date, time)) => (date, time.trim_start()),
         None => ("1970-01-01", cell),
     };
+    let date = year_first(date);
     let end = time.find(['Z', '+', '-']).unwrap_or(time.len());
     let time = time[..end].trim_end().replace(',', ".");
     if !time.contains(':') {
@@ -53,6 +56,20 @@ pub(crate) fn clock_s(cell: &str) -> Option<f64> {
     let moment = humantime::parse_rfc3339_weak(&format!("{date} {time}{seconds}")).ok()?;
     let since = moment.duration_since(std::time::UNIX_EPOCH).ok()?;
     Some(since.as_secs_f64())
+}
+
+/// A date with the year before month and day, as `31.12.2026`, `31/12/2026` and `12/31/2026` have it behind them. Of two
+/// numbers that could both be the month, the one before a slash is.
+fn year_first(date: &str) -> Cow<'_, str> {
+    let parts: Vec<&str> = date.split(['.', '/']).collect();
+    let [first, second, year] = parts[..] else { return date.into() };
+    let number = |part: &str| part.parse::<u32>().unwrap_or_default();
+    if year.len() != 4 {
+        return date.into();
+    }
+    let day_first = date.contains('.') || number(first) > 12;
+    let (day, month) = if day_first { (first, second) } else { (second, first) };
+    format!("{year}-{:02}-{:02}", number(month), number(day)).into()
 }
 
 #[cfg(test)]
@@ -77,6 +94,10 @@ mod tests {
             ("2026-03-01 12:00:00.25", 0.25),
             ("2026-03-01 12:00:00,5", 0.5),
             ("2026-03-01T12:01:00+02:00", 60.0),
+            ("01.03.2026 12:00:02,5", 2.5),
+            ("1.3.2026 12:01", 60.0),
+            ("3/1/2026 12:00:03", 3.0),
+            ("31/3/2026 12:00:00", 30.0 * 86_400.0),
             ("2026-03-02T12:00:00.000001", 86_400.000_001),
         ] {
             assert!((since(cell) - seconds).abs() < 1e-6, "{cell}: {}", since(cell));

@@ -21,6 +21,8 @@ pub(crate) struct Table {
     units: Option<StringRecord>,
     rows: Rows,
     decimal: Decimal,
+    /// The last line, if it was left out because its row is not complete.
+    cut: Option<usize>,
 }
 
 /// All rows of a file, header and units among them. The cells lie one behind another in one text: a record of the
@@ -56,9 +58,10 @@ impl Table {
             return Err(RowsError::Empty { name: name.into() });
         }
         let Plain { text, delimiter, names, stamp } = plain(&decoded);
+        let is_ended = decoded.ends_with(['\n', '\r']);
         drop(decoded);
         let mut rows = Rows::of(name, &text, delimiter)?;
-        let decimal = if delimiter == b',' { Decimal::Point } else { Decimal::of(rows.all_cells()) };
+        let decimal = Decimal::of(rows.all_cells());
         let is_number = |cell: &str| decimal.number(cell).is_some() || clock_s(cell).is_some();
         let first = rows.record(0).ok_or_else(|| RowsError::HeaderOnly { name: name.into() })?;
         let header_line = rows.line(&text, 0);
@@ -77,10 +80,17 @@ impl Table {
         if rows.len() == 0 {
             return Err(RowsError::HeaderOnly { name: name.into() });
         }
-        let table = Self { name: name.into(), text, header, header_line, units, rows, decimal };
+        let cut = if is_ended { None } else { rows.drop_short_last(&text, header.len()) };
+        let table = Self { name: name.into(), text, header, header_line, units, rows, decimal, cut };
         let ragged = (0..table.len()).find(|row| table.rows.width(*row) != table.header.len());
         ragged.map_or(Ok(()), |row| Err(table.ragged(row)))?;
         Ok(table)
+    }
+
+    /// What is missing at the end of the file, in words.
+    pub(crate) fn loss(&self) -> Option<String> {
+        let line = self.cut?;
+        Some(format!("its last line, {line}, is an incomplete row and was left out: the recording was cut off there"))
     }
 
     /// Number of rows of data.
@@ -161,6 +171,14 @@ impl Rows {
         let kept = found.rows.iter().rposition(|row| !is_empty(row)).map_or(0, |last| last + 1);
         found.rows.truncate(kept);
         Ok(found)
+    }
+
+    /// Drops the last row if it has fewer cells than `width`, and others remain. Returns its line.
+    fn drop_short_last(&mut self, text: &str, width: usize) -> Option<usize> {
+        let last = self.len().checked_sub(2)? + 1;
+        let line = (self.width(last) < width).then(|| self.line(text, last))?;
+        self.rows.pop();
+        Some(line)
     }
 
     /// The text of a cell, counted from the first of the first row.

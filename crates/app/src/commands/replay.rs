@@ -10,7 +10,7 @@ use crate::report::replay::page::{Against, Report, page as html};
 use crate::report::replay::plot;
 use anyhow::Result;
 use config::{Config, words::Words};
-use diagnose::{Finding, FreeRun, Gap, check, free_runs};
+use diagnose::{Finding, FreeRun, Gap, free_runs};
 use plant::Model;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +28,8 @@ struct Subject<'a> {
     words: Words,
     /// What the log cannot answer.
     findings: Vec<String>,
+    /// Whether units, signs or columns are wrong.
+    is_mistaken: bool,
     own: Replayed,
     other: Option<Replayed>,
 }
@@ -61,15 +63,15 @@ impl<'a> Subject<'a> {
         }
         let columns = config.tables.source_columns();
         let said = |finding: &Finding| config.words.finding(finding, &columns);
-        let findings = check(&log.recording, &model).iter().map(said).collect();
-        log.discard_implausible_readings(&model);
+        let (findings, is_mistaken) = log.check(&model);
+        let findings = findings.iter().map(said).collect();
         let draws = args.plot.is_some() || args.html.is_some();
         let on_log = |model: &Model| Replayed {
             gap: Gap::measure(model, &log.recording),
             runs: if draws { free_runs(model, &log.recording) } else { Vec::new() },
         };
         let (own, other) = (on_log(&model), other.as_ref().map(on_log));
-        Ok(Self { args, log, model, words: config.words, findings, own, other })
+        Ok(Self { args, log, model, words: config.words, findings, is_mistaken, own, other })
     }
 
     fn tell(&self) -> Result<()> {
@@ -84,7 +86,7 @@ impl<'a> Subject<'a> {
         say(format_args!("{file}: {duration_s:.1} s, {readings} readings; model of {config}"))?;
         let said = |text: String| say(self.words.of(&text));
         say(gap::table(gap, &self.words))?;
-        said(gap::sentence(gap, recording))?;
+        said(gap::sentence(gap, recording, self.is_mistaken))?;
         let Some((patch, other)) = self.args.against.as_ref().zip(other) else { return Ok(()) };
         say(format_args!("model of {config} with {}", patch.display()))?;
         say(gap::table(other, &self.words))?;
@@ -103,6 +105,7 @@ impl<'a> Subject<'a> {
                 config: &self.args.config.config.display().to_string(),
                 recording,
                 findings: &self.findings,
+                is_mistaken: self.is_mistaken,
                 gap: &self.own.gap,
                 runs: &self.own.runs,
                 against: against.map(|(patch, Replayed { gap, runs })| Against { patch, gap, runs }),

@@ -75,11 +75,10 @@ pub fn replay(belief: &Belief, log: &Log) -> Result<Made> {
     if !held.recording.has_setpoint() {
         belief.0.refuse_setpoint(&no_setpoint(log.name()), |_| false)?;
     }
-    let findings = diagnose::check(&held.recording, model);
-    held.discard_implausible_readings(model);
+    let (findings, is_mistaken) = held.check(model);
     let gap = Gap::measure(model, &held.recording);
     let (rig, columns) = (&belief.0.words, belief.0.tables.source_columns());
-    let words = [table(&gap, rig), rig.of(&sentence(&gap, &held.recording))];
+    let words = [table(&gap, rig), rig.of(&sentence(&gap, &held.recording, is_mistaken))];
     Ok(Made {
         document: serde_json::to_string(&ReplayDocument::of(&gap, None))?,
         words: words.join("\n"),

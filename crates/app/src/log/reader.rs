@@ -11,7 +11,7 @@ use super::header::About;
 use super::packed::unpacked;
 use super::parquet;
 use crate::flight::vocabulary::Cycle;
-use diagnose::{Recording, Sample, plausible};
+use diagnose::{Finding, FlightFinding, Recording, Sample, check, mistakes, plausible};
 use plant::Model;
 use rows::{Import, RowsError, Sheet};
 use std::{borrow::Cow, fs, path::Path};
@@ -40,6 +40,20 @@ impl LoadedLog {
         if let Cow::Owned(seen) = plausible(Cow::Borrowed(&self.recording), model) {
             self.recording = seen;
         }
+    }
+
+    /// What is wrong with the record beside `model`, which is believed, and whether units, signs or columns are.
+    /// Implausible readings are discarded.
+    pub fn check(&mut self, model: &Model) -> (Vec<Finding>, bool) {
+        let mut findings = check(&self.recording, model);
+        self.discard_implausible_readings(model);
+        let wrong = mistakes(model, std::slice::from_ref(&self.recording));
+        for FlightFinding { finding, .. } in &wrong {
+            if !findings.contains(finding) {
+                findings.push(*finding);
+            }
+        }
+        (findings, !wrong.is_empty())
     }
 
     /// When a command first changed the controller, its numbers or the experiment, s; infinite if none did.
@@ -156,13 +170,14 @@ fn flight_or_table<'a>(path: &Path, bytes: &'a [u8], import: Option<&Import>) ->
 }
 
 fn from_table(path: &Path, bytes: &[u8], import: &Import) -> Result<LoadedLog, RowsError> {
+    let (recording, truncated) = rows::recording_and_loss(&path.display().to_string(), bytes, import)?;
     Ok(LoadedLog {
-        recording: rows::recording(&path.display().to_string(), bytes, import)?,
+        recording,
         about: About::default(),
         config_toml: None,
         cycles: Vec::new(),
         events: Vec::new(),
-        truncated: None,
+        truncated,
     })
 }
 

@@ -5,7 +5,7 @@ use super::{conclude, config, read, said, write_patch};
 use crate::cli::{GreyBoxArgs, PolesArg};
 use crate::commands::about::asked as asked_about;
 use crate::commands::diagnosing::Asked;
-use crate::commands::note;
+use crate::commands::{note, warn};
 use crate::report::identify::grey_box::{Document, words};
 use crate::report::identify::page::grey_box::{Report, page as html};
 use crate::report::identify::patch;
@@ -14,7 +14,7 @@ use crate::report::kit::about::About;
 use crate::report::kit::page;
 use crate::report::kit::patch::rounded;
 use ::diagnose::identify::{GreyBox, HeldOut, OpenLoop, Poles, better};
-use ::diagnose::{FlightFinding, Recording, prepared};
+use ::diagnose::{FlightFinding, Recording, mistakes, prepared};
 use anyhow::{Result, bail};
 use plant::Model;
 use rayon::prelude::*;
@@ -132,6 +132,13 @@ fn usable(args: &GreyBoxArgs, asked: &mut Asked) -> Result<(Vec<FlightFinding>, 
                 identify \
              without --open-loop, which needs no line"
         );
+    }
+    if !args.per_control {
+        // Said before anything fails because of them.
+        for noted in mistakes(&asked.belief, &asked.recordings) {
+            let finding = asked.words.finding(&noted.finding, &asked.columns);
+            warn(format_args!("{}: {finding}", asked.names[noted.flight]));
+        }
     }
     let (mut findings, recording) = prepared(&asked.recordings, &asked.belief);
     findings.retain(|noted| !(args.per_control && is_of_duty(&noted.finding)));

@@ -61,9 +61,13 @@ pub fn nearer(gap: &Gap, against: &Gap, patch: &str) -> String {
     }
 }
 
-/// The meaning of the table, in a sentence that ends with the next step.
+/// The meaning of the table, in a sentence that ends with the next step; `is_mistaken`: units, signs or columns are wrong.
 #[must_use]
-pub fn sentence(gap: &Gap, recording: &Recording) -> String {
+pub fn sentence(gap: &Gap, recording: &Recording, is_mistaken: bool) -> String {
+    if is_mistaken {
+        return "These errors say nothing about the model: units, signs or columns are wrong. Correct them as said above."
+            .into();
+    }
     let ahead = gap.horizons_s[2];
     let (Some(error), Some(floor), Some(stay_put)) = (gap.error_mm[2], gap.floor_mm[2], gap.stay_put_mm[2]) else {
         let (rows, duration_s) = (recording.samples().len(), recording.duration_s());

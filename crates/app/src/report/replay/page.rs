@@ -24,6 +24,8 @@ pub struct Report<'a> {
     pub recording: &'a Recording,
     /// The findings of the check of the record.
     pub findings: &'a [String],
+    /// Whether units, signs or columns are wrong.
+    pub is_mistaken: bool,
     /// The gap.
     pub gap: &'a Gap,
     /// Free runs of the model.
@@ -99,7 +101,7 @@ fn first(report: &Report<'_>, position: Diagram) -> Markup {
     };
     let alt = "Position over the record: setpoint, recorded, and free runs of the simulator";
     html! {
-        p.lede { (sentence(gap, report.recording)) }
+        p.lede { (sentence(gap, report.recording, report.is_mistaken)) }
         h2.unseen { "The gap" }
         div.first {
             div.gap { (bars("Error of the position 1 s ahead, rms", "mm", &rows, gap.floor_mm[2])) }

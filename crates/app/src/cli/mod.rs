@@ -56,7 +56,7 @@ pub enum Command {
     /// Compare a model's forecasts with a log, and their errors with those that noise alone gives
     Replay(ReplayArgs),
     /// Find the effect that a model lacks, from logs of the rig, and how much of the gap it closes
-    Diagnose(DiagnoseArgs),
+    Diagnose(Box<DiagnoseArgs>),
     /// Compare two logs or diagnoses of one rig, before and after: what changed beyond chance
     Compare(CompareArgs),
     /// Design a controller, or report the stability margins of the current loop

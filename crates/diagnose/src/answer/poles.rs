@@ -6,14 +6,18 @@
 //!
 //! The response to the input is the same. Which pole is the lag shows in the noise alone, which enters behind it; and
 //! what the model lacks distorts that: beside a missing delay the likelihood prefers the slow lag, and with that the
-//! delay gains nothing. So a belief that was fitted to a record is also diagnosed in the other order.
+//! delay gains nothing. So a belief that was fitted to a record is also diagnosed in the other order. A force over the
+//! position, as of a spring or of gravity, leaves no such pair.
 
 use crate::answer::diagnosis::Diagnosis;
 use crate::thresholds::FIRST_EFFECT;
 use plant::Model;
 
-/// The model of the same response with drag and lag exchanged; `None` without a lag.
+/// The model of the same response with drag and lag exchanged; `None` without a lag, or with a force over the position.
 pub(super) fn in_other_order(model: &Model) -> Option<Model> {
+    if model.linear().gradient_per_s2 != 0.0 {
+        return None;
+    }
     let lag_s = model.effects.fan_lag_s().filter(|lag_s| *lag_s > 0.0)?;
     let gain_mm_per_s2_per_percent = model.gain_mm_per_s2_per_percent / (model.drag_per_s * lag_s);
     let effects = model.effects.with_fan_lag(Some(1.0 / model.drag_per_s));
@@ -35,6 +39,7 @@ mod tests {
     use crate::random_for_tests::uniform;
     use crate::tests_support::model;
     use crate::{Recording, Sample, diagnose};
+    use plant::effects::HeightDependentFlow;
 
     #[test]
     fn both_orders_have_the_same_response_and_the_other_of_the_other_is_the_first() {
@@ -52,6 +57,12 @@ mod tests {
         assert!((back.effects.fan_lag_s().unwrap() / lag_s - 1.0).abs() < 1e-9);
         let without = plant::Model { effects: belief.effects.with_fan_lag(None), ..belief.clone() };
         assert!(in_other_order(&without).is_none());
+        // With a spring the exchange gives another response.
+        let mut hanging = belief.clone();
+        assert!(in_other_order(&hanging).is_some());
+        hanging.effects.height_dependent_flow =
+            Some(HeightDependentFlow { gradient_per_s2: 11.5, centre_mm: None, turn_mm: None });
+        assert!(in_other_order(&hanging).is_none());
     }
 
     /// A ball in a pipe, ẍ = 150·(u(t − 0.12 s) − 40) − 1.2·ẋ mm/s², held by a PD controller with a random setpoint

@@ -107,8 +107,13 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     let gains = gain(name).zip(gain(other));
     let nats = gains.map_or(String::new(), |(a, b)| format!(": {a:.1} and {b:.1} nats"));
     let twins = Effects::built_in(name).filter(|entry| entry.twins.contains(&other));
+    let is_near = gains.is_none_or(|(a, b)| (a - b).abs() < INDISTINGUISHABLE);
     match twins.and_then(|entry| entry.acts.late) {
         Some(late) => format!("{}{nats}", late.why_twins()),
+        None if !is_near => format!(
+            "which of the two explains more differs from stretch to stretch, so that the difference may be chance{nats} \
+             (Vuong's test)"
+        ),
         None => format!(
             "both explain the held-out stretches about equally well{nats}; differences below {INDISTINGUISHABLE} nats \
              may be chance"

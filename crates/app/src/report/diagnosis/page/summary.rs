@@ -41,9 +41,10 @@ fn lede(report: &Report<'_>) -> Markup {
     let errors = nominal.error_mm[2].zip(mended.error_mm[2]).zip(mended.floor_mm[2]);
     html! {
         @if let Some(((before, after), floor)) = errors {
-            (format!("Forecast error of the simulator 1\u{a0}s ahead: {before:.1}\u{a0}mm"))
-            @if found.verdict != Verdict::NoGap { (format!("; of the mended model {after:.1}\u{a0}mm")) }
-            (format!("; of noise alone {floor:.1}\u{a0}mm. "))
+            @let places = parts::places_of_errors(Some(floor));
+            (format!("Forecast error of the simulator 1\u{a0}s ahead: {before:.places$}\u{a0}mm"))
+            @if found.verdict != Verdict::NoGap { (format!("; of the mended model {after:.places$}\u{a0}mm")) }
+            (format!("; of noise alone {floor:.places$}\u{a0}mm. "))
         }
         @for named in &found.effects {
             (capital(&with_rivals(named))) ": " (chance_in_words(named.probability)) " sure. "

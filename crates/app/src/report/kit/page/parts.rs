@@ -48,6 +48,7 @@ pub fn words<const N: usize>(caption: &str, heads: &[&str; N], rows: &[[String; 
 pub fn bars(caption: &str, unit: &str, bars: &[(&str, &str, Option<f64>)], mark: Option<f64>) -> Markup {
     let longest = bars.iter().filter_map(|bar| bar.2).chain(mark).fold(1e-9, f64::max);
     let percent = |value: f64| format!("{:.1}", 100.0 * value / longest);
+    let places = places_of_errors(mark);
     html! {
         table.bars {
             caption { (caption) }
@@ -55,7 +56,7 @@ pub fn bars(caption: &str, unit: &str, bars: &[(&str, &str, Option<f64>)], mark:
                 @for (name, ink, value) in bars {
                     tr {
                         th scope="row" { (name) }
-                        td.number { (number(*value, 1)) " " (unit) }
+                        td.number { (number(*value, places)) " " (unit) }
                         td.bar aria-hidden="true" {
                             svg viewBox="0 0 100 10" preserveAspectRatio="none" {
                                 rect width=(percent(value.unwrap_or(0.0))) height="10" fill=(format!("var(--{ink})")) {}
@@ -112,8 +113,10 @@ pub fn checks(findings: &[(&str, &Finding)], was_checked: impl Fn(Check) -> bool
                     (false, Check::Rows) => ("noted", "•", "noted: "),
                     (false, _) => ("failed", "✗", "not passed: "),
                 };
+                // Rows that were left out: the sentence of the passed check would not be true.
+                @let words = if sign == "•" { "some rows are left out, or averaged".into() } else { check.words() };
                 li class=(class) {
-                    span.sign aria-hidden="true" { (sign) } span.unseen { (said) } (check.words())
+                    span.sign aria-hidden="true" { (sign) } span.unseen { (said) } (words)
                     @for (name, finding) in found {
                         p { @if !name.is_empty() { (name) ": " } (finding) "." }
                     }
@@ -179,6 +182,11 @@ pub fn three_digits(value: f64) -> String {
     number(Some(value), places(value))
 }
 
+/// The decimal places of errors beside this noise floor: two significant digits of it, and one place at least.
+pub fn places_of_errors(floor: Option<f64>) -> usize {
+    floor.filter(|floor| *floor > SMALLEST).map_or(1, |floor| places(floor).saturating_sub(1).max(1))
+}
+
 /// The decimal places for three significant digits; none for 0.
 pub fn places(value: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few places")]
@@ -205,5 +213,16 @@ pub fn signal(name: &str) -> (&'static str, &'static str) {
         "velocity_mm_per_s" => ("speed", "mm/s"),
         "lag_s" => ("time since the duty moved", "s"),
         _ => ("time", "s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::places_of_errors;
+
+    #[test]
+    fn errors_have_two_digits_of_the_noise_floor_and_one_decimal_at_least() {
+        let floors = [None, Some(0.0), Some(12.0), Some(7.1), Some(0.42), Some(0.046)];
+        assert_eq!(floors.map(places_of_errors), [1, 1, 1, 1, 2, 3]);
     }
 }

@@ -164,11 +164,12 @@ fn an_input_with_an_unknown_name_is_found_beside_a_setpoint_and_is_no_servo() {
     let bench = bare();
     let rows = steered().into_iter().map(|[t, u, y, r]| format!("{t:.2},{u:.4},{y:.2},{r:.1}\n"));
     let rows: String = rows.collect();
-    bench.write("boat.csv", format!("t,helm,depth,depth_ref\n{rows}"));
+    bench.write("boat.csv", format!("t,helm,depth_mm,depth_ref_mm\n{rows}"));
     let said = bench.output(&["init", "boat.csv"]);
-    assert!(said.contains("`helm` → input") && !said.contains("servo"), "{said}");
+    let input = said.lines().find(|line| line.starts_with("`helm`")).unwrap_or_default();
+    assert!(input.contains("→ input: of the columns without a telling name") && !said.contains("servo"), "{said}");
     let config: toml::Table = toml::from_str(&bench.read("rig.toml")).unwrap();
-    assert_eq!(config["import"]["setpoint_mm"]["column"].as_str(), Some("depth_ref"), "{config}");
+    assert_eq!(config["import"]["setpoint_mm"]["column"].as_str(), Some("depth_ref_mm"), "{config}");
 }
 
 #[test]

@@ -133,6 +133,11 @@ fn sign(belief: &Model, fit: &LinearFit, recording: &Recording) -> Finding {
         return Finding::SignReversed { deviations };
     }
     if usual * hover > 0.0 {
+        let off = |duty: f64| (duty / hover).abs().ln().abs();
+        // A hover near 50 % does not tell.
+        if off(100.0 - usual) < OTHER_HOVER.ln().min(0.5 * off(usual)) {
+            return Finding::InputInverted { deviations, usual_percent: usual };
+        }
         // The pipe stays where it is.
         let (bottom, top) = belief.pipe_mm();
         return Finding::PositionReversed { deviations, offset_mm: bottom + top };

@@ -87,7 +87,7 @@ pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized),
     let found = diagnose_once(belief, logs, options);
     let other = in_other_order(belief).filter(|_| options.is_fitted && found.verdict != Verdict::InsufficientData);
     match other {
-        Some(other) => more_likely(found, diagnose_once(&other, logs, options)),
+        Some(other) => more_likely(found, diagnose_once(&other, logs, options), &other),
         None => found,
     }
 }

@@ -10,6 +10,8 @@
 //! position, as of a spring or of gravity, leaves no such pair.
 
 use crate::answer::diagnosis::Diagnosis;
+use crate::record::check::Finding;
+use crate::record::prepare::FlightFinding;
 use crate::thresholds::FIRST_EFFECT;
 use plant::Model;
 
@@ -25,10 +27,17 @@ pub(super) fn in_other_order(model: &Model) -> Option<Model> {
     other.check().is_ok().then_some(other)
 }
 
-/// The diagnosis whose model is more likely; the second one only by the evidence that an effect needs.
-pub(super) fn more_likely(first: Diagnosis, second: Diagnosis) -> Diagnosis {
+/// The diagnosis whose model is more likely; that of the belief in the `other` order only by the evidence that an effect
+/// needs, and with the finding that the order is another one.
+pub(super) fn more_likely(first: Diagnosis, mut second: Diagnosis, other: &Model) -> Diagnosis {
     let likelihood = |found: &Diagnosis| found.with_effects.log_likelihood(|_| true);
-    if likelihood(&second) > likelihood(&first) + FIRST_EFFECT { second } else { first }
+    if likelihood(&second) <= likelihood(&first) + FIRST_EFFECT {
+        return first;
+    }
+    let (gain, drag_per_s) = (other.gain_mm_per_s2_per_percent, other.drag_per_s);
+    let lag_s = other.effects.fan_lag_s().unwrap_or_default();
+    second.findings.push(FlightFinding { flight: 0, finding: Finding::OtherOrder { gain, drag_per_s, lag_s } });
+    second
 }
 
 #[cfg(test)]

@@ -183,6 +183,17 @@ fn a_gain_that_an_effect_takes_away_is_no_mistake() {
 }
 
 #[test]
+fn an_inverted_output_is_told_from_a_sensor_above_by_its_hover() {
+    let inverted = said(&model(), |row| row.duty_percent = 100.0 - row.duty_percent);
+    assert!(inverted.contains("inverted output") && inverted.contains("scale = -1, offset = 100"), "{inverted}");
+    let above = said(&model(), |row| row.position_mm = row.position_mm.map(|mm| 583.0 - mm));
+    assert!(above.contains("from a sensor above") && !above.contains("inverted"), "{above}");
+    // With a hover of 50 % both are alike.
+    let middle = Model { hover_duty_percent: 50.0, ..model() };
+    assert!(!said(&middle, |row| row.duty_percent = 100.0 - row.duty_percent).contains("inverted"));
+}
+
+#[test]
 fn a_swinging_pendulum_whose_gravity_turns_its_gain_round_has_no_wrong_sign() {
     let belief = Model { turn_mm: Some(500.0), ..model() };
     let turned = spoilt(&model(), |row| row.duty_percent = 2.0 * 21.4 - row.duty_percent);

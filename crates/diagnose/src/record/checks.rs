@@ -82,6 +82,7 @@ impl Finding {
             | Self::DutyFarBelowHover { .. }
             | Self::PositionReversed { .. }
             | Self::InputReversed { .. }
+            | Self::InputInverted { .. }
             | Self::SignReversed { .. }
             | Self::DutyUnit { .. }
             | Self::PositionUnit { .. }
@@ -94,7 +95,7 @@ impl Finding {
             Self::Outliers { .. } => Check::Outliers,
             Self::Repeats { .. } => Check::Repeats,
             Self::TooFew { .. } => Check::Length,
-            Self::OtherRig { .. } => Check::Model,
+            Self::OtherRig { .. } | Self::OtherOrder { .. } => Check::Model,
             Self::NotFinite | Self::Impossible { .. } => Check::Bounds,
             Self::LeftOut
             | Self::Stretches { .. }
@@ -104,6 +105,12 @@ impl Finding {
         }
     }
 
+    /// Whether it says what was done, and is no fault of the record or the belief.
+    #[must_use]
+    pub const fn is_note(&self) -> bool {
+        matches!(self.check(), Check::Rows) || matches!(self, Self::OtherOrder { .. })
+    }
+
     /// Whether no plant can be identified from such a record, whatever is believed.
     #[must_use]
     pub const fn stops_identification(&self) -> bool {
@@ -111,6 +118,10 @@ impl Finding {
             self,
             Self::DutyBeyondPercent { .. }
                 | Self::Exchanged
+                | Self::PositionReversed { .. }
+                | Self::InputReversed { .. }
+                | Self::InputInverted { .. }
+                | Self::SignReversed { .. }
                 | Self::SlowRows { .. }
                 | Self::RepeatedTimes { .. }
                 | Self::StillDuty { .. }

@@ -86,6 +86,7 @@ impl Finding {
             Self::SlowRows { .. } => vec![time(MILLISECOND)],
             Self::PositionReversed { offset_mm, .. } => vec![position(-1.0).with_offset(offset_mm)],
             Self::InputReversed { .. } => vec![duty(-1.0)],
+            Self::InputInverted { .. } => vec![inverted()],
             Self::SignReversed { .. } => vec![duty(-1.0), position(-1.0)],
             Self::DutyUnit { scale, .. } => vec![by_hover(scale)],
             Self::PositionUnit { ratio, .. } => vec![by_length(ratio)],
@@ -102,6 +103,11 @@ pub(super) fn time(scale: f64) -> Correction {
 
 pub(super) fn duty(scale: f64) -> Correction {
     Correction::scale(Quantity::Duty, scale)
+}
+
+/// 100 % less the duty.
+pub(super) fn inverted() -> Correction {
+    duty(-1.0).with_offset(100.0)
 }
 
 pub(super) fn position(scale: f64) -> Correction {

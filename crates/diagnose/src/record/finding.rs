@@ -1,7 +1,7 @@
 //! Findings about a record: what its reader should know, each a sentence with its values that ends in what to do.
 
 use crate::record::check::OUTLIER;
-use crate::record::corrections::{MILLISECOND, by_gain, by_hover, by_length, duty, position, time};
+use crate::record::corrections::{MILLISECOND, by_gain, by_hover, by_length, duty, inverted, position, time};
 use crate::record::implausible::DutyScale;
 use crate::record::units::{length, short};
 
@@ -241,6 +241,19 @@ pub enum Finding {
         /// The gain in its standard deviations.
         deviations: f64,
     },
+    /// The same where 100 % less the duty hovers as believed.
+    #[error(
+        "the position falls where the duty rises ({deviations:.0} deviations from 0), and its usual duty of \
+         {usual_percent:.4} % is that of an inverted output: 100 % less that is near plant.hover_duty_percent; write \
+         under [import]: {}",
+        inverted()
+    )]
+    InputInverted {
+        /// The gain in its standard deviations.
+        deviations: f64,
+        /// The usual duty, percent.
+        usual_percent: f64,
+    },
     /// The same of a rig that rests at a duty of 0.
     #[error(
         "the position falls where the duty rises ({deviations:.0} deviations from 0), so one of them has the wrong \
@@ -250,6 +263,20 @@ pub enum Finding {
     SignReversed {
         /// The gain in its standard deviations.
         deviations: f64,
+    },
+    /// The fitted belief was diagnosed with drag and lag exchanged.
+    #[error(
+        "drag and lag of the belief were exchanged, which leaves the response to the duty as it is and follows this \
+         record better: gain {gain:.4} mm/s² per %, drag {drag_per_s:.4} /s, lag {lag_s:.4} s; the errors as believed are \
+         those of these numbers"
+    )]
+    OtherOrder {
+        /// Gain, mm/s² per percent.
+        gain: f64,
+        /// Drag, 1/s.
+        drag_per_s: f64,
+        /// Lag, seconds.
+        lag_s: f64,
     },
     /// The record hovers at another duty than believed, by a factor.
     #[error(

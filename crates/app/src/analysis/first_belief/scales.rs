@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! time       by its unit, or by the usual step: 1 to 1000 is milliseconds, more is microseconds or nanoseconds
-//! input      by a power of ten to within ±100 %; 0 to 255 is a PWM of 8 bits
+//! input      by a power of ten to within ±100 %; whole numbers to 255 are a PWM of 8 bits
 //! position   a length by its unit, to a range of 10 to 100,000 mm; what has another unit, or is longer or shorter, in
 //!            that unit, or in thousandths or millionths of it, to a range of 10 to 100,000; anything else by a power of
 //!            ten to a range of 100 to 1000 mm
@@ -160,7 +160,7 @@ fn input_scale(column: &SheetColumn, values: &[Option<f64>]) -> f64 {
     if is_percent && largest > 1.5 && largest <= 150.0 {
         return 1.0;
     }
-    if is_whole && low >= 0.0 && (200.0..=255.0).contains(&largest) {
+    if is_whole && (200.0..=255.0).contains(&largest) {
         return 100.0 / 255.0;
     }
     if largest > 0.0 { 10f64.powf(2.0 - (largest * (1.0 - 1e-9)).log10().ceil()) } else { 1.0 }
@@ -231,8 +231,16 @@ pub(super) fn integral(values: &[Option<f64>], times: &[Option<f64>], scale: f64
 #[cfg(test)]
 mod tests {
     use super::super::roles::{Asked, roles};
-    use super::scales;
+    use super::{input_scale, scales};
     use rows::{Sheet, SheetColumn};
+
+    #[test]
+    fn whole_numbers_to_255_of_one_sign_or_both_are_a_pwm() {
+        let pwm = SheetColumn { name: "pwm".into(), ..SheetColumn::default() };
+        let scale = |values: &[f64]| input_scale(&pwm, &values.iter().copied().map(Some).collect::<Vec<_>>());
+        assert_eq!([scale(&[0.0, 255.0]), scale(&[-255.0, 40.0, 255.0])], [100.0 / 255.0; 2]);
+        assert_eq!([scale(&[-70.0, 70.0]), scale(&[-255.5, 255.0])], [1.0, 0.1]);
+    }
 
     #[test]
     fn a_record_of_a_distance_from_above_lies_in_the_middle_of_its_pipe() {

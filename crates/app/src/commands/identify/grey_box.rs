@@ -134,10 +134,14 @@ fn usable(args: &GreyBoxArgs, asked: &mut Asked) -> Result<(Vec<FlightFinding>, 
         );
     }
     if !args.per_control {
-        // Said before anything fails because of them.
         for noted in mistakes(&asked.belief, &asked.recordings) {
             let finding = asked.words.finding(&noted.finding, &asked.columns);
-            warn(format_args!("{}: {finding}", asked.names[noted.flight]));
+            let said = format!("{}: {finding}", asked.names[noted.flight]);
+            if noted.finding.stops_identification() {
+                bail!(said);
+            }
+            // The belief, which is to be identified, may be wrong instead.
+            warn(said);
         }
     }
     let (mut findings, recording) = prepared(&asked.recordings, &asked.belief);

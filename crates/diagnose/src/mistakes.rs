@@ -134,7 +134,7 @@ fn sign(belief: &Model, fit: &LinearFit, recording: &Recording) -> Finding {
     }
     if usual * hover > 0.0 {
         let off = |duty: f64| (duty / hover).abs().ln().abs();
-        // A hover near 50 % does not tell.
+        // Half the distance: near a hover of 50 % both readings of the duty are about as likely.
         if off(100.0 - usual) < OTHER_HOVER.ln().min(0.5 * off(usual)) {
             return Finding::InputInverted { deviations, usual_percent: usual };
         }

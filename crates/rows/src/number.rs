@@ -58,8 +58,8 @@ pub(crate) fn clock_s(cell: &str) -> Option<f64> {
     Some(since.as_secs_f64())
 }
 
-/// A date with the year before month and day, as `31.12.2026`, `31/12/2026` and `12/31/2026` have it behind them. Of two
-/// numbers that could both be the month, the one before a slash is.
+/// A date with the year before month and day, as `31.12.2026`, `31/12/2026` and `12/31/2026` have it behind them. Of
+/// two numbers that could both be the month, the one before a slash is.
 fn year_first(date: &str) -> Cow<'_, str> {
     let parts: Vec<&str> = date.split(['.', '/']).collect();
     let [first, second, year] = parts[..] else { return date.into() };

@@ -13,8 +13,8 @@ use std::fmt::Write;
 
 /// The meaning of a diagnosis with a belief that was fitted to a record of the rig.
 pub const MEANING: &str = "the belief is a linear model fitted to a record of this rig, so what follows is how the rig \
-     differs from a linear model of itself; wrong numbers of a belief of your own cannot show, and its noise, fitted too, \
-     may hold a missing effect, so that the noise floor is too high";
+     differs from a linear model of itself; wrong numbers of a belief of your own cannot show, and its noise, fitted \
+     too, may hold a missing effect, so that the noise floor is too high";
 
 /// How the config of a first belief begins.
 const HEAD: &str = "# A first belief about ";

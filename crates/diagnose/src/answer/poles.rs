@@ -27,8 +27,8 @@ pub(super) fn in_other_order(model: &Model) -> Option<Model> {
     other.check().is_ok().then_some(other)
 }
 
-/// The diagnosis whose model is more likely; that of the belief in the `other` order only by the evidence that an effect
-/// needs, and with the finding that the order is another one.
+/// The diagnosis whose model is more likely; that of the belief in the `other` order only by the evidence that an
+/// effect needs, and with the finding that the order is another one.
 pub(super) fn more_likely(first: Diagnosis, mut second: Diagnosis, other: &Model) -> Diagnosis {
     let likelihood = |found: &Diagnosis| found.with_effects.log_likelihood(|_| true);
     if likelihood(&second) <= likelihood(&first) + FIRST_EFFECT {

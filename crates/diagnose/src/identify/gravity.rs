@@ -8,11 +8,11 @@ use crate::select::regression::regressed;
 use plant::effects::{FanLag, HeightDependentFlow};
 use plant::{Effect, Model};
 
-/// Steps of the fits of which the best is continued.
+/// Steps of the fits of which the best is continued: few, since a regression gives their initial values.
 const FIRST_LOOK: usize = 2;
 
-/// A fitted model with its force over the position as gravity, fitted to the recording. `None`: it has none, the position
-/// is no angle, or no such pendulum is possible.
+/// A fitted model with its force over the position as gravity, fitted to the recording. `None`: it has none, the
+/// position is no angle, or no such pendulum is possible.
 pub(super) fn gravity(linear: &Model, turn_mm: Option<f64>, recording: &Recording) -> Option<Model> {
     let entry = &HeightDependentFlow::ENTRY;
     linear.effects.values(entry.name).and(turn_mm)?;

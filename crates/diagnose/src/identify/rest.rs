@@ -7,6 +7,7 @@ use crate::record::recording::{Recording, Sample};
 use crate::stats::median::median;
 
 /// A rest has at least so many readings, and of all at most this share: a rig that hardly moves shows what it shows.
+/// All numbers here were chosen by hand; they matter only where the whole record does not show the sign.
 const FEWEST: usize = 20;
 const MOST: f64 = 0.5;
 /// Readings within so many standard deviations of the noise are those of one place.

@@ -34,8 +34,8 @@ pub enum RecordingError {
     },
     /// A gap that is too long to forecast across.
     #[error(
-        "no row for {} s before row {row}, {} s after the first row; cut the log there, or, if time is not in seconds but, \
-         for instance, in milliseconds, write [import] time_s = {{ column = \"NAME\", scale = 0.001 }}",
+        "no row for {} s before row {row}, {} s after the first row; cut the log there, or, if time is not in seconds \
+         but, for instance, in milliseconds, write [import] time_s = {{ column = \"NAME\", scale = 0.001 }}",
         short(to_s - from_s), short(*from_s)
     )]
     Hole {

@@ -267,8 +267,8 @@ pub enum Finding {
     /// The fitted belief was diagnosed with drag and lag exchanged.
     #[error(
         "drag and lag of the belief were exchanged, which leaves the response to the duty as it is and follows this \
-         record better: gain {gain:.4} mm/s² per %, drag {drag_per_s:.4} /s, lag {lag_s:.4} s; the errors as believed are \
-         those of these numbers"
+         record better: gain {gain:.4} mm/s² per %, drag {drag_per_s:.4} /s, lag {lag_s:.4} s; the errors as believed \
+         are those of these numbers"
     )]
     OtherOrder {
         /// Gain, mm/s² per percent.

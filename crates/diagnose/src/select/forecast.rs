@@ -7,7 +7,6 @@
 use crate::filter::track::{Track, Variances};
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
-
 use crate::gap::bootstrap::is_lower;
 use crate::gap::forecast_error::{Gap, Tally, tallies};
 use crate::record::folds::Folds;

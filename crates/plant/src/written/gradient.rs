@@ -3,7 +3,8 @@
 use super::scope::{OF_STATE, STATES};
 use formula::Formula;
 
-/// The states that a formula uses. Most use few of them, and an evaluation takes the longer the more derivatives it has.
+/// The states that a formula uses. Most use few of them, and an evaluation takes the longer the more derivatives it
+/// has.
 #[derive(Debug)]
 pub(super) struct UsedStates {
     states: [usize; STATES],

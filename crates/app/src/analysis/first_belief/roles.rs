@@ -206,15 +206,10 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
         (Some(input), Some(position), setpoint) => Ok(Roles { time, input, minus: None, position, is_speed, setpoint }),
         (None, Some(position), Some(setpoint)) if !is_speed => {
             let input = columns.driving(asked, &others, [&time, &position, &setpoint]);
-            let driven = |input| Roles {
-                input,
-                minus: None,
-                is_speed,
-                setpoint: Some(setpoint.clone()),
-                time: time.clone(),
-                position: position.clone(),
-            };
-            Ok(input.map_or_else(|| Roles::servo(time.clone(), position.clone(), setpoint.clone()), driven))
+            Ok(match input {
+                Some(input) => Roles { time, input, minus: None, position, is_speed, setpoint: Some(setpoint) },
+                None => Roles::servo(time, position, setpoint),
+            })
         }
         (input, position, setpoint) => {
             let free = moving.iter().filter(|one| setpoint.as_ref().is_none_or(|set| set.column != one.column.name));

@@ -26,14 +26,11 @@ pub fn words(found: &ClosedLoop) -> Vec<String> {
             0 => "closed loop".into(),
             steps => format!("closed loop, {steps} steps"),
         };
-        lines.insert(0, row(&head, ["recorded", "as believed", "mended"].map(Into::into)));
+        lines.insert(0, (head, ["recorded", "as believed", "mended"].map(Into::into)));
     }
-    if !lines.is_empty() && !is_simulated(found) {
-        let recorded_alone = |line: &String| line.chars().take(RECORDED_ENDS).collect();
-        lines = lines.iter().map(recorded_alone).collect();
-        lines.push(NOT_SIMULATED.into());
-    }
-    lines
+    let shown = if is_simulated(found) { WIDTHS.len() } else { 1 };
+    let why = (shown == 1 && !lines.is_empty()).then(|| NOT_SIMULATED.to_owned());
+    lines.iter().map(|(name, cells)| row(name, &cells[..shown])).chain(why).collect()
 }
 
 /// Whether a model has figures too.
@@ -43,23 +40,23 @@ pub const fn is_simulated(found: &ClosedLoop) -> bool {
     flown.nominal.is_some() || flown.mended.is_some() || critical.nominal.is_some() || critical.mended.is_some()
 }
 
-/// Widths of the first two columns.
-const NAME: usize = 26;
-const RECORDED: usize = 10;
-const RECORDED_ENDS: usize = NAME + RECORDED;
+/// Widths of the columns behind the name.
+const WIDTHS: [usize; 3] = [10, 13, 10];
 
 /// A figure of the flights in `flew`. "none": there was a flight, and it has no such figure.
-fn line(name: &str, of: Compared, flew: Compared, digits: usize, unit: &str) -> String {
+fn line(name: &str, of: Compared, flew: Compared, digits: usize, unit: &str) -> (String, [String; 3]) {
     let cell = |value: Option<f64>, flew: Option<f64>| match (value, flew) {
         (Some(value), _) => format!("{value:.digits$}{unit}"),
         (None, Some(_)) => "none".into(),
         (None, None) => "–".into(),
     };
-    row(name, [cell(of.recorded, flew.recorded), cell(of.nominal, flew.nominal), cell(of.mended, flew.mended)])
+    let cells = [cell(of.recorded, flew.recorded), cell(of.nominal, flew.nominal), cell(of.mended, flew.mended)];
+    (name.to_owned(), cells)
 }
 
-fn row(name: &str, [recorded, nominal, mended]: [String; 3]) -> String {
-    format!("{name:<NAME$}{recorded:>RECORDED$}{nominal:>13}{mended:>10}")
+fn row(name: &str, cells: &[String]) -> String {
+    let cells = cells.iter().zip(WIDTHS).map(|(cell, width)| format!("{cell:>width$}"));
+    format!("{name:<26}{}", cells.collect::<String>())
 }
 
 #[cfg(test)]

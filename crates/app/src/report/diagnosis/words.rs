@@ -14,17 +14,20 @@ const FLY_ANOTHER: &str = "Fly at least 30 s in free flight with a moving setpoi
 const MEND_FIRST: &str = "Correct units, signs or columns as said above, and diagnose it again.";
 
 /// The same where the unit of the duty may be wrong.
-const MEND_OR_FLY: &str = "If the duties are in another unit, correct it as said above; else fly at least 30 s in free flight with a \
+const MEND_OR_FLY: &str = "If the duties are in another unit, correct it as said above; else fly at least 30 s in \
+                           free flight with a \
                            moving setpoint.";
 
 /// What to do before anything else after a record that cannot answer; `None` where it can. Terminal and page use it.
 #[must_use]
 pub fn first_of_all(found: &Diagnosis) -> Option<&'static str> {
     let may_be_unit = found.findings.iter().any(|noted| matches!(noted.finding.check(), Check::Units));
-    let advice = match found.has_mistake() {
-        true => MEND_FIRST,
-        false if may_be_unit => MEND_OR_FLY,
-        false => FLY_ANOTHER,
+    let advice = if found.has_mistake() {
+        MEND_FIRST
+    } else if may_be_unit {
+        MEND_OR_FLY
+    } else {
+        FLY_ANOTHER
     };
     (found.verdict == Verdict::InsufficientData).then_some(advice)
 }

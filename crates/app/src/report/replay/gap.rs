@@ -61,11 +61,13 @@ pub fn nearer(gap: &Gap, against: &Gap, patch: &str) -> String {
     }
 }
 
-/// The meaning of the table, in a sentence that ends with the next step; `is_mistaken`: units, signs or columns are wrong.
+/// The meaning of the table, in a sentence that ends with the next step; `is_mistaken`: units, signs or columns are
+/// wrong.
 #[must_use]
 pub fn sentence(gap: &Gap, recording: &Recording, is_mistaken: bool) -> String {
     if is_mistaken {
-        return "These errors say nothing about the model: units, signs or columns are wrong. Correct them as said above."
+        return "These errors say nothing about the model: units, signs or columns are wrong. Correct them as said \
+                above."
             .into();
     }
     let ahead = gap.horizons_s[2];

@@ -111,8 +111,8 @@ fn why(report: &Report<'_>, name: &str, other: &str) -> String {
     match twins.and_then(|entry| entry.acts.late) {
         Some(late) => format!("{}{nats}", late.why_twins()),
         None if !is_near => format!(
-            "which of the two explains more differs from stretch to stretch, so that the difference may be chance{nats} \
-             (Vuong's test)"
+            "which of the two explains more differs from stretch to stretch, so that the difference may be \
+             chance{nats} (Vuong's test)"
         ),
         None => format!(
             "both explain the held-out stretches about equally well{nats}; differences below {INDISTINGUISHABLE} nats \

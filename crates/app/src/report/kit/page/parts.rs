@@ -113,7 +113,10 @@ pub fn checks(findings: &[(&str, &Finding)], was_checked: impl Fn(Check) -> bool
                     (false, _) => ("failed", "✗", "not passed: "),
                 };
                 // Rows that were left out: the sentence of the passed check would not be true.
-                @let words = if sign == "•" && check == Check::Rows { "some rows are left out, or averaged".into() } else { check.words() };
+                @let words = match check {
+                    Check::Rows if !found.is_empty() => "some rows are left out, or averaged".into(),
+                    check => check.words(),
+                };
                 li class=(class) {
                     span.sign aria-hidden="true" { (sign) } span.unseen { (said) } (words)
                     @for (name, finding) in found {

@@ -180,8 +180,8 @@ mod tests {
     use crate::filter::ekf::VELOCITY_PRIOR_MM_PER_S;
     use crate::filter::written_support::with_written;
     use crate::record::recording::{Recording, Sample};
-    use crate::tests_support::{model, record};
-    use plant::{Model, Noise, Simulator, Stage};
+    use crate::tests_support::{model, record, shaken};
+    use plant::{Effects, Model, Noise, Simulator, Stage};
 
     #[test]
     fn forecasts_of_a_noiseless_flight_by_its_own_model_are_exact() {
@@ -195,6 +195,21 @@ mod tests {
         for forecast in track.forecasts(400) {
             let real = recording.samples()[forecast.row].position_mm.unwrap();
             assert!((forecast.position_mm - real).abs() < 0.02, "{} for {real}", forecast.position_mm);
+        }
+    }
+
+    #[test]
+    fn a_rig_that_the_drag_stops_within_a_fraction_of_a_row_is_followed_to_its_noise() {
+        let noise = Noise { sensor_mm: 0.5, acceleration_psd_mm2_per_s3: 0.0 };
+        for drag_per_s in [100.0, 200.0, 900.0] {
+            let gain_mm_per_s2_per_percent = 120.0 * drag_per_s;
+            let effects = Effects::default();
+            let own = Model { drag_per_s, gain_mm_per_s2_per_percent, noise, effects, ..model() };
+            let innovations = innovations(&own, &shaken(&own, 1, 20));
+            let squares = innovations.iter().skip(5).map(|s| (s.standardised * s.variance_mm2.sqrt()).powi(2));
+            let rms_mm = (squares.sum::<f64>() / (innovations.len() - 5) as f64).sqrt();
+            // 995 readings: four standard errors are 9 %.
+            assert!((rms_mm / 0.5 - 1.0).abs() < 0.09, "{drag_per_s} /s: {rms_mm} mm");
         }
     }
 

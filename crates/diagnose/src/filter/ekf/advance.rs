@@ -2,7 +2,7 @@
 
 use super::covariance::{Propagation, PropagationCache, motion_of, vector};
 use super::fast_duty::DutyBlock;
-use super::step::{MAX_STEP_S, Step, longest_step_s, steps_over};
+use super::step::{MAX_STEP_S, Step, longest_step_s, parts_by_drag, steps_over};
 use super::{Ekf, State};
 use plant::{Actuator, Friction, Motion};
 
@@ -70,7 +70,15 @@ impl Ekf<'_> {
         longest_step_s(motion_of(&self.state).fastest_rate_per_s(self.model, self.input()))
     }
 
+    /// A step of `dt` seconds, in parts where the drag stops the ball faster than that.
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
+        let parts = parts_by_drag(self.model.drag_per_s * dt);
+        for _ in 0..parts {
+            self.part(commanded, dt / f64::from(parts), known);
+        }
+    }
+
+    fn part(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
         self.commanded_mm_per_s2 = commanded;
         let motion = motion_of(&self.state);
         let step = Step::new(self.model, self.input(), dt, self.covariance[(1, 1)].max(0.0).sqrt());

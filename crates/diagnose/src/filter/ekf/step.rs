@@ -32,6 +32,13 @@ pub(super) fn longest_step_s(rate_per_s: Option<f64>) -> f64 {
     rate_per_s.map_or(MAX_STEP_S, |rate| (MAX_STEP_BY_RATE / rate).clamp(MAX_STEP_S, GAP_STEP_S))
 }
 
+/// The parts of a step during which the ball loses its speed `times` times over: RK4 is unstable for steps 2.8 times as
+/// long as the drag's time constant, and errs by 2 % of a transient, which then dies away, for steps as long as that.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 100: a drag is 1000/s at most")]
+pub(super) fn parts_by_drag(times: f64) -> u32 {
+    times.ceil().clamp(1.0, 100.0) as u32
+}
+
 /// The number of steps in which `ahead` seconds are integrated, the first ones no longer than `longest_s`.
 pub(super) fn steps_over(ahead: f64, longest_s: f64) -> f64 {
     let fine = (ahead / longest_s).ceil().clamp(1.0, FINE_STEPS);

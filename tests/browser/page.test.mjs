@@ -1,5 +1,6 @@
 // Opens pages of airball in Debian's Chromium. PAGES is the directory that they are in; scripts/setup browser installs what this needs.
-// SHOTS, a directory: pictures of the pages are left there, to be looked at.
+// SHOTS, a directory: pictures of the pages are left there, to be looked at. PART: 0 or 1, the half of the pages that is tested, so that two
+// processes share them; without it all are.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -27,6 +28,8 @@ const PAGES = {
   observer: { figures: 0 },
   models: { figures: 0 },
 };
+/** The entries of the tested pages. */
+const tested = (of) => Object.entries(of).filter(([name]) => !process.env.PART || Object.keys(PAGES).indexOf(name) % 2 === Number(process.env.PART));
 const path = (name) => join(process.env.PAGES, `${name}.html`);
 /** How the patches begin that pages offer to copy. */
 const PATCHES = { report: /^\[plant\]\ngain_mm_per_s2_per_percent = /, "grey-box": /\n\[plant\]\n/, "dead-zone": /^\[/, "force-curve": /^\[/, "noise-floor": /^\[/, design: /^\[controller/, observer: /^\[observer\]/, models: /^# Critical gain/ };
@@ -36,7 +39,7 @@ const browser = browserOfTests();
 const open = (name, options) => openPage(browser(), pathToFileURL(path(name)).href, options);
 const shown = (page) => page.locator("#record-charts").evaluate((place) => [place.dataset.from, place.dataset.to].map(Number));
 
-for (const [name, { figures: fewest, ink }] of Object.entries(PAGES)) {
+for (const [name, { figures: fewest, ink }] of tested(PAGES)) {
   test(`${name}: opens without an error, a request or a script of a stranger, and is small`, async () => {
     const { page, wrong } = await open(name);
     if (ink) await page.waitForSelector(".uplot");
@@ -138,7 +141,7 @@ for (const [name, { figures: fewest, ink }] of Object.entries(PAGES)) {
   });
 }
 
-for (const [name, beginning] of Object.entries(PATCHES)) {
+for (const [name, beginning] of tested(PATCHES)) {
   test(`${name}: the patch is copied as it is in the file`, async () => {
     const { page } = await open(name, { permissions: ["clipboard-read", "clipboard-write"] });
     const patch = await page.locator("#patch").innerText();

@@ -23,7 +23,10 @@ impl Diagnosis {
                 unexplained((!likely.is_empty()).then(|| self.headline(&likely)))
             }
             Verdict::Effect => {
-                let all: Vec<&NamedEffect> = self.effects.iter().collect();
+                // The verdict is that of the added effects. A believed one that another may have changed is no fact.
+                let is_said = |named: &&NamedEffect| named.change == Change::Added || named.probability >= LIKELY;
+                let said: Vec<&NamedEffect> = self.effects.iter().filter(is_said).collect();
+                let all: Vec<&NamedEffect> = if said.is_empty() { self.effects.iter().collect() } else { said };
                 let said = self.headline(&all);
                 let are_off = all.iter().all(|named| self.is_small(named)) && parameters_matter(&self.gaps);
                 if are_off { format!("The simulator's numbers are off; {}", as_clause(&said)) } else { said }

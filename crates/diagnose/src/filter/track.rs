@@ -214,6 +214,20 @@ mod tests {
     }
 
     #[test]
+    fn the_ends_stop_a_ball_with_dry_friction_as_they_do_one_without() {
+        let mut own = model();
+        own.effects.set("end_stop", &[270.0, 330.0, 0.3]);
+        let recording = shaken(&own, 1, 20);
+        let mut with = own.clone();
+        with.effects.set("wall_friction", &[0.01]);
+        let [without, with] = [own, with].map(|model| {
+            let squares = innovations(&model, &recording).into_iter().map(|s| s.standardised.powi(2));
+            squares.sum::<f64>()
+        });
+        assert!((with / without - 1.0).abs() < 0.05, "{with} and {without}");
+    }
+
+    #[test]
     fn the_spread_of_forecasts_is_what_the_filter_says_it_is() {
         // Squared errors of one-second forecasts, divided by their variances, average to 1 over many flights.
         let own = model();

@@ -120,11 +120,14 @@ fn outliers(samples: &[Sample], model: &Model) -> Option<Finding> {
     // At least what the believed noise gives: the standard deviation of this difference is σ·√1.5.
     let limit_mm = OUTLIER * deviation.max(1.5_f64.sqrt() * model.noise.sensor_mm);
     // An error at one reading gives −½, 1, −½ of itself, whose sum is 0. A turn of the ball gives differences of one
-    // sign, whose sum is up to 3 times the middle one. The limit between the two, ½, was chosen by hand. Where one step
-    // is more than twice the other, the weights leave ⅓ to ⅔, and motion is no line over the longer one.
+    // sign, whose sum is up to 3 times the middle one. The limit between the two, ½, was chosen by hand. A step of a
+    // reading that is held gives 0, ½, −½: only one neighbour is on the other side. Where one step is more than twice
+    // the other, the weights leave ⅓ to ⅔, and motion is no line over the longer one.
     let single = |w: &[(f64, f64)]| {
         let [(before, _), (value, weight), (after, _)] = [w[0], w[1], w[2]];
         value.abs() > limit_mm
+            && before * value < 0.0
+            && after * value < 0.0
             && (before + value + after).abs() < value.abs() / 2.0
             && (weight - 0.5).abs() <= 1.0 / 6.0
     };

@@ -35,8 +35,8 @@ impl Effect for SpinAsymmetry {
         sizes: &[&[0.1, 0.25], &[0.25, 0.1]],
         contains: Some("fan_lag"),
         shown_at: Some(&[0.15, 0.40]),
-        in_a_log: "the ball responds to a rise of duty sooner than to a fall, and floats higher while the duty \
-             oscillates fast about hover",
+        in_a_log: "the ball responds to a change of duty in one direction sooner than in the other, and floats higher \
+             or lower while the duty oscillates fast about hover",
         mend_elsewhere: "an amplifier that drives and brakes alike; a lower gain for one direction",
         mend: "a driver that brakes the fan (four-quadrant, or speed control by the tachometer); a lower gain for \
              downward moves",

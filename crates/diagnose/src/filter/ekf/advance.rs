@@ -120,11 +120,8 @@ impl Ekf<'_> {
         step.slides(motion, &motion_of(&after)).then_some((after, friction))
     }
 
-    /// The state after a step, where the step touches no end of the pipe. With friction the filter knows no ends.
+    /// The state after a step, where the step touches no end of the pipe.
     fn in_the_air(&self, next: Option<State>) -> Option<State> {
-        if self.model.effects.friction().is_some() {
-            return next;
-        }
         let (bottom, top) = self.model.ends_mm();
         let between = |state: &State| bottom < state[0] && state[0] < top;
         next.filter(|next| between(&self.state) && between(next))

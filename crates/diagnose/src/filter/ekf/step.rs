@@ -65,9 +65,13 @@ impl<'a> Step<'a> {
         Self { model, input, dt, friction, smoothed }
     }
 
-    /// The motion after the step. With friction an end of the pipe does not stop the ball.
+    /// The motion after the step. Friction that is smoothed is so in the air; at an end of the pipe the ball has the
+    /// whole friction.
     pub(super) fn after(&self, motion: &Motion) -> Motion {
-        if self.friction.is_some() { self.endless(motion) } else { motion.step(self.model, self.input, self.dt) }
+        let (bottom, top) = self.model.ends_mm();
+        let is_free = |motion: &Motion| bottom < motion.position_mm && motion.position_mm < top;
+        let in_the_air = self.friction.filter(|_| is_free(motion)).map(|_| self.endless(motion)).filter(is_free);
+        in_the_air.unwrap_or_else(|| motion.step(self.model, self.input, self.dt))
     }
 
     /// The same in an endless pipe: an end stops the ball but does not reduce the uncertainty.

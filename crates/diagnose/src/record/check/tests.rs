@@ -34,6 +34,16 @@ fn a_ball_that_swings_within_a_few_readings_and_rests_otherwise_gives_no_outlier
 }
 
 #[test]
+fn the_steps_of_readings_that_a_slow_sensor_holds_are_no_outliers() {
+    let found = findings(|rows| {
+        for (k, row) in rows.iter_mut().enumerate() {
+            row.position_mm = Some(300.0 + 200.0 * (0.4 * (k / 5) as f64).sin());
+        }
+    });
+    assert!(!found.iter().any(|one| matches!(one, Finding::Outliers { .. })), "{found:?}");
+}
+
+#[test]
 fn motion_at_irregular_times_gives_no_outlier_and_a_wild_reading_there_does() {
     let count = |wild_mm: Option<f64>| {
         let found = findings(|rows| {

@@ -59,16 +59,22 @@ impl Diagnosis {
         let on_the_motion = stage != Stage::Sensor && is_of_path(named.candidate.entry);
         let at = self.ladder.iter().position(|rung| rung.name == Some(name));
         let step = at.and_then(|at| Some([self.ladder.get(at.checked_sub(1)?)?, self.ladder.get(at)?]));
-        on_the_motion && named.change == Change::Added && step.is_some_and(|step| self.hardly_moves(step) == Some(true))
+        on_the_motion
+            && named.change == Change::Added
+            && step.is_some_and(|step| self.hardly_moves(step, named) == Some(true))
     }
 
-    /// The same of the step between two rungs; `None` without the errors at 1 s.
-    fn hardly_moves(&self, [below, with]: [&Rung; 2]) -> Option<bool> {
-        let ([nominal, refitted, _], floor) = (&self.gaps, self.gaps[2].floor_mm[2]?);
+    /// The same of the effect of the step between two rungs; `None` without the errors at 1 s.
+    fn hardly_moves(&self, [below, with]: [&Rung; 2], named: &NamedEffect) -> Option<bool> {
+        let [nominal, refitted, mended] = &self.gaps;
+        let (floor, mended) = (mended.floor_mm[2]?, mended.error_mm[2]?);
         let [nominal, refitted, below] = [nominal.error_mm[2]?, refitted.error_mm[2]?, below.error_mm[2]?];
         let fall = with.alone.unwrap_or(0.0) * (nominal.powi(2) - floor.powi(2));
         let alone = (refitted.powi(2) - fall).max(0.0).sqrt();
-        Some(!matters(below - with.error_mm[2]?, floor) && !matters(refitted - alone, floor))
+        let rise = named.evidence.dropped_share * (refitted.powi(2) - floor.powi(2));
+        let without = (mended.powi(2) + rise).max(0.0).sqrt();
+        let falls = [below - with.error_mm[2]?, refitted - alone, without - mended];
+        Some(!falls.into_iter().any(|fall| matters(fall, floor)))
     }
 }
 

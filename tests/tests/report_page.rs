@@ -94,7 +94,7 @@ fn pages_open_offline_and_can_be_read_zoomed_and_printed_by_everyone() {
         }
     });
 
-    // One test waits for its page, so that a single browser keeps one processor busy: each half of the pages has its own.
+    // The tests of a file run one after the other, on one processor: two processes test half of the pages each.
     let half = |part: &str| {
         let mut browser = Command::new("node");
         let file = root().join("tests/browser/page.test.mjs");

@@ -23,12 +23,14 @@ impl Diagnosis {
                 unexplained((!likely.is_empty()).then(|| self.headline(&likely)))
             }
             Verdict::Effect => {
-                // The verdict is that of the added effects. A believed one that another may have changed is no fact.
-                let is_said = |named: &&NamedEffect| named.change == Change::Added || named.probability >= LIKELY;
-                let said: Vec<&NamedEffect> = self.effects.iter().filter(is_said).collect();
-                let all: Vec<&NamedEffect> = if said.is_empty() { self.effects.iter().collect() } else { said };
-                let said = self.headline(&all);
-                let are_off = all.iter().all(|named| self.is_small(named)) && parameters_matter(&self.gaps);
+                // A change of a believed effect is stated beside others only if it is likelier than not.
+                let is_sure = |named: &&NamedEffect| named.change == Change::Added || named.probability >= LIKELY;
+                let (mut stated, doubtful): (Vec<_>, Vec<_>) = self.effects.iter().partition(is_sure);
+                if stated.is_empty() {
+                    stated = doubtful;
+                }
+                let said = self.headline(&stated);
+                let are_off = stated.iter().all(|named| self.is_small(named)) && parameters_matter(&self.gaps);
                 if are_off { format!("The simulator's numbers are off; {}", as_clause(&said)) } else { said }
             }
         }

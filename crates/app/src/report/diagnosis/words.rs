@@ -15,8 +15,7 @@ const MEND_FIRST: &str = "Correct units, signs or columns as said above, and dia
 
 /// The same where the unit of the duty may be wrong.
 const MEND_OR_FLY: &str = "If the duties are in another unit, correct it as said above; else fly at least 30 s in \
-                           free flight with a \
-                           moving setpoint.";
+                           free flight with a moving setpoint.";
 
 /// What to do before anything else after a record that cannot answer; `None` where it can. Terminal and page use it.
 #[must_use]

@@ -70,14 +70,15 @@ impl Ekf<'_> {
         longest_step_s(motion_of(&self.state).fastest_rate_per_s(self.model, self.input()))
     }
 
-    /// A step of `dt` seconds, in parts where the drag stops the ball faster than that.
+    /// A step of `dt` seconds, in parts where the time constant of the drag is shorter.
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
-        let parts = parts_by_drag(self.model.drag_per_s * dt);
+        let parts = parts_by_drag(self.model.drag_per_s, dt);
         for _ in 0..parts {
             self.part(commanded, dt / f64::from(parts), known);
         }
     }
 
+    /// One integration step of `dt` seconds.
     fn part(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
         self.commanded_mm_per_s2 = commanded;
         let motion = motion_of(&self.state);

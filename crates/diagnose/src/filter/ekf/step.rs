@@ -32,11 +32,12 @@ pub(super) fn longest_step_s(rate_per_s: Option<f64>) -> f64 {
     rate_per_s.map_or(MAX_STEP_S, |rate| (MAX_STEP_BY_RATE / rate).clamp(MAX_STEP_S, GAP_STEP_S))
 }
 
-/// The parts of a step during which the ball loses its speed `times` times over: RK4 is unstable for steps 2.8 times as
-/// long as the drag's time constant, and errs by 2 % of a transient, which then dies away, for steps as long as that.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 100: a drag is 1000/s at most")]
-pub(super) fn parts_by_drag(times: f64) -> u32 {
-    times.ceil().clamp(1.0, 100.0) as u32
+/// The number of parts of a step of `dt` seconds, none longer than the time constant of the drag. RK4 is unstable for
+/// steps of 2.8 time constants; at one it errs by 2 % of what is left of a transient.
+/// Source: the stability function of RK4, 1 + z + z²/2 + z³/6 + z⁴/24 at z = −drag·dt, against exp z.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 100, as the longest step is")]
+pub(super) fn parts_by_drag(drag_per_s: f64, dt: f64) -> u32 {
+    (drag_per_s * dt).ceil().clamp(1.0, Model::DRAG.max * GAP_STEP_S) as u32
 }
 
 /// The number of steps in which `ahead` seconds are integrated, the first ones no longer than `longest_s`.
@@ -65,24 +66,9 @@ impl<'a> Step<'a> {
         Self { model, input, dt, friction, smoothed }
     }
 
-    /// The motion after the step. Friction that is smoothed is so in the air; at an end of the pipe the ball has the
-    /// whole friction.
+    /// The motion after a step that touches an end of the pipe, where friction is not smoothed.
     pub(super) fn after(&self, motion: &Motion) -> Motion {
-        let (bottom, top) = self.model.ends_mm();
-        let is_free = |motion: &Motion| bottom < motion.position_mm && motion.position_mm < top;
-        let in_the_air = self.friction.filter(|_| is_free(motion)).map(|_| self.endless(motion)).filter(is_free);
-        in_the_air.unwrap_or_else(|| motion.step(self.model, self.input, self.dt))
-    }
-
-    /// The same in an endless pipe: an end stops the ball but does not reduce the uncertainty.
-    fn endless(&self, motion: &Motion) -> Motion {
-        match self.smoothed {
-            Some(_) => {
-                let friction = self.friction(motion).unwrap_or_default();
-                motion.slide(self.model, self.input, friction.mm_per_s2, self.dt)
-            }
-            None => motion.step_in_endless_pipe(self.model, self.input, self.dt),
-        }
+        motion.step(self.model, self.input, self.dt)
     }
 
     /// The friction during the whole step, if the ball does not stop: the expected friction where it is smoothed.
@@ -149,13 +135,22 @@ mod tests {
         with_written(model, Stage::Air, adds, Some(["(fan + v * x / 100 - s) / 0.3 + cos(s)", "fan"]), 20.0)
     }
 
+    /// The motion after the step in an endless pipe, without derivatives.
+    fn in_endless_pipe(step: &Step<'_>, motion: &Motion) -> Motion {
+        if step.smoothed.is_none() {
+            return motion.step_in_endless_pipe(step.model, step.input, step.dt);
+        }
+        let friction = step.friction(motion).unwrap_or_default();
+        motion.slide(step.model, step.input, friction.mm_per_s2, step.dt)
+    }
+
     /// The transition by central differences with the step `by`; one-sided with `sides` [0, 1] or [-1, 0].
     fn by_differences(step: &Step<'_>, active: &Active, motion: &Motion, by: f64, sides: [f64; 2]) -> Square {
         let column = |index: usize, row: usize| {
             let at = |sign: f64| {
                 let mut state = vector(motion);
                 state[index] += sign * by;
-                vector(&step.endless(&motion_of(&state)))[row]
+                vector(&in_endless_pipe(step, &motion_of(&state)))[row]
             };
             (at(sides[1]) - at(sides[0])) / (by * (sides[1] - sides[0]))
         };

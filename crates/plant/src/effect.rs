@@ -149,6 +149,23 @@ pub struct Difference {
     pub of: [usize; 2],
 }
 
+/// What a parameter is in a column of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InColumn {
+    /// An input, given in percent of duty about hover.
+    Input,
+    /// An input, given as the acceleration that it commands about hover, mm/s².
+    InputByForce,
+    /// A difference of two inputs, percent of duty.
+    InputDifference,
+    /// A difference of two inputs, given as that of the accelerations that they command, mm/s².
+    InputDifferenceByForce,
+    /// A position, mm.
+    Position,
+    /// A difference of two positions, mm.
+    PositionDifference,
+}
+
 /// An effect's line in the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
@@ -160,6 +177,8 @@ pub struct Entry {
     pub article: &'static str,
     /// Its parameters, as far as they are identifiable from a log.
     pub params: &'static [Param],
+    /// The number of its last parameters that its simple form lacks, and that a search adds or leaves out.
+    pub optional: usize,
     /// Sizes that a rig may show, as values of its parameters, of the first ones alone for its simplest form. The first
     /// size is the scale of a fit.
     pub sizes: &'static [&'static [f64]],
@@ -179,6 +198,8 @@ pub struct Entry {
     /// The values on its page of the gallery, where the last of its sizes is too small for that flight or out of the
     /// ball's reach.
     pub shown_at: Option<&'static [f64]>,
+    /// What its first parameters are in the columns of a log, in order.
+    pub in_columns: &'static [InColumn],
     /// How a log shows it.
     pub in_a_log: &'static str,
     /// How to correct it on a rig.
@@ -198,6 +219,7 @@ impl Entry {
         stage: Stage::Air,
         article: "",
         params: &[],
+        optional: 0,
         sizes: &[],
         start: Start::Sizes,
         form: Form::Usual,
@@ -206,6 +228,7 @@ impl Entry {
         difference: None,
         represents_its_stage: None,
         shown_at: None,
+        in_columns: &[],
         in_a_log: "",
         mend: "",
         mend_elsewhere: "",

@@ -36,7 +36,7 @@ mod written;
 
 pub use acts::{Acts, Changes, Conditions, Follows, Late, Readings, Senses, Summary, is_beyond_the_noise};
 pub use actuator::Actuator;
-pub use effect::{Difference, Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start};
+pub use effect::{Difference, Effect, Entry, Form, InColumn, Neutral, Param, Scale, Similar, Stage, Start};
 pub use effects::Effects;
 pub use linear::Slopes;
 pub use model::{Model, Noise};

@@ -148,7 +148,9 @@ impl Effects {
     /// The same without the effects that users write: what acts on the ball, then the air.
     #[inline(always)]
     pub(crate) fn accelerated_by_catalogue(&self, acceleration: f64, conditions: &Conditions) -> f64 {
-        let sum = fold!(self, force, acceleration, |sum, act, effect| {
+        let rubbed =
+            acceleration + self.smooth_friction().map_or(0.0, |friction| friction.smooth(conditions.velocity_mm_per_s));
+        let sum = fold!(self, force, rubbed, |sum, act, effect| {
             if matches!(stage(effect), Stage::Air) { sum } else { sum + act(effect, conditions) }
         });
         fold!(self, force, sum, |sum, act, effect| {
@@ -160,7 +162,9 @@ impl Effects {
     /// acceleration.
     #[inline(always)]
     pub(crate) fn built_in_slopes(&self, conditions: &Conditions) -> [f64; 3] {
-        fold!(self, force, [0.0; 3], |sum, act, effect| {
+        let rubbing = self.smooth_friction();
+        let rubbing = rubbing.map_or(0.0, |friction| friction.smooth_slope_per_s(conditions.velocity_mm_per_s));
+        fold!(self, force, [0.0, rubbing, 0.0], |sum, act, effect| {
             let own = acts(effect)
                 .force_slopes
                 .map_or_else(|| conditions.slopes_of(|there| act(effect, there)), |slopes| slopes(effect, conditions));
@@ -171,7 +175,7 @@ impl Effects {
     /// Whether one of them is such a force.
     #[inline(always)]
     pub(crate) fn has_built_in_force(&self) -> bool {
-        any!(self, force)
+        any!(self, force) || self.smooth_friction().is_some()
     }
 
     /// The derivatives of the own states.
@@ -220,6 +224,18 @@ impl Effects {
     #[inline(always)]
     #[must_use]
     pub fn friction(&self) -> Option<WallFriction> {
+        self.any_friction().filter(WallFriction::is_dry)
+    }
+
+    /// Friction that builds up smoothly with the speed: a force as others are, which does not hold the ball.
+    #[inline(always)]
+    #[must_use]
+    pub fn smooth_friction(&self) -> Option<WallFriction> {
+        self.any_friction().filter(|friction| !friction.is_dry())
+    }
+
+    #[inline(always)]
+    fn any_friction(&self) -> Option<WallFriction> {
         slot!(self, friction, |act, effect| act(effect))
     }
 
@@ -240,7 +256,7 @@ impl Effects {
             let moves = acts.follows.is_some() || acts.force.is_some();
             linear &= !moves || acts.is_linear.is_some_and(|is_linear| is_linear(effect));
         });
-        linear && self.written.motion_is_linear()
+        linear && self.smooth_friction().is_none() && self.written.motion_is_linear()
     }
 
     /// Whether a step between two events is a linear map of state, command and friction that depends on its length

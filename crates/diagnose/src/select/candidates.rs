@@ -17,6 +17,7 @@
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::select::nested::{remove_needless, simpler_starts};
+use crate::select::optional::other_forms;
 use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
 use crate::select::screening::{Screened, first, promising_gain, screen};
@@ -62,7 +63,8 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
     let simpler = simpler_starts(search, &promising, &screened, so_far);
     let slow = slow_starts(search, so_far, &entries);
-    let promising: Vec<&Screened> = promising.into_iter().chain(&simpler).chain(&slow).collect();
+    let other = other_forms(search, &promising, so_far);
+    let promising: Vec<&Screened> = promising.into_iter().chain(&simpler).chain(&slow).chain(&other).collect();
     search.plan(promising.len());
     let in_full = |one: &&Screened| search.planned(|| full_fit(search, one, so_far, &before));
     let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();

@@ -8,6 +8,7 @@ use crate::record::commanded::commanded;
 use crate::record::read_off::read_off;
 use crate::record::recording::Recording;
 use crate::select::duty_step_scan;
+use crate::select::optional::with_optional;
 use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::written_scan::scan;
@@ -87,7 +88,10 @@ fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
         Start::Values(values) => listed(values),
         Start::DutyOverHeight if model.turn_mm.is_some() => of_regression(entry, model, problem),
         Start::AgainstMotion(values) => {
-            listed(values).into_iter().chain(of_regression(entry, model, problem)).collect()
+            let simple: Vec<Vec<f64>> =
+                listed(values).into_iter().chain(of_regression(entry, model, problem)).collect();
+            let smooth: Vec<_> = simple.iter().map(|values| with_optional(values, recording)).collect();
+            simple.into_iter().chain(smooth).collect()
         }
         Start::Sizes | Start::DutyOverHeight | Start::DutySteps => listed(entry.sizes),
     }

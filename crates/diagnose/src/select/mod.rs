@@ -13,6 +13,7 @@ pub(crate) mod formula;
 pub(crate) mod initial_values;
 pub(crate) mod nested;
 pub(crate) mod odds;
+pub(crate) mod optional;
 pub(crate) mod plausibility;
 pub(crate) mod posterior;
 pub(crate) mod random_force;

@@ -19,7 +19,7 @@ const STEPS: usize = 2;
 const STARTS: usize = 2;
 const AS_GOOD: f64 = 10.0;
 /// Gain by chance of each parameter of an effect beyond the first, nats.
-const COST_OF_A_NUMBER: f64 = 1.5;
+pub(crate) const COST_OF_A_NUMBER: f64 = 1.5;
 /// A screening whose gain stays so far below 0, nats, is stuck. It is repeated with these shares of its initial values.
 const STUCK: f64 = 10.0;
 const NEARER: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003];
@@ -199,9 +199,16 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
     let places = iter::once(model.clone()).chain(search.is_far(so_far).then_some(believed));
     let is_pendulum = effect.start == Start::DutyOverHeight && model.turn_mm.is_some();
     if is_pendulum || matches!(effect.start, Start::AgainstMotion(_)) {
-        let own = model.effects.values(effect.name);
-        let with_own_base = regressed(effect, model, belief, search.problem.recording).into_iter();
-        return places.chain(with_own_base.filter(|found| found.effects.values(effect.name) == own)).collect();
+        let own = model.effects.values(effect.name).unwrap_or_default();
+        let with_own_base =
+            regressed(effect, model, belief, search.problem.recording).into_iter().filter_map(|mut found| {
+                let is_own = found.effects.values(effect.name).is_some_and(|values| own.starts_with(&values));
+                is_own.then(|| {
+                    found.effects.set(effect.name, &own);
+                    found
+                })
+            });
+        return places.chain(with_own_base).collect();
     }
     if effect.start == Start::DutyOverHeight {
         return places.map(|model| balanced_where_it_flew(search, model)).collect();

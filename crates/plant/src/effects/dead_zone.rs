@@ -11,7 +11,7 @@
 //! Source: the thesis, section 3.2.1, whose rig has 21.1 to 21.7 % about a hover of 21.4 %.
 
 use crate::acts::Acts;
-use crate::effect::{Difference, Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
+use crate::effect::{Difference, Effect, Entry, InColumn, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// No force between the edges; outside, force is measured from the edge.
@@ -36,8 +36,11 @@ impl Effect for DeadZone {
         sizes: &[&[-0.15, 0.15], &[-0.4, 0.4]],
         difference: Some(Difference { name: "width", key: "width_percent", of: [0, 1] }),
         represents_its_stage: Some(0),
-        in_a_log: "the ball drifts while the duty wanders a few tenths of a percent about hover, and the loop \
-             oscillates slowly (limit cycle)",
+        in_columns: &[InColumn::Input, InColumn::Input],
+        in_a_log: "the ball drifts while the duty wanders between two edges about hover, and the loop oscillates slowly \
+             (limit cycle)",
+        mend_elsewhere: "let the controller add the edge on the side of its command (inverse of the dead zone), or take \
+             an actuator and driver that answer to smaller inputs",
         mend: "correct it in [compensation.dead_zone] with the same two numbers, or use a fan and driver with finer \
              steps",
         similar: &[

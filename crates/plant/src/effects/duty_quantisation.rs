@@ -8,7 +8,7 @@
 //! Source: the thesis, section 3.2.2: the force has steps of about 0.8 % of duty, whatever drives the fan.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, InColumn, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use crate::rounding::rounded;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,7 @@ impl Effect for DutyQuantisation {
         params: &[Param { name: "step_percent", min: 0.0, max: 20.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[0.4], &[0.8]],
         start: Start::DutySteps,
+        in_columns: &[InColumn::InputDifference],
         in_a_log: "the force jumps at certain duties and is flat between them, and the loop has a limit cycle between \
              two levels",
         mend: "dither the duty so that its mean falls between the steps, or use a driver with finer steps",

@@ -11,7 +11,7 @@
 
 use crate::acts::Acts;
 use crate::effect::{
-    Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start, values_in_order, within_bounds,
+    Effect, Entry, Form, InColumn, Neutral, Param, Scale, Similar, Stage, Start, values_in_order, within_bounds,
 };
 use crate::unsound::Unsound;
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,7 @@ impl Effect for EndStop {
         start: Start::HeightsSeen,
         form: Form::Impacts,
         shown_at: Some(&[150.0, 440.0, 0.6]),
+        in_columns: &[InColumn::Position, InColumn::Position],
         in_a_log: "the position never passes a certain height, and the ball rebounds there",
         mend: "keep the setpoints away from the ends ([safety]); a soft pad at that end",
         similar: &[

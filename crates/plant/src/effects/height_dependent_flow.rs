@@ -46,9 +46,10 @@ impl Effect for HeightDependentFlow {
         sizes: &[&[0.5], &[-0.5]],
         start: Start::DutyOverHeight,
         represents_its_stage: Some(3),
-        in_a_log: "the duty that holds the ball depends on the height, and a released ball drifts back to one height",
-        mend_elsewhere: "find the spring, slope or cable that pulls to one position; an integral term in the \
-            controller",
+        in_a_log: "the duty that holds the ball depends on the height; a released ball drifts to one height, or away \
+            from it where the gradient is below 0",
+        mend_elsewhere: "find the spring, slope, cable or magnet that pulls to one position or pushes away from it; an \
+            integral term in the controller",
         mend: "seal the pipe and its joints; identify hover at the height of the flight; an integral term in the controller",
         similar: &[
             Similar {

@@ -10,7 +10,7 @@
 //! Source: the play operator, Krasnosel'skii and Pokrovskii, *Systems with Hysteresis*, chapter 1.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Form, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, Form, InColumn, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The force follows the duty only when it has pushed through the play.
@@ -35,6 +35,7 @@ impl Effect for Hysteresis {
         sizes: &[&[0.1], &[0.3]],
         start: Start::Values(&[&[0.1], &[0.2], &[0.4], &[0.8]]),
         form: Form::Approximate,
+        in_columns: &[InColumn::InputDifference],
         in_a_log: "the same duty holds or lifts the ball, depending on whether it was reached from below or above; \
              small reversals of duty have no effect",
         mend_elsewhere: "remove the play between actuator and load; dither wider than the hysteresis",

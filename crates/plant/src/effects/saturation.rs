@@ -9,7 +9,7 @@
 //! Source: the thesis, figure 3.2.5: about −800 and +1100 mm/s², where the table of its predistortion ends too.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, InColumn, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// The commanded acceleration stays within limits.
@@ -32,6 +32,7 @@ impl Effect for Saturation {
         ],
         sizes: &[&[-800.0, 800.0], &[-400.0, 400.0]],
         start: Start::CommandedRange,
+        in_columns: &[InColumn::InputByForce, InColumn::InputByForce],
         in_a_log: "above some duty the ball rises or falls no faster, and large steps overshoot while small ones do \
              not",
         mend: "keep the controller within the limits, with anti-windup and slower setpoints; or a stronger fan",

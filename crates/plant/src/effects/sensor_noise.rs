@@ -9,7 +9,7 @@
 //! Source: independent errors add in quadrature; a VL53L0X on a public rig has 2.5 to 3.5 mm.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, values_in_order};
+use crate::effect::{Effect, Entry, InColumn, Neutral, Param, Scale, Similar, Stage, values_in_order};
 use libm::hypot;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,7 @@ impl Effect for SensorNoise {
         stage: Stage::Sensor,
         params: &[Param { name: "sigma_mm", min: 0.0, max: 100.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[1.5], &[4.0]],
+        in_columns: &[InColumn::PositionDifference],
         in_a_log: "readings of a ball at rest scatter more than configured, from one reading to the next",
         mend_elsewhere: "more averaging in the sensor, shielded cables; a slower filter in the controller",
         mend: "a longer timing budget, a white ball, less ambient light; a slower filter in the controller",

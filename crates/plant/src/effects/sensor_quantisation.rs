@@ -8,7 +8,7 @@
 //! Source: a VL53L0X reports whole millimetres; other sensors, and logs that were rounded, are coarser.
 
 use crate::acts::Acts;
-use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
+use crate::effect::{Effect, Entry, InColumn, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
 use serde::{Deserialize, Serialize};
 
 /// A reading is the nearest multiple of a step.
@@ -26,6 +26,7 @@ impl Effect for SensorQuantisation {
         params: &[Param { name: "step_mm", min: 0.0, max: 200.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[3.0], &[8.0]],
         start: Start::ReadingStep,
+        in_columns: &[InColumn::PositionDifference],
         in_a_log: "only certain positions occur, and the speed from one reading to the next is zero or a jump",
         mend: "a sensor or a log format with finer steps; a filter instead of plain differences",
         similar: &[

@@ -70,9 +70,10 @@ impl Ekf<'_> {
         longest_step_s(motion_of(&self.state).fastest_rate_per_s(self.model, self.input()))
     }
 
-    /// A step of `dt` seconds, in parts where the time constant of the drag is shorter.
+    /// A step of `dt` seconds, in parts where the time constant of drag and smooth friction is shorter.
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
-        let parts = parts_by_drag(self.model.drag_per_s, dt);
+        let rubbing_per_s = self.model.effects.smooth_friction().map_or(0.0, |friction| friction.steepness_per_s());
+        let parts = parts_by_drag(self.model.drag_per_s + rubbing_per_s, dt);
         for _ in 0..parts {
             self.part(commanded, dt / f64::from(parts), known);
         }

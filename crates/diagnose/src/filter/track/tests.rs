@@ -42,7 +42,7 @@ fn the_ends_stop_a_ball_with_dry_friction_as_they_do_one_without() {
     own.effects.end_stop = Some(EndStop { bottom_mm: 270.0, top_mm: 330.0, restitution: 0.3 });
     let recording = shaken(&own, 1, 20);
     let mut with = own.clone();
-    with.effects.wall_friction = Some(WallFriction { acceleration_mm_per_s2: 0.01 });
+    with.effects.wall_friction = Some(WallFriction { acceleration_mm_per_s2: 0.01, transition_mm_per_s: None });
     let [without, with] = [own, with].map(|model| {
         let squares = innovations(&model, &recording).into_iter().map(|s| s.standardised.powi(2));
         squares.sum::<f64>()

@@ -51,7 +51,7 @@ mod tests {
         let mut rig =
             Model { gain_mm_per_s2_per_percent: 90.0, drag_per_s: 1.2, hover_duty_percent: 50.0, ..belief.clone() };
         rig.noise.sensor_mm = 0.1;
-        rig.effects.wall_friction = Some(WallFriction { acceleration_mm_per_s2: 700.0 });
+        rig.effects.wall_friction = Some(WallFriction { acceleration_mm_per_s2: 700.0, transition_mm_per_s: None });
         let recording = flown(&rig, 1, 60, |t, _| 50.0 + 14.0 * (1.7 * t).sin() + 9.0 * (4.3 * t).cos());
         let friction = Effects::built_in("wall_friction").unwrap();
         let found = regressed(friction, &Model { noise: rig.noise, ..belief.clone() }, &belief, &recording);

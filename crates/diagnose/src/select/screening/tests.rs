@@ -46,7 +46,7 @@ fn friction_is_rated_at_what_a_regression_finds_with_the_gain_beside_it() {
     let belief = Model { gain_mm_per_s2_per_percent: 45.0, drag_per_s: 1.2, ..belief };
     let mut rig = Model { gain_mm_per_s2_per_percent: 90.0, ..belief.clone() };
     rig.noise.sensor_mm = 0.1;
-    rig.effects.wall_friction = Some(WallFriction { acceleration_mm_per_s2: 700.0 });
+    rig.effects.wall_friction = Some(WallFriction { acceleration_mm_per_s2: 700.0, transition_mm_per_s: None });
     let law = |t: f64, x: f64| 50.0 + 14.0 * (1.7 * t).sin() + 9.0 * (4.3 * t).cos() + 0.01 * (2000.0 - x);
     let recording = flown(&rig, 1, 40, law);
     let folds = Folds::new(&belief, &recording);

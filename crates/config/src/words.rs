@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The program's sentences are about a ball, its height in mm, and a duty in percent. Keys of configs, columns and
-//! names of files keep theirs: only whole words are replaced, and none beside an underscore, a dot or a slash. No
-//! number is converted: the unit is that of the position as `[import]` scales it.
+//! names of files keep theirs: only whole words are replaced, and none beside an underscore, a dot or a slash, or in a
+//! name with a dot. No number is converted: the unit is that of the position as `[import]` scales it.
 
 use diagnose::{Finding, SourceColumns};
 use serde::Serialize;
@@ -196,15 +196,21 @@ fn joins(letter: char) -> bool {
     letter.is_alphanumeric() || "_./-\\".contains(letter)
 }
 
-/// Whether a text starts with a word that ends there.
-fn starts(text: &str, word: &str) -> bool {
-    let Some(rest) = text.strip_prefix(word) else { return false };
-    let mut after = rest.chars();
-    match after.next() {
-        None => true,
-        Some('.') => !after.next().is_some_and(char::is_alphanumeric),
-        Some(letter) => !(letter.is_alphanumeric() || "_/²³".contains(letter)),
-    }
+/// Whether a text starts with the name of a file, or with a key with dots: `ball-and-beam.csv`.
+fn starts_with_name(text: &str) -> bool {
+    let end = text.find(|letter: char| letter.is_whitespace() || "<>()[]\"'`,;:".contains(letter));
+    let token = &text[..end.unwrap_or(text.len())];
+    let joins =
+        |at: usize| token[..at].ends_with(char::is_alphanumeric) && token[at + 1..].starts_with(char::is_alphabetic);
+    token.match_indices('.').any(|(at, _)| joins(at))
+}
+
+/// Whether a text starts with these words, and the last one ends there and begins no name.
+fn starts(text: &str, words: &str) -> bool {
+    let Some(rest) = text.strip_prefix(words) else { return false };
+    let last_word = words.rfind(' ').map_or(0, |space| space + 1);
+    !rest.starts_with(|letter: char| letter.is_alphanumeric() || "_/²³".contains(letter))
+        && !starts_with_name(&text[last_word..])
 }
 
 #[cfg(test)]
@@ -245,8 +251,10 @@ mod tests {
 
     #[test]
     fn keys_flags_and_files_keep_their_names_and_a_ball_pipe_all_of_its_words() {
-        let text = "position_mm = 3, gain_mm_per_s2_per_percent, duty.csv, logs/ball, mm_x, --duty";
+        let text = "position_mm = 3, gain_mm_per_s2_per_percent, duty.csv, logs/ball, mm_x, --duty, ball-and-beam.csv: \
+                    see a ball-in-pipe.mcap";
         assert_eq!(cart().of(text), text);
+        assert_eq!(cart().of("the ball. A duty-free ball, 3.5 mm"), "the angle. A voltage-free angle, 3.5 deg");
         assert_eq!(Words::default().of("the ball, 3 mm"), "the ball, 3 mm");
     }
 }

@@ -35,8 +35,8 @@ pub(crate) struct Asked {
     pub(crate) columns: SourceColumns,
     /// What the rig calls its position and its input.
     pub(crate) words: Words,
-    /// Whether it was fitted to a record by `airball init`, and not changed since.
-    is_fitted: bool,
+    /// What a diagnosis with it means, if `airball init` fitted it to a record, and it was not changed since.
+    meaning: Option<&'static str>,
     /// Each log, without the codes of a sensor that saw no target, of a very long one its middle; and its name.
     pub(crate) logs: Vec<LoadedLog>,
     pub(crate) names: Vec<String>,
@@ -115,14 +115,14 @@ impl Asked {
             logs.iter_mut().for_each(|log| log.keep_middle(each));
         }
         logs.iter_mut().for_each(|log| log.discard_implausible_readings(&belief));
-        let is_fitted = first_belief::is_as_fitted(config.first_line(), &belief);
+        let meaning = first_belief::meaning(config.first_line(), &belief);
         Ok(Self {
             belief,
             files: config.files().map(Path::to_owned).collect(),
             words: config.words,
             columns: config.tables.source_columns(),
             tables: config.tables,
-            is_fitted,
+            meaning,
             logs,
             names,
             recordings,
@@ -160,13 +160,12 @@ impl Asked {
     /// The statements about the logs themselves.
     pub(crate) fn about<'a>(&'a self, answer: &'a Answer) -> Logs<'a> {
         let duration_s = self.recordings.iter().map(Recording::duration_s).sum();
-        let belief = self.is_fitted.then_some(first_belief::MEANING);
         Logs {
             names: &self.names,
             columns: &self.columns,
             duration_s,
             upstream: &answer.upstream,
-            belief,
+            belief: self.meaning,
             errors: &answer.errors,
         }
     }
@@ -175,7 +174,7 @@ impl Asked {
     pub(crate) fn diagnose(&self, options: &Options, progress: &dyn Fn(&'static str)) -> Answer {
         let [search, fly, choose] = STEPS;
         progress(search);
-        let options = Options { is_fitted: self.is_fitted, ..options.clone() };
+        let options = Options { is_fitted: self.meaning.is_some(), ..options.clone() };
         let found = diagnose::diagnose(&self.belief, &self.recordings, &options);
         let mended = (found.verdict != Verdict::InsufficientData).then_some(&found.mended.model);
         progress(fly);

@@ -4,6 +4,7 @@ use super::diagnosing::no_setpoint;
 use super::{announce, may_write, note, say, typed, warn};
 use crate::cli::ReplayArgs;
 use crate::log::reader::{self, LoadedLog};
+use crate::report::first_belief;
 use crate::report::kit::page;
 use crate::report::replay::gap;
 use crate::report::replay::page::{Against, Report, page as html};
@@ -64,7 +65,9 @@ impl<'a> Subject<'a> {
         let columns = config.tables.source_columns();
         let said = |finding: &Finding| config.words.finding(finding, &columns);
         let (findings, is_mistaken) = log.check(&model);
-        let findings = findings.iter().map(said).collect();
+        let fitted = first_belief::meaning(config.first_line(), &model);
+        let floor = fitted.map(|_| config.words.of(first_belief::FLOOR));
+        let findings = findings.iter().map(said).chain(floor).collect();
         let draws = args.plot.is_some() || args.html.is_some();
         let on_log = |model: &Model| Replayed {
             gap: Gap::measure(model, &log.recording),

@@ -5,27 +5,43 @@ use crate::report::kit::page::made::version;
 use config::Config;
 use config::source_columns::quoted;
 use diagnose::decimals;
-use diagnose::identify::ParameterEstimate;
+use diagnose::identify::{NoUse, ParameterEstimate};
 use plant::effects::HeightDependentFlow;
 use plant::{Effect, Model};
 use rows::{Column, shown};
 use std::fmt::Write;
 
 /// The meaning of a diagnosis with a belief that was fitted to a record of the rig.
-pub const MEANING: &str = "the belief is a linear model fitted to a record of this rig, so what follows is how the rig \
+const FITTED: &str = "the belief is a linear model fitted to a record of this rig, so what follows is how the rig \
      differs from a linear model of itself; wrong numbers of a belief of your own cannot show, and its noise, fitted \
      too, may hold a missing effect, so that the noise floor is too high";
+
+/// The same where no linear plant follows the record.
+const GUESSED: &str = "the belief is a first guess, because no linear plant follows the record that it was made from: \
+     how the rig differs from it may be how it differs from any linear model; put in the gain, drag and hover that you \
+     know, and its noise, fitted, may hold a missing effect, so that the noise floor is too high";
+
+/// The meaning of the noise floor of a belief that was fitted to a record of the rig.
+pub const FLOOR: &str = "the noise of this belief was fitted to a record of the rig and may hold a missing effect, so \
+     that an error near the noise floor does not mean that there is no gap: `airball diagnose` tells";
 
 /// How the config of a first belief begins.
 const HEAD: &str = "# A first belief about ";
 
+/// The same of one that is a guess.
+const HEAD_OF_GUESS: &str = "# A first guess about ";
+
 /// Where the comments of the config begin.
 const COMMENT_COLUMN: usize = 46;
 
-/// Whether a model is the one that was fitted to a record and written below this first line of a config.
+/// The meaning of a diagnosis with `model` if it is the one that was fitted to a record and written below this first line
+/// of a config.
 #[must_use]
-pub fn is_as_fitted(first_line: &str, model: &Model) -> bool {
-    first_line.starts_with(HEAD) && first_line.ends_with(&end(&version(model)))
+pub fn meaning(first_line: &str, model: &Model) -> Option<&'static str> {
+    let is_as_written = first_line.ends_with(&end(&version(model)));
+    let meanings = [(HEAD, FITTED), (HEAD_OF_GUESS, GUESSED)];
+    let found = meanings.into_iter().find(|(head, _)| is_as_written && first_line.starts_with(head));
+    found.map(|(_, meaning)| meaning)
 }
 
 fn end(version: &str) -> String {
@@ -37,12 +53,16 @@ fn end(version: &str) -> String {
 pub fn config(belief: &FirstBelief, logs: &[String]) -> String {
     let tables = tables(belief);
     let written = Config::of_texts([(String::new(), tables.clone())]).ok().and_then(|config| config.tables.plant);
+    let (head, from) = if belief.plant.gain_is_lost {
+        (HEAD_OF_GUESS, "guesses, since no linear plant follows this record")
+    } else {
+        (HEAD, "those of a linear model fitted to this record")
+    };
     let head = format!(
-        "{HEAD}{}, written by `airball init` ({} s, {} readings, {}\n\
-         # Gain, drag, hover and noise are those of a linear model fitted to this record, so that a diagnosis with it \
-         says how the rig\n\
-         # differs from a linear model of itself. Put in what you know: a diagnosis against it then says \
-         more.\n\n",
+        "{head}{}, written by `airball init` ({} s, {} readings, {}\n\
+         # Gain, drag and hover are {from}, so that a diagnosis\n\
+         # with it says how the rig differs from a linear model of itself; the noise is fitted. Put in what you know: a\n\
+         # diagnosis against it then says more.\n\n",
         logs.iter().map(|log| shown(log)).collect::<Vec<_>>().join(", "),
         number(belief.duration_s),
         belief.readings,
@@ -298,7 +318,14 @@ pub fn warnings(belief: &FirstBelief) -> Vec<String> {
          you diagnose"
             .into()
     });
+    let no_use = plant.no_use.map(|NoUse { horizon_s, error_mm, stay_put_mm }| {
+        format!(
+            "the linear model forecasts worse than \"the position stays put\" ({horizon_s} s ahead it errs by {error_mm:.1} \
+             against {stay_put_mm:.1} mm), so it is no belief to diagnose with: check columns, units and row period, or \
+             put in the gain and drag that you know"
+        )
+    });
     let spring = plant.form.spring_per_s2;
     let spring = (spring != 0.0).then(|| format!("a force {}", by_stiffness(spring)));
-    turned.into_iter().chain(unseen).chain(lost).chain(spring).collect()
+    turned.into_iter().chain(unseen).chain(lost).chain(no_use).chain(spring).collect()
 }

@@ -125,7 +125,8 @@ fn diagnose_once(belief: &Model, logs: &[Recording], options: &Options) -> Diagn
     add_odds(&mut found, &mending);
     let verdict = if answers { verdict(&found, ladder, &mending.gaps) } else { Verdict::InsufficientData };
     let rest = Rest {
-        share: ladder.named_share.map(|share| 1.0 - share),
+        // Effects that raise the error leave all of it.
+        share: ladder.named_share.map(|share| 1.0 - share.max(0.0)),
         is_significant: asks && incomplete,
         matters: answers && rest_matters(&ladder.end),
     };

@@ -7,6 +7,9 @@ use crate::select::stepwise::{Change, NamedEffect, is_of_path};
 use crate::thresholds::LIKELY;
 use plant::{Effects, Entry, Stage};
 
+/// The headline of a residual that is significant, and that no likely effect explains.
+const NO_EFFECT: &str = "Something separates simulator and rig that no effect of the catalogue explains";
+
 impl Diagnosis {
     /// The verdict in one sentence, without a full stop.
     #[must_use]
@@ -20,7 +23,11 @@ impl Diagnosis {
             Verdict::Unexplained => {
                 let likely = self.effects.iter().filter(|named| named.probability >= LIKELY);
                 let likely: Vec<_> = likely.collect();
-                unexplained((!likely.is_empty()).then(|| self.headline(&likely)))
+                match (&likely[..], self.rest.matters) {
+                    ([], true) => NO_EFFECT.into(),
+                    ([], false) => format!("{NO_EFFECT}, but too little to matter for a forecast of 1 s"),
+                    (likely, _) => format!("{}, but most of the gap has another cause", self.headline(likely)),
+                }
             }
             Verdict::Effect => {
                 // A change of a believed effect is stated beside others only if it is likelier than not.
@@ -30,7 +37,9 @@ impl Diagnosis {
                     stated = doubtful;
                 }
                 let said = self.headline(&stated);
-                let are_off = stated.iter().all(|named| self.is_small(named)) && parameters_matter(&self.gaps);
+                let [nominal, refitted, mended] = &self.gaps;
+                let are_off =
+                    stated.iter().all(|named| self.is_small(named)) && parameters_matter(nominal, refitted, mended);
                 if are_off { format!("The simulator's numbers are off; {}", as_clause(&said)) } else { said }
             }
         }
@@ -95,14 +104,6 @@ pub(super) fn listed(names: &[String]) -> String {
     }
 }
 
-/// The headline where most of the gap has another cause than the likely effects.
-fn unexplained(likely: Option<String>) -> String {
-    likely.map_or_else(
-        || "Something separates simulator and rig that no effect of the catalogue explains".into(),
-        |likely| format!("{likely}, but most of the gap has another cause"),
-    )
-}
-
 /// The headline of effects that the mended model has, of those among them that are too small to matter, and of others
 /// that it leaves out.
 fn headline(kept: &[&NamedEffect], small: &[&NamedEffect], out: &[&NamedEffect]) -> String {
@@ -153,7 +154,9 @@ fn first_letter(words: &str, of: impl Fn(&char) -> char) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{listed, unexplained, with_article};
+    use super::{NO_EFFECT, listed, with_article};
+    use crate::answer::diagnosis::Diagnosis;
+    use crate::answer::verdict::Verdict;
     use crate::diagnose;
     use crate::options::Options;
     use crate::tests_support::{model, record};
@@ -167,13 +170,8 @@ mod tests {
         assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
     }
 
-    #[test]
-    fn a_headline_without_a_likely_effect_asserts_none() {
-        assert_eq!(unexplained(None), "Something separates simulator and rig that no effect of the catalogue explains");
-    }
-
-    /// The headline of a rig with little noise, with a gain 5 % above the belief and this much friction.
-    fn headline_of(friction_mm_per_s2: f64) -> String {
+    /// The diagnosis of a rig with little noise, with a gain 5 % above the belief and this much friction.
+    fn found_of(friction_mm_per_s2: f64) -> Diagnosis {
         let mut belief = model();
         belief.noise.sensor_mm = 0.3;
         belief.noise.acceleration_psd_mm2_per_s3 = 1.0;
@@ -181,14 +179,22 @@ mod tests {
         rig.gain_mm_per_s2_per_percent *= 1.05;
         rig.effects.set("wall_friction", &[friction_mm_per_s2]);
         let options = Options { without_formula: true, ..Options::default() };
-        diagnose(&belief, &record(&rig, 4, 80), &options).verdict_in_words()
+        diagnose(&belief, &record(&rig, 4, 80), &options)
     }
 
     #[test]
     fn an_effect_that_moves_no_forecast_is_said_to_be_too_small_to_matter_and_a_large_one_is_not() {
         let small = "The simulator's numbers are off; the rig has wall friction that the simulator lacks, but too \
                      little to matter for a forecast of 1 s";
-        assert_eq!(headline_of(2.0), small);
-        assert_eq!(headline_of(20.0), "The rig has wall friction that the simulator lacks");
+        assert_eq!(found_of(2.0).verdict_in_words(), small);
+        let mut large = found_of(20.0);
+        assert_eq!(large.verdict_in_words(), "The rig has wall friction that the simulator lacks");
+        // The same if it were not likely, beside a significant residual.
+        large.verdict = Verdict::Unexplained;
+        large.effects.iter_mut().for_each(|named| named.probability = 0.4);
+        large.rest.matters = true;
+        assert_eq!(large.verdict_in_words(), NO_EFFECT);
+        large.rest.matters = false;
+        assert!(large.verdict_in_words().ends_with(", but too little to matter for a forecast of 1 s"));
     }
 }

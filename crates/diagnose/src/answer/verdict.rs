@@ -23,13 +23,14 @@ pub enum Verdict {
     InsufficientData,
 }
 
-/// The verdict of a record that can answer.
-pub(super) fn verdict(found: &Selection, ladder: &Ladder, gaps: &[Gap; 3]) -> Verdict {
+/// The verdict of a record that can answer, by the errors as believed, refitted and mended. Without effects the mended
+/// model is the refit, or the belief where the refit forecasts no better.
+pub(super) fn verdict(found: &Selection, ladder: &Ladder, [nominal, _, mended]: &[Gap; 3]) -> Verdict {
     if found.is_incomplete() && !effects_explain_enough(found, ladder) {
         Verdict::Unexplained
     } else if !found.effects.is_empty() {
         Verdict::Effect
-    } else if parameters_matter(gaps) {
+    } else if parameters_matter(nominal, mended, mended) {
         Verdict::Parameters
     } else {
         Verdict::NoGap
@@ -52,7 +53,7 @@ pub(super) fn rest_matters(end: &Gap) -> bool {
 }
 
 /// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.
-pub(super) fn parameters_matter([nominal, refitted, mended]: &[Gap; 3]) -> bool {
+pub(super) fn parameters_matter(nominal: &Gap, refitted: &Gap, mended: &Gap) -> bool {
     match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
         (Some(nominal), Some(refitted), Some(floor)) => matters(nominal - refitted, floor),
         _ => false,

@@ -7,6 +7,7 @@
 //! The forms are those of [`linear`](crate::linear). A plant of first order, whose reading follows the input as a speed
 //! does, is no rig of ours and refused.
 
+use crate::gap::forecast_error::Gap;
 use crate::identify::forms::{Forms, SEEN};
 use crate::identify::gravity::gravity;
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
@@ -42,6 +43,32 @@ pub struct Initial {
     pub sign_is_seen: bool,
     /// The form that the fit began with.
     pub form: LinearFit,
+    /// Where the model forecasts worse than "the position stays put" at every horizon, the nearest one.
+    pub no_use: Option<NoUse>,
+}
+
+/// A horizon at which a model is of no use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoUse {
+    /// The horizon, seconds.
+    pub horizon_s: f64,
+    /// Error of the model, mm.
+    pub error_mm: f64,
+    /// Error of "the position stays put", mm.
+    pub stay_put_mm: f64,
+}
+
+impl NoUse {
+    /// `None`: the model is better at a horizon, or the record is too short.
+    fn of(gap: &Gap) -> Option<Self> {
+        let errors = gap.horizons_s.into_iter().zip(gap.error_mm).zip(gap.stay_put_mm);
+        let known = errors.filter_map(|((horizon_s, error), stay_put)| {
+            Some(Self { horizon_s, error_mm: error?, stay_put_mm: stay_put? })
+        });
+        let known: Vec<Self> = known.collect();
+        let is_worse = known.iter().all(|at| at.error_mm > at.stay_put_mm);
+        known.first().copied().filter(|_| is_worse)
+    }
 }
 
 /// Why there is no first belief.
@@ -147,7 +174,8 @@ pub fn initial(
     // A fit may put all noise into the force; the readings have that of their rounding at least.
     model.noise.sensor_mm = model.noise.sensor_mm.max(recording.rounding_mm());
     model.check().map_err(|(_, unsound)| NoPlant::OutOfBounds(unsound.to_string()))?;
-    Ok(Initial { model, is_turned, gain_is_lost, sign_is_seen: forms.show_sign(), form, found })
+    let no_use = NoUse::of(&Gap::measure(&model, &recording));
+    Ok(Initial { model, is_turned, gain_is_lost, sign_is_seen: forms.show_sign(), form, no_use, found })
 }
 
 /// The forms of a flight; where they do not show the sign of the input, those of the flight without its rests.

@@ -14,7 +14,7 @@ pub(crate) mod transient;
 pub(crate) mod validation;
 
 pub use grey_box::{GreyBox, ParameterEstimate, Poles, TooLittle, better};
-pub use initial::{Initial, NoPlant, initial};
+pub use initial::{Initial, NoPlant, NoUse, initial};
 pub use open_loop::OpenLoop;
 pub use relay::{Oscillation, oscillation};
 pub use residual_tests::{ResidualTests, Test};

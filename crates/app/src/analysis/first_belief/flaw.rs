@@ -23,7 +23,8 @@ pub(super) fn flaw(role: Role, column: &SheetColumn) -> Option<String> {
         return Some(format!(": `{name}` counts the rows and does not say how far apart they are"));
     }
     let line = column.decreases_in.filter(|_| role == Role::Time)?;
-    Some(format!(": `{name}` goes backwards in line {line}; sort the rows, or cut the file there"))
+    let advice = if mostly_rises(column) { "sort the rows, or cut the file there" } else { "so it is no time" };
+    Some(format!(": `{name}` goes backwards in line {line}; {advice}"))
 }
 
 /// Whether the column has more than one value.
@@ -38,6 +39,12 @@ pub(super) fn grows(column: &SheetColumn) -> bool {
     let values = &column.values;
     let whole = values.len() > 1 && values.iter().all(Option::is_some) && values.first() != values.last();
     whole && values.windows(2).all(|pair| pair[0] <= pair[1])
+}
+
+/// Whether most numbers are larger than the one before, as in a time, and not in a setpoint that waits.
+fn mostly_rises(column: &SheetColumn) -> bool {
+    let values = &column.values;
+    2 * values.windows(2).filter(|pair| pair[1] > pair[0]).count() > values.len()
 }
 
 /// Whether each number is larger by one than the one before.
@@ -74,6 +81,10 @@ mod tests {
             let found = roles(&sheet, &asked).unwrap_err().to_string();
             assert!(found.contains(said), "{row}: {found}");
         }
+        let waits = (0..50).map(|k| format!("{},{},{}\n", -(k / 9), k % 7, k % 9)).collect::<String>();
+        let sheet = rows::sheet("rig.csv", format!("a,duty,position_mm\n{waits}").as_bytes()).unwrap();
+        let found = roles(&sheet, &Asked { time: Some("a".into()), ..Asked::default() }).unwrap_err().to_string();
+        assert!(found.contains("`a` goes backwards in line 11; so it is no time"), "{found}");
         let still: String = (0..50).map(|k| format!("{k},{},300\n", k % 7)).collect();
         let sheet = rows::sheet("rig.csv", format!("t,duty,position_mm\n{still}").as_bytes()).unwrap();
         let found = roles(&sheet, &Asked::default()).unwrap_err().to_string();

@@ -11,5 +11,6 @@ pub mod next;
 pub mod page;
 mod place;
 pub mod plot;
+mod sizes;
 pub mod timeline;
 pub mod words;

@@ -1,6 +1,6 @@
 //! A diagnosis in words, for a terminal.
 
-use super::{ladder, mend, place};
+use super::{ladder, mend, place, sizes};
 use crate::report::kit::words::p_value;
 use config::words::Words;
 use control::compensation::Compensation;
@@ -51,7 +51,7 @@ pub fn words_of(
         return format!("{words} {advice}");
     }
     for named in &found.effects {
-        let _ = write!(words, "\n{}", effect(named, found, compensation, rig));
+        let _ = write!(words, "\n{}", effect(named, found, compensation, rig, columns));
     }
     for place in found.regions().iter().take(3) {
         let _ = write!(words, "\nwrong {} ({})", place::words(place, columns), p_value(place.p_value));
@@ -74,13 +74,21 @@ pub fn words_of(
 }
 
 /// The line of an effect; below it its signature and its correction, unless it is absent.
-fn effect(named: &NamedEffect, found: &Diagnosis, compensation: Option<&Compensation>, rig: &Words) -> String {
+fn effect(
+    named: &NamedEffect,
+    found: &Diagnosis,
+    compensation: Option<&Compensation>,
+    rig: &Words,
+    columns: &SourceColumns,
+) -> String {
     let (entry, line) = (named.candidate.entry, found.effect_in_words(named));
     if named.change == Change::Removed {
         return line;
     }
     let mend = mend::words(entry, &found.mended.model, compensation, rig);
-    format!("{line}\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "")
+    let sizes = sizes::in_the_log(named, found, columns).map(|sizes| format!("\n{:22} that is {sizes}", ""));
+    let sizes = sizes.unwrap_or_default();
+    format!("{line}{sizes}\n{:22} in a log: {}\n{:22} mend: {mend}", "", entry.in_a_log, "")
 }
 
 /// A share in whole percent; what rounds to 0 has no sign.

@@ -1,4 +1,5 @@
-use super::{Initial, NoPlant, initial};
+use super::{Initial, NoPlant, NoUse, initial};
+use crate::Gap;
 use crate::random_for_tests::uniform;
 use crate::tests_support::{model, record, shaken};
 use crate::{Recording, Sample};
@@ -21,7 +22,15 @@ fn a_rig_is_found_with_its_lag_and_its_noise() {
     assert!(close(model.gain_mm_per_s2_per_percent, 254.6, 0.2) && close(model.noise.sensor_mm, 2.5, 0.1), "{model:?}");
     assert!(close(model.hover_duty_percent, 21.4, 0.02), "{model:?}");
     assert!(model.effects.fan_lag_s().is_some_and(|lag_s| close(lag_s, 0.2, 0.3)), "{model:?}");
-    assert!(!found.is_turned && found.sign_is_seen && !found.gain_is_lost);
+    assert!(!found.is_turned && found.sign_is_seen && !found.gain_is_lost && found.no_use.is_none());
+}
+
+#[test]
+fn a_model_that_forecasts_worse_than_a_ball_that_stays_put_is_of_no_use() {
+    let mut wrong = model();
+    wrong.gain_mm_per_s2_per_percent *= 30.0;
+    let found = NoUse::of(&Gap::measure(&wrong, &record(&model(), 2, 60))).unwrap();
+    assert!(found.horizon_s == 0.1 && found.error_mm > found.stay_put_mm && found.stay_put_mm > 0.0, "{found:?}");
 }
 
 /// A pendulum of 13/s², in degrees, pushed by steps of a propeller whose thrust holds it at 10 to 50 degrees.

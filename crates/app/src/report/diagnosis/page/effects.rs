@@ -1,7 +1,7 @@
 //! The effects: those that were selected, with their parameters, and every candidate.
 
 use super::Report;
-use crate::report::diagnosis::mend;
+use crate::report::diagnosis::{mend, sizes};
 use crate::report::kit::page::parts::{number, spoken, stage, table, three_digits};
 use diagnose::thresholds::{FIRST_EFFECT, INDISTINGUISHABLE, SECOND_EFFECT, SHARE_OF_OMITTED};
 use diagnose::{Change, Diagnosis, Interval, NamedEffect, Scored, chance_in_words};
@@ -72,6 +72,9 @@ fn one(report: &Report<'_>, named: &NamedEffect) -> Markup {
             div.facts {
             (table(&format!("Numbers of the {}", spoken(entry.name)), &["number", "value", "90 % interval"], &rows))
             dl {
+                @if let Some(sizes) = sizes::in_the_log(named, report.found, report.logs.columns) {
+                    dt { "In the columns of the log" } dd { code { (sizes) } }
+                }
                 @if named.change != Change::Removed {
                     dt { "In a log" } dd { (entry.in_a_log) }
                     dt { "Correct it on the rig" } dd { (mend::words(entry, &report.found.mended.model, report.compensation, report.words)) }

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The program's sentences are about a ball, its height in mm, and a duty in percent. Keys of configs, columns and
-//! names of files keep theirs: only whole words are replaced, and none beside an underscore, a dot or a slash, or in a
-//! name with a dot. No number is converted: the unit is that of the position as `[import]` scales it.
+//! names of files keep theirs: only whole words are replaced, and none between backticks, beside an underscore, a dot or a
+//! slash, or in a name with a dot. No number is converted: the unit is that of the position as `[import]` scales it.
 
 use diagnose::{Finding, SourceColumns};
 use serde::Serialize;
@@ -82,9 +82,10 @@ impl Words {
         }
         let pairs = self.pairs();
         let mut said = String::with_capacity(text.len());
-        let (mut rest, mut before) = (text, ' ');
+        let (mut rest, mut before, mut quoted) = (text, ' ', false);
         while let Some(letter) = rest.chars().next() {
-            let found = pairs.iter().find(|(old, _)| !joins(before) && starts(rest, old));
+            quoted ^= letter == '`';
+            let found = pairs.iter().find(|(old, _)| !quoted && !joins(before) && starts(rest, old));
             let (taken, new) = found.map_or((letter.len_utf8(), None), |(old, new)| (old.len(), Some(new)));
             match new {
                 Some(new) => said.push_str(new),
@@ -254,6 +255,7 @@ mod tests {
         let text = "position_mm = 3, gain_mm_per_s2_per_percent, duty.csv, logs/ball, mm_x, --duty, ball-and-beam.csv: \
                     see a ball-in-pipe.mcap";
         assert_eq!(cart().of(text), text);
+        assert_eq!(cart().of("the duty: `duty / 2`, the column `ball`"), "the voltage: `duty / 2`, the column `ball`");
         assert_eq!(cart().of("the ball. A duty-free ball, 3.5 mm"), "the angle. A voltage-free angle, 3.5 deg");
         assert_eq!(Words::default().of("the ball, 3 mm"), "the ball, 3 mm");
     }

@@ -108,7 +108,7 @@ impl<'a> Parser<'a> {
         }
         let kind = MistakeKind::UnknownVariable {
             name: name.to_string(),
-            names: self.names.iter().map(ToString::to_string).collect(),
+            names: self.names.iter().filter(|name| !name.is_empty()).map(ToString::to_string).collect(),
             nearest: nearest(name, self.names.iter().copied()).map(ToString::to_string),
         };
         mistake(column, kind)

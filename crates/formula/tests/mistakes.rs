@@ -29,6 +29,7 @@ fn an_unknown_name_is_answered_with_the_nearest_and_all_that_there_are() {
     let alone = |names: &[&str]| Formula::parse("q", names).unwrap_err().to_string();
     assert_eq!(alone(&[]), "column 1: there is no variable `q`; there are none, only the constant pi");
     assert_eq!(alone(&["x"]), "column 1: there is no variable `q`; there is x");
+    assert_eq!(alone(&["x", "", "v"]), "column 1: there is no variable `q`; there are x, v", "a place without a name");
 }
 
 #[test]

@@ -21,8 +21,6 @@ pub struct Readings {
     pub sigma_mm: f64,
     /// Time from one reading to the next, seconds.
     pub period_s: f64,
-    /// Speed of the ball that a quarter of the readings exceeds, mm/s.
-    pub speed_mm_per_s: f64,
 }
 
 /// An error of a reading within so many standard deviations is a tail of the noise. Normal noise exceeds it once in 1.7

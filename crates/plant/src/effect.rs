@@ -70,6 +70,8 @@ pub enum Neutral {
 pub enum Scale {
     /// The value itself, but no less than a tenth of the first of the entry's sizes.
     Value,
+    /// The value itself, a speed, which a fit keeps within those of the record.
+    Speed,
     /// This many mm at every value: for a height, whose value does not determine its resolution.
     Height(f64),
     /// No steps: the value is given with the effect, and no fit changes it.
@@ -257,7 +259,7 @@ impl Entry {
     pub fn step_size(&self, index: usize, value: f64) -> f64 {
         match self.params.get(index).map(|param| param.scale) {
             Some(Scale::Height(size)) => size,
-            Some(Scale::Value | Scale::Given) | None => {
+            Some(Scale::Value | Scale::Speed | Scale::Given) | None => {
                 let usual = self.sizes.first().and_then(|sizes| sizes.get(index)).copied().unwrap_or(1.0);
                 value.abs().max(0.1 * usual.abs())
             }

@@ -245,7 +245,7 @@ fn write_next<'a>(path: &'a Path, advice: &Advice) -> Result<Option<&'a Path>> {
     match &advice.experiment {
         Some(next) => write("experiment", path, &next.file).map(|()| Some(path)),
         None => {
-            note(format_args!("no further experiment is needed; {} was not written", path.display()));
+            note(format_args!("no experiment of the list would tell more; {} was not written", path.display()));
             Ok(None)
         }
     }

@@ -48,7 +48,7 @@ impl Diagnosis {
                 format!("{name} = {}{unit}", interval.in_words())
             });
             let numbers = numbers.collect::<Vec<_>>().join(", ");
-            format!("{}: {}, {numbers}", shape.table().looks, shape.table().adds)
+            format!("{}: `{}`, {numbers}", shape.table().looks, shape.table().adds)
         });
         let terms: Vec<String> = terms.collect();
         let rung = self.ladder.iter().find(|rung| rung.step == Step::Formula)?;

@@ -10,12 +10,21 @@ use plant::{Effects, Entry, Stage};
 /// The headline of a residual that is significant, and that no likely effect explains.
 const NO_EFFECT: &str = "Something separates simulator and rig that no effect of the catalogue explains";
 
+/// What a significant residual means beside a noise that may hold it.
+const HIDDEN: &str = "but a residual is significant, and that noise may hide a missing effect";
+
 impl Diagnosis {
     /// The verdict in one sentence, without a full stop.
     #[must_use]
     pub fn verdict_in_words(&self) -> String {
         match self.verdict {
+            Verdict::NoGap if self.noise_may_hide() => {
+                format!("The simulator forecasts this record as well as its noise allows, {HIDDEN}")
+            }
             Verdict::NoGap => "No gap: the simulator forecasts this record as well as noise allows".into(),
+            Verdict::Parameters if self.noise_may_hide() => {
+                format!("The simulator's numbers are off; with others it forecasts this record well, {HIDDEN}")
+            }
             Verdict::Parameters => {
                 "The simulator lacks no effect that this record shows, but its numbers are off".into()
             }
@@ -43,6 +52,11 @@ impl Diagnosis {
                 if are_off { format!("The simulator's numbers are off; {}", as_clause(&said)) } else { said }
             }
         }
+    }
+
+    /// Whether the residual is significant, and the noise too large to tell how much it matters.
+    fn noise_may_hide(&self) -> bool {
+        self.mends_noise && self.rest.is_significant
     }
 
     /// The named effects that the mended model does not have.
@@ -154,7 +168,7 @@ fn first_letter(words: &str, of: impl Fn(&char) -> char) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{NO_EFFECT, listed, with_article};
+    use super::{HIDDEN, NO_EFFECT, listed, with_article};
     use crate::answer::diagnosis::Diagnosis;
     use crate::answer::verdict::Verdict;
     use crate::diagnose;
@@ -196,5 +210,10 @@ mod tests {
         assert_eq!(large.verdict_in_words(), NO_EFFECT);
         large.rest.matters = false;
         assert!(large.verdict_in_words().ends_with(", but too little to matter for a forecast of 1 s"));
+        large.verdict = Verdict::NoGap;
+        large.rest.is_significant = true;
+        assert!(large.verdict_in_words().starts_with("No gap"));
+        large.mends_noise = true;
+        assert!(large.verdict_in_words().ends_with(HIDDEN));
     }
 }

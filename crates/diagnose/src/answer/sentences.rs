@@ -8,7 +8,7 @@ use crate::answer::verdict::Verdict;
 use crate::residual::misfit::Misfit;
 use crate::residual::score_test::Omitted;
 use crate::select::stepwise::{Change, NamedEffect};
-use crate::thresholds::AIR_RATIO;
+use crate::thresholds::{AIR_RATIO, LIKELY};
 use plant::Stage;
 
 /// Largest number of terms in a sentence.
@@ -24,7 +24,8 @@ impl Diagnosis {
         let entry = named.candidate.entry;
         let sure = format!("{:<22} {} sure   ", entry.name, chance_in_words(named.probability));
         if named.change == Change::Removed {
-            return format!("{sure}believed, and not there: leave it out of the model");
+            let is = if named.probability < LIKELY { "perhaps" } else { "and" };
+            return format!("{sure}believed, {is} not there: leave it out of the model");
         }
         let own = self.effect_parameters(named);
         let in_order = entry.params.iter().filter_map(|param| Some((param.name, *own.get(param.name)?)));
@@ -91,7 +92,7 @@ impl Diagnosis {
         let size = match self.rest {
             Rest { matters: false, .. } => "a residual remains, too little to matter for a forecast of 1 s".to_owned(),
             Rest { share: Some(share), .. } => {
-                format!("{:.0} % of the gap that the refit leaves is unexplained", 100.0 * share)
+                format!("{:.0} % of the gap that the refit leaves is explained by no effect", 100.0 * share)
             }
             Rest { share: None, .. } => "a residual remains".to_owned(),
         };
@@ -154,7 +155,7 @@ impl Interval {
     pub fn in_words(&self) -> String {
         let plain = |value: f64| format!("{:.*}", decimals(value), value + 0.0);
         let ends = self.low.zip(self.high).map(|(low, high)| format!(" ({} to {})", plain(low), plain(high)));
-        let bound = self.at_bound.map(|bound| format!(" [at {}, the bound of what this record allows]", plain(bound)));
+        let bound = self.at_bound.map(|bound| format!(" [at {}, the bound of the search]", plain(bound)));
         format!("{}{}{}", plain(self.value), ends.unwrap_or_default(), bound.unwrap_or_default())
     }
 }

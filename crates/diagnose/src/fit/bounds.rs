@@ -4,6 +4,7 @@
 //! hover     lowest duty − m ≤ hover ≤ highest duty + m       m: half of the range of duties
 //! heights   min(0, lowest reading) ≤ height ≤ max(length of the pipe, highest reading)
 //!           half a turn further, where the position is an angle: it need not pass where its pendulum hangs
+//! speeds    v/50 ≤ speed ≤ v                              v: the speed that a quarter of the readings exceeds
 //! others    as the config accepts them; the gain keeps its sign
 //! ```
 //!
@@ -13,6 +14,7 @@
 
 use crate::fit::parameter::Parameter;
 use crate::record::recording::Recording;
+use crate::record::usual_speed::usual_speed;
 use plant::{Model, Scale, Unsound};
 
 /// Margin of hover beyond the range of duties, as a share of that range.
@@ -25,7 +27,12 @@ const NEAR: f64 = 1e-9;
 pub struct Bounds {
     hover_percent: [f64; 2],
     height_mm: [f64; 2],
+    speed_mm_per_s: [f64; 2],
 }
+
+/// Slowest speed over which friction builds up, as a share of the usual one: below that it is dry for all that a record
+/// shows. Chosen by hand.
+const SLOW: f64 = 0.02;
 
 /// Why a model is not possible on a record.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,9 +50,11 @@ impl Bounds {
         let margin = MARGIN * (high - low);
         let [lowest, highest] = recording.height_range();
         let (bottom, top) = belief.pipe_mm();
+        let speed = usual_speed(recording);
         let beyond_mm = belief.turn_mm.map_or(0.0, |turn_mm| turn_mm / 2.0);
         Self {
             hover_percent: [(low - margin).max(Model::HOVER.min), (high + margin).min(Model::HOVER.max)],
+            speed_mm_per_s: [SLOW * speed, speed],
             height_mm: [lowest.min(bottom) - beyond_mm, highest.max(top) + beyond_mm],
         }
     }
@@ -57,6 +66,7 @@ impl Bounds {
         match (parameter, param.scale) {
             (Parameter::Hover, _) => self.hover_percent,
             (_, Scale::Height(_)) => [param.min.max(self.height_mm[0]), param.max.min(self.height_mm[1])],
+            (_, Scale::Speed) => self.speed_mm_per_s.map(|bound| bound.clamp(param.min, param.max)),
             _ => [param.min, param.max],
         }
     }

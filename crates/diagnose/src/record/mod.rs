@@ -21,3 +21,4 @@ pub(crate) mod second_sensor;
 pub(crate) mod source_columns;
 pub(crate) mod stretches;
 pub(crate) mod units;
+pub(crate) mod usual_speed;

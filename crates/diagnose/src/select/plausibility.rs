@@ -4,7 +4,6 @@ use crate::fit::estimate::Fit;
 use crate::fit::lag_form::lags;
 use crate::record::check::other_rig;
 use crate::select::candidates::Candidate;
-use crate::select::optional::usual_speed;
 use crate::select::search::Search;
 use crate::thresholds::{COST_BESIDE_A_LAG, NOTHING, SHARE_OF_A_LAG};
 use plant::{Effects, Entry, Model, Neutral, Readings};
@@ -39,8 +38,7 @@ fn does_something(search: &Search<'_>, candidate: &Candidate) -> bool {
 fn can_show(search: &Search<'_>, candidate: &Candidate) -> bool {
     let (recording, belief) = (search.problem.recording, search.problem.belief);
     let period_s = recording.mean_reading_period_s();
-    let (sigma_mm, speed_mm_per_s) = (belief.noise.sensor_mm, usual_speed(recording));
-    let readings = Readings { sigma_mm, period_s, speed_mm_per_s };
+    let readings = Readings { sigma_mm: belief.noise.sensor_mm, period_s };
     let effects = &candidate.fit.model.effects;
     let added = effects.present().into_iter().filter(|entry| belief.effects.values(entry.name).is_none());
     added.into_iter().all(|entry| effects.can_show(entry.name, &readings))

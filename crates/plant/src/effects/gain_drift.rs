@@ -35,7 +35,8 @@ impl Effect for GainDrift {
         start: Start::OverRecord(&[0.2, -0.2]),
         shown_at: Some(&[-0.006]),
         in_a_log: "the same step of duty moves the ball further or less far late in the log than early",
-        mend: "use a regulated supply for the fan, let the rig warm up first, or identify the gain before each flight",
+        mend: "use a regulated supply for the fan, let the rig warm up first, or identify the gain before each flight; \
+             leave the drift out of a model for other records, which drift by other amounts",
         similar: &[Similar {
             name: "hover_drift",
             distinguished_by: "with gain drift the hover duty stays and the response to steps changes. Fly the same \

@@ -19,7 +19,7 @@
 //! Source: Andersson, Söderberg and Björklund, *Friction models for sliding dry, boundary and mixed lubricated contacts*,
 //! Tribology International 40 (2007), the smooth form of Coulomb's law.
 
-use crate::acts::{Acts, Readings};
+use crate::acts::Acts;
 use crate::effect::{Effect, Entry, InColumn, Neutral, Param, Scale, Similar, Stage, Start};
 use core::iter;
 use serde::{Deserialize, Serialize};
@@ -51,7 +51,7 @@ impl Effect for WallFriction {
                 neutral: Neutral::At(0.0),
                 scale: Scale::Value,
             },
-            Param { name: "transition_mm_per_s", min: 1e-3, max: 1e5, neutral: Neutral::Any(0.0), scale: Scale::Value },
+            Param { name: "transition_mm_per_s", min: 1e-3, max: 1e5, neutral: Neutral::Any(0.0), scale: Scale::Speed },
         ],
         optional: 1,
         sizes: &[&[20.0], &[60.0]],
@@ -80,8 +80,7 @@ impl Effect for WallFriction {
         ..Entry::PLAIN
     };
 
-    const ACTS: Acts<Self> =
-        Acts { friction: Some(|friction| *friction), can_show: Some(Self::builds_up_below), ..Acts::NONE };
+    const ACTS: Acts<Self> = Acts { friction: Some(|friction| *friction), ..Acts::NONE };
 
     /// The acceleration; the transition as well where it is given.
     fn values(&self) -> Vec<f64> {
@@ -103,11 +102,6 @@ impl WallFriction {
     #[must_use]
     pub fn is_dry(&self) -> bool {
         self.transition_mm_per_s.is_none()
-    }
-
-    /// Whether it is built up at the speeds of the ball: one that is not is a drag.
-    fn builds_up_below(&self, readings: &Readings) -> bool {
-        self.transition_mm_per_s.is_none_or(|over| over < readings.speed_mm_per_s)
     }
 
     /// The derivative of a smooth friction by the velocity at standstill, 1/s, without its sign.
@@ -147,7 +141,6 @@ impl WallFriction {
 #[cfg(test)]
 mod tests {
     use super::{STEEPEST_PER_S, WallFriction};
-    use crate::acts::Readings;
     use crate::model::Model;
     use crate::model::tests::thesis;
     use crate::motion::{Input, Motion};
@@ -181,13 +174,5 @@ mod tests {
         assert_eq!(moved_mm(&[50.0]), 0.0);
         // It reaches w·artanh(20/50) = 2.118 mm/s within a tenth of a second.
         assert!((1.8..2.118).contains(&moved_mm(&[50.0, 5.0])), "{}", moved_mm(&[50.0, 5.0]));
-    }
-
-    #[test]
-    fn a_friction_that_is_not_built_up_at_the_speeds_of_the_ball_is_none() {
-        let readings = Readings { sigma_mm: 1.0, period_s: 0.02, speed_mm_per_s: 30.0 };
-        for (values, shows) in [(&[50.0][..], true), (&[50.0, 29.0], true), (&[50.0, 31.0], false)] {
-            assert_eq!(WallFriction::from_values(values).builds_up_below(&readings), shows);
-        }
     }
 }

@@ -31,6 +31,17 @@ pub fn first_of_all(found: &Diagnosis) -> Option<&'static str> {
     (found.verdict == Verdict::InsufficientData).then_some(advice)
 }
 
+/// What to try where no effect of the catalogue explains the gap.
+const WRITE_ONE: &str = "If you suspect another effect, write its equation in a few lines, and diagnose with `--effects FILE`: \
+                         the guide \"Write an effect of your own\" shows how.";
+
+/// What to do where there is no experiment to fly next. Terminal and page use it.
+#[must_use]
+pub fn without_experiment(found: &Diagnosis) -> &'static str {
+    let write_one = (found.verdict == Verdict::Unexplained).then_some(WRITE_ONE);
+    first_of_all(found).or(write_one).unwrap_or("No further experiment is needed.")
+}
+
 /// The same as [`words_of`] for a ball pipe.
 #[must_use]
 pub fn words(found: &Diagnosis, compensation: Option<&Compensation>) -> String {
@@ -69,6 +80,9 @@ pub fn words_of(
     if let Some(Closed { value, low, high }) = found.closed {
         let [value, low, high] = [value, low, high].map(whole_percent);
         let _ = write!(words, "\n{value} % of the gap is closed ({low} to {high} %)");
+    }
+    if found.verdict == Verdict::Unexplained {
+        let _ = write!(words, "\n{WRITE_ONE}");
     }
     words
 }

@@ -94,7 +94,7 @@ pub(super) fn ends(interval: &Interval) -> Markup {
     html! {
         @if let Some((low, high)) = interval.low.zip(interval.high) { (three_digits(low)) " to " (three_digits(high)) }
         @else { "not determined" }
-        @if let Some(bound) = interval.at_bound { " (at " (three_digits(bound)) ", the limit of this record)" }
+        @if let Some(bound) = interval.at_bound { " (at " (three_digits(bound)) ", the bound of the search)" }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Report;
 use super::effects::is_mended;
 use crate::report::diagnosis::mend;
-use crate::report::diagnosis::words::first_of_all;
+use crate::report::diagnosis::words::without_experiment;
 use crate::report::kit::page::parts::{spoken, to_copy};
 use crate::report::kit::patch::rounded;
 use diagnose::Change;
@@ -71,7 +71,7 @@ pub(super) fn next(report: &Report<'_>) -> Markup {
                 p { "See it simulated with " (simulate) ", and give your rig the same setpoints and inputs." }
             }
         } @else {
-            p { (first_of_all(found).unwrap_or("No further experiment is needed.")) }
+            p { (without_experiment(found)) }
         }
         @for finding in &advice.findings { p { (finding) "." } }
     }

@@ -3,28 +3,23 @@
 //! ```text
 //! v ≠ 0:  a = −f·sign(v)                        a, f in mm/s²
 //! v = 0:  a = 0 while |net| ≤ f, else net − f·sign(net)      net: everything else that accelerates the ball
+//! with a transition w:  a = −f·tanh(v/w)        w in mm/s
 //! ```
 //!
-//! Coulomb's law with one f for sticking and sliding. Leaves out that the ball also rolls.
+//! Coulomb's law with one f for sticking and sliding. Leaves out that the ball also rolls. With a transition, friction
+//! builds up with the speed, as in lubricated and elastic contacts: the ball does not stick, but creeps under a force
+//! below f.
 //! Source: Karnopp, *Computer Simulation of Stick-Slip Friction in Mechanical Dynamic Systems*, J. Dyn. Sys.,
-//! Meas., Control 107 (1985); without its band of low speed, because the instant of standstill is solved for.
-//!
-//! Contacts that are lubricated or elastic do not stick: friction builds up over a transition w, and the ball creeps
-//! under a force below f.
-//!
-//! ```text
-//! a = −f·tanh(v/w)            w in mm/s
-//! ```
-//!
-//! Source: Andersson, Söderberg and Björklund, *Friction models for sliding dry, boundary and mixed lubricated contacts*,
-//! Tribology International 40 (2007), the smooth form of Coulomb's law.
+//! Meas., Control 107 (1985); without its band of low speed, because the instant of standstill is solved for. The
+//! transition: Andersson, Söderberg and Björklund, *Friction models for sliding dry, boundary and mixed lubricated
+//! contacts*, Tribology International 40 (2007).
 
 use crate::acts::Acts;
 use crate::effect::{Effect, Entry, InColumn, Neutral, Param, Scale, Similar, Stage, Start};
 use core::iter;
 use serde::{Deserialize, Serialize};
 
-/// Dry friction against the pipe.
+/// Friction against the pipe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallFriction {
@@ -51,7 +46,7 @@ impl Effect for WallFriction {
                 neutral: Neutral::At(0.0),
                 scale: Scale::Value,
             },
-            Param { name: "transition_mm_per_s", min: 1e-3, max: 1e5, neutral: Neutral::Any(0.0), scale: Scale::Speed },
+            Param { name: "transition_mm_per_s", min: 1e-3, max: 1e5, neutral: Neutral::Any(1.0), scale: Scale::Speed },
         ],
         optional: 1,
         sizes: &[&[20.0], &[60.0]],

@@ -82,9 +82,9 @@ mod tests {
             assert!(found.contains(said), "{row}: {found}");
         }
         let waits = (0..50).map(|k| format!("{},{},{}\n", -(k / 9), k % 7, k % 9)).collect::<String>();
-        let sheet = rows::sheet("rig.csv", format!("a,duty,position_mm\n{waits}").as_bytes()).unwrap();
-        let found = roles(&sheet, &Asked { time: Some("a".into()), ..Asked::default() }).unwrap_err().to_string();
-        assert!(found.contains("`a` goes backwards in line 11; so it is no time"), "{found}");
+        let sheet = rows::sheet("rig.csv", format!("t,duty,position_mm\n{waits}").as_bytes()).unwrap();
+        let found = roles(&sheet, &Asked::default()).unwrap_err().to_string();
+        assert!(found.contains("`t` goes backwards in line 11; so it is no time"), "{found}");
         let still: String = (0..50).map(|k| format!("{k},{},300\n", k % 7)).collect();
         let sheet = rows::sheet("rig.csv", format!("t,duty,position_mm\n{still}").as_bytes()).unwrap();
         let found = roles(&sheet, &Asked::default()).unwrap_err().to_string();

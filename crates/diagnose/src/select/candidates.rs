@@ -17,7 +17,7 @@
 use crate::fit::estimate::Fit;
 use crate::fit::held_out::LogLikByFold;
 use crate::select::nested::{remove_needless, simpler_starts};
-use crate::select::optional::{is_within_bounds, other_forms};
+use crate::select::optional::{is_within_bounds, other_forms, prefer_simple_forms};
 use crate::select::plausibility::{cost_of_form, is_plausible};
 use crate::select::posterior::Scored;
 use crate::select::screening::{Screened, first, promising_gain, screen};
@@ -70,6 +70,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let mut all: Vec<Candidate> = promising.par_iter().map(in_full).collect();
     all.retain(|candidate| is_within_bounds(search, candidate) && is_plausible(search, candidate, so_far));
     all.sort_by(|a, b| b.held_out_gain.total_cmp(&a.held_out_gain));
+    prefer_simple_forms(&mut all);
     let mut names = HashSet::new();
     all.retain(|candidate| names.insert(candidate.entry.name));
     remove_needless(search, &mut all, so_far);

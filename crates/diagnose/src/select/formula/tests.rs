@@ -63,7 +63,10 @@ fn a_formula_has_its_rung_its_sentence_and_its_place_in_the_patch() {
     let rung = found.ladder.last().unwrap();
     assert!(rung.step == Step::Formula && rung.share.unwrap().value > 0.5, "{rung:?}");
     let words = found.formula_in_words().unwrap();
-    assert!(words.contains("a force that ripples over the height: `a * sin") && words.contains("of the gap"), "{words}");
+    assert!(
+        words.contains("a force that ripples over the height: `a * sin") && words.contains("of the gap"),
+        "{words}"
+    );
     let patch = found.patch_toml();
     for part in ["[effect.formula_height_ripple]", "[plant.effects.formula_height_ripple]\na = "] {
         assert!(patch.contains(part), "{patch}");

@@ -34,8 +34,8 @@ const HEAD_OF_GUESS: &str = "# A first guess about ";
 /// Where the comments of the config begin.
 const COMMENT_COLUMN: usize = 46;
 
-/// The meaning of a diagnosis with `model` if it is the one that was fitted to a record and written below this first line
-/// of a config.
+/// The meaning of a diagnosis with `model` if it is the one that was fitted to a record and written below this first
+/// line of a config.
 #[must_use]
 pub fn meaning(first_line: &str, model: &Model) -> Option<&'static str> {
     let is_as_written = first_line.ends_with(&end(&version(model)));

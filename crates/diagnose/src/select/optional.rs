@@ -39,8 +39,8 @@ fn other_form(search: &Search<'_>, one: &Screened, so_far: &Fit) -> Option<Scree
     Some(Screened { model, parameters, cost, rivals: Vec::new(), ..one.clone() })
 }
 
-/// Whether an optional parameter ended within its bounds. One at a bound is the simple form under another name: friction
-/// over the slowest transition is dry, and over the fastest speed a drag.
+/// Whether an optional parameter ended within its bounds. One at a bound is another effect: friction over the slowest
+/// transition is dry, and over the fastest a drag.
 pub(crate) fn is_within_bounds(search: &Search<'_>, candidate: &Candidate) -> bool {
     let (entry, model) = (candidate.entry, &candidate.fit.model);
     let simple = entry.params.len() - entry.optional;
@@ -49,8 +49,8 @@ pub(crate) fn is_within_bounds(search: &Search<'_>, candidate: &Candidate) -> bo
     entry.optional == 0 || optional.all(|one| search.problem.bounds().active(*one, model).is_none())
 }
 
-/// Removes each form with optional parameters whose gain beyond the simple form is too small: the filter knows the speed
-/// of the ball with an error, over which even dry friction builds up.
+/// Removes each form with optional parameters whose gain beyond the simple form is too small: the filter knows the
+/// speed of the ball with an error, over which even dry friction builds up.
 pub(crate) fn prefer_simple_forms(all: &mut Vec<Candidate>) {
     let is_needless = |rich: &Candidate| {
         let enough = SECOND_EFFECT.max(SHARE_OF_EXPLAINED * rich.held_out_gain);
@@ -73,8 +73,8 @@ mod tests {
 
     const STEP_S: f64 = 1e-3;
 
-    /// A ball in a pipe, ẍ = 150·(u − 40) − 1.2·ẋ mm/s² before friction, held by a PD controller with a random setpoint;
-    /// 0.25 mm of noise. Its own simulator. `rub`: the velocity after a step from the one without friction.
+    /// A ball in a pipe, ẍ = 150·(u − 40) − 1.2·ẋ mm/s² before friction, held by a PD controller with a random
+    /// setpoint; 0.25 mm of noise. Its own simulator. `rub`: the velocity after a step from the one without friction.
     fn flown(rub: impl Fn(f64) -> f64) -> Recording {
         let (mut x, mut v, mut setpoint, mut last, mut slope) = (300.0, 0.0, 300.0, 300.0, 0.0);
         let mut uniform = uniform(7);

@@ -10,7 +10,8 @@
 //!
 //! The program's sentences are about a ball, its height in mm, and a duty in percent. Keys of configs, columns and
 //! names of files keep theirs: only whole words are replaced, and none between backticks, beside an underscore, a dot
-//! or a slash, or in a name with a dot. No number is converted: the unit is that of the position as `[import]` scales it.
+//! or a slash, or in a name with a dot. No number is converted: the unit is that of the position as `[import]` scales
+//! it.
 
 use diagnose::{Finding, SourceColumns};
 use serde::Serialize;

@@ -254,6 +254,12 @@ impl Entry {
         self.params.iter().map(value).collect()
     }
 
+    /// The number of parameters of its simple form.
+    #[must_use]
+    pub const fn simple_count(&self) -> usize {
+        self.params.len() - self.optional
+    }
+
     /// The size of the steps that a fit takes in parameter `index` where it has this value, in its unit.
     #[must_use]
     pub fn step_size(&self, index: usize, value: f64) -> f64 {

@@ -148,9 +148,9 @@ impl Effects {
     /// The same without the effects that users write: what acts on the ball, then the air.
     #[inline(always)]
     pub(crate) fn accelerated_by_catalogue(&self, acceleration: f64, conditions: &Conditions) -> f64 {
-        let rubbed =
-            acceleration + self.smooth_friction().map_or(0.0, |friction| friction.smooth(conditions.velocity_mm_per_s));
-        let sum = fold!(self, force, rubbed, |sum, act, effect| {
+        let friction = self.smooth_friction();
+        let friction = friction.map_or(0.0, |friction| friction.smooth(conditions.velocity_mm_per_s));
+        let sum = fold!(self, force, acceleration + friction, |sum, act, effect| {
             if matches!(stage(effect), Stage::Air) { sum } else { sum + act(effect, conditions) }
         });
         fold!(self, force, sum, |sum, act, effect| {
@@ -162,9 +162,9 @@ impl Effects {
     /// acceleration.
     #[inline(always)]
     pub(crate) fn built_in_slopes(&self, conditions: &Conditions) -> [f64; 3] {
-        let rubbing = self.smooth_friction();
-        let rubbing = rubbing.map_or(0.0, |friction| friction.smooth_slope_per_s(conditions.velocity_mm_per_s));
-        fold!(self, force, [0.0, rubbing, 0.0], |sum, act, effect| {
+        let friction = self.smooth_friction();
+        let slope = friction.map_or(0.0, |friction| friction.smooth_slope_per_s(conditions.velocity_mm_per_s));
+        fold!(self, force, [0.0, slope, 0.0], |sum, act, effect| {
             let own = acts(effect)
                 .force_slopes
                 .map_or_else(|| conditions.slopes_of(|there| act(effect, there)), |slopes| slopes(effect, conditions));

@@ -61,8 +61,8 @@ pub fn config(belief: &FirstBelief, logs: &[String]) -> String {
     let head = format!(
         "{head}{}, written by `airball init` ({} s, {} readings, {}\n\
          # Gain, drag and hover are {from}, so that a diagnosis\n\
-         # with it says how the rig differs from a linear model of itself; the noise is fitted. Put in what you know: a\n\
-         # diagnosis against it then says more.\n\n",
+         # with it says how the rig differs from a linear model of itself; the noise is fitted. Put in what you know:\n\
+         # a diagnosis against it then says more.\n\n",
         logs.iter().map(|log| shown(log)).collect::<Vec<_>>().join(", "),
         number(belief.duration_s),
         belief.readings,
@@ -320,9 +320,9 @@ pub fn warnings(belief: &FirstBelief) -> Vec<String> {
     });
     let no_use = plant.no_use.map(|NoUse { horizon_s, error_mm, stay_put_mm }| {
         format!(
-            "the linear model forecasts worse than \"the position stays put\" ({horizon_s} s ahead it errs by {error_mm:.1} \
-             against {stay_put_mm:.1} mm), so it is no belief to diagnose with: check columns, units and row period, or \
-             put in the gain and drag that you know"
+            "the linear model forecasts worse than \"the position stays put\" ({horizon_s} s ahead it errs by \
+             {error_mm:.1} against {stay_put_mm:.1} mm), so it is no belief to diagnose with: check columns, units and \
+             row period, or put in the gain and drag that you know"
         )
     });
     let spring = plant.form.spring_per_s2;

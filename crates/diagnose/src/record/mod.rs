@@ -11,6 +11,7 @@ mod finding;
 pub(crate) mod folds;
 pub(crate) mod free_flight;
 pub(crate) mod implausible;
+pub(crate) mod known;
 pub(crate) mod prepare;
 pub(crate) mod quantisation;
 pub(crate) mod read_off;

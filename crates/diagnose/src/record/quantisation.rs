@@ -7,9 +7,9 @@
 //! A reading without quantisation lies there only once in s/r times, so every reading that does is evidence for the
 //! step.
 
+use crate::record::known::Known;
 use crate::record::recording::Recording;
 use plant::Model;
-use std::sync::OnceLock;
 
 /// Share of the readings that must lie on a grid: outliers may not.
 const ON_GRID: f64 = 0.97;
@@ -175,21 +175,13 @@ impl Grid {
 
 /// The believed noise that [`coarse_step`] was first called with, mm, and what it found. A search calls it in each
 /// round, with the same noise, and a scan of a long range takes a second.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct KnownStep(OnceLock<(f64, Option<CoarseStep>)>);
-
-/// What follows from the rows does not tell recordings apart.
-impl PartialEq for KnownStep {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
+pub(crate) type KnownStep = Known<(f64, Option<CoarseStep>)>;
 
 /// The coarsest grid on which the readings lie, if it is coarse compared with the believed noise and the file's
 /// resolution.
 pub(crate) fn coarse_step(recording: &Recording, model: &Model) -> Option<CoarseStep> {
     let noise_mm = model.noise.sensor_mm;
-    let (known_mm, step) = recording.known_step().0.get_or_init(|| (noise_mm, coarser_than(recording, noise_mm)));
+    let (known_mm, step) = recording.known_step().get_or_init(|| (noise_mm, coarser_than(recording, noise_mm)));
     if *known_mm == noise_mm { *step } else { coarser_than(recording, noise_mm) }
 }
 

@@ -5,6 +5,7 @@
 
 pub use crate::record::error::RecordingError;
 
+use crate::record::known::Known;
 use crate::record::quantisation::KnownStep;
 use crate::record::second_sensor::Second;
 use std::ops::Range;
@@ -56,6 +57,7 @@ pub struct Recording {
     height_range: [f64; 2],
     second: Option<Second>,
     known_step: KnownStep,
+    known_speed: Known<f64>,
 }
 
 impl Recording {
@@ -116,6 +118,7 @@ impl Recording {
             flights: std::iter::once(all).collect(),
             means_of: vec![1],
             known_step: KnownStep::default(),
+            known_speed: Known::default(),
             samples,
         }
     }
@@ -248,6 +251,11 @@ impl Recording {
     /// The step of a quantised sensor, once it was asked for.
     pub(crate) const fn known_step(&self) -> &KnownStep {
         &self.known_step
+    }
+
+    /// The usual speed, once it was asked for.
+    pub(crate) const fn known_speed(&self) -> &Known<f64> {
+        &self.known_speed
     }
 
     /// Whether a row has a setpoint.

@@ -15,6 +15,15 @@ pub struct SourceColumn {
     pub further_keys: String,
 }
 
+impl SourceColumn {
+    /// Whether a user finds the quantity under another name or in another unit than `own`, our column of it. A
+    /// difference of columns, or an integral, is in no column.
+    #[must_use]
+    pub fn is_foreign(&self, own: &Self) -> bool {
+        self != own && self.further_keys.is_empty()
+    }
+}
+
 /// The sources of the quantities that a finding may change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceColumns {

@@ -3,11 +3,19 @@
 use crate::record::recording::Recording;
 use crate::stats::quantile::quantile;
 
-/// Time over which a speed is measured, seconds: long beside the noise of the readings, short beside a manoeuvre.
+/// Time over which a speed is measured, seconds: long beside the noise of the readings, short beside a manoeuvre. Chosen by
+/// hand.
 const OVER_S: f64 = 0.3;
+
+/// The quantile of the speeds that is the usual one: most rigs rest for a part of a record. Chosen by hand.
+const USUAL: f64 = 0.75;
 
 /// The speed that a quarter of the readings exceeds, mm/s; 0 where nothing moves.
 pub(crate) fn usual_speed(recording: &Recording) -> f64 {
+    *recording.known_speed().get_or_init(|| measured(recording))
+}
+
+fn measured(recording: &Recording) -> f64 {
     let samples = recording.samples();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of readings")]
     let apart = (OVER_S / recording.mean_reading_period_s()).ceil().max(1.0) as usize;
@@ -19,7 +27,7 @@ pub(crate) fn usual_speed(recording: &Recording) -> f64 {
     let flights = recording.flights().iter().flat_map(|flight| of_flight(recording.readings_of(flight)));
     let mut speeds: Vec<f64> = flights.filter(|speed| speed.is_finite()).collect();
     speeds.sort_by(f64::total_cmp);
-    if speeds.is_empty() { 0.0 } else { quantile(&speeds, 0.75) }
+    if speeds.is_empty() { 0.0 } else { quantile(&speeds, USUAL) }
 }
 
 #[cfg(test)]

@@ -90,7 +90,7 @@ fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
         Start::AgainstMotion(values) => {
             let simple: Vec<Vec<f64>> =
                 listed(values).into_iter().chain(of_regression(entry, model, problem)).collect();
-            let smooth: Vec<_> = simple.iter().map(|values| with_optional(values, recording)).collect();
+            let smooth: Vec<_> = simple.iter().filter_map(|values| with_optional(entry, values, recording)).collect();
             simple.into_iter().chain(smooth).collect()
         }
         Start::Sizes | Start::DutyOverHeight | Start::DutySteps => listed(entry.sizes),

@@ -11,6 +11,7 @@ use crate::select::candidates::Candidate;
 use crate::select::screening::{Screened, added};
 use crate::select::search::Search;
 use crate::thresholds::{SECOND_EFFECT, SHARE_OF_EXPLAINED};
+use plant::Entry;
 
 /// The starts of the simpler effects that promising ones contain: those of their own screening, and others at the base
 /// parameters of the richer effect, where its values are equal. Alone, the simpler one may stop at a lower maximum.
@@ -30,11 +31,22 @@ pub(crate) fn simpler_starts(
 fn simplified(search: &Search<'_>, rich: &Screened, so_far: &Fit) -> Option<Screened> {
     let entry = search.entries().into_iter().find(|entry| Some(entry.name) == rich.entry.contains)?;
     let values = rich.model.effects.values(rich.entry.name)?;
-    let mut base = rich.model.clone();
-    base.effects.remove(rich.entry.name);
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let (model, parameters) = added(&base, &so_far.parameters, entry, &[mean])?;
-    Some(Screened { entry, model, parameters, rivals: Vec::new(), ..rich.clone() })
+    instead(rich, so_far, entry, &[mean])
+}
+
+/// The start of `entry` at these values where `screened` ended, in place of the effect of that. `None`: `so_far` has it,
+/// or cannot have it.
+pub(crate) fn instead(screened: &Screened, so_far: &Fit, entry: &'static Entry, values: &[f64]) -> Option<Screened> {
+    let mut base = screened.model.clone();
+    base.effects.remove(screened.entry.name);
+    let (model, parameters) = added(&base, &so_far.parameters, entry, values)?;
+    Some(Screened { entry, model, parameters, rivals: Vec::new(), ..screened.clone() })
+}
+
+/// What a richer effect or form must gain beyond the simpler one, nats.
+pub(crate) fn enough_beyond_simpler(rich: &Candidate) -> f64 {
+    SECOND_EFFECT.max(SHARE_OF_EXPLAINED * rich.held_out_gain)
 }
 
 /// Removes each effect whose gain beyond the simpler one that it contains is too small. The simpler one is another
@@ -52,7 +64,7 @@ fn is_needless(search: &Search<'_>, rich: &Candidate, all: &[Candidate], so_far:
         None if so_far.model.effects.values(simpler).is_some() => (rich.held_out_gain, so_far),
         None => return false,
     };
-    beyond < SECOND_EFFECT.max(SHARE_OF_EXPLAINED * rich.held_out_gain) || beyond < omitted(search, fit)
+    beyond < enough_beyond_simpler(rich) || beyond < omitted(search, fit)
 }
 
 /// What the omitted terms of the score test gain beside `fit`, nats; 0 in a search by forecasts, whose innovations are

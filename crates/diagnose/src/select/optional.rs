@@ -6,16 +6,21 @@ use crate::fit::parameter::Parameter;
 use crate::record::recording::Recording;
 use crate::record::usual_speed::usual_speed;
 use crate::select::candidates::Candidate;
-use crate::select::screening::{COST_OF_A_NUMBER, Screened, added};
+use crate::select::nested::{enough_beyond_simpler, instead};
+use crate::select::screening::{COST_OF_A_NUMBER, Screened};
 use crate::select::search::Search;
-use crate::thresholds::{SECOND_EFFECT, SHARE_OF_EXPLAINED};
+use plant::{Entry, Scale};
 
-/// Initial transition of friction, as a share of the usual speed. Chosen, not fitted: a fit may move it.
+/// Initial value of an optional speed, as a share of the usual speed of the record. Chosen, not fitted: a fit may move it.
 const SHARE_OF_SPEED: f64 = 0.1;
 
-/// The values of an effect in its simple form with initial values of the optional parameters.
-pub(crate) fn with_optional(simple: &[f64], recording: &Recording) -> Vec<f64> {
-    simple.iter().copied().chain([SHARE_OF_SPEED * usual_speed(recording)]).collect()
+/// These values of the simple form of an effect, with initial values of its optional parameters; `None`: it has none, or
+/// one that is no speed.
+pub(crate) fn with_optional(entry: &Entry, simple: &[f64], recording: &Recording) -> Option<Vec<f64>> {
+    let speed = SHARE_OF_SPEED * usual_speed(recording);
+    let optional = &entry.params[entry.simple_count()..];
+    let are_speeds = !optional.is_empty() && optional.iter().all(|param| param.scale == Scale::Speed);
+    are_speeds.then(|| simple.iter().copied().chain(optional.iter().map(|_| speed)).collect())
 }
 
 /// The starts of the promising effects in the form that was not screened as the better one.
@@ -25,42 +30,37 @@ pub(crate) fn other_forms(search: &Search<'_>, promising: &[&Screened], so_far: 
 
 fn other_form(search: &Search<'_>, one: &Screened, so_far: &Fit) -> Option<Screened> {
     let entry = one.entry;
-    let values = one.model.effects.values(entry.name).filter(|_| entry.optional > 0)?;
-    let simple = entry.params.len() - entry.optional;
-    let other = if values.len() > simple {
-        values[..simple].to_vec()
+    let values = one.model.effects.values(entry.name)?;
+    let other = if values.len() > entry.simple_count() {
+        values[..entry.simple_count()].to_vec()
     } else {
-        with_optional(&values, search.problem.recording)
+        with_optional(entry, &values, search.problem.recording)?
     };
-    let mut base = one.model.clone();
-    base.effects.remove(entry.name);
-    let (model, parameters) = added(&base, &so_far.parameters, entry, &other)?;
     let cost = one.cost + COST_OF_A_NUMBER * (other.len() as f64 - values.len() as f64);
-    Some(Screened { model, parameters, cost, rivals: Vec::new(), ..one.clone() })
+    Some(Screened { cost, ..instead(one, so_far, entry, &other)? })
 }
 
 /// Whether an optional parameter ended within its bounds. One at a bound is another effect: friction over the slowest
 /// transition is dry, and over the fastest a drag.
 pub(crate) fn is_within_bounds(search: &Search<'_>, candidate: &Candidate) -> bool {
-    let (entry, model) = (candidate.entry, &candidate.fit.model);
-    let simple = entry.params.len() - entry.optional;
-    let is_optional = |one: &&Parameter| one.index_in(entry.name).is_some_and(|index| index >= simple);
-    let mut optional = candidate.fit.parameters.iter().filter(is_optional);
-    entry.optional == 0 || optional.all(|one| search.problem.bounds().active(*one, model).is_none())
+    let Candidate { entry, fit, .. } = candidate;
+    let is_optional = |one: &&Parameter| one.index_in(entry.name).is_some_and(|index| index >= entry.simple_count());
+    let mut optional = fit.parameters.iter().filter(is_optional);
+    optional.all(|one| search.problem.bounds().active(*one, &fit.model).is_none())
 }
 
 /// Removes each form with optional parameters whose gain beyond the simple form is too small: the filter knows the
 /// speed of the ball with an error, over which even dry friction builds up.
 pub(crate) fn prefer_simple_forms(all: &mut Vec<Candidate>) {
-    let is_needless = |rich: &Candidate| {
-        let enough = SECOND_EFFECT.max(SHARE_OF_EXPLAINED * rich.held_out_gain);
-        let is_simple =
-            |other: &&Candidate| other.entry.name == rich.entry.name && other.value_count() < rich.value_count();
-        all.iter().find(is_simple).is_some_and(|simple| rich.held_out_gain - simple.held_out_gain < enough)
-    };
-    let needless: Vec<bool> = all.iter().map(is_needless).collect();
-    let mut needless = needless.into_iter();
-    all.retain(|_| !needless.next().unwrap_or_default());
+    let of = |one: &Candidate| (one.entry.name, one.value_count(), one.held_out_gain);
+    let forms: Vec<(&str, usize, f64)> = all.iter().map(of).collect();
+    all.retain(|rich| {
+        let enough = enough_beyond_simpler(rich);
+        let is_as_good = |(name, count, gain): &(&str, usize, f64)| {
+            *name == rich.entry.name && *count < rich.value_count() && rich.held_out_gain - gain < enough
+        };
+        !forms.iter().any(is_as_good)
+    });
 }
 
 #[cfg(test)]
@@ -69,13 +69,15 @@ mod tests {
     use crate::random_for_tests::uniform;
     use crate::tests_support::model;
     use crate::{Diagnosis, Recording, Sample, diagnose};
-    use plant::{Effects, Model, Noise};
+    use plant::effects::{DeadZone, Hysteresis, QuadraticDrag, WallFriction};
+    use plant::{Effect, Effects, Model, Noise};
 
     const STEP_S: f64 = 1e-3;
 
     /// A ball in a pipe, ẍ = 150·(u − 40) − 1.2·ẋ mm/s² before friction, held by a PD controller with a random
-    /// setpoint; 0.25 mm of noise. Its own simulator. `rub`: the velocity after a step from the one without friction.
-    fn flown(rub: impl Fn(f64) -> f64) -> Recording {
+    /// setpoint; 0.25 mm of noise. Its own simulator. `slowed`: the velocity after a step from
+    /// the one without friction.
+    fn flown(slowed: impl Fn(f64) -> f64) -> Recording {
         let (mut x, mut v, mut setpoint, mut last, mut slope) = (300.0, 0.0, 300.0, 300.0, 0.0);
         let mut uniform = uniform(7);
         let rows = (0..3000_u32).map(|k| {
@@ -87,7 +89,7 @@ mod tests {
             last = reading;
             let duty_percent: f64 = 40.0 + 0.015 * (setpoint - reading) - 0.018 * slope;
             for _ in 0..20 {
-                v = rub(v + STEP_S * (150.0 * (duty_percent - 40.0) - 1.2 * v));
+                v = slowed(v + STEP_S * (150.0 * (duty_percent - 40.0) - 1.2 * v));
                 x += STEP_S * v;
             }
             Sample { time_s: 0.02 * f64::from(k), duty_percent, position_mm: Some(reading), ..Sample::default() }
@@ -106,7 +108,8 @@ mod tests {
             effects: Effects::default(),
             ..model()
         };
-        let sought = ["wall_friction", "dead_zone", "hysteresis", "quadratic_drag"];
+        let sought =
+            [WallFriction::ENTRY.name, DeadZone::ENTRY.name, Hysteresis::ENTRY.name, QuadraticDrag::ENTRY.name];
         let others = Effects::CATALOGUE.iter().map(|entry| entry.name).filter(|name| !sought.contains(name));
         let without = others.map(str::to_owned).collect();
         diagnose(
@@ -119,12 +122,12 @@ mod tests {
     #[test]
     fn friction_over_a_transition_is_found_with_it_and_dry_friction_without_one() {
         let creeping = found(&flown(|v| v - STEP_S * 50.0 * (v / 6.0).tanh()));
-        let values = creeping.mended.model.effects.values("wall_friction").unwrap();
+        let values = creeping.mended.model.effects.values(WallFriction::ENTRY.name).unwrap();
         let near = |value: f64, truth: f64, share: f64| (value / truth - 1.0).abs() < share;
         assert!(near(values[0], 50.0, 0.1) && near(values[1], 6.0, 0.2), "{values:?}");
         assert_eq!(creeping.effects.len(), 1, "{}", creeping.verdict_in_words());
         let sticking = found(&flown(|v: f64| v.signum() * (v.abs() - STEP_S * 50.0).max(0.0)));
-        let values = sticking.mended.model.effects.values("wall_friction").unwrap();
+        let values = sticking.mended.model.effects.values(WallFriction::ENTRY.name).unwrap();
         assert!(values.len() == 1 && near(values[0], 50.0, 0.1), "{values:?}");
     }
 }

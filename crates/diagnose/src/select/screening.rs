@@ -200,15 +200,14 @@ fn places_to_start(search: &Search<'_>, so_far: &Fit, model: &Model, effect: &En
     let is_pendulum = effect.start == Start::DutyOverHeight && model.turn_mm.is_some();
     if is_pendulum || matches!(effect.start, Start::AgainstMotion(_)) {
         let own = model.effects.values(effect.name).unwrap_or_default();
-        let with_own_base =
-            regressed(effect, model, belief, search.problem.recording).into_iter().filter_map(|mut found| {
-                let is_own = found.effects.values(effect.name).is_some_and(|values| own.starts_with(&values));
-                is_own.then(|| {
-                    found.effects.set(effect.name, &own);
-                    found
-                })
-            });
-        return places.chain(with_own_base).collect();
+        // A regression finds the simple form.
+        let is_own = |found: &Model| found.effects.values(effect.name).is_some_and(|values| own.starts_with(&values));
+        let with_own = |mut found: Model| {
+            found.effects.set(effect.name, &own);
+            found
+        };
+        let found = regressed(effect, model, belief, search.problem.recording).into_iter();
+        return places.chain(found.filter(is_own).map(with_own)).collect();
     }
     if effect.start == Start::DutyOverHeight {
         return places.map(|model| balanced_where_it_flew(search, model)).collect();

@@ -37,10 +37,10 @@ impl Effect for DeadZone {
         difference: Some(Difference { name: "width", key: "width_percent", of: [0, 1] }),
         represents_its_stage: Some(0),
         in_columns: &[InColumn::Input, InColumn::Input],
-        in_a_log: "the ball drifts while the duty wanders between two edges about hover, and the loop oscillates slowly \
-             (limit cycle)",
-        mend_elsewhere: "let the controller add the edge on the side of its command (inverse of the dead zone), or take \
-             an actuator and driver that answer to smaller inputs",
+        in_a_log: "the ball drifts while the duty wanders between two edges about hover, and the loop oscillates \
+             slowly (limit cycle)",
+        mend_elsewhere: "let the controller add the edge on the side of its command (inverse of the dead zone), or \
+             take an actuator and driver that answer to smaller inputs",
         mend: "correct it in [compensation.dead_zone] with the same two numbers, or use a fan and driver with finer \
              steps",
         similar: &[

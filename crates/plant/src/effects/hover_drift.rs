@@ -29,8 +29,8 @@ impl Effect for HoverDrift {
         start: Start::OverRecord(&[0.2, -0.2]),
         shown_at: Some(&[0.006]),
         in_a_log: "the mean duty that holds the ball rises or falls over the log",
-        mend: "let the rig warm up first, use a regulated supply for the fan, and give the controller an integral term; \
-             leave the drift out of a model for other records, which drift by other amounts",
+        mend: "let the rig warm up first, use a regulated supply for the fan, and give the controller an integral \
+             term; leave the drift out of a model for other records, which drift by other amounts",
         similar: &[
             Similar {
                 name: "gain_drift",

@@ -27,8 +27,7 @@ pub fn in_the_log(place: &Place, columns: &SourceColumns) -> Option<String> {
         "velocity_mm_per_s" => (position_mm, own.position_mm, 0.0, "changes by", " per s"),
         _ => return None,
     };
-    // A difference of columns, or an integral, is in no column.
-    if *source == own || !source.further_keys.is_empty() {
+    if !source.is_foreign(&own) {
         return None;
     }
     let [a, b] = [place.from, place.to].map(|end| (end - offset) / source.scale);

@@ -41,18 +41,18 @@ impl<'a> Size<'a> {
     /// `None` where the log has our own column, or none that is this quantity.
     fn new(kind: InColumn, value: f64, model: &Model, columns: &'a SourceColumns) -> Option<Self> {
         let SourceColumns { duty_percent, position_mm, .. } = columns;
-        let (gain, hover) = (model.gain_mm_per_s2_per_percent, model.hover_duty_percent);
-        let (column, value, is_difference) = match kind {
-            InColumn::Input => (duty_percent, hover + value, false),
-            InColumn::InputByForce => (duty_percent, hover + value / gain, false),
-            InColumn::InputDifference => (duty_percent, value, true),
-            InColumn::InputDifferenceByForce => (duty_percent, value / gain, true),
-            InColumn::Position => (position_mm, value, false),
-            InColumn::PositionDifference => (position_mm, value, true),
-        };
         let own = SourceColumns::default();
-        // A difference of columns, or an integral, is in no column.
-        if *column == own.duty_percent || *column == own.position_mm || !column.further_keys.is_empty() {
+        let (duty, position) = ((duty_percent, own.duty_percent), (position_mm, own.position_mm));
+        let (gain, hover) = (model.gain_mm_per_s2_per_percent, model.hover_duty_percent);
+        let ((column, own), value, is_difference) = match kind {
+            InColumn::Input => (duty, hover + value, false),
+            InColumn::InputByForce => (duty, hover + value / gain, false),
+            InColumn::InputDifference => (duty, value, true),
+            InColumn::InputDifferenceByForce => (duty, value / gain, true),
+            InColumn::Position => (position, value, false),
+            InColumn::PositionDifference => (position, value, true),
+        };
+        if !column.is_foreign(&own) {
             return None;
         }
         let value = if is_difference { (value / column.scale).abs() } else { (value - column.offset) / column.scale };

@@ -72,8 +72,9 @@ impl Ekf<'_> {
 
     /// A step of `dt` seconds, in parts where the time constant of drag and smooth friction is shorter.
     fn step(&mut self, commanded: f64, dt: f64, known: &mut PropagationCache) {
-        let rubbing_per_s = self.model.effects.smooth_friction().map_or(0.0, |friction| friction.steepness_per_s());
-        let parts = parts_by_drag(self.model.drag_per_s + rubbing_per_s, dt);
+        let friction = self.model.effects.smooth_friction();
+        let friction_per_s = friction.map_or(0.0, |friction| friction.steepness_per_s());
+        let parts = parts_by_drag(self.model.drag_per_s + friction_per_s, dt);
         for _ in 0..parts {
             self.part(commanded, dt / f64::from(parts), known);
         }

@@ -3,8 +3,8 @@
 use crate::record::recording::Recording;
 use crate::stats::quantile::quantile;
 
-/// Time over which a speed is measured, seconds: long beside the noise of the readings, short beside a manoeuvre. Chosen by
-/// hand.
+/// Time over which a speed is measured, seconds: long beside the noise of the readings, short beside a manoeuvre.
+/// Chosen by hand.
 const OVER_S: f64 = 0.3;
 
 /// The quantile of the speeds that is the usual one: most rigs rest for a part of a record. Chosen by hand.

@@ -35,8 +35,8 @@ fn simplified(search: &Search<'_>, rich: &Screened, so_far: &Fit) -> Option<Scre
     instead(rich, so_far, entry, &[mean])
 }
 
-/// The start of `entry` at these values where `screened` ended, in place of the effect of that. `None`: `so_far` has it,
-/// or cannot have it.
+/// The start of `entry` at these values where `screened` ended, in place of the effect of that. `None`: `so_far` has
+/// it, or cannot have it.
 pub(crate) fn instead(screened: &Screened, so_far: &Fit, entry: &'static Entry, values: &[f64]) -> Option<Screened> {
     let mut base = screened.model.clone();
     base.effects.remove(screened.entry.name);

@@ -11,11 +11,12 @@ use crate::select::screening::{COST_OF_A_NUMBER, Screened};
 use crate::select::search::Search;
 use plant::{Entry, Scale};
 
-/// Initial value of an optional speed, as a share of the usual speed of the record. Chosen, not fitted: a fit may move it.
+/// Initial value of an optional speed, as a share of the usual speed of the record. Chosen, not fitted: a fit may move
+/// it.
 const SHARE_OF_SPEED: f64 = 0.1;
 
-/// These values of the simple form of an effect, with initial values of its optional parameters; `None`: it has none, or
-/// one that is no speed.
+/// These values of the simple form of an effect, with initial values of its optional parameters; `None`: it has none,
+/// or one that is no speed.
 pub(crate) fn with_optional(entry: &Entry, simple: &[f64], recording: &Recording) -> Option<Vec<f64>> {
     let speed = SHARE_OF_SPEED * usual_speed(recording);
     let optional = &entry.params[entry.simple_count()..];

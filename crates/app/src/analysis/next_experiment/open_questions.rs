@@ -26,8 +26,8 @@ pub(super) fn question(found: &Diagnosis, recording: &Recording, belief: &Model)
     let thin = free_s < SHORT_S || spread_mm < NARROW * (top - bottom);
     (open && (thin || found.verdict == Verdict::InsufficientData)).then(|| {
         format!(
-            "This record asks little of the rig: {free_s:.0} s in free flight, within {spread_mm:.0} mm of the {:.0} mm \
-             of pipe in the config.",
+            "This record asks little of the rig: {free_s:.0} s in free flight, within {spread_mm:.0} mm of the {:.0} \
+             mm of pipe in the config.",
             top - bottom
         )
     })

@@ -19,11 +19,13 @@ fn measured(recording: &Recording) -> f64 {
     let samples = recording.samples();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of readings")]
     let apart = (OVER_S / recording.mean_reading_period_s()).ceil().max(1.0) as usize;
+    // A time column in a wrong unit has more readings in this time than can be counted.
+    let window = apart.saturating_add(1);
     let speed = |pair: &[usize]| {
         let [first, last] = [&samples[pair[0]], &samples[pair[pair.len() - 1]]];
         Some((last.position_mm? - first.position_mm?).abs() / (last.time_s - first.time_s))
     };
-    let of_flight = |readings: &[usize]| readings.windows(apart + 1).filter_map(speed).collect::<Vec<_>>();
+    let of_flight = |readings: &[usize]| readings.windows(window).filter_map(speed).collect::<Vec<_>>();
     let flights = recording.flights().iter().flat_map(|flight| of_flight(recording.readings_of(flight)));
     let mut speeds: Vec<f64> = flights.filter(|speed| speed.is_finite()).collect();
     speeds.sort_by(f64::total_cmp);
@@ -47,5 +49,7 @@ mod tests {
         assert!((usual_speed(&recording) - 40.0).abs() < 1e-6);
         let still = Recording::new((0..100).map(|k| Sample { position_mm: Some(1.0), ..row(k) }).collect()).unwrap();
         assert_eq!(usual_speed(&still), 0.0);
+        let at_once = |k| Sample { time_s: 1e-300 * f64::from(k), ..row(k) };
+        assert_eq!(usual_speed(&Recording::new((0..100).map(at_once).collect()).unwrap()), 0.0);
     }
 }

@@ -2,7 +2,7 @@
 //! effect's type.
 //!
 //! ```text
-//! duty → delays_duty → on_duty → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
+//! duty → delays_duty → on_duty → slews → − hover − shifts_hover → plays → on_command → · gain → limits → follows (fan)
 //!   → force, coloured_force, friction, ends → senses → delays_reading → spreads → outliers → rounds
 //!   → holds → reading                          a written effect of the sensor acts behind `senses`
 //! ```
@@ -100,6 +100,9 @@ pub struct Acts<E: 'static> {
     pub delays_duty: Option<fn(&E) -> f64>,
     /// The duty that the fan makes of one, both in percent.
     pub on_duty: Option<fn(&E, f64) -> f64>,
+    /// Slot. The duty that acts, from what it was (first), so many seconds (third) later under a constant duty (second);
+    /// both in percent.
+    pub slews: Option<fn(&E, f64, f64, f64) -> f64>,
     /// How far hover has moved at a time in seconds, percent.
     pub shifts_hover: Option<fn(&E, f64) -> f64>,
     /// Slot. The new state of a play, from its old state (first) and the duty (second), all in percent about hover.
@@ -156,6 +159,7 @@ impl<E> Acts<E> {
     pub const NONE: Self = Self {
         delays_duty: None,
         on_duty: None,
+        slews: None,
         shifts_hover: None,
         plays: None,
         on_command: None,
@@ -217,11 +221,12 @@ impl<E> Acts<E> {
             | ((self.outliers.is_some() as u16) * OUTLIERS)
             | (self.rounds.is_some() as u16) << 7
             | (self.holds.is_some() as u16) << 8
+            | (self.slews.is_some() as u16) << 10
     }
 
     /// Whether it acts between the duty and the speed of the rotor.
     const fn reaches_rotor(&self) -> bool {
-        self.delays_duty.is_some() || self.on_duty.is_some() || self.follows.is_some()
+        self.delays_duty.is_some() || self.on_duty.is_some() || self.slews.is_some() || self.follows.is_some()
     }
 }
 

@@ -1,7 +1,7 @@
 //! From the duty that is written to the acceleration that it commands: the fan without its inertia.
 //!
 //! ```text
-//! duty(t − delay) → nearest step → u = duty − hover − drift·t → play → dead zone → thrust curve
+//! duty(t − delay) → nearest step → rate limit → u = duty − hover − drift·t → play → dead zone → thrust curve
 //!   → gain·asymmetry·(1 + drift·t) → limits = commanded acceleration
 //! ```
 //!
@@ -18,6 +18,9 @@ pub struct Actuator {
     on_their_way: VecDeque<(f64, f64)>,
     /// The duty in force, percent.
     duty_percent: f64,
+    /// What the actuator, whose rate may be limited, has reached of it, percent, and when, seconds.
+    reached_percent: f64,
+    reached_at_s: f64,
     /// The setpoint in force, mm, where it is known.
     setpoint_mm: Option<f64>,
     /// The state of the play, percent about hover.
@@ -28,8 +31,15 @@ impl Actuator {
     /// An actuator on which `duty_percent` has acted for ever before time 0, its play centred.
     #[must_use]
     pub fn new(model: &Model, duty_percent: f64) -> Self {
-        let play_percent = about_hover(model, duty_percent, 0.0);
-        Self { on_their_way: VecDeque::new(), duty_percent, setpoint_mm: None, play_percent }
+        let reached_percent = model.effects.duty(duty_percent);
+        Self {
+            on_their_way: VecDeque::new(),
+            duty_percent,
+            reached_percent,
+            reached_at_s: 0.0,
+            setpoint_mm: None,
+            play_percent: about_hover(model, reached_percent, 0.0),
+        }
     }
 
     /// Writes a duty at `time_s`. Times must not fall from call to call, of this and of [`Self::commanded`].
@@ -87,7 +97,7 @@ impl Actuator {
         model.effects.command_drifts()
     }
 
-    /// Puts a duty in force; first the play follows the drift of the old one until then.
+    /// Puts a duty in force; first the actuator follows the old one until then.
     #[inline]
     fn take(&mut self, model: &Model, time_s: f64, duty_percent: f64) {
         self.drift_to(model, time_s);
@@ -95,26 +105,29 @@ impl Actuator {
         self.follow(model, time_s);
     }
 
-    /// The play moves between duties if the hover drifts; otherwise it keeps its value after the last duty.
+    /// The play moves between duties if the rate is limited or the hover drifts; otherwise it keeps its value after the
+    /// last duty.
     #[inline]
     fn drift_to(&mut self, model: &Model, time_s: f64) {
-        if model.effects.hover_shifts() {
+        if model.effects.slews() || model.effects.hover_shifts() {
             self.follow(model, time_s);
         }
     }
 
     #[inline]
     fn follow(&mut self, model: &Model, time_s: f64) {
-        let input = about_hover(model, self.duty_percent, time_s);
+        let duty_percent = model.effects.duty(self.duty_percent);
+        self.reached_percent = model.effects.reached(self.reached_percent, duty_percent, time_s - self.reached_at_s);
+        self.reached_at_s = time_s;
+        let input = about_hover(model, self.reached_percent, time_s);
         self.play_percent = model.effects.play(self.play_percent, input);
     }
 }
 
-/// u: the duty in force about hover, percent.
+/// u: the duty that is reached about hover, percent.
 #[inline]
-fn about_hover(model: &Model, duty_percent: f64, time_s: f64) -> f64 {
-    let effects = &model.effects;
-    effects.duty(duty_percent) - model.hover_duty_percent - effects.hover_shift_percent(time_s)
+fn about_hover(model: &Model, reached_percent: f64, time_s: f64) -> f64 {
+    reached_percent - model.hover_duty_percent - model.effects.hover_shift_percent(time_s)
 }
 
 #[cfg(test)]

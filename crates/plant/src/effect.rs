@@ -104,6 +104,8 @@ pub enum Start {
     AgainstMotion(&'static [&'static [f64]]),
     /// At shares of the range of commanded acceleration: limits that the record never reaches have no gradient.
     CommandedRange,
+    /// At values with which the usual change of duty takes so many seconds: its one parameter is the time for 100 %.
+    RampsOver(&'static [f64]),
     /// At the heights beyond which there are hardly any readings.
     HeightsSeen,
     /// At the steps of duty with the highest score: the likelihood has a narrow maximum for each.
@@ -124,7 +126,8 @@ impl Start {
     /// Whether the initial values come from the record, so that others would not be nearer to the optimum.
     #[must_use]
     pub const fn is_of_the_record(self) -> bool {
-        matches!(self, Self::CommandedRange | Self::HeightsSeen | Self::DutySteps) || self.is_read_off()
+        matches!(self, Self::CommandedRange | Self::HeightsSeen | Self::DutySteps | Self::RampsOver(_))
+            || self.is_read_off()
     }
 }
 

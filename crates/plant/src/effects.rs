@@ -11,6 +11,7 @@ mod height_dependent_flow;
 mod hover_drift;
 mod hysteresis;
 mod quadratic_drag;
+mod rate_limit;
 mod relative_airflow;
 mod saturation;
 mod sensor_delay;
@@ -151,6 +152,7 @@ catalogue! {
     $
     transport_delay: TransportDelay,
     duty_quantisation: DutyQuantisation,
+    rate_limit: RateLimit,
     dead_zone: DeadZone,
     hysteresis: Hysteresis,
     force_asymmetry: ForceAsymmetry,

@@ -57,6 +57,18 @@ impl Effects {
         fold!(self, on_duty, percent, |duty, act, effect| act(effect, duty))
     }
 
+    /// The duty that acts `dt_s` after it was `reached_percent`, under a constant duty, percent.
+    #[inline(always)]
+    pub(crate) fn reached(&self, reached_percent: f64, duty_percent: f64, dt_s: f64) -> f64 {
+        fold!(self, slews, duty_percent, |_duty, act, effect| act(effect, reached_percent, duty_percent, dt_s))
+    }
+
+    /// Whether the duty that acts moves between the duties that are written.
+    #[inline(always)]
+    pub(crate) fn slews(&self) -> bool {
+        any!(self, slews)
+    }
+
     /// How far hover has moved, percent.
     #[inline(always)]
     pub(crate) fn hover_shift_percent(&self, time_s: f64) -> f64 {
@@ -92,7 +104,7 @@ impl Effects {
     /// Whether the command moves with time under a constant duty.
     #[inline(always)]
     pub(crate) fn command_drifts(&self) -> bool {
-        self.hover_shifts() || any!(self, gain_by_time) || self.written.command_drifts()
+        self.hover_shifts() || self.slews() || any!(self, gain_by_time) || self.written.command_drifts()
     }
 
     /// The acceleration that the fan can give of the commanded one, mm/s².

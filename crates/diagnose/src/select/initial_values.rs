@@ -80,6 +80,7 @@ fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
     match entry.start {
         Start::CommandedRange => limits(model, recording),
         Start::HeightsSeen => stops(model, recording),
+        Start::RampsOver(seconds) => ramps(seconds, recording),
         Start::ReadingStep | Start::ReadingHold => {
             // A fitted noise may be far from that of the sensor while the repeats of a slow one are not explained.
             read_off(entry, recording, problem.belief).map(|read| vec![read.value]).into_iter().collect()
@@ -123,6 +124,14 @@ fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     commanded.sort_by(f64::total_cmp);
     let (low, high) = (quantile(&commanded, 0.002).min(-1.0), quantile(&commanded, 0.998).max(1.0));
     LIMITS.map(|share| vec![share * low, share * high]).to_vec()
+}
+
+/// Times for the whole range of duty with which the usual difference of two duties takes each of these times.
+fn ramps(seconds: &[f64], recording: &Recording) -> Vec<Vec<f64>> {
+    let mut duties: Vec<f64> = recording.writes().iter().map(|write| write.duty_percent).collect();
+    duties.sort_by(f64::total_cmp);
+    let usual = quantile(&duties, 0.9) - quantile(&duties, 0.1);
+    if usual > 0.0 { seconds.iter().map(|s| vec![100.0 * s / usual]).collect() } else { Vec::new() }
 }
 
 fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {

@@ -50,6 +50,20 @@ fn the_grid_of_the_duty_starts_at_zero_and_not_at_hover() {
 }
 
 #[test]
+fn a_duty_at_a_limited_rate_ramps_to_each_new_one_from_where_it_is() {
+    // 100 % in 5 s is 20 %/s.
+    let model = model(&[("rate_limit", &[5.0])]);
+    let mut actuator = Actuator::new(&model, 21.4);
+    actuator.write(&model, 1.0, 23.4);
+    near(actuator.commanded(&model, 1.05), 827.2);
+    actuator.write(&model, 1.05, 21.4);
+    near(actuator.commanded(&model, 1.075), 0.5 * 827.2);
+    near(actuator.commanded(&model, 1.2), 0.0);
+    actuator.write(&model, 2.0, 21.9);
+    near(actuator.commanded(&model, 3.0), 0.5 * 827.2);
+}
+
+#[test]
 fn the_play_starts_centred() {
     let model = model(&[("hysteresis", &[0.5])]);
     near(commanded(&model, &[3.0]), 3.0);

@@ -30,6 +30,7 @@ impl Effect for TransportDelay {
         twins: &["sensor_delay"],
         represents_its_stage: Some(1),
         in_a_log: "after every change of duty nothing happens for a fixed time, then the response is as modelled",
+        mend_elsewhere: "write the input right after the reading, and send it with less buffering; or reduce the gain",
         mend: "write the duty right after the reading, raise the PWM frequency, shorten the distance from fan to ball; \
              or reduce the gain",
         similar: &[

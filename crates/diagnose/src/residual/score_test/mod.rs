@@ -302,7 +302,7 @@ mod tests {
         let when = |words: &[String], at: &str| words.iter().any(|words| words.contains(at));
         assert!(nats > 8.0 && (when(&words, "push") && when(&words, "at 40.")), "{nats} nats for {words:?}");
         let [_, (nats, words)] = joint_scores(&with_slip());
-        assert!(nats > 8.0 && when(&words, "slipped at 50."), "{nats} nats for {words:?}");
+        assert!(nats > 8.0 && when(&words, "shift of the readings from 50."), "{nats} nats for {words:?}");
     }
 
     /// Nats of the terms for a rig with two lags in series and a model with one.

@@ -66,7 +66,7 @@ impl Shape {
 
     fn words(self, time_s: f64) -> String {
         match self {
-            Self::Slip => format!("readings that slipped at {time_s:.1} s"),
+            Self::Slip => format!("a shift of the readings from {time_s:.1} s on"),
             Self::Push(length_s) => format!("a push of about {length_s} s at {time_s:.1} s"),
         }
     }

@@ -14,7 +14,8 @@
 //! only the noise after reading k can separate them from the readings.
 
 use crate::filter::track::{Forecast, Track};
-use crate::record::recording::Recording;
+use crate::record::free_flight::settling_s;
+use crate::record::recording::{Recording, Sample};
 use plant::Model;
 use serde::Serialize;
 
@@ -22,7 +23,7 @@ use serde::Serialize;
 pub(crate) const HORIZONS_S: [f64; 3] = [0.1, 0.5, 1.0];
 /// Length of a free run, seconds.
 const FREE_RUN_S: f64 = 10.0;
-/// The filter's first seconds depend on the prior, not on the model.
+/// The filter's first seconds depend on the prior, not on the model; less in a short flight.
 const WARM_UP_S: f64 = 2.0;
 /// Forecasts that start closer together than half the shortest horizon err alike.
 const APART_S: f64 = 0.5 * HORIZONS_S[0];
@@ -181,9 +182,14 @@ fn starts<'a>(track: &'a Track, recording: &'a Recording) -> impl Iterator<Item 
     let [steps, apart] = [track.readings() as f64 * rows_per_s, APART_S * readings_per_s].map(|count| count as usize);
     let apart = apart.max(1);
     let samples = recording.samples();
-    let begins_s = |row: usize| samples[recording.flight_of(row).start].time_s + WARM_UP_S;
+    let begins_s = |row: usize| warm_from_s(&samples[recording.flight_of(row)]);
     let is_warm = move |k: &usize| track.reading(*k).is_some_and(|(row, time_s, _)| time_s >= begins_s(row));
     (0..track.readings()).filter(is_warm).step_by((steps / apart).div_ceil(ENOUGH_STEPS).max(1) * apart)
+}
+
+/// When the first forecast of a flight may start, seconds.
+fn warm_from_s(flight: &[Sample]) -> f64 {
+    flight.first().map_or(0.0, |first| first.time_s) + settling_s(flight, WARM_UP_S)
 }
 
 fn horizons(
@@ -206,8 +212,9 @@ fn horizons(
         for forecast in track.forecasts(from) {
             let ahead_s = samples[forecast.row].time_s - start_s;
             while horizon < HORIZONS_S.len() && ahead_s >= HORIZONS_S[horizon] - half_period_s {
-                // A reading more than half a period, or 2 % of the horizon, too late belongs to another horizon.
-                let slack_s = half_period_s.max(0.02 * HORIZONS_S[horizon]) + 1e-9;
+                // A reading more than half a period, or 2 % of the horizon, too late belongs to another horizon. Where
+                // the horizon is midway between two readings, the mean period may be too short by a little.
+                let slack_s = (1.02 * half_period_s).max(0.02 * HORIZONS_S[horizon]);
                 if ahead_s <= HORIZONS_S[horizon] + slack_s {
                     errors[horizon].add(samples[forecast.row].position_mm, start_mm, forecast);
                 }
@@ -247,7 +254,7 @@ fn runs(track: &Track, recording: &Recording, counts: &dyn Fn(usize) -> bool) ->
         let Some((row, start_s, start_mm)) = track.reading(from) else { continue };
         if !flight.contains(&row) {
             flight = recording.flight_of(row);
-            (next_s, last_s) = (samples[flight.start].time_s + WARM_UP_S, samples[flight.end - 1].time_s);
+            (next_s, last_s) = (warm_from_s(&samples[flight.clone()]), samples[flight.end - 1].time_s);
         }
         if start_s < next_s || start_s + FREE_RUN_S > last_s {
             continue;

@@ -77,8 +77,8 @@ pub struct GreyBox {
 pub enum TooLittle {
     /// Too few readings in free flight.
     #[error(
-        "{readings} readings in free flight after the first {SETTLING_S} s, in which the filter settles; \
-         {ENOUGH_READINGS} are needed: record longer, with an input that moves all the time"
+        "{readings} readings in free flight once the filter has settled (within {SETTLING_S} s, or a tenth of a \
+         shorter flight); {ENOUGH_READINGS} are needed: record longer, with an input that moves all the time"
     )]
     Readings {
         /// Number of readings found.

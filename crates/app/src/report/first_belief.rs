@@ -224,6 +224,9 @@ fn origin(belief: &FirstBelief, key: &str) -> String {
     if belief.plant.gain_is_lost {
         return "a first guess: no linear plant follows this record".into();
     }
+    if belief.plant.by_forecasts {
+        return "fitted to forecasts of 1 to 3 s".into();
+    }
     let poles = if belief.plant.model.effects.fan_lag_s().is_some() { "three poles" } else { "two poles" };
     match belief.plant.found.estimates.iter().find(|estimate| estimate.name == key) {
         Some(ParameterEstimate { low: Some(low), high: Some(high), .. }) => {

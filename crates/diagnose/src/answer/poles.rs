@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn a_delay_is_found_where_the_fitted_belief_has_the_poles_in_the_other_order() {
         let recording = pipe_with_delay();
-        let belief = initial(std::slice::from_ref(&recording), 0.0, 1200.0, None).unwrap().model;
+        let belief = initial(std::slice::from_ref(&recording), 0.0, 1200.0, None, None).unwrap().model;
         assert!(belief.effects.fan_lag_s().unwrap() * belief.drag_per_s > 1.0, "{belief:?}");
         // Few effects are sought, because that is quicker.
         let others = belief.effects.catalogue().map(|entry| entry.name.to_owned());

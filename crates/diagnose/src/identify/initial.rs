@@ -8,6 +8,7 @@
 //! does, is no rig of ours and refused.
 
 use crate::gap::forecast_error::Gap;
+use crate::identify::by_forecasts::by_forecasts;
 use crate::identify::forms::{Forms, SEEN};
 use crate::identify::gravity::gravity;
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
@@ -25,8 +26,11 @@ use std::iter;
 const LOST: f64 = 0.2;
 /// A lag shorter than this share of the time between readings is none.
 const NO_LAG: f64 = 0.25;
-/// A return stiffer than this, 1/s², is read as that of a servo: gravity returns a pendulum of 0.2 m by as much.
+/// A return stiffer than this, 1/s², may be that of a servo: gravity returns a pendulum of 0.2 m by as much.
 const STIFFEST_PER_S2: f64 = 50.0;
+/// It is one where the position ends at the commanded one to within this factor. Chosen by hand: a loop without an
+/// integral leaves an offset.
+const AS_COMMANDED: f64 = 1.25;
 
 /// A first belief.
 #[derive(Clone, Debug)]
@@ -39,6 +43,8 @@ pub struct Initial {
     pub is_turned: bool,
     /// Whether the grey-box fit has lost the gain, so that gain, drag and hover are those of the form.
     pub gain_is_lost: bool,
+    /// Whether gain, drag and hover are fitted by forecasts, which are then better than with those of `found`.
+    pub by_forecasts: bool,
     /// Whether the sign is seen at all.
     pub sign_is_seen: bool,
     /// The form that the fit began with.
@@ -111,14 +117,16 @@ pub enum NoPlant {
     },
     /// The position returns too stiffly.
     #[error(
-        "the position follows the input as a servo does (it returns by {per_s2:.0} per s², and at most \
-         {STIFFEST_PER_S2} is read as gravity or a spring); if the input is a commanded position, name it as the \
-         setpoint: the input is then setpoint minus position; if a controller only holds one position, its answer \
-         looks the same: record a setpoint that moves"
+        "the position follows the input as a servo follows a commanded position: it returns by {per_s2:.0} per s², and \
+         a change of the input by 1 moves it by {ratio:.2} in the end; name the command with --setpoint: the input is \
+         then setpoint minus position; if a controller only holds one position, its answer looks the same: record a \
+         setpoint that moves"
     )]
     Servo {
         /// k, 1/s².
         per_s2: f64,
+        /// The static gain, both in the units of the log.
+        ratio: f64,
     },
     /// Too little to identify.
     #[error(transparent)]
@@ -130,6 +138,8 @@ pub enum NoPlant {
 
 /// A first belief about the rig of `recordings`, in a pipe with this lower end and this length, mm; `turn_mm`: length
 /// of one turn where the position is an angle. A force that returns an angle to one place is then tried as gravity too.
+/// `commanded`: the static gain, mm per percent, of a position that follows the input in its own unit; `None`: the two
+/// have different units.
 ///
 /// # Errors
 /// [`NoPlant`]: the record is of no plant of ours, or too short.
@@ -138,6 +148,7 @@ pub fn initial(
     bottom_mm: f64,
     length_mm: f64,
     turn_mm: Option<f64>,
+    commanded: Option<f64>,
 ) -> Result<Initial, NoPlant> {
     let flight = recordings.iter().max_by_key(|one| one.readings()).ok_or(NoPlant::Still)?;
     if let Some((row, times)) = recordings.iter().find_map(input_outlier) {
@@ -153,8 +164,8 @@ pub fn initial(
     }
     let is_turned = forms.are_turned();
     let (sign, form) = (forms.sign(), forms.start());
-    if form.spring_per_s2 > STIFFEST_PER_S2 {
-        return Err(NoPlant::Servo { per_s2: form.spring_per_s2 });
+    if let Some(ratio) = commanded.and_then(|commanded| servo_ratio(&form, commanded)) {
+        return Err(NoPlant::Servo { per_s2: form.spring_per_s2, ratio });
     }
     let start = model(&form, sign, bottom_mm, length_mm);
     let turned: Vec<Recording> = recordings.iter().map(|one| with_sign(one, sign)).collect();
@@ -166,7 +177,8 @@ pub fn initial(
     let gravity = gravity.map(|model| GreyBox::identify(&model, &recording, linear.poles)).transpose()?;
     let found: Vec<GreyBox> = iter::once(linear).chain(gravity).collect();
     let found = better(&found).cloned().ok_or(NoPlant::Still)?;
-    let fitted = &found.fit.model;
+    let forecasting = by_forecasts(&found.fit, &recording);
+    let fitted = forecasting.as_ref().unwrap_or(&found.fit.model);
     let gain_is_lost = fitted.gain_mm_per_s2_per_percent < LOST * start.gain_mm_per_s2_per_percent;
     let kept = if gain_is_lost { Model { noise: fitted.noise, ..start.clone() } } else { fitted.clone() };
     let shortest_s = NO_LAG * recording.flights().first().map_or(0.0, |flight| recording.reading_period_s(flight));
@@ -175,7 +187,15 @@ pub fn initial(
     model.noise.sensor_mm = model.noise.sensor_mm.max(recording.rounding_mm());
     model.check().map_err(|(_, unsound)| NoPlant::OutOfBounds(unsound.to_string()))?;
     let no_use = NoUse::of(&Gap::measure(&model, &recording));
-    Ok(Initial { model, is_turned, gain_is_lost, sign_is_seen: forms.show_sign(), form, no_use, found })
+    let by_forecasts = forecasting.is_some() && !gain_is_lost;
+    Ok(Initial { model, is_turned, gain_is_lost, by_forecasts, sign_is_seen: forms.show_sign(), form, no_use, found })
+}
+
+/// By how much the position of a servo follows a change of its input, of one that follows it fully. `None`: the plant is
+/// no servo.
+fn servo_ratio(form: &LinearFit, commanded: f64) -> Option<f64> {
+    let ratio = (form.gain / form.spring_per_s2 / commanded).abs();
+    (form.spring_per_s2 > STIFFEST_PER_S2 && ratio.max(ratio.recip()) < AS_COMMANDED).then_some(ratio)
 }
 
 /// The forms of a flight; where they do not show the sign of the input, those of the flight without its rests.

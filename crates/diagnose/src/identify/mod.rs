@@ -1,6 +1,7 @@
 //! Identification of a plant of two or three poles from a record: by the likelihood, by the overshoot of the loop, by a
 //! relay.
 
+mod by_forecasts;
 mod forms;
 mod gravity;
 pub(crate) mod grey_box;

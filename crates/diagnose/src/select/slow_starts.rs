@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn an_effect_that_the_belief_took_for_noise_is_found_with_its_size() {
         let recording = cart();
-        let belief = initial(std::slice::from_ref(&recording), 0.0, 2400.0, None).unwrap().model;
+        let belief = initial(std::slice::from_ref(&recording), 0.0, 2400.0, None, None).unwrap().model;
         assert!(belief.noise.acceleration_psd_mm2_per_s3 > 1000.0, "{belief:?}");
         let options = Options { without_formula: true, ..Options::default() };
         let found = diagnose(&belief, &[recording], &options);

@@ -22,6 +22,9 @@ const UNITS: [&str; 38] = [
 /// Those of a length or an angle.
 const LENGTHS_AND_ANGLES: [&str; 9] = ["m", "cm", "mm", "um", "in", "rad", "deg", "rev", "°"];
 
+/// Those of what drives a rig.
+const DRIVES: [&str; 14] = ["v", "mv", "a", "ma", "n", "kn", "nm", "mnm", "w", "kw", "pct", "percent", "%", "pwm"];
+
 impl Name {
     pub(super) fn of(column: &SheetColumn) -> Self {
         let mut words = with_whole_unit(words(&column.name), &column.name);
@@ -47,6 +50,11 @@ impl Name {
     /// Whether its unit is one of length or angle.
     pub(super) fn is_length_or_angle(&self) -> bool {
         self.unit.as_deref().is_some_and(|unit| LENGTHS_AND_ANGLES.contains(&unit))
+    }
+
+    /// Whether its unit is one of voltage, current, force, torque, power or share: no setpoint of a position has it.
+    pub(super) fn is_drive(&self) -> bool {
+        self.unit.as_deref().is_some_and(|unit| DRIVES.contains(&unit))
     }
 
     /// Whether `other` has the same words and number, and a unit, which this name lacks: `theta` and `theta(rad)`.

@@ -192,14 +192,18 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
     let is_position = |one: &&Candidate<'_>| position.as_ref().is_some_and(|found| found.column == one.column.name);
     let found = all.iter().find(is_position);
     let number = found.map(|one| one.name.number.as_str()).unwrap_or_default();
-    let said = |words: &[&str]| columns.named(&others, number, words, found.as_slice());
+    let said = |among: &[&Candidate<'_>], words: &[&str]| columns.named(among, number, words, found.as_slice());
+    let is_setpoint = |one: &&&Candidate<'_>| asked.setpoint.as_ref() == Some(&one.column.name);
+    let no_setpoint: Vec<&Candidate<'_>> = others.iter().filter(|one| !is_setpoint(one)).copied().collect();
+    let drives: Vec<&Candidate<'_>> = no_setpoint.iter().filter(|one| one.name.is_drive()).copied().collect();
     let input = match columns.given(Role::Input, asked.input.as_deref())? {
         Some(found) => Some(found),
-        None => said(INPUTS),
+        None => said(&no_setpoint, INPUTS).or_else(|| said(&drives, COMMANDS)),
     };
     let setpoint = match columns.given(Role::Setpoint, asked.setpoint.as_deref())? {
         Some(found) => Some(found),
-        None => said(SETPOINTS).or_else(|| said(COMMANDS).filter(|_| input.is_some() || position.is_some())),
+        None => said(&others, SETPOINTS)
+            .or_else(|| said(&others, COMMANDS).filter(|_| input.is_some() || position.is_some())),
     };
     let setpoint = setpoint.filter(|found| input.as_ref().is_none_or(|input| input.column != found.column));
     match (input, position, setpoint) {

@@ -106,6 +106,16 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
     }
 }
 
+impl Scales {
+    /// The static gain, mm per percent, of a position that follows the input in its own unit. `None`: their units
+    /// differ, or the input is a difference of command and position already.
+    pub(super) fn commanded(&self, is_difference: bool) -> Option<f64> {
+        let [position, input] = [&self.position, &self.input];
+        let is_alike = position.read_as == input.read_as || position.read_as.is_empty() || input.read_as.is_empty();
+        (is_alike && !is_difference).then(|| position.scale / input.scale)
+    }
+}
+
 fn nothing() -> Scaled {
     Scaled { scale: 1.0, range: [0.0, 1.0], read_as: String::new() }
 }

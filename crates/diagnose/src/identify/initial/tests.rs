@@ -11,7 +11,7 @@ fn changed(recording: &Recording, change: impl Fn(usize, &Sample) -> Sample) -> 
 }
 
 fn of(recording: Recording) -> Result<Initial, NoPlant> {
-    initial(&[recording], 0.0, 583.0, None)
+    initial(&[recording], 0.0, 583.0, None, None)
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn pendulum() -> Recording {
 #[test]
 fn gravity_is_believed_as_a_sine_where_the_position_is_an_angle() {
     let values = |turn_mm: Option<f64>| {
-        let found = initial(&[pendulum()], -200.0, 400.0, turn_mm).unwrap();
+        let found = initial(&[pendulum()], -200.0, 400.0, turn_mm, None).unwrap();
         found.model.effects.values(HeightDependentFlow::ENTRY.name).unwrap()
     };
     let [gradient, centre, turn] = values(Some(360.0))[..] else { panic!("no sine") };

@@ -149,6 +149,8 @@ pub(crate) const ENOUGH_CLOSED: f64 = 0.5;
 /// Fall of the error 1 s ahead for which moved base parameters matter: a share of the noise floor, and mm.
 pub(crate) const PARAMETERS_SHARE: f64 = 0.05;
 pub(crate) const PARAMETERS_MM: f64 = 0.5;
+/// The same as a share of the length of the pipe, for rigs with less room: 0.5 mm of 600.
+pub(crate) const PARAMETERS_OF_LENGTH: f64 = PARAMETERS_MM / 600.0;
 /// An error this many times the noise floor is a gap whose closed share can be told.
 pub(crate) const OPEN_GAP: f64 = 1.5;
 /// One mean square is larger than another from this ratio on: the order of the names, and a filter that loses track.

@@ -7,6 +7,7 @@
 use crate::answer::evidence::add_odds;
 use crate::answer::ladder::{Rest, Rung};
 use crate::answer::mending::Mending;
+use crate::answer::numbers::BelievedNumbers;
 use crate::answer::poles::{in_other_order, more_likely};
 use crate::answer::verdict::{Verdict, rest_matters, verdict};
 use crate::filter::innovation::Innovation;
@@ -64,6 +65,8 @@ pub struct Diagnosis {
     pub ladder: Vec<Rung>,
     /// What no effect explains.
     pub rest: Rest,
+    /// Gain, drag and hover as believed, beside the effects of the mended model.
+    pub(crate) believed_numbers: BelievedNumbers,
     /// Where the refitted belief is wrong, the most significant place first.
     pub places: Vec<Place>,
     /// The frequencies at which the refitted belief is most wrong.
@@ -128,11 +131,11 @@ fn diagnose_once(belief: &Model, logs: &[Recording], options: &Options) -> Diagn
         // Effects that raise the error leave all of it.
         share: ladder.named_share.map(|share| 1.0 - share.max(0.0)),
         is_significant: asks && incomplete,
-        matters: answers && rest_matters(&ladder.end),
+        matters: answers && rest_matters(ladder),
     };
     let Selection { effects, rounds, fit: with_effects, misfit, .. } = found;
     let ladder = mending.rungs();
-    let Mending { formula, fit: mended, without_each_fold, reaches, gaps, closed, .. } = mending;
+    let Mending { formula, fit: mended, without_each_fold, reaches, gaps, closed, believed_numbers, .. } = mending;
     Diagnosis {
         verdict,
         effects,
@@ -145,6 +148,7 @@ fn diagnose_once(belief: &Model, logs: &[Recording], options: &Options) -> Diagn
         without_each_fold,
         gaps,
         rest,
+        believed_numbers,
         ladder,
         places,
         band,

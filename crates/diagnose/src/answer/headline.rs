@@ -47,8 +47,14 @@ impl Diagnosis {
                 }
                 let said = self.headline(&stated);
                 let [nominal, refitted, mended] = &self.gaps;
-                let are_off =
-                    stated.iter().all(|named| self.is_small(named)) && parameters_matter(nominal, refitted, mended);
+                let left_out = self.left_out();
+                let moves = |named: &&NamedEffect| {
+                    let entry = named.candidate.entry;
+                    is_on_the_motion(entry) && !left_out.contains(&entry.name) && !self.is_small(named)
+                };
+                let are_off = !stated.iter().any(moves)
+                    && parameters_matter(nominal, refitted, mended, &self.mended.model)
+                    && !self.believed_numbers_are_right();
                 if are_off { format!("The simulator's numbers are off; {}", as_clause(&said)) } else { said }
             }
         }
@@ -80,11 +86,10 @@ impl Diagnosis {
     /// Whether an added effect on the path moves no forecast of 1 s by enough to matter, neither alone nor beside the
     /// others. Effects of the sensor are no part of the motion, and matter to a loop by other figures.
     fn is_small(&self, named: &NamedEffect) -> bool {
-        let Entry { name, stage, .. } = *named.candidate.entry;
-        let on_the_motion = stage != Stage::Sensor && is_of_path(named.candidate.entry);
-        let at = self.ladder.iter().position(|rung| rung.name == Some(name));
+        let entry = named.candidate.entry;
+        let at = self.ladder.iter().position(|rung| rung.name == Some(entry.name));
         let step = at.and_then(|at| Some([self.ladder.get(at.checked_sub(1)?)?, self.ladder.get(at)?]));
-        on_the_motion
+        is_on_the_motion(entry)
             && named.change == Change::Added
             && step.is_some_and(|step| self.hardly_moves(step, named) == Some(true))
     }
@@ -99,8 +104,13 @@ impl Diagnosis {
         let rise = named.evidence.dropped_share * (refitted.powi(2) - floor.powi(2));
         let without = (mended.powi(2) + rise).max(0.0).sqrt();
         let falls = [below - with.error_mm[2]?, refitted - alone, without - mended];
-        Some(!falls.into_iter().any(|fall| matters(fall, floor)))
+        Some(!falls.into_iter().any(|fall| matters(fall, floor, &self.mended.model)))
     }
+}
+
+/// Whether an effect is one of the motion and not of the sensor or the scatter.
+fn is_on_the_motion(entry: &Entry) -> bool {
+    entry.stage != Stage::Sensor && is_of_path(entry)
 }
 
 /// An effect and those that are indistinguishable from it, each with its article.

@@ -1,6 +1,7 @@
 //! The mended model: the rung of the ladder that forecasts best, with the formula where a residual remains.
 
 use crate::answer::ladder::{Ladder, Rung};
+use crate::answer::numbers::BelievedNumbers;
 use crate::answer::verdict::rest_matters;
 use crate::fit::estimate::Fit;
 use crate::fit::intervals::{Reach, reaches};
@@ -35,6 +36,8 @@ pub(super) struct Mending {
     pub(super) gaps: [Gap; 3],
     /// Share of the gap at 1 s that the mended model closes.
     pub(super) closed: Option<Closed>,
+    /// Gain, drag and hover as believed, beside the effects of the mended model.
+    pub(super) believed_numbers: BelievedNumbers,
 }
 
 impl Mending {
@@ -75,7 +78,20 @@ impl Mending {
         let formula = formula.map(|formula| formula.shapes).unwrap_or_default();
         let reaches = reaches(&search.problem, &fit, &formula);
         let by_forecasts = search.is_by_forecasts();
-        Self { ladder, matched, formula, rung, fit, without_each_fold, reaches, by_forecasts, gaps, closed }
+        let believed_numbers = BelievedNumbers::beside(search, &fit.model);
+        Self {
+            believed_numbers,
+            ladder,
+            matched,
+            formula,
+            rung,
+            fit,
+            without_each_fold,
+            reaches,
+            by_forecasts,
+            gaps,
+            closed,
+        }
     }
 
     /// All rungs, the lowest first.
@@ -84,14 +100,17 @@ impl Mending {
     }
 }
 
-/// The rung that forecasts best where a residual remains; otherwise the highest.
+/// The rung that forecasts best where a residual remains; otherwise the highest, unless a lower one forecasts better by
+/// more than chance.
 fn best(ladder: &Ladder, incomplete: bool) -> usize {
-    if incomplete { best_forecast(&ladder.models) } else { ladder.models.len() - 1 }
+    let models = &ladder.models;
+    let (last, best) = (models.len() - 1, best_forecast(models));
+    if incomplete || forecasts_better(&models[best], &models[last]) { best } else { last }
 }
 
 /// What shapes explain of a residual that matters.
 fn beyond(search: &Search<'_>, ladder: &Ladder, found: &Selection) -> Option<Formula> {
-    if !rest_matters(&ladder.end) {
+    if !rest_matters(ladder) {
         return None;
     }
     formula(search, &ladder.models[1], &ladder.models[ladder.models.len() - 1], &found.added())

@@ -12,6 +12,7 @@ pub(crate) mod headline;
 pub(crate) mod intervals;
 pub(crate) mod ladder;
 pub(crate) mod mending;
+pub(crate) mod numbers;
 pub(crate) mod patch;
 pub(crate) mod poles;
 pub(crate) mod sentences;

@@ -5,7 +5,8 @@
 use crate::answer::ladder::Ladder;
 use crate::gap::forecast_error::Gap;
 use crate::select::stepwise::{NamedEffect, Selection};
-use crate::thresholds::{ENOUGH_CLOSED, LIKELY, PARAMETERS_MM, PARAMETERS_SHARE};
+use crate::thresholds::{ENOUGH_CLOSED, LIKELY, PARAMETERS_MM, PARAMETERS_OF_LENGTH, PARAMETERS_SHARE};
+use plant::Model;
 
 /// The verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -30,7 +31,7 @@ pub(super) fn verdict(found: &Selection, ladder: &Ladder, [nominal, _, mended]: 
         Verdict::Unexplained
     } else if !found.effects.is_empty() {
         Verdict::Effect
-    } else if parameters_matter(nominal, mended, mended) {
+    } else if parameters_matter(nominal, mended, mended, &ladder.models[0].fit.model) {
         Verdict::Parameters
     } else {
         Verdict::NoGap
@@ -43,24 +44,25 @@ fn effects_explain_enough(found: &Selection, ladder: &Ladder) -> bool {
     let is_likely = |named: &NamedEffect| named.probability >= LIKELY;
     let likely = found.effects.is_empty() || found.effects.iter().any(is_likely);
     let closed = ladder.named_share.filter(|_| !found.effects.is_empty());
-    likely && (!rest_matters(&ladder.end) || closed.is_some_and(|share| share >= ENOUGH_CLOSED))
+    likely && (!rest_matters(ladder) || closed.is_some_and(|share| share >= ENOUGH_CLOSED))
 }
 
 /// Whether the errors at 1 s exceed those by noise alone by enough to matter.
-pub(super) fn rest_matters(end: &Gap) -> bool {
-    let both = end.error_mm[2].zip(end.floor_mm[2]);
-    both.is_none_or(|(error, floor)| matters(error - floor, floor))
+pub(super) fn rest_matters(ladder: &Ladder) -> bool {
+    let both = ladder.end.error_mm[2].zip(ladder.end.floor_mm[2]);
+    both.is_none_or(|(error, floor)| matters(error - floor, floor, &ladder.models[0].fit.model))
 }
 
 /// Whether the fitted base parameters lower the error at 1 s by more than the two thresholds.
-pub(super) fn parameters_matter(nominal: &Gap, refitted: &Gap, mended: &Gap) -> bool {
+pub(super) fn parameters_matter(nominal: &Gap, refitted: &Gap, mended: &Gap, rig: &Model) -> bool {
     match (nominal.error_mm[2], refitted.error_mm[2], mended.floor_mm[2]) {
-        (Some(nominal), Some(refitted), Some(floor)) => matters(nominal - refitted, floor),
+        (Some(nominal), Some(refitted), Some(floor)) => matters(nominal - refitted, floor, rig),
         _ => false,
     }
 }
 
-/// Whether a difference of errors at 1 s matters beside the noise floor, all in mm.
-pub(super) fn matters(difference: f64, floor: f64) -> bool {
-    difference > (PARAMETERS_SHARE * floor).max(PARAMETERS_MM)
+/// Whether a difference of errors at 1 s matters beside the noise floor, all in mm, on a rig of this length.
+pub(super) fn matters(difference: f64, floor: f64, rig: &Model) -> bool {
+    let least_mm = PARAMETERS_MM.min(PARAMETERS_OF_LENGTH * rig.pipe_length_mm);
+    difference > (PARAMETERS_SHARE * floor).max(least_mm)
 }

@@ -81,6 +81,9 @@ pub fn words_of(
         let [value, low, high] = [value, low, high].map(whole_percent);
         let _ = write!(words, "\n{value} % of the gap is closed ({low} to {high} %)");
     }
+    if let Some(numbers) = found.numbers_in_words() {
+        let _ = write!(words, "\n{numbers}");
+    }
     if found.verdict == Verdict::Unexplained {
         let _ = write!(words, "\n{WRITE_ONE}");
     }

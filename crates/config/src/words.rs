@@ -173,6 +173,9 @@ impl Words {
                 put(&capital(old), capital(position));
             }
             put("heights", format!("values of the {position}"));
+            put("noise of the air", "random force".into());
+            put("belongs to the air", "belongs to the forces on the moving part".into());
+            put("belongs to the ball", "belongs to the moving part".into());
             put("pipe", "range".into());
             put("fan", "actuator".into());
             let turns = self.position_unit.as_deref().is_some_and(|unit| ANGLES.contains(&unit));
@@ -233,6 +236,8 @@ mod tests {
         assert_eq!(["%", "mm"].map(|unit| cart().unit(unit).to_owned()), ["V", "mm"]);
         let said = cart().of("A ball and a fan: 30 s in free flight, acceleration of the ball over duty");
         assert_eq!(said, "An angle and an actuator: 30 s between the ends, angular acceleration over voltage");
+        let said = cart().of("the noise of the air is 3.0 times as strong; most of that belongs to the ball");
+        assert_eq!(said, "the random force is 3.0 times as strong; most of that belongs to the moving part");
     }
 
     #[test]

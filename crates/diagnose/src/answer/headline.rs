@@ -80,7 +80,14 @@ impl Diagnosis {
         let (out, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) = effects.iter().copied().partition(is_out);
         let (small, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) =
             kept.into_iter().partition(|named| self.is_small(named));
+        let (small, kept) = if kept.is_empty() && self.effects_close_the_gap() { (kept, small) } else { (small, kept) };
         headline(&kept, &small, &out)
+    }
+
+    /// Whether the effects together lower the error at 1 s by enough to matter, beside numbers as believed.
+    fn effects_close_the_gap(&self) -> bool {
+        let [nominal, _, mended] = &self.gaps;
+        self.believed_numbers_are_right() && parameters_matter(nominal, mended, mended, &self.mended.model)
     }
 
     /// Whether an added effect on the path moves no forecast of 1 s by enough to matter, neither alone nor beside the

@@ -1,9 +1,10 @@
 //! The verdict. The first that applies: `insufficient_data`, `unexplained` (a significant residual, and the named effects
 //! close less than half of what can be closed beyond the refit, or none is likelier than not), `effect`, `parameters`
-//! (only base parameters moved, and that lowers the held-out error at 1 s), `no_gap`.
+//! (only base parameters moved, and that lowers the held-out errors by more than chance), `no_gap`.
 
 use crate::answer::ladder::Ladder;
 use crate::gap::forecast_error::Gap;
+use crate::select::forecast::forecasts_better;
 use crate::select::stepwise::{NamedEffect, Selection};
 use crate::thresholds::{ENOUGH_CLOSED, LIKELY, PARAMETERS_MM, PARAMETERS_OF_LENGTH, PARAMETERS_SHARE};
 use plant::Model;
@@ -31,11 +32,16 @@ pub(super) fn verdict(found: &Selection, ladder: &Ladder, [nominal, _, mended]: 
         Verdict::Unexplained
     } else if !found.effects.is_empty() {
         Verdict::Effect
-    } else if parameters_matter(nominal, mended, mended, &ladder.models[0].fit.model) {
+    } else if parameters_matter(nominal, mended, mended, &ladder.models[0].fit.model) && refit_is_better(ladder) {
         Verdict::Parameters
     } else {
         Verdict::NoGap
     }
+}
+
+/// Whether the refit forecasts better than the belief by more than chance.
+fn refit_is_better(ladder: &Ladder) -> bool {
+    forecasts_better(&ladder.models[1], &ladder.models[0])
 }
 
 /// Whether the named effects explain enough beside a significant residual: one of them is likelier than not, and they

@@ -135,6 +135,6 @@ mod tests {
         let found = ["quadratic_drag", "turbulence", "height_dependent_flow"];
         assert_eq!(order(found, 60), found);
         let found = ["quadratic_drag", "wall_friction", "height_dependent_flow"];
-        assert_eq!(order(found, 2), found);
+        assert_eq!(order(found, 1), found);
     }
 }

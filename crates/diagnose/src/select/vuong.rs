@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_lag_amid_an_unknown_force_stays_in_the_set_of_a_delay() {
-        let mut rig = with_force("size * sin(2 * pi * x / 60)", 40.0);
+        let mut rig = with_force("size * sin(2 * pi * x / 60)", 80.0);
         rig.effects.set("sensor_lag", &[0.1]);
         let (belief, recording) = (model(), record(&rig, 1, 80));
         let folds = Folds::new(&belief, &recording);

@@ -58,7 +58,7 @@ fn a_gain_of_another_unit_is_said_even_where_no_effect_is_named() {
 
 #[test]
 fn a_record_that_is_too_short_says_how_short() {
-    let found = diagnose(&model(), &record(&model(), 5, 5), &Options::default());
+    let found = diagnose(&model(), &record(&model(), 5, 3), &Options::default());
     assert_eq!(found.verdict, Verdict::InsufficientData);
     let short = |noted: &crate::FlightFinding| matches!(noted.finding, Finding::TooFew { readings, needed } if readings < needed);
     assert!(found.findings.iter().any(short), "{:?}", found.findings);

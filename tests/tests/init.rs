@@ -145,6 +145,17 @@ fn a_servo_is_one_also_where_it_measures_a_current_that_its_position_does_not_an
     assert!(refused.errors.contains("not used: `current (5)`; other columns are chosen with"), "{}", refused.errors);
 }
 
+#[test]
+fn numbers_that_forecast_better_are_taken_before_those_of_the_greatest_likelihood() {
+    let bench = bare();
+    bench.write("log.csv", std::fs::read_to_string(root().join("data/quarter_drone/staircase.csv")).unwrap());
+    let _ = bench.output(&["init", "log.csv"]);
+    assert!(bench.read("rig.toml").contains("# fitted to forecasts of 1 to 3 s"), "{}", bench.read("rig.toml"));
+    // With the numbers of the greatest likelihood the forecasts of 1 s are worse than those of an angle that stays put.
+    let said = bench.output(&["replay", "log.csv", "--config", "rig.toml"]);
+    assert!(said.contains("1 s ahead the error of the model is") && !said.contains("is of no use"), "{said}");
+}
+
 /// A loop that steers a cart to a setpoint: time, input, position, setpoint.
 fn steered() -> Vec<[f64; 4]> {
     let mut random = Random(8);

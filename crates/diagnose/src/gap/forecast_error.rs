@@ -212,9 +212,8 @@ fn horizons(
         for forecast in track.forecasts(from) {
             let ahead_s = samples[forecast.row].time_s - start_s;
             while horizon < HORIZONS_S.len() && ahead_s >= HORIZONS_S[horizon] - half_period_s {
-                // A reading more than half a period, or 2 % of the horizon, too late belongs to another horizon. Where
-                // the horizon is midway between two readings, the mean period may be too short by a little.
-                let slack_s = (1.02 * half_period_s).max(0.02 * HORIZONS_S[horizon]);
+                // A reading more than half a period, or 2 % of the horizon, too late belongs to another horizon.
+                let slack_s = half_period_s.max(0.02 * HORIZONS_S[horizon]) + 1e-9;
                 if ahead_s <= HORIZONS_S[horizon] + slack_s {
                     errors[horizon].add(samples[forecast.row].position_mm, start_mm, forecast);
                 }

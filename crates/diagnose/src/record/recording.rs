@@ -205,7 +205,7 @@ impl Recording {
 
     /// Mean time from one reading of a flight to the next, seconds.
     pub(crate) fn reading_period_s(&self, flight: &Range<usize>) -> f64 {
-        duration_s(&self.samples[flight.clone()]) / self.readings_of(flight).len().max(1) as f64
+        duration_s(&self.samples[flight.clone()]) / self.readings_of(flight).len().saturating_sub(1).max(1) as f64
     }
 
     /// Mean time from one reading of all flights to the next, seconds.

@@ -43,6 +43,19 @@ fn staying_put_is_the_change_of_the_reading() {
 }
 
 #[test]
+fn a_horizon_midway_between_two_readings_has_forecasts() {
+    // 12.5 periods of 0.08 s are 1 s.
+    let row = |k: u32| Sample {
+        time_s: 0.08 * f64::from(k),
+        duty_percent: 21.4,
+        position_mm: Some(200.0 + f64::from(k % 7)),
+        ..Sample::default()
+    };
+    let gap = Gap::measure(&model(), &Recording::new((0..444).map(row).collect()).unwrap());
+    assert!(gap.error_mm.iter().all(Option::is_some), "{gap:?}");
+}
+
+#[test]
 fn a_recording_too_short_for_a_horizon_says_so() {
     let gap = Gap::measure(&model(), &record(&model(), 1, 1));
     assert!(gap.error_mm[1].is_some() && gap.error_mm[2].is_none() && gap.free_run_10s_mm.is_none());

@@ -138,7 +138,7 @@ fn a_servo_is_one_also_where_it_measures_a_current_that_its_position_does_not_an
     // A setpoint that is said is no input, whatever its name.
     bench.write("control.csv", log.replacen("t_s,command0_rad,position0_rad", "t_s,control,angle", 1));
     let said = bench.output(&["init", "control.csv", "--out", "control.toml", "--setpoint", "control"]);
-    assert!(said.contains("`control` → input: a servo: its command minus its position"), "{said}");
+    assert!(said.contains("`control`") && said.contains("→ input: a servo: its command minus its position"), "{said}");
     // Where the command is said to be the input, the message names the columns that are left.
     let refused = bench.run(&["init", "log.csv", "--out", "other.toml", "--input", "target pos (5)"]);
     assert!(refused.code == Some(1) && refused.errors.contains("as a servo does"), "{}", refused.errors);

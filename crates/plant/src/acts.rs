@@ -100,8 +100,8 @@ pub struct Acts<E: 'static> {
     pub delays_duty: Option<fn(&E) -> f64>,
     /// The duty that the fan makes of one, both in percent.
     pub on_duty: Option<fn(&E, f64) -> f64>,
-    /// Slot. The duty that acts, from what it was (first), so many seconds (third) later under a constant duty (second);
-    /// both in percent.
+    /// Slot. The duty that acts, from what it was (first), so many seconds (third) later under a constant duty
+    /// (second); both in percent.
     pub slews: Option<fn(&E, f64, f64, f64) -> f64>,
     /// How far hover has moved at a time in seconds, percent.
     pub shifts_hover: Option<fn(&E, f64) -> f64>,

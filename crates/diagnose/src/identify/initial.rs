@@ -191,8 +191,8 @@ pub fn initial(
     Ok(Initial { model, is_turned, gain_is_lost, by_forecasts, sign_is_seen: forms.show_sign(), form, no_use, found })
 }
 
-/// By how much the position of a servo follows a change of its input, of one that follows it fully. `None`: the plant is
-/// no servo.
+/// By how much the position of a servo follows a change of its input, of one that follows it fully. `None`: the plant
+/// is no servo.
 fn servo_ratio(form: &LinearFit, commanded: f64) -> Option<f64> {
     let ratio = (form.gain / form.spring_per_s2 / commanded).abs();
     (form.spring_per_s2 > STIFFEST_PER_S2 && ratio.max(ratio.recip()) < AS_COMMANDED).then_some(ratio)

@@ -205,7 +205,10 @@ impl Recording {
 
     /// Mean time from one reading of a flight to the next, seconds.
     pub(crate) fn reading_period_s(&self, flight: &Range<usize>) -> f64 {
-        duration_s(&self.samples[flight.clone()]) / self.readings_of(flight).len().saturating_sub(1).max(1) as f64
+        let readings = self.readings_of(flight);
+        let ends = readings.first().zip(readings.last());
+        let span_s = ends.map_or(0.0, |(first, last)| self.samples[*last].time_s - self.samples[*first].time_s);
+        span_s / readings.len().saturating_sub(1).max(1) as f64
     }
 
     /// Mean time from one reading of all flights to the next, seconds.

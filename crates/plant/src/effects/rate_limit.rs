@@ -7,7 +7,7 @@
 //!
 //! T is the time for the whole range, the stroke time of a valve. Assumes one rate both ways and for every stroke, and
 //! that the actuator stops at once where it arrives.
-//! Source: the rate limiter, Åström and Hägglund, *PID Controllers*, section 3.5; the slew rate of a motor driver.
+//! Source: the rate limiter, Åström and Hägglund, *PID Controllers*; the slew rate of a motor driver.
 
 use crate::acts::Acts;
 use crate::effect::{Effect, Entry, Neutral, Param, Scale, Similar, Stage, Start, values_in_order};
@@ -38,8 +38,8 @@ impl Effect for RateLimit {
         similar: &[
             Similar {
                 name: "fan_lag",
-                distinguished_by: "a lag is as slow for small steps of duty as for large ones; at a limited rate a step \
-                     twice as large takes twice as long. Fly steps of two sizes",
+                distinguished_by: "a lag is as slow for small steps of duty as for large ones; at a limited rate a \
+                     step twice as large takes twice as long. Fly steps of two sizes",
             },
             Similar {
                 name: "saturation",

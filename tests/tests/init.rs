@@ -141,7 +141,7 @@ fn a_servo_is_one_also_where_it_measures_a_current_that_its_position_does_not_an
     assert!(said.contains("`control`") && said.contains("→ input: a servo: its command minus its position"), "{said}");
     // Where the command is said to be the input, the message names the columns that are left.
     let refused = bench.run(&["init", "log.csv", "--out", "other.toml", "--input", "target pos (5)"]);
-    assert!(refused.code == Some(1) && refused.errors.contains("as a servo does"), "{}", refused.errors);
+    assert!(refused.code == Some(1) && refused.errors.contains("as a servo follows"), "{}", refused.errors);
     assert!(refused.errors.contains("not used: `current (5)`; other columns are chosen with"), "{}", refused.errors);
 }
 

@@ -16,7 +16,7 @@ fn uniform(mut state: u64) -> impl FnMut() -> f64 {
 
 /// A cart with viscous friction, ẍ = 40·(r − 50) − 3·ẋ mm/s², under a PD controller with a random setpoint, at 50 Hz;
 /// 0.2 mm of noise. `moved`: what acts after a step, from what acted and the duty.
-fn driven(seed: u64, moved: impl Fn(f64, f64) -> f64) -> Recording {
+fn driven(seed: u64, moved: impl Fn(f64, f64) -> f64) -> Vec<Sample> {
     let mut uniform = uniform(seed);
     let (mut x, mut v, mut acts, mut setpoint, mut last, mut slope) = (400.0, 0.0, 50.0, 400.0, 400.0, 0.0);
     let rows = (0..3000_u32).map(|k| {
@@ -34,7 +34,7 @@ fn driven(seed: u64, moved: impl Fn(f64, f64) -> f64) -> Recording {
         }
         Sample { time_s: 0.02 * f64::from(k), duty_percent, position_mm: Some(reading), ..Sample::default() }
     });
-    Recording::new(rows.collect()).unwrap()
+    rows.collect()
 }
 
 /// The diagnosis from a belief that knows all but how the input acts; few effects are sought, because that is quicker.
@@ -70,7 +70,8 @@ fn found(recording: &Recording) -> Diagnosis {
 fn a_rate_limit_is_found_with_its_rate() {
     let step = 80.0 * STEP_S;
     for seed in [3, 4] {
-        let diagnosis = found(&driven(seed, |acts, duty| acts + (duty - acts).clamp(-step, step)));
+        let diagnosis =
+            found(&Recording::new(driven(seed, |acts, duty| acts + (duty - acts).clamp(-step, step))).unwrap());
         let named: Vec<_> = diagnosis.effects.iter().map(|named| named.candidate.entry.name).collect();
         assert_eq!(named, [RateLimit::ENTRY.name], "{}", diagnosis.verdict_in_words());
         let seconds = diagnosis.mended.model.effects.values(RateLimit::ENTRY.name).unwrap()[0];
@@ -81,7 +82,8 @@ fn a_rate_limit_is_found_with_its_rate() {
 #[test]
 fn a_lag_is_no_rate_limit() {
     for seed in [3, 4] {
-        let diagnosis = found(&driven(seed, |acts, duty| acts + STEP_S / 0.15 * (duty - acts)));
+        let diagnosis =
+            found(&Recording::new(driven(seed, |acts, duty| acts + STEP_S / 0.15 * (duty - acts))).unwrap());
         let rate = diagnosis.effects.iter().find(|named| named.candidate.entry.name == RateLimit::ENTRY.name);
         assert!(rate.is_none_or(|named| named.probability < 0.5), "{}", diagnosis.verdict_in_words());
         assert!(!diagnosis.effects.is_empty(), "{}", diagnosis.verdict_in_words());

@@ -87,6 +87,8 @@ pub(crate) struct Direction {
     pub(crate) own: [f64; OWN_STATES],
 }
 
+/// The duty that acts from what it was, from a constant duty, and from the seconds since; see [`Acts::slews`].
+pub type Slews<E> = fn(&E, f64, f64, f64) -> f64;
 /// The fan's acceleration from a constant command, from what it was, and from the seconds since; see [`Acts::follows`].
 pub type Follows<E> = fn(&E, f64, f64, f64) -> f64;
 /// The sensed position from what it was, from the path of the ball since, and from the seconds since; see
@@ -102,7 +104,7 @@ pub struct Acts<E: 'static> {
     pub on_duty: Option<fn(&E, f64) -> f64>,
     /// Slot. The duty that acts, from what it was (first), so many seconds (third) later under a constant duty
     /// (second); both in percent.
-    pub slews: Option<fn(&E, f64, f64, f64) -> f64>,
+    pub slews: Option<Slews<E>>,
     /// How far hover has moved at a time in seconds, percent.
     pub shifts_hover: Option<fn(&E, f64) -> f64>,
     /// Slot. The new state of a play, from its old state (first) and the duty (second), all in percent about hover.

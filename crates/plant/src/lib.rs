@@ -34,7 +34,7 @@ mod tangent;
 mod unsound;
 mod written;
 
-pub use acts::{Acts, Changes, Conditions, Follows, Late, Readings, Senses, Summary, is_beyond_the_noise};
+pub use acts::{Acts, Changes, Conditions, Follows, Late, Readings, Senses, Slews, Summary, is_beyond_the_noise};
 pub use actuator::Actuator;
 pub use effect::{Difference, Effect, Entry, Form, InColumn, Neutral, Param, Scale, Similar, Stage, Start};
 pub use effects::Effects;

@@ -68,7 +68,7 @@ impl RateLimit {
             return duty_percent;
         }
         let most = 100.0 * dt_s.max(0.0) / self.full_range_s;
-        reached_percent + (duty_percent - reached_percent).clamp(-most, most)
+        reached_percent + (duty_percent - reached_percent).max(-most).min(most)
     }
 }
 

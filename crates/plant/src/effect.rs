@@ -104,7 +104,7 @@ pub enum Start {
     AgainstMotion(&'static [&'static [f64]]),
     /// At shares of the range of commanded acceleration: limits that the record never reaches have no gradient.
     CommandedRange,
-    /// At values with which the usual change of duty takes so many seconds: its one parameter is the time for 100 %.
+    /// At values with which the usual range of duties takes so many seconds: its one parameter is the time for 100 %.
     RampsOver(&'static [f64]),
     /// At the heights beyond which there are hardly any readings.
     HeightsSeen,

@@ -35,7 +35,10 @@ impl Diagnosis {
                 match (&likely[..], self.rest.matters) {
                     ([], true) => NO_EFFECT.into(),
                     ([], false) => format!("{NO_EFFECT}, but too little to matter for a forecast of 1 s"),
-                    (likely, _) => format!("{}, but most of the gap has another cause", self.headline(likely)),
+                    (likely, _) => {
+                        let [kept, small, out] = self.parted(likely);
+                        format!("{}, but most of the gap has another cause", headline(&kept, &small, &out))
+                    }
                 }
             }
             Verdict::Effect => {
@@ -45,14 +48,10 @@ impl Diagnosis {
                 if stated.is_empty() {
                     stated = doubtful;
                 }
-                let said = self.headline(&stated);
+                let [kept, small, out] = self.parted(&stated);
+                let said = headline(&kept, &small, &out);
                 let [nominal, refitted, mended] = &self.gaps;
-                let left_out = self.left_out();
-                let moves = |named: &&NamedEffect| {
-                    let entry = named.candidate.entry;
-                    is_on_the_motion(entry) && !left_out.contains(&entry.name) && !self.is_small(named)
-                };
-                let are_off = !stated.iter().any(moves)
+                let are_off = !kept.iter().any(|named| is_on_the_motion(named.candidate.entry))
                     && parameters_matter(nominal, refitted, mended, &self.mended.model)
                     && !self.believed_numbers_are_right();
                 if are_off { format!("The simulator's numbers are off; {}", as_clause(&said)) } else { said }
@@ -73,15 +72,15 @@ impl Diagnosis {
         names.filter(|name| self.mended.model.effects.values(name).is_none()).collect()
     }
 
-    /// Effects in one sentence, first those that matter and that the mended model has.
-    fn headline(&self, effects: &[&NamedEffect]) -> String {
+    /// The effects that matter and that the mended model has, those of them that are too small to matter, and others,
+    /// which it leaves out. Where each is small and together they close the gap, all matter.
+    fn parted<'a>(&self, effects: &[&'a NamedEffect]) -> [Vec<&'a NamedEffect>; 3] {
         let left_out = self.left_out();
         let is_out = |named: &&NamedEffect| left_out.contains(&named.candidate.entry.name);
         let (out, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) = effects.iter().copied().partition(is_out);
         let (small, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) =
             kept.into_iter().partition(|named| self.is_small(named));
-        let (small, kept) = if kept.is_empty() && self.effects_close_the_gap() { (kept, small) } else { (small, kept) };
-        headline(&kept, &small, &out)
+        if kept.is_empty() && self.effects_close_the_gap() { [small, kept, out] } else { [kept, small, out] }
     }
 
     /// Whether the effects together lower the error at 1 s by enough to matter, beside numbers as believed.

@@ -73,7 +73,8 @@ pub struct Rest {
     pub share: Option<f64>,
     /// Whether the residual tests find it.
     pub is_significant: bool,
-    /// Whether it moves a forecast of 1 s by more than the larger of 5 % of the noise floor and 0.5 mm.
+    /// Whether it moves a forecast of 1 s by more than the larger of 5 % of the noise floor and 0.5 mm, or 1/1200 of a
+    /// pipe shorter than 600 mm.
     pub matters: bool,
 }
 

@@ -6,7 +6,7 @@
 use crate::answer::diagnosis::Diagnosis;
 use crate::answer::sentences::decimals;
 use crate::answer::verdict::{Verdict, matters};
-use crate::gap::forecast_error::Gap;
+use crate::select::forecast::error_at_1_s;
 use crate::select::search::Search;
 use plant::Model;
 
@@ -24,8 +24,7 @@ pub(crate) struct BelievedNumbers {
 impl BelievedNumbers {
     /// Beside the effects of `mended`.
     pub(crate) fn beside(search: &Search<'_>, mended: &Model) -> Self {
-        let model = search.forecasting(&search.with_believed_base(mended));
-        let error_mm = Gap::measure(&model, search.problem.recording).error_mm[2];
+        let error_mm = error_at_1_s(search, &search.with_believed_base(mended));
         Self { belief: search.problem.belief.clone(), error_mm }
     }
 }

@@ -46,6 +46,7 @@ mod tests {
     use crate::identify::initial;
     use crate::options::Options;
     use crate::random_for_tests::uniform;
+    use crate::select::tests_support::seeking;
     use crate::tests_support::model;
     use crate::{Recording, Sample, diagnose};
     use plant::effects::HeightDependentFlow;
@@ -107,10 +108,7 @@ mod tests {
         let recording = pipe_with_delay();
         let belief = initial(std::slice::from_ref(&recording), 0.0, 1200.0, None, None).unwrap().model;
         assert!(belief.effects.fan_lag_s().unwrap() * belief.drag_per_s > 1.0, "{belief:?}");
-        // Few effects are sought, because that is quicker.
-        let others = belief.effects.catalogue().map(|entry| entry.name.to_owned());
-        let without = others.filter(|name| !["transport_delay", "wall_friction"].contains(&name.as_str())).collect();
-        let options = Options { without, without_formula: true, is_fitted: true, ..Options::default() };
+        let options = Options { is_fitted: true, ..seeking(&["transport_delay", "wall_friction"]) };
         let found = diagnose(&belief, &[recording], &options);
         let delay = found.effects.iter().find(|named| named.candidate.entry.name == "transport_delay");
         let delay_s = found.mended.model.effects.values("transport_delay").map(|values| values[0]);

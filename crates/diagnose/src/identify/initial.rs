@@ -28,9 +28,9 @@ const LOST: f64 = 0.2;
 const NO_LAG: f64 = 0.25;
 /// A return stiffer than this, 1/s², may be that of a servo: gravity returns a pendulum of 0.2 m by as much.
 const STIFFEST_PER_S2: f64 = 50.0;
-/// It is one where the position ends at the commanded one to within this factor. Chosen by hand: a loop without an
+/// It is one where the static gain is unity to within this factor. Chosen by hand: a loop without an
 /// integral leaves an offset.
-const AS_COMMANDED: f64 = 1.25;
+const NEAR_UNITY: f64 = 1.25;
 
 /// A first belief.
 #[derive(Clone, Debug)]
@@ -138,7 +138,7 @@ pub enum NoPlant {
 
 /// A first belief about the rig of `recordings`, in a pipe with this lower end and this length, mm; `turn_mm`: length
 /// of one turn where the position is an angle. A force that returns an angle to one place is then tried as gravity too.
-/// `commanded`: the static gain, mm per percent, of a position that follows the input in its own unit; `None`: the two
+/// `unity_gain`: the static gain, mm per percent, of a position that follows the input in its own unit; `None`: the two
 /// have different units.
 ///
 /// # Errors
@@ -148,7 +148,7 @@ pub fn initial(
     bottom_mm: f64,
     length_mm: f64,
     turn_mm: Option<f64>,
-    commanded: Option<f64>,
+    unity_gain: Option<f64>,
 ) -> Result<Initial, NoPlant> {
     let flight = recordings.iter().max_by_key(|one| one.readings()).ok_or(NoPlant::Still)?;
     if let Some((row, times)) = recordings.iter().find_map(input_outlier) {
@@ -164,7 +164,7 @@ pub fn initial(
     }
     let is_turned = forms.are_turned();
     let (sign, form) = (forms.sign(), forms.start());
-    if let Some(ratio) = commanded.and_then(|commanded| servo_ratio(&form, commanded)) {
+    if let Some(ratio) = unity_gain.and_then(|unity_gain| servo_ratio(&form, unity_gain)) {
         return Err(NoPlant::Servo { per_s2: form.spring_per_s2, ratio });
     }
     let start = model(&form, sign, bottom_mm, length_mm);
@@ -191,11 +191,10 @@ pub fn initial(
     Ok(Initial { model, is_turned, gain_is_lost, by_forecasts, sign_is_seen: forms.show_sign(), form, no_use, found })
 }
 
-/// By how much the position of a servo follows a change of its input, of one that follows it fully. `None`: the plant
-/// is no servo.
-fn servo_ratio(form: &LinearFit, commanded: f64) -> Option<f64> {
-    let ratio = (form.gain / form.spring_per_s2 / commanded).abs();
-    (form.spring_per_s2 > STIFFEST_PER_S2 && ratio.max(ratio.recip()) < AS_COMMANDED).then_some(ratio)
+/// The static gain of a servo over the unity gain. `None`: the plant is no servo.
+fn servo_ratio(form: &LinearFit, unity_gain: f64) -> Option<f64> {
+    let ratio = (form.gain / form.spring_per_s2 / unity_gain).abs();
+    (form.spring_per_s2 > STIFFEST_PER_S2 && ratio.max(ratio.recip()) < NEAR_UNITY).then_some(ratio)
 }
 
 /// The forms of a flight; where they do not show the sign of the input, those of the flight without its rests.

@@ -142,6 +142,14 @@ pub(crate) fn is_better(search: &Search<'_>, this: &Fit, that: &Fit) -> bool {
     search.held_out_total(this) > search.held_out_total(that) && !forecasts_worse(search, this, that)
 }
 
+/// Error of the forecasts 1 s ahead of a model as it is, in the rows that count, mm; `None`: the record is too short.
+pub(crate) fn error_at_1_s(search: &Search<'_>, model: &Model) -> Option<f64> {
+    let Problem { recording, folds, .. } = search.problem;
+    let model = search.forecasting(model);
+    let errors = tallies(&Track::with(Variances::Omitted, &model, recording), &|row| folds.of(row).map(|_| 0));
+    Tally::sum(errors.iter()).gap().error_mm[2]
+}
+
 /// Held-out forecast errors of a fit, by stretch of the record, with its own noise.
 fn errors_of(search: &Search<'_>, fit: &Fit) -> Vec<Tally> {
     with_own_noise(search, &search.problem.without_each_fold(fit), Variances::Omitted)

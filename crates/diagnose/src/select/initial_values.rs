@@ -23,6 +23,9 @@ const LIMITS: [f64; 3] = [0.9, 0.6, 0.35];
 /// because noise carries readings beyond a stop.
 const STOPS: [(f64, f64); 6] = [(0.003, 0.0), (0.003, 1.0), (0.003, 2.0), (0.02, 0.0), (0.05, 0.0), (0.15, 0.0)];
 
+/// Share of the duties on either side of their usual range. Chosen by hand: a few far steps are not usual.
+const BEYOND_USUAL: f64 = 0.1;
+
 /// Initial values, and the number of values they were chosen from.
 pub(crate) struct Starts {
     pub(crate) values: Vec<Vec<f64>>,
@@ -126,11 +129,11 @@ fn limits(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     LIMITS.map(|share| vec![share * low, share * high]).to_vec()
 }
 
-/// Times for the whole range of duty with which the usual difference of two duties takes each of these times.
+/// Times for the whole range of duty with which the usual range of duties takes each of these times.
 fn ramps(seconds: &[f64], recording: &Recording) -> Vec<Vec<f64>> {
     let mut duties: Vec<f64> = recording.writes().iter().map(|write| write.duty_percent).collect();
     duties.sort_by(f64::total_cmp);
-    let usual = quantile(&duties, 0.9) - quantile(&duties, 0.1);
+    let usual = quantile(&duties, 1.0 - BEYOND_USUAL) - quantile(&duties, BEYOND_USUAL);
     if usual > 0.0 { seconds.iter().map(|s| vec![100.0 * s / usual]).collect() } else { Vec::new() }
 }
 
@@ -145,3 +148,6 @@ fn stops(model: &Model, recording: &Recording) -> Vec<Vec<f64>> {
     };
     STOPS.iter().flat_map(|(share, inwards)| at(*share, *inwards)).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -26,7 +26,7 @@ pub(crate) mod slow_starts;
 pub(crate) mod smoothing;
 pub(crate) mod stepwise;
 #[cfg(test)]
-mod tests_support;
+pub(crate) mod tests_support;
 pub(crate) mod twins;
 pub(crate) mod vuong;
 pub(crate) mod written_scan;

@@ -66,8 +66,8 @@ pub(crate) fn prefer_simple_forms(all: &mut Vec<Candidate>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::options::Options;
     use crate::random_for_tests::uniform;
+    use crate::select::tests_support::seeking;
     use crate::tests_support::model;
     use crate::{Diagnosis, Recording, Sample, diagnose};
     use plant::effects::{DeadZone, Hysteresis, QuadraticDrag, WallFriction};
@@ -98,7 +98,7 @@ mod tests {
         Recording::new(rows.collect()).unwrap()
     }
 
-    /// The diagnosis from a belief without friction; few effects are sought, because that is quicker.
+    /// The diagnosis from a belief without friction.
     fn found(recording: &Recording) -> Diagnosis {
         let belief = Model {
             gain_mm_per_s2_per_percent: 150.0,
@@ -111,13 +111,7 @@ mod tests {
         };
         let sought =
             [WallFriction::ENTRY.name, DeadZone::ENTRY.name, Hysteresis::ENTRY.name, QuadraticDrag::ENTRY.name];
-        let others = Effects::CATALOGUE.iter().map(|entry| entry.name).filter(|name| !sought.contains(name));
-        let without = others.map(str::to_owned).collect();
-        diagnose(
-            &belief,
-            std::slice::from_ref(recording),
-            &Options { without, without_formula: true, ..Options::default() },
-        )
+        diagnose(&belief, std::slice::from_ref(recording), &seeking(&sought))
     }
 
     #[test]

@@ -11,7 +11,7 @@
 //! effects. But a simulator is corrected first where its forecasts err most.
 
 use crate::fit::estimate::Fit;
-use crate::gap::forecast_error::Gap;
+use crate::select::forecast::error_at_1_s;
 use crate::select::random_force::is_random_force;
 use crate::select::search::Search;
 use crate::select::stepwise::{Change, NamedEffect, is_of_path};
@@ -59,10 +59,7 @@ fn best_without(search: &Search<'_>, effect: &Entry, fit: &Fit, on_the_way: &[Fi
 
 /// Mean square of the forecast errors 1 s ahead, mm²; 0 if the record is too short, so that all are equal.
 fn square_at_1_s(search: &Search<'_>, model: &Model) -> f64 {
-    let gap = Gap::measure_where(&search.forecasting(model), search.problem.recording, &|row| {
-        search.problem.folds.counts(row)
-    });
-    gap.error_mm[2].map_or(0.0, |error_mm| error_mm.powi(2))
+    error_at_1_s(search, model).map_or(0.0, |error_mm| error_mm.powi(2))
 }
 
 #[cfg(test)]

@@ -28,6 +28,7 @@ impl Effect for RateLimit {
         article: "a ",
         params: &[Param { name: "full_range_s", min: 0.0, max: 100.0, neutral: Neutral::At(0.0), scale: Scale::Value }],
         sizes: &[&[1.0], &[2.0]],
+        // Chosen by hand: from two rows of a log at 50 Hz to the longest horizon of the ladder.
         start: Start::RampsOver(&[0.03, 0.1, 0.3, 1.0]),
         in_a_log: "the response to a large step of duty is as slow as the step is large, while small changes of duty \
              act at once",

@@ -102,8 +102,8 @@ fn of_roles(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Asked) -> Re
     let of_first = || logs.first().cloned().unwrap_or_default();
     let no_plant = |source| NoBelief::Plant { path: of_first(), roles: Box::new(roles.clone()), source };
     let turn_mm = import.position_mm.turn();
-    let commanded = scales.commanded(roles.minus.is_some());
-    let plant = initial(&recordings, scales.bottom_mm, scales.length_mm, turn_mm, commanded).map_err(no_plant)?;
+    let unity_gain = scales.unity_gain(roles.minus.is_some());
+    let plant = initial(&recordings, scales.bottom_mm, scales.length_mm, turn_mm, unity_gain).map_err(no_plant)?;
     if plant.is_turned {
         import.duty_percent.scale = -import.duty_percent.scale;
     }

@@ -107,9 +107,9 @@ pub fn scales(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Scales {
 }
 
 impl Scales {
-    /// The static gain, mm per percent, of a position that follows the input in its own unit. `None`: their units
+    /// The unity gain, mm per percent: that of a position that follows the input in its own unit. `None`: their units
     /// differ, or the input is a difference of command and position already.
-    pub(super) fn commanded(&self, is_difference: bool) -> Option<f64> {
+    pub(super) fn unity_gain(&self, is_difference: bool) -> Option<f64> {
         let [position, input] = [&self.position, &self.input];
         let is_alike = position.read_as == input.read_as || position.read_as.is_empty() || input.read_as.is_empty();
         (is_alike && !is_difference).then(|| position.scale / input.scale)

@@ -1,29 +1,23 @@
 //! A rate limit against a lag: rigs that are simulated here, with equations of their own.
 
-use diagnose::{Diagnosis, Options, Recording, Sample, diagnose};
+use crate::random_for_tests::uniform;
+use crate::select::tests_support::seeking;
+use crate::{Diagnosis, Recording, Sample, diagnose};
 use plant::effects::{FanLag, RateLimit, Saturation, SensorLag, SpinAsymmetry, TransportDelay};
 use plant::{Effect, Effects, Model, Noise};
 
 const STEP_S: f64 = 1e-3;
 
-/// Even numbers in −1 to 1, from a linear congruential generator.
-fn uniform(mut state: u64) -> impl FnMut() -> f64 {
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        f64::from((state >> 40) as u32) / f64::from(1_u32 << 23) - 1.0
-    }
-}
-
 /// A cart with viscous friction, ẍ = 40·(r − 50) − 3·ẋ mm/s², under a PD controller with a random setpoint, at 50 Hz;
 /// 0.2 mm of noise. `moved`: what acts after a step, from what acted and the duty.
-fn driven(seed: u64, moved: impl Fn(f64, f64) -> f64) -> Vec<Sample> {
+fn driven(seed: u32, moved: impl Fn(f64, f64) -> f64) -> Recording {
     let mut uniform = uniform(seed);
     let (mut x, mut v, mut acts, mut setpoint, mut last, mut slope) = (400.0, 0.0, 50.0, 400.0, 400.0, 0.0);
     let rows = (0..3000_u32).map(|k| {
         if k % 150 == 0 {
-            setpoint = 400.0 + 300.0 * uniform();
+            setpoint = 400.0 + 600.0 * uniform();
         }
-        let reading: f64 = x + 0.2 * (0..3).map(|_| uniform()).sum::<f64>();
+        let reading: f64 = x + 0.4 * (0..3).map(|_| uniform()).sum::<f64>();
         slope += 0.3 * ((reading - last) / 0.02 - slope);
         last = reading;
         let duty_percent: f64 = (50.0 + 0.15 * (setpoint - reading) - 0.12 * slope).clamp(0.0, 100.0);
@@ -34,10 +28,10 @@ fn driven(seed: u64, moved: impl Fn(f64, f64) -> f64) -> Vec<Sample> {
         }
         Sample { time_s: 0.02 * f64::from(k), duty_percent, position_mm: Some(reading), ..Sample::default() }
     });
-    rows.collect()
+    Recording::new(rows.collect()).unwrap()
 }
 
-/// The diagnosis from a belief that knows all but how the input acts; few effects are sought, because that is quicker.
+/// The diagnosis from a belief that knows all but how the input acts.
 fn found(recording: &Recording) -> Diagnosis {
     let belief = Model {
         gain_mm_per_s2_per_percent: 40.0,
@@ -57,21 +51,14 @@ fn found(recording: &Recording) -> Diagnosis {
         TransportDelay::ENTRY.name,
         Saturation::ENTRY.name,
     ];
-    let others = Effects::CATALOGUE.iter().map(|entry| entry.name).filter(|name| !sought.contains(name));
-    let without = others.map(str::to_owned).collect();
-    diagnose(
-        &belief,
-        std::slice::from_ref(recording),
-        &Options { without, without_formula: true, ..Options::default() },
-    )
+    diagnose(&belief, std::slice::from_ref(recording), &seeking(&sought))
 }
 
 #[test]
 fn a_rate_limit_is_found_with_its_rate() {
     let step = 80.0 * STEP_S;
     for seed in [3, 4] {
-        let diagnosis =
-            found(&Recording::new(driven(seed, |acts, duty| acts + (duty - acts).clamp(-step, step))).unwrap());
+        let diagnosis = found(&driven(seed, |acts, duty| acts + (duty - acts).clamp(-step, step)));
         let named: Vec<_> = diagnosis.effects.iter().map(|named| named.candidate.entry.name).collect();
         assert_eq!(named, [RateLimit::ENTRY.name], "{}", diagnosis.verdict_in_words());
         let seconds = diagnosis.mended.model.effects.values(RateLimit::ENTRY.name).unwrap()[0];
@@ -82,8 +69,7 @@ fn a_rate_limit_is_found_with_its_rate() {
 #[test]
 fn a_lag_is_no_rate_limit() {
     for seed in [3, 4] {
-        let diagnosis =
-            found(&Recording::new(driven(seed, |acts, duty| acts + STEP_S / 0.15 * (duty - acts))).unwrap());
+        let diagnosis = found(&driven(seed, |acts, duty| acts + STEP_S / 0.15 * (duty - acts)));
         let rate = diagnosis.effects.iter().find(|named| named.candidate.entry.name == RateLimit::ENTRY.name);
         assert!(rate.is_none_or(|named| named.probability < 0.5), "{}", diagnosis.verdict_in_words());
         assert!(!diagnosis.effects.is_empty(), "{}", diagnosis.verdict_in_words());

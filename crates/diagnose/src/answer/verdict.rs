@@ -1,12 +1,13 @@
 //! The verdict. The first that applies: `insufficient_data`, `unexplained` (a significant residual, and the named effects
 //! close less than half of what can be closed beyond the refit, or none is likelier than not), `effect`, `parameters`
-//! (only base parameters moved, and that lowers the held-out errors by more than chance), `no_gap`.
+//! (only base parameters moved, and that gains held-out log-likelihood and lowers the held-out errors by more than
+//! chance), `no_gap`.
 
 use crate::answer::ladder::Ladder;
 use crate::gap::forecast_error::Gap;
 use crate::select::forecast::forecasts_better;
 use crate::select::stepwise::{NamedEffect, Selection};
-use crate::thresholds::{ENOUGH_CLOSED, LIKELY, PARAMETERS_MM, PARAMETERS_OF_LENGTH, PARAMETERS_SHARE};
+use crate::thresholds::{ENOUGH_CLOSED, FIRST_EFFECT, LIKELY, PARAMETERS_MM, PARAMETERS_OF_LENGTH, PARAMETERS_SHARE};
 use plant::Model;
 
 /// The verdict.
@@ -39,9 +40,11 @@ pub(super) fn verdict(found: &Selection, ladder: &Ladder, [nominal, _, mended]: 
     }
 }
 
-/// Whether the refit forecasts better than the belief by more than chance.
+/// Whether the refit is better than the belief by more than chance. In a short record neighbouring stretches share a
+/// disturbance, so that fitted numbers forecast both of them better; the held-out log-likelihood then gains nothing.
 fn refit_is_better(ladder: &Ladder) -> bool {
-    forecasts_better(&ladder.models[1], &ladder.models[0])
+    let [belief, refit] = [&ladder.models[0], &ladder.models[1]];
+    refit.log_likelihood - belief.log_likelihood > FIRST_EFFECT && forecasts_better(refit, belief)
 }
 
 /// Whether the named effects explain enough beside a significant residual: one of them is likelier than not, and they

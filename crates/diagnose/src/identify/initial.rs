@@ -10,7 +10,7 @@
 use crate::gap::forecast_error::Gap;
 use crate::identify::by_forecasts::by_forecasts;
 use crate::identify::forms::{Forms, SEEN};
-use crate::identify::gravity::gravity;
+use crate::identify::gravity::{gravity, is_seen};
 use crate::identify::grey_box::{GreyBox, Poles, TooLittle, better};
 use crate::identify::input_outlier::input_outlier;
 use crate::identify::rest::moving_part;
@@ -175,6 +175,7 @@ pub fn initial(
     let linear = better(&found).cloned().ok_or(NoPlant::Still)?;
     let gravity = gravity(&linear.fit.model, turn_mm, &recording);
     let gravity = gravity.map(|model| GreyBox::identify(&model, &recording, linear.poles)).transpose()?;
+    let gravity = gravity.filter(|gravity| is_seen(&linear.fit, &gravity.fit, &recording));
     let found: Vec<GreyBox> = iter::once(linear).chain(gravity).collect();
     let found = better(&found).cloned().ok_or(NoPlant::Still)?;
     let forecasting = by_forecasts(&found.fit, &recording);

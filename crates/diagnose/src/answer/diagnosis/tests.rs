@@ -64,6 +64,13 @@ fn a_record_that_is_too_short_says_how_short() {
     assert!(found.findings.iter().any(short), "{:?}", found.findings);
 }
 
+#[test]
+fn a_short_record_of_a_right_model_has_no_gap() {
+    let options = Options { without_formula: true, ..Options::default() };
+    let verdicts = [5, 7, 13].map(|seed| diagnose(&model(), &record(&model(), seed, 5), &options).verdict);
+    assert_eq!(verdicts, [Verdict::NoGap; 3]);
+}
+
 /// A flight of a rig with a weak supply: duty above hover loses a share of its thrust, with a time constant of 3 s.
 fn with_weak_supply(share: f64, seed: u64) -> Recording {
     let mut rows = record(&model(), seed, 80).samples().to_vec();

@@ -33,15 +33,15 @@ fn a_model_that_forecasts_worse_than_a_ball_that_stays_put_is_of_no_use() {
     assert!(found.horizon_s == 0.1 && found.error_mm > found.stay_put_mm && found.stay_put_mm > 0.0, "{found:?}");
 }
 
-/// A pendulum of 13/s², in degrees, pushed by steps of a propeller whose thrust holds it at 10 to 50 degrees.
-fn pendulum() -> Recording {
+/// An axis in degrees, ÿ = 12·u − 1.1·ẏ − force(t, y), pushed by steps of a random duty.
+fn axis(mean_percent: f64, range_percent: f64, force: impl Fn(f64, f64) -> f64) -> Recording {
     let (mut angle, mut speed, mut duty, mut random) = (15.0_f64, 0.0, 20.0, uniform(11));
     let row = |k: i32| {
         if k % 150 == 0 {
-            duty = 29.0 + 38.0 * random();
+            duty = mean_percent + range_percent * random();
         }
         for _ in 0..20 {
-            speed += 5e-4 * (12.0 * duty - 1.1 * speed - 13.0 * angle.to_radians().sin().to_degrees());
+            speed += 5e-4 * (12.0 * duty - 1.1 * speed - force(0.01 * f64::from(k), angle));
             angle += 5e-4 * speed;
         }
         let position_mm = Some(angle + 0.2 * random());
@@ -50,15 +50,39 @@ fn pendulum() -> Recording {
     Recording::new((0..6000).map(row).collect()).unwrap()
 }
 
+/// Gravity on a pendulum of 13/s².
+fn pull(_: f64, angle: f64) -> f64 {
+    13.0 * angle.to_radians().sin().to_degrees()
+}
+
+fn gravity_of(recording: &Recording, turn_mm: Option<f64>) -> Option<Vec<f64>> {
+    let found = initial(std::slice::from_ref(recording), -1e5, 2e5, turn_mm, None).unwrap();
+    found.model.effects.values(HeightDependentFlow::ENTRY.name)
+}
+
 #[test]
 fn gravity_is_believed_as_a_sine_where_the_position_is_an_angle() {
-    let values = |turn_mm: Option<f64>| {
-        let found = initial(&[pendulum()], -200.0, 400.0, turn_mm, None).unwrap();
-        found.model.effects.values(HeightDependentFlow::ENTRY.name).unwrap()
-    };
-    let [gradient, centre, turn] = values(Some(360.0))[..] else { panic!("no sine") };
+    // At 10 to 50 degrees.
+    let pendulum = axis(29.0, 38.0, pull);
+    let found = gravity_of(&pendulum, Some(360.0)).unwrap();
+    let [gradient, centre, turn] = found[..] else { panic!("no sine") };
     assert!((12.3..13.7).contains(&gradient) && centre.abs() < 3.0 && turn == 360.0, "{gradient}, {centre}");
-    assert_eq!(values(None).len(), 1);
+    assert_eq!(gravity_of(&pendulum, None).map(|values| values.len()), Some(1));
+}
+
+#[test]
+fn gravity_is_believed_where_a_pendulum_turns_over() {
+    let turning = axis(0.0, 200.0, pull);
+    assert_eq!(gravity_of(&turning, None), None, "over full turns it has no linear part");
+    let found = gravity_of(&turning, Some(360.0)).unwrap();
+    let (gradient, upright) = (found[0], (found[1] / 360.0).fract().abs());
+    assert!((12.3..13.7).contains(&gradient) && upright.min(1.0 - upright) < 0.01, "{found:?}");
+}
+
+#[test]
+fn a_force_over_time_is_no_gravity() {
+    let shaken = axis(0.0, 20.0, |time_s, _| 80.0 * (std::f64::consts::TAU * 0.71 * time_s).sin());
+    assert_eq!(gravity_of(&shaken, Some(360.0)), None);
 }
 
 #[test]

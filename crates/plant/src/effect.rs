@@ -74,8 +74,6 @@ pub enum Scale {
     Speed,
     /// This many mm at every value: for a height, whose value does not determine its resolution.
     Height(f64),
-    /// This many seconds at every value: for a moment, which a fit keeps within the record.
-    Moment(f64),
     /// No steps: the value is given with the effect, and no fit changes it.
     Given,
 }
@@ -108,8 +106,6 @@ pub enum Start {
     CommandedRange,
     /// At values with which the usual range of duties takes so many seconds: its one parameter is the time for 100 %.
     RampsOver(&'static [f64]),
-    /// At the moment and of the size of a constant force that appears, as a regression finds it.
-    Jump,
     /// At the heights beyond which there are hardly any readings.
     HeightsSeen,
     /// At the steps of duty with the highest score: the likelihood has a narrow maximum for each.
@@ -130,7 +126,7 @@ impl Start {
     /// Whether the initial values come from the record, so that others would not be nearer to the optimum.
     #[must_use]
     pub const fn is_of_the_record(self) -> bool {
-        matches!(self, Self::CommandedRange | Self::HeightsSeen | Self::DutySteps | Self::RampsOver(_) | Self::Jump)
+        matches!(self, Self::CommandedRange | Self::HeightsSeen | Self::DutySteps | Self::RampsOver(_))
             || self.is_read_off()
     }
 }
@@ -271,7 +267,7 @@ impl Entry {
     #[must_use]
     pub fn step_size(&self, index: usize, value: f64) -> f64 {
         match self.params.get(index).map(|param| param.scale) {
-            Some(Scale::Height(size) | Scale::Moment(size)) => size,
+            Some(Scale::Height(size)) => size,
             Some(Scale::Value | Scale::Speed | Scale::Given) | None => {
                 let usual = self.sizes.first().and_then(|sizes| sizes.get(index)).copied().unwrap_or(1.0);
                 value.abs().max(0.1 * usual.abs())

@@ -10,7 +10,6 @@ mod gain_drift;
 mod height_dependent_flow;
 mod hover_drift;
 mod hysteresis;
-mod load_step;
 mod quadratic_drag;
 mod rate_limit;
 mod relative_airflow;
@@ -163,7 +162,6 @@ catalogue! {
     spin_asymmetry: SpinAsymmetry,
     gain_drift: GainDrift,
     hover_drift: HoverDrift,
-    load_step: LoadStep,
     height_dependent_flow: HeightDependentFlow,
     relative_airflow: RelativeAirflow,
     turbulence: Turbulence,

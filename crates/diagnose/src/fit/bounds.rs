@@ -4,7 +4,6 @@
 //! hover     lowest duty − m ≤ hover ≤ highest duty + m       m: half of the range of duties
 //! heights   min(0, lowest reading) ≤ height ≤ max(length of the pipe, highest reading)
 //!           half a turn further, where the position is an angle: it need not pass where its pendulum hangs
-//! moments   0 ≤ moment ≤ length of the longest flight
 //! speeds    v/50 ≤ speed ≤ v                              v: the speed that a quarter of the readings exceeds
 //! others    as the config accepts them; the gain keeps its sign
 //! ```
@@ -29,7 +28,6 @@ pub struct Bounds {
     hover_percent: [f64; 2],
     height_mm: [f64; 2],
     speed_mm_per_s: [f64; 2],
-    longest_s: f64,
 }
 
 /// Slowest speed over which friction builds up, as a share of the usual one: below that it is dry for all that a record
@@ -57,7 +55,6 @@ impl Bounds {
         Self {
             hover_percent: [(low - margin).max(Model::HOVER.min), (high + margin).min(Model::HOVER.max)],
             speed_mm_per_s: [SLOW * speed, speed],
-            longest_s: recording.longest_s(),
             height_mm: [lowest.min(bottom) - beyond_mm, highest.max(top) + beyond_mm],
         }
     }
@@ -69,7 +66,6 @@ impl Bounds {
         match (parameter, param.scale) {
             (Parameter::Hover, _) => self.hover_percent,
             (_, Scale::Height(_)) => [param.min.max(self.height_mm[0]), param.max.min(self.height_mm[1])],
-            (_, Scale::Moment(_)) => [param.min, param.max.min(self.longest_s)],
             (_, Scale::Speed) => self.speed_mm_per_s.map(|bound| bound.clamp(param.min, param.max)),
             _ => [param.min, param.max],
         }

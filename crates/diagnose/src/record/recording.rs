@@ -272,11 +272,6 @@ impl Recording {
     pub fn duration_s(&self) -> f64 {
         self.flights.iter().map(|flight| duration_s(&self.samples[flight.clone()])).sum()
     }
-
-    /// Length of the longest flight, seconds.
-    pub(crate) fn longest_s(&self) -> f64 {
-        self.flights.iter().map(|flight| duration_s(&self.samples[flight.clone()])).fold(0.0, f64::max)
-    }
 }
 
 /// One recording can be used where several are expected.

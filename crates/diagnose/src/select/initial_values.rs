@@ -9,7 +9,6 @@ use crate::record::read_off::read_off;
 use crate::record::recording::Recording;
 use crate::select::duty_step_scan;
 use crate::select::optional::with_optional;
-use crate::select::regression::jump::MOMENTS;
 use crate::select::regression::regressed;
 use crate::select::search::Search;
 use crate::select::written_scan::scan;
@@ -73,9 +72,8 @@ pub(crate) fn starts(entry: &Entry, fit: &Fit, search: &Search<'_>) -> Starts {
     if search.is_far(fit) {
         values.extend(as_believed(entry, problem));
     }
-    // Of the local maxima only the best are among the values, and of the moments.
-    let moments = if entry.start == Start::Jump { MOMENTS as usize } else { 0 };
-    let among = values.len() - scanned + found.maxima + moments;
+    // Of the local maxima only the best are among the values.
+    let among = values.len() - scanned + found.maxima;
     Starts { usual, scanned, among, are_tops: false, values }
 }
 
@@ -99,7 +97,6 @@ fn by_rule(entry: &Entry, model: &Model, problem: &Problem) -> Vec<Vec<f64>> {
             let smooth: Vec<_> = simple.iter().filter_map(|values| with_optional(entry, values, recording)).collect();
             simple.into_iter().chain(smooth).collect()
         }
-        Start::Jump => of_regression(entry, model, problem),
         Start::Sizes | Start::DutyOverHeight | Start::DutySteps => listed(entry.sizes),
     }
 }

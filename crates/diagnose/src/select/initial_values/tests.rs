@@ -1,19 +1,16 @@
-//! A rate limit against a lag, and a load step against a drift: rigs that are simulated here, with equations of their
-//! own.
+//! A rate limit against a lag: rigs that are simulated here, with equations of their own.
 
 use crate::random_for_tests::uniform;
 use crate::select::tests_support::seeking;
 use crate::{Diagnosis, Recording, Sample, diagnose};
-use plant::effects::{
-    FanLag, HoverDrift, LoadStep, RateLimit, Saturation, SensorLag, SpinAsymmetry, TransportDelay, Turbulence,
-};
+use plant::effects::{FanLag, RateLimit, Saturation, SensorLag, SpinAsymmetry, TransportDelay};
 use plant::{Effect, Effects, Model, Noise};
 
 const STEP_S: f64 = 1e-3;
 
 /// A cart with viscous friction, ẍ = 40·(r − 50) − 3·ẋ mm/s², under a PD controller with a random setpoint, at 50 Hz;
-/// 0.2 mm of noise. `moved`: what acts after a step, from what acted, the duty and the time.
-fn driven(seed: u32, moved: impl Fn(f64, f64, f64) -> f64) -> Recording {
+/// 0.2 mm of noise. `moved`: what acts after a step, from what acted and the duty.
+fn driven(seed: u32, moved: impl Fn(f64, f64) -> f64) -> Recording {
     let mut uniform = uniform(seed);
     let (mut x, mut v, mut acts, mut setpoint, mut last, mut slope) = (400.0, 0.0, 50.0, 400.0, 400.0, 0.0);
     let rows = (0..3000_u32).map(|k| {
@@ -25,7 +22,7 @@ fn driven(seed: u32, moved: impl Fn(f64, f64, f64) -> f64) -> Recording {
         last = reading;
         let duty_percent: f64 = (50.0 + 0.15 * (setpoint - reading) - 0.12 * slope).clamp(0.0, 100.0);
         for _ in 0..20 {
-            acts = moved(acts, duty_percent, 0.02 * f64::from(k));
+            acts = moved(acts, duty_percent);
             v += STEP_S * (40.0 * (acts - 50.0) - 3.0 * v);
             x += STEP_S * v;
         }
@@ -34,7 +31,7 @@ fn driven(seed: u32, moved: impl Fn(f64, f64, f64) -> f64) -> Recording {
     Recording::new(rows.collect()).unwrap()
 }
 
-/// The diagnosis from a belief that knows all but how the input acts; few effects are sought.
+/// The diagnosis from a belief that knows all but how the input acts.
 fn found(recording: &Recording) -> Diagnosis {
     let belief = Model {
         gain_mm_per_s2_per_percent: 40.0,
@@ -53,9 +50,6 @@ fn found(recording: &Recording) -> Diagnosis {
         SensorLag::ENTRY.name,
         TransportDelay::ENTRY.name,
         Saturation::ENTRY.name,
-        HoverDrift::ENTRY.name,
-        LoadStep::ENTRY.name,
-        Turbulence::ENTRY.name,
     ];
     diagnose(&belief, std::slice::from_ref(recording), &seeking(&sought))
 }
@@ -64,7 +58,7 @@ fn found(recording: &Recording) -> Diagnosis {
 fn a_rate_limit_is_found_with_its_rate() {
     let step = 80.0 * STEP_S;
     for seed in [3, 4] {
-        let diagnosis = found(&driven(seed, |acts, duty, _| acts + (duty - acts).clamp(-step, step)));
+        let diagnosis = found(&driven(seed, |acts, duty| acts + (duty - acts).clamp(-step, step)));
         let named: Vec<_> = diagnosis.effects.iter().map(|named| named.candidate.entry.name).collect();
         assert_eq!(named, [RateLimit::ENTRY.name], "{}", diagnosis.verdict_in_words());
         let seconds = diagnosis.mended.model.effects.values(RateLimit::ENTRY.name).unwrap()[0];
@@ -75,30 +69,9 @@ fn a_rate_limit_is_found_with_its_rate() {
 #[test]
 fn a_lag_is_no_rate_limit() {
     for seed in [3, 4] {
-        let diagnosis = found(&driven(seed, |acts, duty, _| acts + STEP_S / 0.15 * (duty - acts)));
+        let diagnosis = found(&driven(seed, |acts, duty| acts + STEP_S / 0.15 * (duty - acts)));
         let rate = diagnosis.effects.iter().find(|named| named.candidate.entry.name == RateLimit::ENTRY.name);
         assert!(rate.is_none_or(|named| named.probability < 0.5), "{}", diagnosis.verdict_in_words());
         assert!(!diagnosis.effects.is_empty(), "{}", diagnosis.verdict_in_words());
-    }
-}
-
-#[test]
-fn a_load_step_is_found_with_its_moment_and_size() {
-    for (seed, percent) in [(3, 4.0), (4, -1.0)] {
-        let diagnosis = found(&driven(seed, |_, duty, time_s| if time_s < 41.3 { duty } else { duty - percent }));
-        let named: Vec<_> = diagnosis.effects.iter().map(|named| named.candidate.entry.name).collect();
-        assert_eq!(named, [LoadStep::ENTRY.name], "{}", diagnosis.verdict_in_words());
-        let values = diagnosis.mended.model.effects.values(LoadStep::ENTRY.name).unwrap();
-        // The middle of the ramp is where the load jumps.
-        assert!((values[0] + 0.1 - 41.3).abs() < 0.1 && (values[1] / percent - 1.0).abs() < 0.05, "{values:?}");
-    }
-}
-
-#[test]
-fn a_drift_is_no_load_step() {
-    for seed in [3, 4] {
-        let diagnosis = found(&driven(seed, |_, duty, time_s| duty - 0.05 * time_s));
-        let named: Vec<_> = diagnosis.effects.iter().map(|named| named.candidate.entry.name).collect();
-        assert_eq!(named, [HoverDrift::ENTRY.name], "{}", diagnosis.verdict_in_words());
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn regressed(entry: &Entry, model: &Model, belief: &Model, recording:
 }
 
 /// The equation of three readings between which the ball moved one way.
-fn equation(Difference { position, mut known, moved_mm, .. }: Difference, sure_mm: f64) -> Option<(f64, Vec<f64>)> {
+fn equation(Difference { position, mut known, moved_mm }: Difference, sure_mm: f64) -> Option<(f64, Vec<f64>)> {
     let one_way = moved_mm[0] * moved_mm[1] > 0.0 && moved_mm.iter().all(|moved| moved.abs() > sure_mm);
     let constant = *known.last().filter(|_| one_way)?;
     known.insert(2, -moved_mm[0].signum() * constant);

@@ -14,7 +14,6 @@
 //! Engineering 17 (1993); D is the method with a triangle as its function.
 
 mod friction;
-pub(crate) mod jump;
 mod pendulum;
 
 use crate::record::recording::{Recording, Sample};
@@ -32,15 +31,13 @@ pub(crate) fn regressed(entry: &Entry, model: &Model, belief: &Model, recording:
     match entry.start {
         Start::DutyOverHeight => pendulum::regressed(entry, model, belief, recording),
         Start::AgainstMotion(_) => friction::regressed(entry, model, belief, recording),
-        Start::Jump => jump::regressed(entry, model, belief, recording),
         _ => Vec::new(),
     }
 }
 
 /// The integrals at a reading since the start of its flight.
 struct Integrals {
-    /// Since the first reading of the flight.
-    since_s: f64,
+    time_s: f64,
     position_mm: f64,
     /// ∬u, ∫x, the ∬f in their order, t²/2.
     known: Vec<f64>,
@@ -71,7 +68,7 @@ fn integrals(recording: &Recording, flight: &Range<usize>, forces: impl Fn(f64) 
         let mut known = vec![duties.twice_until(time_s), of_position];
         known.extend(twice.iter().copied());
         known.push(0.5 * since_s * since_s);
-        Integrals { since_s, position_mm: x, known }
+        Integrals { time_s, position_mm: x, known }
     });
     each.collect()
 }
@@ -109,32 +106,25 @@ struct Difference {
     known: Vec<f64>,
     /// How far the position moved from the first to the second reading, and on to the third, mm.
     moved_mm: [f64; 2],
-    /// The times of the readings, seconds from the first of the flight.
-    since_s: [f64; 3],
-}
-
-/// D of what has the values `f` at these times.
-fn second_difference([t1, t2, t3]: [f64; 3], f: [f64; 3]) -> f64 {
-    (f[2] - f[1]) / (t3 - t2) - (f[1] - f[0]) / (t2 - t1)
 }
 
 /// D of each integral, over the readings about `horizon_s` before and after.
 fn differences(rows: &[Integrals], horizon_s: f64) -> impl Iterator<Item = Difference> {
-    let span_s = rows.last().zip(rows.first()).map_or(0.0, |(last, first)| last.since_s - first.since_s);
+    let span_s = rows.last().zip(rows.first()).map_or(0.0, |(last, first)| last.time_s - first.time_s);
     let per_s = rows.len() as f64 / span_s.max(f64::MIN_POSITIVE);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive number of rows")]
     let apart = ((horizon_s * per_s).round() as usize).clamp(1, rows.len().max(1));
     (apart..rows.len().saturating_sub(apart)).filter_map(move |at| {
         let [first, second, third] = [at - apart, at, at + apart].map(|at| &rows[at]);
-        let since_s = [first, second, third].map(|row| row.since_s);
+        let spans_s = [second.time_s - first.time_s, third.time_s - second.time_s];
         // Two readings at one time have no difference.
-        if since_s[0] >= since_s[1] || since_s[1] >= since_s[2] {
+        if spans_s.iter().any(|span_s| *span_s <= 0.0) {
             return None;
         }
-        let of = |f: [f64; 3]| second_difference(since_s, f);
+        let of = |f: [f64; 3]| (f[2] - f[1]) / spans_s[1] - (f[1] - f[0]) / spans_s[0];
         let [x1, x2, x3] = [first, second, third].map(|row| row.position_mm);
         let known = (0..second.known.len()).map(|k| of([first, second, third].map(|row| row.known[k]))).collect();
-        Some(Difference { position: of([x1, x2, x3]), known, moved_mm: [x2 - x1, x3 - x2], since_s })
+        Some(Difference { position: of([x1, x2, x3]), known, moved_mm: [x2 - x1, x3 - x2] })
     })
 }
 
@@ -173,11 +163,6 @@ impl Sums {
             products.axpy(*position, &known, 1.0);
         }
         sums
-    }
-
-    /// What the solution takes off the sum of squares of D x.
-    fn explained(&self) -> Option<f64> {
-        Some(self.solved()?.iter().zip(self.products.iter()).map(|(b, product)| b * product).sum())
     }
 
     /// K, −a, the b in their order, and c.

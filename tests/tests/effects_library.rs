@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::f64::consts::TAU;
-use system_tests::{Bench, root};
+use system_tests::Bench;
 
 /// The rig of the config file: gain in mm/s² per percent, drag in 1/s, hover in percent, the fan's lag in s.
 const GAIN: f64 = 827.2;
@@ -71,8 +71,8 @@ fn flown(act: Act) -> String {
 fn diagnosed(act: Act) -> Value {
     let bench = Bench::default();
     bench.write("flight.csv", flown(act));
-    let library = root().join("effects.toml");
-    let said = bench.output(&["diagnose", "--json", "flight.csv", "--effects", library.to_str().unwrap()]);
+    bench.write("effects.toml", bench.output(&["config", "effects"]));
+    let said = bench.output(&["diagnose", "--json", "flight.csv", "--effects", "effects.toml"]);
     serde_json::from_str(&said).unwrap()
 }
 

@@ -70,6 +70,7 @@ fn of_command(command: Command) -> Result<u8> {
         Command::Guard(args) => guard::guard(&args),
         Command::Config(ConfigCommand::Check(args)) => config::check(&args),
         Command::Config(ConfigCommand::Print(args)) => config::print(&args),
+        Command::Config(ConfigCommand::Effects) => config::effects(),
         Command::Log(LogCommand::Info { log }) => log::info(&log),
         Command::Log(LogCommand::Export { log }) => log::export(&log),
     }?;

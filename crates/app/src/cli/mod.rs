@@ -248,6 +248,8 @@ pub enum ConfigCommand {
     Check(ConfigArgs),
     /// Print the config with its patches applied
     Print(ConfigArgs),
+    /// Print effects that the catalogue does not have, as a file for --effects
+    Effects,
 }
 
 /// `airball log`

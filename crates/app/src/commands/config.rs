@@ -1,4 +1,4 @@
-//! `airball config check` and `airball config print`.
+//! `airball config check`, `airball config print` and `airball config effects`.
 
 use super::{say, warn};
 use crate::cli::ConfigArgs;
@@ -51,5 +51,17 @@ pub fn print(args: &ConfigArgs) -> Result<()> {
     let config = Config::read(&args.config, &args.over())?;
     let text = if config.words.is_ball_pipe() { config.to_toml() } else { config.to_toml_with_words() };
     say(text.trim_end())?;
+    Ok(())
+}
+
+/// Effects that the catalogue does not have.
+const MORE_EFFECTS: &str = include_str!("../../../../effects.toml");
+
+/// Prints them.
+///
+/// # Errors
+/// Where standard output cannot be written.
+pub fn effects() -> Result<()> {
+    say(MORE_EFFECTS.trim_end())?;
     Ok(())
 }

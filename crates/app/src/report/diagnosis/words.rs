@@ -32,8 +32,9 @@ pub fn first_of_all(found: &Diagnosis) -> Option<&'static str> {
 }
 
 /// What to try where no effect of the catalogue explains the gap.
-const WRITE_ONE: &str = "If you suspect another effect, write its equation in a few lines, and diagnose with \
-                         `--effects FILE`: the guide \"Write an effect of your own\" shows how.";
+const WRITE_ONE: &str = "`airball config effects > effects.toml` writes effects that the catalogue lacks, and \
+                         `--effects effects.toml` tries them too; the guide \"Write an effect of your own\" shows how \
+                         to add the equation of another.";
 
 /// What to do where there is no experiment to fly next. Terminal and page use it.
 #[must_use]

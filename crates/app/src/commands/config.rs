@@ -54,10 +54,10 @@ pub fn print(args: &ConfigArgs) -> Result<()> {
     Ok(())
 }
 
-/// Effects that the catalogue does not have.
+/// The file that is printed.
 const MORE_EFFECTS: &str = include_str!("../../../../effects.toml");
 
-/// Prints them.
+/// Prints the effects that the catalogue does not have.
 ///
 /// # Errors
 /// Where standard output cannot be written.

@@ -36,7 +36,7 @@ impl Diagnosis {
                     ([], true) => NO_EFFECT.into(),
                     ([], false) => format!("{NO_EFFECT}, but too little to matter for a forecast of 1 s"),
                     (likely, _) => {
-                        let [kept, small, out] = self.parted(likely);
+                        let [kept, small, out] = self.partitioned(likely);
                         format!("{}, but most of the gap has another cause", headline(&kept, &small, &out))
                     }
                 }
@@ -48,7 +48,7 @@ impl Diagnosis {
                 if stated.is_empty() {
                     stated = doubtful;
                 }
-                let [kept, small, out] = self.parted(&stated);
+                let [kept, small, out] = self.partitioned(&stated);
                 let said = headline(&kept, &small, &out);
                 let [nominal, refitted, mended] = &self.gaps;
                 let are_off = !kept.iter().any(|named| is_on_the_motion(named.candidate.entry))
@@ -74,7 +74,7 @@ impl Diagnosis {
 
     /// The effects that matter and that the mended model has, those of them that are too small to matter, and others,
     /// which it leaves out. Where each is small and together they close the gap, all matter.
-    fn parted<'a>(&self, effects: &[&'a NamedEffect]) -> [Vec<&'a NamedEffect>; 3] {
+    fn partitioned<'a>(&self, effects: &[&'a NamedEffect]) -> [Vec<&'a NamedEffect>; 3] {
         let left_out = self.left_out();
         let is_out = |named: &&NamedEffect| left_out.contains(&named.candidate.entry.name);
         let (out, kept): (Vec<&NamedEffect>, Vec<&NamedEffect>) = effects.iter().copied().partition(is_out);

@@ -15,8 +15,8 @@ use plant::{Effect, Model};
 /// Steps of the fits of which the best is continued: few, since a regression gives their initial values.
 const FIRST_LOOK: usize = 2;
 
-/// A fitted linear model with gravity, fitted to the recording. `None`: the position is no angle, or no such pendulum is
-/// possible.
+/// A fitted linear model with gravity, fitted to the recording. `None`: the position is no angle, or no such pendulum
+/// is possible.
 pub(super) fn gravity(linear: &Model, turn_mm: Option<f64>, recording: &Recording) -> Option<Model> {
     let entry = &HeightDependentFlow::ENTRY;
     let mut bare = Model { turn_mm: Some(turn_mm?), ..linear.clone() };
@@ -38,8 +38,8 @@ pub(super) fn gravity(linear: &Model, turn_mm: Option<f64>, recording: &Recordin
     Some(problem.fit(&best, &parameters).model)
 }
 
-/// Whether gravity is seen: as a force linear in the position, or by forecasts that are better by more than chance. A sine
-/// over the position may stand for a little of any misfit, and raise the likelihood of the next reading.
+/// Whether gravity is seen: as a force linear in the position, or by forecasts that are better by more than chance. A
+/// sine over the position may stand for a little of any misfit, and raise the likelihood of the next reading.
 pub(super) fn is_seen(linear: &Fit, gravity: &Fit, recording: &Recording) -> bool {
     let folds = Folds::new(&linear.model, recording);
     let problem = Problem { recording, belief: &linear.model, folds: &folds, prior: Prior::Nothing };

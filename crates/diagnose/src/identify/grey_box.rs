@@ -156,6 +156,11 @@ impl GreyBox {
         pairs.filter_map(of).collect()
     }
 
+    /// Whether it forecasts the held-out part significantly better than `other`.
+    pub(crate) fn is_better_than(&self, other: &Self) -> bool {
+        self.held_out.log_likelihood > other.held_out.log_likelihood + WORTH_A_POLE
+    }
+
     /// Half of the 90 % interval of a number of the plant.
     #[must_use]
     pub fn reach(&self, number: impl Fn(&Model) -> f64) -> f64 {
@@ -167,8 +172,7 @@ impl GreyBox {
 /// plant.
 #[must_use]
 pub fn better(found: &[GreyBox]) -> Option<&GreyBox> {
-    let likelihood = |found: &GreyBox| found.held_out.log_likelihood;
-    found.iter().reduce(|best, next| if likelihood(next) > likelihood(best) + WORTH_A_POLE { next } else { best })
+    found.iter().reduce(|best, next| if next.is_better_than(best) { next } else { best })
 }
 
 /// The initial model with a fan lag for three poles, and without for two.

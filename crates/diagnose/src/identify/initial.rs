@@ -20,7 +20,6 @@ use crate::record::recording::{Recording, Sample};
 use plant::effects::HeightDependentFlow;
 use plant::{Effect, Effects, Model, Noise};
 use rayon::prelude::*;
-use std::iter;
 
 /// A grey-box gain below this share of the form's has lost it, to noise that follows the record instead.
 const LOST: f64 = 0.2;
@@ -175,9 +174,8 @@ pub fn initial(
     let linear = better(&found).cloned().ok_or(NoPlant::Still)?;
     let gravity = gravity(&linear.fit.model, turn_mm, &recording);
     let gravity = gravity.map(|model| GreyBox::identify(&model, &recording, linear.poles)).transpose()?;
-    let gravity = gravity.filter(|gravity| is_seen(&linear.fit, &gravity.fit, &recording));
-    let found: Vec<GreyBox> = iter::once(linear).chain(gravity).collect();
-    let found = better(&found).cloned().ok_or(NoPlant::Still)?;
+    let is_kept = |gravity: &GreyBox| gravity.is_better_than(&linear) && is_seen(&linear.fit, &gravity.fit, &recording);
+    let found = gravity.filter(is_kept).unwrap_or(linear);
     let forecasting = by_forecasts(&found.fit, &recording);
     let fitted = forecasting.as_ref().unwrap_or(&found.fit.model);
     let gain_is_lost = fitted.gain_mm_per_s2_per_percent < LOST * start.gain_mm_per_s2_per_percent;

@@ -66,36 +66,29 @@ pub(crate) fn prefer_simple_forms(all: &mut Vec<Candidate>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::random_for_tests::uniform;
-    use crate::select::tests_support::seeking;
+    use crate::select::tests_support::{ClosedLoop, STEP_S, seeking};
     use crate::tests_support::model;
-    use crate::{Diagnosis, Recording, Sample, diagnose};
+    use crate::{Diagnosis, Recording, diagnose};
     use plant::effects::{DeadZone, Hysteresis, QuadraticDrag, WallFriction};
     use plant::{Effect, Effects, Model, Noise};
 
-    const STEP_S: f64 = 1e-3;
-
-    /// A ball in a pipe, ẍ = 150·(u − 40) − 1.2·ẋ mm/s² before friction, held by a PD controller with a random
-    /// setpoint; 0.25 mm of noise. Its own simulator. `slowed`: the velocity after a step from
-    /// the one without friction.
+    /// A ball in a pipe, ẍ = 150·(u − 40) − 1.2·ẋ mm/s² before friction, in closed loop; 0.25 mm of noise. `slowed`: the
+    /// velocity after a step from the one without friction.
     fn flown(slowed: impl Fn(f64) -> f64) -> Recording {
-        let (mut x, mut v, mut setpoint, mut last, mut slope) = (300.0, 0.0, 300.0, 300.0, 0.0);
-        let mut uniform = uniform(7);
-        let rows = (0..3000_u32).map(|k| {
-            if k % 150 == 0 {
-                setpoint = 300.0 + 250.0 * uniform();
-            }
-            let reading = x + 0.25 * (0..12).map(|_| uniform()).sum::<f64>();
-            slope += 0.3 * ((reading - last) / 0.02 - slope);
-            last = reading;
-            let duty_percent: f64 = 40.0 + 0.015 * (setpoint - reading) - 0.018 * slope;
-            for _ in 0..20 {
-                v = slowed(v + STEP_S * (150.0 * (duty_percent - 40.0) - 1.2 * v));
-                x += STEP_S * v;
-            }
-            Sample { time_s: 0.02 * f64::from(k), duty_percent, position_mm: Some(reading), ..Sample::default() }
-        });
-        Recording::new(rows.collect()).unwrap()
+        let closed_loop = ClosedLoop {
+            seed: 7,
+            middle_mm: 300.0,
+            range_mm: 250.0,
+            noise_draws: 12,
+            noise_mm: 0.25,
+            hover_percent: 40.0,
+            proportional: 0.015,
+            derivative: 0.018,
+        };
+        closed_loop.record(|[x, v], duty_percent| {
+            let v = slowed(v + STEP_S * (150.0 * (duty_percent - 40.0) - 1.2 * v));
+            [x + STEP_S * v, v]
+        })
     }
 
     /// The diagnosis from a belief without friction.

@@ -32,15 +32,15 @@ pub fn first_of_all(found: &Diagnosis) -> Option<&'static str> {
 }
 
 /// What to try where no effect of the catalogue explains the gap.
-const WRITE_ONE: &str = "`airball config effects > effects.toml` writes effects that the catalogue lacks, and \
+const OTHER_EFFECTS: &str = "`airball config effects > effects.toml` writes effects that the catalogue lacks, and \
                          `--effects effects.toml` tries them too; the guide \"Write an effect of your own\" shows how \
                          to add the equation of another.";
 
 /// What to do where there is no experiment to fly next. Terminal and page use it.
 #[must_use]
 pub fn without_experiment(found: &Diagnosis) -> &'static str {
-    let write_one = (found.verdict == Verdict::Unexplained).then_some(WRITE_ONE);
-    first_of_all(found).or(write_one).unwrap_or("No further experiment is needed.")
+    let other_effects = (found.verdict == Verdict::Unexplained).then_some(OTHER_EFFECTS);
+    first_of_all(found).or(other_effects).unwrap_or("No further experiment is needed.")
 }
 
 /// The same as [`words_of`] for a ball pipe.
@@ -86,7 +86,7 @@ pub fn words_of(
         let _ = write!(words, "\n{numbers}");
     }
     if found.verdict == Verdict::Unexplained {
-        let _ = write!(words, "\n{WRITE_ONE}");
+        let _ = write!(words, "\n{OTHER_EFFECTS}");
     }
     words
 }

@@ -51,7 +51,7 @@ fn axis(mean_percent: f64, range_percent: f64, force: impl Fn(f64, f64) -> f64) 
 }
 
 /// Gravity on a pendulum of 13/s².
-fn pull(_: f64, angle: f64) -> f64 {
+fn gravity(_: f64, angle: f64) -> f64 {
     13.0 * angle.to_radians().sin().to_degrees()
 }
 
@@ -63,7 +63,7 @@ fn gravity_of(recording: &Recording, turn_mm: Option<f64>) -> Option<Vec<f64>> {
 #[test]
 fn gravity_is_believed_as_a_sine_where_the_position_is_an_angle() {
     // At 10 to 50 degrees.
-    let pendulum = axis(29.0, 38.0, pull);
+    let pendulum = axis(29.0, 38.0, gravity);
     let found = gravity_of(&pendulum, Some(360.0)).unwrap();
     let [gradient, centre, turn] = found[..] else { panic!("no sine") };
     assert!((12.3..13.7).contains(&gradient) && centre.abs() < 3.0 && turn == 360.0, "{gradient}, {centre}");
@@ -72,7 +72,7 @@ fn gravity_is_believed_as_a_sine_where_the_position_is_an_angle() {
 
 #[test]
 fn gravity_is_believed_where_a_pendulum_turns_over() {
-    let turning = axis(0.0, 200.0, pull);
+    let turning = axis(0.0, 200.0, gravity);
     assert_eq!(gravity_of(&turning, None), None, "over full turns it has no linear part");
     let found = gravity_of(&turning, Some(360.0)).unwrap();
     let (gradient, upright) = (found[0], (found[1] / 360.0).fract().abs());

@@ -1,34 +1,29 @@
 //! A rate limit against a lag: rigs that are simulated here, with equations of their own.
 
-use crate::random_for_tests::uniform;
-use crate::select::tests_support::seeking;
-use crate::{Diagnosis, Recording, Sample, diagnose};
+use crate::select::tests_support::{ClosedLoop, STEP_S, seeking};
+use crate::{Diagnosis, Recording, diagnose};
 use plant::effects::{FanLag, RateLimit, Saturation, SensorLag, SpinAsymmetry, TransportDelay};
 use plant::{Effect, Effects, Model, Noise};
 
-const STEP_S: f64 = 1e-3;
-
-/// A cart with viscous friction, ẍ = 40·(r − 50) − 3·ẋ mm/s², under a PD controller with a random setpoint, at 50 Hz;
-/// 0.2 mm of noise. `moved`: what acts after a step, from what acted and the duty.
+/// A cart with viscous friction, ẍ = 40·(r − 50) − 3·ẋ mm/s², in closed loop; 0.2 mm of noise. `moved`: what acts after
+/// a step, from what acted and the duty.
 fn driven(seed: u32, moved: impl Fn(f64, f64) -> f64) -> Recording {
-    let mut uniform = uniform(seed);
-    let (mut x, mut v, mut acts, mut setpoint, mut last, mut slope) = (400.0, 0.0, 50.0, 400.0, 400.0, 0.0);
-    let rows = (0..3000_u32).map(|k| {
-        if k % 150 == 0 {
-            setpoint = 400.0 + 600.0 * uniform();
-        }
-        let reading: f64 = x + 0.4 * (0..3).map(|_| uniform()).sum::<f64>();
-        slope += 0.3 * ((reading - last) / 0.02 - slope);
-        last = reading;
-        let duty_percent: f64 = (50.0 + 0.15 * (setpoint - reading) - 0.12 * slope).clamp(0.0, 100.0);
-        for _ in 0..20 {
-            acts = moved(acts, duty_percent);
-            v += STEP_S * (40.0 * (acts - 50.0) - 3.0 * v);
-            x += STEP_S * v;
-        }
-        Sample { time_s: 0.02 * f64::from(k), duty_percent, position_mm: Some(reading), ..Sample::default() }
-    });
-    Recording::new(rows.collect()).unwrap()
+    let closed_loop = ClosedLoop {
+        seed,
+        middle_mm: 400.0,
+        range_mm: 600.0,
+        noise_draws: 3,
+        noise_mm: 0.4,
+        hover_percent: 50.0,
+        proportional: 0.15,
+        derivative: 0.12,
+    };
+    let mut acts = 50.0;
+    closed_loop.record(|[x, v], duty_percent| {
+        acts = moved(acts, duty_percent);
+        let v = v + STEP_S * (40.0 * (acts - 50.0) - 3.0 * v);
+        [x + STEP_S * v, v]
+    })
 }
 
 /// The diagnosis from a belief that knows all but how the input acts.

@@ -24,6 +24,7 @@ FEATURES = [
     "scatter",
     "change",
     "matched",
+    "variation",
 ]
 
 
@@ -38,6 +39,7 @@ def features(evidence):
         float(evidence["is_scatter"]),
         float(evidence["is_change"]),
         float(evidence["is_matched"]),
+        min(evidence["variation"]["share"], 1.0) if evidence["variation"] else 0.0,
     ]
 
 

@@ -86,6 +86,7 @@ pub use gap::forecast_error::Gap;
 pub use gap::share_closed::Closed;
 pub use record::prepare::FlightFinding;
 pub use record::stretches::MOST_ROWS;
+pub use residual::constancy::Variation;
 pub use residual::location::Place;
 pub use residual::misfit::Misfit;
 pub use residual::score_test::Omitted;

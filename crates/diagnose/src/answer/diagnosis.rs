@@ -125,7 +125,7 @@ fn diagnose_once(belief: &Model, logs: &[Recording], options: &Options) -> Diagn
     let rows = rows(&refitted.model, recording, &folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
     let ladder = &mending.ladder;
-    add_odds(&mut found, &mending, &bounds);
+    add_odds(&search.problem, &mut found, &mending, &bounds);
     let verdict = if answers { verdict(&found, ladder, &mending.gaps) } else { Verdict::InsufficientData };
     let rest = Rest {
         // Effects that raise the error leave all of it.

@@ -3,7 +3,8 @@
 use crate::answer::diagnosis::Diagnosis;
 use crate::answer::mending::Mending;
 use crate::fit::bounds::Bounds;
-use crate::fit::estimate::Fit;
+use crate::fit::estimate::{Fit, Problem};
+use crate::residual::constancy::Constancy;
 use crate::select::odds::Evidence;
 use crate::select::posterior::{Scored, chances};
 use crate::select::random_force::is_random_force;
@@ -15,10 +16,11 @@ use plant::Entry;
 const AT_A_BOUND: f64 = 0.5;
 
 /// Adds the evidence for each named effect, and the probability that follows from it.
-pub(super) fn add_odds(found: &mut Selection, mending: &Mending, bounds: &Bounds) {
+pub(super) fn add_odds(problem: &Problem<'_>, found: &mut Selection, mending: &Mending, bounds: &Bounds) {
     let Mending { ladder, matched, .. } = mending;
     // A gain by forecasts allows for the residual by the weight of a reading.
     let Selection { effects, fit, misfit, .. } = found;
+    let constancy = Constancy::of(problem, fit);
     let rest_nats = if mending.by_forecasts { 0.0 } else { misfit.joint_nats() };
     for (k, named) in effects.iter_mut().enumerate() {
         let entry = named.candidate.entry;
@@ -33,6 +35,7 @@ pub(super) fn add_odds(found: &mut Selection, mending: &Mending, bounds: &Bounds
             is_scatter: !is_of_path(entry) && !is_random_force(entry),
             is_change: named.change != Change::Added,
             is_matched: matched.iter().any(|matched| matched.name == entry.name),
+            variation: is_of_path(entry).then(|| constancy.variation(entry)).flatten(),
         };
         let is_added = named.change == Change::Added;
         let factor = if is_added && is_at_a_bound(fit, entry, bounds) { AT_A_BOUND } else { 1.0 };

@@ -39,7 +39,10 @@ impl Diagnosis {
             [] => String::new(),
             names => format!("   (cannot be told from {})", names.join(", ")),
         };
-        format!("{sure}{retuned}{}{twins}", numbers.join(", "))
+        let varies = named.evidence.variation.map_or_else(String::new, |variation| {
+            format!("   ({}: it may stand for another effect)", variation.in_words())
+        });
+        format!("{sure}{retuned}{}{twins}{varies}", numbers.join(", "))
     }
 
     /// Whether there is a verdict, and a significant residual.

@@ -45,6 +45,12 @@ pub(crate) static NONE_KNOWN: KnownSensitivities =
     KnownSensitivities { parameters: Vec::new(), sensitivities: Sensitivities { by_parameter: Vec::new() } };
 
 impl KnownSensitivities {
+    /// ∂ŷ of an innovation by a parameter, mm for a step of it.
+    pub(crate) fn shift_mm(&self, parameter: usize, innovation: usize) -> f64 {
+        let one = self.sensitivities.by_parameter.get(parameter).and_then(|all| all.get(innovation));
+        one.map_or(0.0, |[shift_mm, _]| *shift_mm)
+    }
+
     fn by(&self, parameter: &Parameter) -> Option<&Vec<[f64; 2]>> {
         let at = self.parameters.iter().position(|known| known == parameter)?;
         self.sensitivities.by_parameter.get(at)

@@ -1,5 +1,6 @@
 //! The residual of a fitted model: whether it is significant, and where it lies.
 
+pub(crate) mod constancy;
 pub(crate) mod location;
 pub(crate) mod misfit;
 pub(crate) mod plots;

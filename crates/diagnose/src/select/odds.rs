@@ -1,5 +1,6 @@
 //! The probability of a named effect: a logistic function of the evidence for it.
 
+use crate::residual::constancy::Variation;
 use serde::Serialize;
 
 /// The evidence for a named effect, and against it.
@@ -23,13 +24,15 @@ pub struct Evidence {
     pub is_change: bool,
     /// Whether a shape of a formula, which knows no cause, explains as much without it.
     pub is_matched: bool,
+    /// The largest variation of one of its parameters; `None` where none varies significantly.
+    pub variation: Option<Variation>,
 }
 
 /// Intercept and weights of the log-odds, in the order of [`Evidence::features`]: as `scripts/odds` fitted all but the
 /// last to 318 names on 240 practice rigs (Brier score 0.073); on 82 names of 57 other rigs the Brier score is 0.067.
 /// The last one was chosen by hand: few names are matched by a shape and kept, and both that occurred among 109 names
 /// on 85 rigs were wrong. The Brier score of all weights on these 109 names is 0.060.
-const WEIGHTS: [f64; 9] = [0.216, 0.670, 0.344, 0.174, -1.527, 0.368, 2.395, -1.082, -1.0];
+const WEIGHTS: [f64; 10] = [0.216, 0.670, 0.344, 0.174, -1.527, 0.368, 2.395, -1.082, -1.0, 0.0];
 
 impl Evidence {
     /// The probability that the effect acts.
@@ -40,7 +43,7 @@ impl Evidence {
     }
 
     /// What the log-odds are linear in, each of the order of 1; the first is the intercept's.
-    fn features(&self) -> [f64; 9] {
+    fn features(&self) -> [f64; 10] {
         [
             1.0,
             ((1.0 + self.held_out_gain.max(0.0)) / (1.0 + self.rest_nats.max(0.0))).ln(),
@@ -51,6 +54,7 @@ impl Evidence {
             f64::from(u8::from(self.is_scatter)),
             f64::from(u8::from(self.is_change)),
             f64::from(u8::from(self.is_matched)),
+            self.variation.map_or(0.0, |variation| variation.share.clamp(0.0, 1.0)),
         ]
     }
 }

@@ -1,6 +1,6 @@
-"""Fits the odds of a named effect to the verdicts on one set of practice rigs, and checks them on another.
+"""Fits the odds of a named effect to the verdicts on sets of practice rigs, and checks them on another.
 
-    python tests/odds_fit.py TRUTH VERDICTS TRUTH VERDICTS      the set to fit, then the set to check
+    python tests/odds_fit.py TRUTH VERDICTS … TRUTH VERDICTS      the sets to fit, then the set to check
 
 A named effect is right where the truth has it, or one that its entry cannot be told from, or where a piece of the clutter
 may rightly be called by that name. The weights are those of a logistic regression with a ridge of one deviation's worth
@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
+# As in `crates/diagnose/src/select/odds.rs`.
+SMALL_VARIATION = 0.1
 FEATURES = [
     "intercept",
     "ln(gain / rest)",
@@ -39,7 +41,7 @@ def features(evidence):
         float(evidence["is_scatter"]),
         float(evidence["is_change"]),
         float(evidence["is_matched"]),
-        min(evidence["variation"]["share"], 1.0) if evidence["variation"] else 0.0,
+        np.log1p(evidence["variation"]["share"] / SMALL_VARIATION) if evidence["variation"] else 0.0,
     ]
 
 
@@ -72,8 +74,10 @@ def table(name, probability, right):
             print(f"  {low:.1f} to {low + 0.1:.1f}  {inside.sum():4d}  said {probability[inside].mean():.2f}  right {right[inside].mean():.2f}")
 
 
-def main(fit_truth, fit_verdicts, check_truth, check_verdicts):
-    rows, right, _ = entries(fit_truth, fit_verdicts)
+def main(*sets):
+    *to_fit, (check_truth, check_verdicts) = zip(sets[::2], sets[1::2])
+    fitted = [entries(truth, verdicts) for truth, verdicts in to_fit]
+    rows, right = (np.concatenate([one[part] for one in fitted]) for part in (0, 1))
     weights = minimize(loss, np.zeros(rows.shape[1]), (rows, right), "L-BFGS-B", jac=True).x
     for name, weight in zip(FEATURES, weights):
         print(f"{weight:8.3f}  {name}")

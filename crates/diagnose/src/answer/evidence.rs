@@ -20,7 +20,8 @@ pub(super) fn add_odds(problem: &Problem<'_>, found: &mut Selection, mending: &M
     let Mending { ladder, matched, .. } = mending;
     // A gain by forecasts allows for the residual by the weight of a reading.
     let Selection { effects, fit, misfit, .. } = found;
-    let constancy = Constancy::of(problem, fit);
+    let any_of_path = effects.iter().any(|named| is_of_path(named.candidate.entry));
+    let constancy = any_of_path.then(|| Constancy::of(problem, fit));
     let rest_nats = if mending.by_forecasts { 0.0 } else { misfit.joint_nats() };
     for (k, named) in effects.iter_mut().enumerate() {
         let entry = named.candidate.entry;
@@ -35,7 +36,7 @@ pub(super) fn add_odds(problem: &Problem<'_>, found: &mut Selection, mending: &M
             is_scatter: !is_of_path(entry) && !is_random_force(entry),
             is_change: named.change != Change::Added,
             is_matched: matched.iter().any(|matched| matched.name == entry.name),
-            variation: is_of_path(entry).then(|| constancy.variation(entry)).flatten(),
+            variation: constancy.as_ref().filter(|_| is_of_path(entry)).and_then(|constancy| constancy.variation(entry)),
         };
         let is_added = named.change == Change::Added;
         let factor = if is_added && is_at_a_bound(fit, entry, bounds) { AT_A_BOUND } else { 1.0 };

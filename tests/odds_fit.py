@@ -8,6 +8,7 @@ of prior (variance 1), for the features of `crates/diagnose/src/select/odds.rs`,
 """
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -66,6 +67,16 @@ def loss(weights, rows, right):
     return value, slope
 
 
+def last_alone(rows, right):
+    """The last weight with the others as they are in the program."""
+    text = (Path(__file__).parent.parent / "crates/diagnose/src/select/odds.rs").read_text()
+    others = np.array(json.loads(re.search(r"WEIGHTS: .* = (\[.*\]);", text)[1])[:-1])
+    with_last = lambda last: loss(np.append(others, last[0]), rows, right)
+    last = minimize(lambda last: with_last(last)[0], [0.0]).x
+    brier = [np.mean((1.0 / (1.0 + np.exp(-rows @ np.append(others, one))) - right) ** 2) for one in (0.0, last[0])]
+    print(f"{last[0]:8.3f}  {FEATURES[-1]} alone, the others as they are: Brier score {brier[0]:.3f} without it, {brier[1]:.3f} with it")
+
+
 def table(name, probability, right):
     print(f"{name}: {len(right)} entries, {right.mean():.0%} right, Brier score {np.mean((probability - right) ** 2):.3f}")
     for low in np.arange(0.0, 1.0, 0.1):
@@ -82,6 +93,7 @@ def main(*sets):
     for name, weight in zip(FEATURES, weights):
         print(f"{weight:8.3f}  {name}")
     print("[" + ", ".join(f"{weight:.3f}" for weight in weights) + "]")
+    last_alone(rows, right)
     table("fitted", 1.0 / (1.0 + np.exp(-rows @ weights)), right)
     rows, right, kinds = entries(check_truth, check_verdicts)
     probability = 1.0 / (1.0 + np.exp(-rows @ weights))

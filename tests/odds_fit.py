@@ -71,14 +71,17 @@ def last_alone(rows, right):
     """The last weight with the others as they are in the program."""
     text = (Path(__file__).parent.parent / "crates/diagnose/src/select/odds.rs").read_text()
     others = np.array(json.loads(re.search(r"WEIGHTS: .* = (\[.*\]);", text)[1])[:-1])
-    with_last = lambda last: loss(np.append(others, last[0]), rows, right)
-    last = minimize(lambda last: with_last(last)[0], [0.0]).x
-    brier = [np.mean((1.0 / (1.0 + np.exp(-rows @ np.append(others, one))) - right) ** 2) for one in (0.0, last[0])]
-    print(f"{last[0]:8.3f}  {FEATURES[-1]} alone, the others as they are: Brier score {brier[0]:.3f} without it, {brier[1]:.3f} with it")
+    last = minimize(lambda last: loss(np.append(others, last), rows, right)[0], [0.0]).x[0]
+    without, beside = (brier(1.0 / (1.0 + np.exp(-rows @ np.append(others, one))), right) for one in (0.0, last))
+    print(f"{last:8.3f}  {FEATURES[-1]} alone, the others as they are: Brier score {without:.3f} without it, {beside:.3f} with it")
+
+
+def brier(probability, right):
+    return np.mean((probability - right) ** 2)
 
 
 def table(name, probability, right):
-    print(f"{name}: {len(right)} entries, {right.mean():.0%} right, Brier score {np.mean((probability - right) ** 2):.3f}")
+    print(f"{name}: {len(right)} entries, {right.mean():.0%} right, Brier score {brier(probability, right):.3f}")
     for low in np.arange(0.0, 1.0, 0.1):
         inside = (probability >= low) & ((probability < low + 0.1) | (low > 0.89))
         if inside.any():

@@ -324,8 +324,8 @@ pub fn warnings(belief: &FirstBelief) -> Vec<String> {
     let no_use = plant.no_use.map(|NoUse { horizon_s, error_mm, stay_put_mm }| {
         format!(
             "the linear model forecasts worse than \"the position stays put\" ({horizon_s} s ahead it errs by \
-             {error_mm:.1} against {stay_put_mm:.1} mm), so a diagnosis with it says little: first check columns, units \
-             and row period, or put in the gain and drag that you know"
+             {error_mm:.1} against {stay_put_mm:.1} mm), so a diagnosis with it says little: first check columns, \
+             units and row period, or put in the gain and drag that you know"
         )
     });
     let spring = plant.form.spring_per_s2;

@@ -36,7 +36,10 @@ pub(super) fn add_odds(problem: &Problem<'_>, found: &mut Selection, mending: &M
             is_scatter: !is_of_path(entry) && !is_random_force(entry),
             is_change: named.change != Change::Added,
             is_matched: matched.iter().any(|matched| matched.name == entry.name),
-            variation: constancy.as_ref().filter(|_| is_of_path(entry)).and_then(|constancy| constancy.variation(entry)),
+            variation: constancy
+                .as_ref()
+                .filter(|_| is_of_path(entry))
+                .and_then(|constancy| constancy.variation(entry)),
         };
         let is_added = named.change == Change::Added;
         let factor = if is_added && is_at_a_bound(fit, entry, bounds) { AT_A_BOUND } else { 1.0 };

@@ -7,13 +7,14 @@
 //! variation = (|ε| − 3.76·σ)/min(|θ|, |θ − neutral|)
 //! ```
 //!
-//! An effect that only resembles the cause fits one part of the record at the expense of another, so its parameter varies.
-//! The variation is a lower confidence bound. So small unmodelled effects, which are significant in a long record, leave it
-//! small. The steps are those of a score test: a single evaluation of the derivatives, and no fit.
+//! An effect that only resembles the cause fits one part of the record at the expense of another, so its parameter
+//! varies. The variation is a lower confidence bound: small unmodelled effects, which are significant in a long record,
+//! leave it small. It is computed as in a score test, from the derivatives at the fit, without another fit.
 //!
-//! Sources: Nyblom, "Testing for the constancy of parameters over time", J. Am. Stat. Assoc. 84 (1989), for time; Zeileis and
-//! Hornik, "Generalized M-fluctuation tests for parameter instability", Statistica Neerlandica 61 (2007), for other orders;
-//! White, "Maximum likelihood estimation of misspecified models", Econometrica 50 (1982), for the robust variance.
+//! Sources: Nyblom, "Testing for the constancy of parameters over time", J. Am. Stat. Assoc. 84 (1989), for time;
+//! Zeileis and Hornik, "Generalized M-fluctuation tests for parameter instability", Statistica Neerlandica 61 (2007), for
+//! other orders; White, "Maximum likelihood estimation of misspecified models", Econometrica 50 (1982), for the robust
+//! variance.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
@@ -22,9 +23,11 @@ use plant::{Entry, Neutral};
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Waves over the range of a signal: the shortest one has six periods, such as those of a disturbance of 10 s in a minute.
+/// Waves over the range of a signal. The shortest has six periods, as a disturbance of 10 s has in a minute. No other
+/// number was tried.
 const WAVES: u32 = 12;
-/// The quantile of a normal number that is exceeded either way by one of the 60 waves of a parameter in 1 % of the cases.
+/// The normal quantile that at least one of 60 independent numbers, the waves of a parameter, exceeds either way with a
+/// probability of 1 %.
 const SURE: f64 = 3.763;
 /// A column that keeps a smaller share of its square without its projections depends on the other parameters.
 const LEAST_INDEPENDENT: f64 = 1e-3;
@@ -115,8 +118,8 @@ impl<'a> Constancy<'a> {
         most.filter(|variation| variation.share > 0.0 && variation.share.is_finite())
     }
 
-    /// A step of the parameter as a share of its value and of its distance from neutral, whichever is smaller. `None` for a
-    /// height or another parameter that is neutral at no one value.
+    /// A step of the parameter as a share of its value and of its distance from neutral, whichever is smaller. `None`
+    /// for a height or another parameter that is neutral at no one value.
     fn scale(&self, parameter: Parameter) -> Option<f64> {
         let Parameter::Effect { size, .. } = parameter else { return None };
         let Neutral::At(neutral) = parameter.param()?.neutral else { return None };
@@ -144,7 +147,11 @@ impl<'a> Constancy<'a> {
             let score = dot(&column, &self.innovations);
             let robust: f64 = column.iter().zip(&self.innovations).map(|(r, e)| (r * e).powi(2)).sum();
             // NaN compares as false.
-            if square > LEAST_INDEPENDENT * whole { (score.abs() - SURE * square.max(robust).sqrt()) / square } else { 0.0 }
+            if square > LEAST_INDEPENDENT * whole {
+                (score.abs() - SURE * square.max(robust).sqrt()) / square
+            } else {
+                0.0
+            }
         };
         (1..=WAVES).map(wave).fold(0.0, f64::max)
     }
@@ -175,8 +182,8 @@ mod tests {
     use plant::Effect;
     use plant::effects::FanLag;
 
-    /// 60 s of a ball behind a lag, ẍ = K·a − d·ẋ, ȧ = (u − a)/τ, whose duty is excited by four sines; `tau_s` from the duty
-    /// about hover and the time.
+    /// 60 s of a ball behind a lag, ẍ = K·a − d·ẋ, ȧ = (u − a)/τ, whose duty is excited by four sines; `tau_s` from the
+    /// duty about hover and the time.
     fn lagging(seed: u32, tau_s: impl Fn(f64, f64) -> f64) -> Recording {
         let (rig, mut uniform) = (model(), uniform(seed));
         let [mut x, mut v, mut acts] = [300.0, 0.0, 0.0];
@@ -229,6 +236,7 @@ mod tests {
         // Five periods of 12 s; a sine of 0.5 has a rms of 0.35.
         let found = variation(&lagging(1, |_, time_s| 0.2 * (1.0 + 0.5 * (time_s * 0.5236).sin()))).unwrap();
         assert_eq!((found.parameter, found.signal), ("time_constant_s", "time_s"));
+        assert!(found.in_words().starts_with("its time_constant_s varies with the time, by "));
         assert!((0.1..0.35).contains(&found.share), "{}", found.in_words());
     }
 }

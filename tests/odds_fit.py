@@ -68,11 +68,15 @@ def loss(weights, rows, right):
 
 
 def last_alone(rows, right):
-    """The last weight with the others as they are in the program."""
+    """The last weight with the others as they are in the program, without a prior: the names determine one number well."""
     text = (Path(__file__).parent.parent / "crates/diagnose/src/select/odds.rs").read_text()
     others = np.array(json.loads(re.search(r"WEIGHTS: .* = (\[.*\]);", text)[1])[:-1])
-    last = minimize(lambda last: loss(np.append(others, last), rows, right)[0], [0.0]).x[0]
-    without, beside = (brier(1.0 / (1.0 + np.exp(-rows @ np.append(others, one))), right) for one in (0.0, last))
+
+    def odds(last):
+        return rows @ np.append(others, last)
+
+    last = minimize(lambda last: np.sum(np.logaddexp(0.0, odds(last)) - right * odds(last)), [0.0]).x[0]
+    without, beside = (brier(1.0 / (1.0 + np.exp(-odds(one))), right) for one in (0.0, last))
     print(f"{last:8.3f}  {FEATURES[-1]} alone, the others as they are: Brier score {without:.3f} without it, {beside:.3f} with it")
 
 

@@ -173,35 +173,14 @@ fn without_projection(basis: &[Vec<f64>], mut column: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::{Constancy, Variation};
+    use crate::Recording;
     use crate::fit::estimate::Problem;
     use crate::fit::parameter::{BASE, Parameter, Prior, parameters_of_effect};
-    use crate::random_for_tests::uniform;
     use crate::record::folds::Folds;
+    use crate::select::tests_support::lagging;
     use crate::tests_support::model;
-    use crate::{Recording, Sample};
     use plant::Effect;
     use plant::effects::FanLag;
-
-    /// 60 s of a ball behind a lag, ẍ = K·a − d·ẋ, ȧ = (u − a)/τ, whose duty is excited by four sines; `tau_s` from the
-    /// duty about hover and the time.
-    fn lagging(seed: u32, tau_s: impl Fn(f64, f64) -> f64) -> Recording {
-        let (rig, mut uniform) = (model(), uniform(seed));
-        let [mut x, mut v, mut acts] = [300.0, 0.0, 0.0];
-        let rows = (0..3000_u32).map(|k| {
-            let time_s = 0.02 * f64::from(k);
-            let reading = x + 5.0 * (0..3).map(|_| uniform()).sum::<f64>();
-            let shake: f64 = [3.1_f64, 5.3, 8.9, 13.7].iter().map(|turns| (turns * time_s).sin()).sum();
-            let u = 0.01 * (300.0 - reading) + 1.2 * shake;
-            for _ in 0..20 {
-                acts += 1e-3 * (u - acts) / tau_s(u, time_s);
-                v += 1e-3 * (rig.gain_mm_per_s2_per_percent * acts - rig.drag_per_s * v);
-                x += 1e-3 * v;
-            }
-            let duty_percent = rig.hover_duty_percent + u;
-            Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
-        });
-        Recording::new(rows.collect()).unwrap()
-    }
 
     /// How the fitted lag of a record varies.
     fn variation(recording: &Recording) -> Option<Variation> {

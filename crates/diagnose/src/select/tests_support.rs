@@ -1,4 +1,4 @@
-//! For tests of the search: a rig whose effect is not in the catalogue, rigs in closed loop with equations of their own,
+//! For tests of the search: rigs whose effect is not in the catalogue, rigs in closed loop with equations of their own,
 //! and the options of a search for few effects.
 
 use crate::options::Options;
@@ -53,6 +53,27 @@ impl ClosedLoop {
         });
         Recording::new(rows.collect()).unwrap()
     }
+}
+
+/// 60 s of a ball behind a lag, ẍ = K·a − d·ẋ, ȧ = (u − a)/τ, whose duty is excited by four sines; `tau_s` from the
+/// duty about hover and the time.
+pub(crate) fn lagging(seed: u32, tau_s: impl Fn(f64, f64) -> f64) -> Recording {
+    let (rig, mut uniform) = (model(), uniform(seed));
+    let [mut x, mut v, mut acts] = [300.0, 0.0, 0.0];
+    let rows = (0..3000_u32).map(|k| {
+        let time_s = 0.02 * f64::from(k);
+        let reading = x + 5.0 * (0..3).map(|_| uniform()).sum::<f64>();
+        let shake: f64 = [3.1_f64, 5.3, 8.9, 13.7].iter().map(|turns| (turns * time_s).sin()).sum();
+        let u = 0.01 * (300.0 - reading) + 1.2 * shake;
+        for _ in 0..20 {
+            acts += STEP_S * (u - acts) / tau_s(u, time_s);
+            v += STEP_S * (rig.gain_mm_per_s2_per_percent * acts - rig.drag_per_s * v);
+            x += STEP_S * v;
+        }
+        let duty_percent = rig.hover_duty_percent + u;
+        Sample { time_s, duty_percent, position_mm: Some(reading), ..Sample::default() }
+    });
+    Recording::new(rows.collect()).unwrap()
 }
 
 /// A rig with a force of this size and form that no effect of the catalogue has.

@@ -1,6 +1,7 @@
 use super::diagnose;
 use crate::answer::verdict::Verdict;
 use crate::options::Options;
+use crate::select::tests_support::{lagging, seeking};
 use crate::tests_support::{model, record};
 use crate::thresholds::LIKELY;
 use crate::{Finding, Parameter, Recording, Sample};
@@ -176,4 +177,19 @@ fn a_gain_that_is_off_is_a_matter_of_parameters() {
     let belief = Model { gain_mm_per_s2_per_percent: 170.0, hover_duty_percent: 21.9, ..model() };
     let found = diagnose(&belief, &record(&model(), 4, 80), &Options::default());
     assert_eq!(found.verdict, Verdict::Parameters);
+}
+
+#[test]
+fn a_lag_that_depends_on_the_duty_is_not_called_a_lag_for_sure() {
+    let belief = Model { effects: Effects::default(), ..model() };
+    let chance = |halves: f64| {
+        let record = lagging(1, |u, _| 0.2 * (-halves * u).exp2());
+        let found = diagnose(&belief, &record, &seeking(&["fan_lag", "sensor_lag"]));
+        let lag = found.effects.first().unwrap_or_else(|| panic!("{halves}: {}", found.verdict_in_words()));
+        (lag.probability, found.effect_in_words(lag))
+    };
+    let (constant, varying) = (chance(0.0), chance(0.5));
+    let is_said = |line: &str| line.contains("its time_constant_s varies with the ");
+    assert!(constant.0 > 0.9 && !is_said(&constant.1), "{constant:?}");
+    assert!(varying.0 < LIKELY && is_said(&varying.1), "{varying:?}");
 }

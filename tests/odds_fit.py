@@ -101,6 +101,9 @@ def main(*sets):
         print(f"{weight:8.3f}  {name}")
     print("[" + ", ".join(f"{weight:.3f}" for weight in weights) + "]")
     last_alone(rows, right)
+    varying = rows[:, -1] > np.log(2.0)
+    print(f"a parameter varies by more than {SMALL_VARIATION}: {(varying & right).sum()} of {right.sum()} right names, "
+          f"{(varying & ~right).sum()} of {(~right).sum()} wrong ones")
     table("fitted", 1.0 / (1.0 + np.exp(-rows @ weights)), right)
     rows, right, kinds = entries(check_truth, check_verdicts)
     probability = 1.0 / (1.0 + np.exp(-rows @ weights))

@@ -171,10 +171,20 @@ fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_oth
     );
     let flags = ["simulate", "--patch", "bumpy.toml", "--log", "bumpy.mcap", "--experiment"];
     let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
+    // A friction that swings over time, so that the parameter of the effect that resembles it varies.
+    bench.write(
+        "uneven.toml",
+        "[effect.uneven]\nstage = \"ball\"\nadds = \"-size * tanh(v / 5) * (1 + sin(2 * pi * t / 12))\"\n\
+         parameters.size = { neutral = 0.0, low = -500.0, high = 500.0 }\n[plant.effects.uneven]\nsize = 150.0\n",
+    );
+    let flags = ["simulate", "--patch", "uneven.toml", "--log", "uneven.mcap", "--experiment"];
+    let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
     let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
     bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
     let page = read("reference/documents.md");
-    for (command, logs) in [("replay", &["stuck.mcap"][..]), ("diagnose", &["stuck.mcap", "still.csv", "bumpy.mcap"])] {
+    for (command, logs) in
+        [("replay", &["stuck.mcap"][..]), ("diagnose", &["stuck.mcap", "still.csv", "bumpy.mcap", "uneven.mcap"])]
+    {
         let mut keys = BTreeSet::new();
         let mut schema = String::new();
         for log in logs {

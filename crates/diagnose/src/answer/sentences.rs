@@ -5,6 +5,7 @@ use crate::answer::document::Interval;
 use crate::answer::headline::listed;
 use crate::answer::ladder::Rest;
 use crate::answer::verdict::Verdict;
+use crate::residual::constancy::SMALL_VARIATION;
 use crate::residual::misfit::Misfit;
 use crate::residual::score_test::Omitted;
 use crate::select::stepwise::{Change, NamedEffect};
@@ -39,7 +40,8 @@ impl Diagnosis {
             [] => String::new(),
             names => format!("   (cannot be told from {})", names.join(", ")),
         };
-        let varies = named.evidence.variation.map_or_else(String::new, |variation| {
+        let large = named.evidence.variation.filter(|variation| variation.share > SMALL_VARIATION);
+        let varies = large.map_or_else(String::new, |variation| {
             format!("   ({}: it may stand for another effect)", variation.in_words())
         });
         format!("{sure}{retuned}{}{twins}{varies}", numbers.join(", "))

@@ -1,6 +1,6 @@
 //! The probability of a named effect: a logistic function of the evidence for it.
 
-use crate::residual::constancy::Variation;
+use crate::residual::constancy::{SMALL_VARIATION, Variation};
 use serde::Serialize;
 
 /// The evidence for a named effect, and against it.
@@ -34,9 +34,6 @@ pub struct Evidence {
 /// among 109 names on 85 rigs were wrong. The last one was fitted with the others fixed, to 251 names on 225 rigs, 45 of
 /// these with an effect outside the catalogue: the Brier score falls from 0.097 to 0.090.
 const WEIGHTS: [f64; 10] = [0.216, 0.670, 0.344, 0.174, -1.527, 0.368, 2.395, -1.082, -1.0, -2.619];
-
-/// A variation that small unmodelled effects cause: of 80 right names beside them, all but three varied by less.
-const SMALL_VARIATION: f64 = 0.1;
 
 impl Evidence {
     /// The probability that the effect acts.

@@ -42,13 +42,17 @@ def features(evidence):
         float(evidence["is_scatter"]),
         float(evidence["is_change"]),
         float(evidence["is_matched"]),
-        np.log1p(evidence["variation"]["share"] / SMALL_VARIATION) if evidence["variation"] else 0.0,
+        np.log1p(varies(evidence) / SMALL_VARIATION) * (1.0 - np.clip(evidence["rest_share"], 0.0, 1.0)),
     ]
 
 
+def varies(evidence):
+    return evidence["variation"]["share"] if evidence["variation"] else 0.0
+
+
 def entries(truth, verdicts):
-    """The features of each named effect of a set, whether it is right, and the kind of its rig."""
-    rows, right, kinds = [], [], []
+    """The features of each named effect of a set, whether it is right, the kind of its rig, and its variation."""
+    rows, right, kinds, variations = [], [], [], []
     for case in json.loads(Path(truth).read_text())["cases"]:
         there = {effect["name"] for effect in case["effects"]} | {piece["kin"] for piece in case.get("clutter", [])}
         answer = json.loads((Path(verdicts) / f"{case['case']}.json").read_text())
@@ -56,7 +60,8 @@ def entries(truth, verdicts):
             rows.append(features(entry["evidence"]))
             right.append(bool(there & {entry["name"], *entry["indistinguishable_from"]}))
             kinds.append(case["kind"])
-    return np.array(rows), np.array(right), np.array(kinds)
+            variations.append(varies(entry["evidence"]))
+    return np.array(rows), np.array(right), np.array(kinds), np.array(variations)
 
 
 def loss(weights, rows, right):
@@ -95,17 +100,17 @@ def table(name, probability, right):
 def main(*sets):
     *to_fit, (check_truth, check_verdicts) = zip(sets[::2], sets[1::2])
     fitted = [entries(truth, verdicts) for truth, verdicts in to_fit]
-    rows, right = (np.concatenate([one[part] for one in fitted]) for part in (0, 1))
+    rows, right, variations = (np.concatenate([one[part] for one in fitted]) for part in (0, 1, 3))
     weights = minimize(loss, np.zeros(rows.shape[1]), (rows, right), "L-BFGS-B", jac=True).x
     for name, weight in zip(FEATURES, weights):
         print(f"{weight:8.3f}  {name}")
     print("[" + ", ".join(f"{weight:.3f}" for weight in weights) + "]")
     last_alone(rows, right)
-    varying = rows[:, -1] > np.log(2.0)
+    varying = variations > SMALL_VARIATION
     print(f"a parameter varies by more than {SMALL_VARIATION}: {(varying & right).sum()} of {right.sum()} right names, "
           f"{(varying & ~right).sum()} of {(~right).sum()} wrong ones")
     table("fitted", 1.0 / (1.0 + np.exp(-rows @ weights)), right)
-    rows, right, kinds = entries(check_truth, check_verdicts)
+    rows, right, kinds, _ = entries(check_truth, check_verdicts)
     probability = 1.0 / (1.0 + np.exp(-rows @ weights))
     table("checked", probability, right)
     for kind in sorted(set(kinds)):

@@ -185,6 +185,7 @@ mod tests {
     use crate::tests_support::model;
     use plant::Effect;
     use plant::effects::FanLag;
+    use std::f64::consts::FRAC_PI_6;
 
     /// How the fitted lag of a record varies.
     fn variation(recording: &Recording) -> Option<Variation> {
@@ -217,7 +218,7 @@ mod tests {
     #[test]
     fn a_lag_that_swings_over_time_varies_with_it() {
         // Five periods of 12 s; a sine of 0.5 has a rms of 0.35.
-        let found = variation(&lagging(1, |_, time_s| 0.2 * (1.0 + 0.5 * (time_s * 0.5236).sin()))).unwrap();
+        let found = variation(&lagging(1, |_, time_s| 0.2 * (1.0 + 0.5 * (FRAC_PI_6 * time_s).sin()))).unwrap();
         assert_eq!((found.parameter, found.signal), ("time_constant_s", "time_s"));
         assert!(found.in_words().starts_with("its time_constant_s varies with the time, by "));
         assert!((0.1..0.35).contains(&found.share), "{}", found.in_words());

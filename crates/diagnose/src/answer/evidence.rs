@@ -10,6 +10,7 @@ use crate::select::posterior::{Scored, chances};
 use crate::select::random_force::is_random_force;
 use crate::select::stepwise::{Change, Selection, is_of_path};
 use plant::Entry;
+use std::cell::LazyCell;
 
 /// Factor on the probability of an effect of which a number is at a bound of the search: the likelihood has no maximum
 /// there, so the effect may stand for another one. Chosen so that no such name is likelier than not.
@@ -18,10 +19,9 @@ const AT_A_BOUND: f64 = 0.5;
 /// Adds the evidence for each named effect, and the probability that follows from it.
 pub(super) fn add_odds(problem: &Problem<'_>, found: &mut Selection, mending: &Mending, bounds: &Bounds) {
     let Mending { ladder, matched, .. } = mending;
-    // A gain by forecasts allows for the residual by the weight of a reading.
     let Selection { effects, fit, misfit, .. } = found;
-    let any_of_path = effects.iter().any(|named| is_of_path(named.candidate.entry));
-    let constancy = any_of_path.then(|| Constancy::of(problem, fit));
+    let constancy = LazyCell::new(|| Constancy::of(problem, fit));
+    // A gain by forecasts allows for the residual by the weight of a reading.
     let rest_nats = if mending.by_forecasts { 0.0 } else { misfit.joint_nats() };
     for (k, named) in effects.iter_mut().enumerate() {
         let entry = named.candidate.entry;
@@ -36,10 +36,7 @@ pub(super) fn add_odds(problem: &Problem<'_>, found: &mut Selection, mending: &M
             is_scatter: !is_of_path(entry) && !is_random_force(entry),
             is_change: named.change != Change::Added,
             is_matched: matched.iter().any(|matched| matched.name == entry.name),
-            variation: constancy
-                .as_ref()
-                .filter(|_| is_of_path(entry))
-                .and_then(|constancy| constancy.variation(entry)),
+            variation: if is_of_path(entry) { constancy.variation(entry) } else { None },
         };
         let is_added = named.change == Change::Added;
         let factor = if is_added && is_at_a_bound(fit, entry, bounds) { AT_A_BOUND } else { 1.0 };

@@ -12,13 +12,14 @@
 //! leave it small. It is computed as in a score test, from the derivatives at the fit, without another fit.
 //!
 //! Sources: Nyblom, "Testing for the constancy of parameters over time", J. Am. Stat. Assoc. 84 (1989), for time;
-//! Zeileis and Hornik, "Generalized M-fluctuation tests for parameter instability", Statistica Neerlandica 61 (2007), for
-//! other orders; White, "Maximum likelihood estimation of misspecified models", Econometrica 50 (1982), for the robust
-//! variance.
+//! Zeileis and Hornik, "Generalized M-fluctuation tests for parameter instability", Statistica Neerlandica 61 (2007),
+//! for other orders; White, "Maximum likelihood estimation of misspecified models", Econometrica 50 (1982), for the
+//! robust variance.
 
 use crate::fit::estimate::{Fit, Problem};
 use crate::fit::parameter::Parameter;
 use crate::residual::location::rows;
+use crate::residual::orthogonal::{Basis, LEAST_INDEPENDENT, dot};
 use plant::{Entry, Neutral};
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
@@ -28,9 +29,7 @@ use std::f64::consts::{PI, SQRT_2};
 const WAVES: u32 = 12;
 /// The normal quantile that at least one of 60 independent numbers, the waves of a parameter, exceeds either way with a
 /// probability of 1 %.
-const SURE: f64 = 3.763;
-/// A column that keeps a smaller share of its square without its projections depends on the other parameters.
-const LEAST_INDEPENDENT: f64 = 1e-3;
+const QUANTILE: f64 = 3.763;
 
 /// A variation that small unmodelled effects cause as well: of the 196 right names on the 225 practice rigs of
 /// `scripts/odds` 2 varied by more, of the 55 wrong ones 11.
@@ -71,7 +70,7 @@ pub(crate) struct Constancy<'a> {
     /// By parameter, then by reading, standard deviations for a step of the parameter.
     sensitivities: Vec<Vec<f64>>,
     /// Orthonormal columns of the same.
-    basis: Vec<Vec<f64>>,
+    basis: Basis,
     /// The standardised innovations without their projection on the basis.
     innovations: Vec<f64>,
     /// By signal, then by reading.
@@ -95,15 +94,8 @@ impl<'a> Constancy<'a> {
                 column.push(known.shift_mm(i, k) * root_weight / taken.variance_mm2.sqrt());
             }
         }
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        for column in &sensitivities {
-            let left = without_projection(&basis, column.clone());
-            let square = dot(&left, &left);
-            if square > LEAST_INDEPENDENT * dot(column, column) && square.is_finite() {
-                basis.push(left.iter().map(|value| value / square.sqrt()).collect());
-            }
-        }
-        let innovations = without_projection(&basis, innovations);
+        let basis = Basis::of(sensitivities.iter().cloned());
+        let innovations = basis.without_projection(innovations);
         Self { fit, sensitivities, basis, innovations, signals }
     }
 
@@ -113,7 +105,7 @@ impl<'a> Constancy<'a> {
         let of_one = |(at, parameter): (usize, &Parameter)| {
             let (scale, name) = (self.scale(*parameter)?, parameter.param()?.name);
             let of_signal = |(signal, values): (&(&'static str, &str), &Vec<f64>)| {
-                let share = scale * self.certain(&self.sensitivities[at], values);
+                let share = scale * self.lower_bound(&self.sensitivities[at], values);
                 Variation { parameter: name, signal: signal.0, share }
             };
             SIGNALS.iter().zip(&self.signals).map(of_signal).max_by(|a, b| a.share.total_cmp(&b.share))
@@ -133,7 +125,7 @@ impl<'a> Constancy<'a> {
     }
 
     /// The largest lower confidence bound of the variation with a signal, in steps of the parameter.
-    fn certain(&self, sensitivity: &[f64], signal: &[f64]) -> f64 {
+    fn lower_bound(&self, sensitivity: &[f64], signal: &[f64]) -> f64 {
         let mut order: Vec<usize> = (0..signal.len()).collect();
         order.sort_by(|a, b| signal[*a].total_cmp(&signal[*b]));
         let whole = dot(sensitivity, sensitivity);
@@ -146,32 +138,19 @@ impl<'a> Constancy<'a> {
         }
         let wave = |m: u32| {
             let column = sensitivity.iter().zip(&angles).map(|(s, angle)| s * SQRT_2 * (f64::from(m) * angle).cos());
-            let column = without_projection(&self.basis, column.collect());
+            let column = self.basis.without_projection(column.collect());
             let square = dot(&column, &column);
             let score = dot(&column, &self.innovations);
             let robust: f64 = column.iter().zip(&self.innovations).map(|(r, e)| (r * e).powi(2)).sum();
             // NaN compares as false.
             if square > LEAST_INDEPENDENT * whole {
-                (score.abs() - SURE * square.max(robust).sqrt()) / square
+                (score.abs() - QUANTILE * square.max(robust).sqrt()) / square
             } else {
                 0.0
             }
         };
         (1..=WAVES).map(wave).fold(0.0, f64::max)
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// `column` without its projection on orthonormal columns.
-fn without_projection(basis: &[Vec<f64>], mut column: Vec<f64>) -> Vec<f64> {
-    for unit in basis {
-        let share = dot(unit, &column);
-        column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);
-    }
-    column
 }
 
 #[cfg(test)]
@@ -216,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_that_swings_over_time_varies_with_it() {
+    fn a_lag_that_varies_periodically_varies_with_the_time() {
         // Five periods of 12 s; a sine of 0.5 has a rms of 0.35.
         let found = variation(&lagging(1, |_, time_s| 0.2 * (1.0 + 0.5 * (FRAC_PI_6 * time_s).sin()))).unwrap();
         assert_eq!((found.parameter, found.signal), ("time_constant_s", "time_s"));

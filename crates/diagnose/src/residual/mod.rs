@@ -3,6 +3,7 @@
 pub(crate) mod constancy;
 pub(crate) mod location;
 pub(crate) mod misfit;
+pub(crate) mod orthogonal;
 pub(crate) mod plots;
 pub(crate) mod score_test;
 pub(crate) mod significance;

@@ -31,8 +31,8 @@ pub struct Evidence {
 /// Intercept and weights of the log-odds, in the order of [`Evidence::features`]: as `scripts/odds` fitted all but the
 /// last two to 318 names on 240 practice rigs (Brier score 0.073); on 82 names of 57 other rigs the Brier score is
 /// 0.067. That of `is_matched` was chosen by hand: few names are matched by a shape and kept, and both that occurred
-/// among 109 names on 85 rigs were wrong. The last one was fitted with the others fixed, to 251 names on 225 rigs, 45 of
-/// these with an effect outside the catalogue: the Brier score falls from 0.097 to 0.093.
+/// among 109 names on 85 rigs were wrong. The last one was fitted with the others fixed, to 251 names on 225 rigs, 45
+/// of these with an effect outside the catalogue: the Brier score falls from 0.097 to 0.093.
 const WEIGHTS: [f64; 10] = [0.216, 0.670, 0.344, 0.174, -1.527, 0.368, 2.395, -1.082, -1.0, -2.842];
 
 impl Evidence {

@@ -72,8 +72,8 @@ mod tests {
     use plant::effects::{DeadZone, Hysteresis, QuadraticDrag, WallFriction};
     use plant::{Effect, Effects, Model, Noise};
 
-    /// A ball in a pipe, ẍ = 150·(u − 40) − 1.2·ẋ mm/s² before friction, in closed loop; 0.25 mm of noise. `slowed`: the
-    /// velocity after a step from the one without friction.
+    /// A ball in a pipe, ẍ = 150·(u − 40) − 1.2·ẋ mm/s² before friction, in closed loop; 0.25 mm of noise. `slowed`:
+    /// the velocity after a step from the one without friction.
     fn flown(slowed: impl Fn(f64) -> f64) -> Recording {
         let closed_loop = ClosedLoop {
             seed: 7,

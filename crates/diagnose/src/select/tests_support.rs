@@ -32,7 +32,8 @@ pub(crate) struct ClosedLoop {
 }
 
 impl ClosedLoop {
-    /// 60 s at 50 Hz of a rig that is at rest first. `step`: position and velocity a step later, from these and the duty.
+    /// 60 s at 50 Hz of a rig that is at rest first. `step`: position and velocity a step later, from these and the
+    /// duty.
     pub(crate) fn record(&self, mut step: impl FnMut([f64; 2], f64) -> [f64; 2]) -> Recording {
         let mut uniform = uniform(self.seed);
         let (mut state, mut setpoint, mut last, mut slope) =

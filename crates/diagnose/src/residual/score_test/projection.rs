@@ -7,9 +7,9 @@
 //! θ = G⁻¹·b, z² = bᵀ·θ                         of several: b_i = f_i·e', G_ij = f_i·f_j − Σ (q_k·f_i)(q_k·f_j)
 //! ```
 
-use super::scores::LEAST_INDEPENDENT;
 use super::sensitivities::{FilterRun, Step};
 use crate::filter::ekf::Sensitivity;
+use crate::residual::orthogonal::{Basis, LEAST_INDEPENDENT, dot};
 use nalgebra::{DMatrix, DVector};
 
 /// The score of several forces or shifts together.
@@ -23,7 +23,7 @@ pub(crate) struct Joint {
 /// The innovations of a filter run without the part that the fitted parameters explain.
 pub(crate) struct ProjectedInnovations<'a> {
     run: &'a FilterRun,
-    own: Vec<Vec<f64>>,
+    own: Basis,
     innovations: Vec<f64>,
 }
 
@@ -33,19 +33,8 @@ impl<'a> ProjectedInnovations<'a> {
             let values = run.steps.iter().enumerate();
             values.map(|(k, step)| if counts(step) { of(k, step) } else { 0.0 }).collect()
         };
-        let mut own: Vec<Vec<f64>> = Vec::new();
-        for numbers in &run.own {
-            let mut left = column(&|k, step| step.root_weight() * numbers[k]);
-            let before = dot(&left, &left);
-            own.iter().for_each(|other| subtract_projection(&mut left, other));
-            let after = dot(&left, &left);
-            if after > LEAST_INDEPENDENT * before && after.is_finite() {
-                left.iter_mut().for_each(|value| *value /= after.sqrt());
-                own.push(left);
-            }
-        }
-        let mut innovations = column(&|_, step| step.innovation.standardised / step.root_weight());
-        own.iter().for_each(|other| subtract_projection(&mut innovations, other));
+        let own = Basis::of(run.own.iter().map(|numbers| column(&|k, step| step.root_weight() * numbers[k])));
+        let innovations = own.without_projection(column(&|_, step| step.innovation.standardised / step.root_weight()));
         Self { run, own, innovations }
     }
 
@@ -54,7 +43,7 @@ impl<'a> ProjectedInnovations<'a> {
     pub(crate) fn score(&self, mut push: impl FnMut(usize, f64) -> f64) -> f64 {
         let column = self.moved(|k, dt| (push(k, dt), 0.0));
         let whole = dot(&column, &column);
-        let square = whole - self.own.iter().map(|own| dot(own, &column).powi(2)).sum::<f64>();
+        let square = whole - self.own.products(&column).map(|product| product.powi(2)).sum::<f64>();
         // NaN compares as false: a score that is undefined counts as 0.
         if square > LEAST_INDEPENDENT * whole { dot(&column, &self.innovations).powi(2) / square } else { 0.0 }
     }
@@ -64,8 +53,7 @@ impl<'a> ProjectedInnovations<'a> {
     /// each other.
     pub(crate) fn joint(&self, count: usize, mut of: impl FnMut(usize, usize) -> (f64, f64)) -> Option<Joint> {
         let columns: Vec<Vec<f64>> = (0..count).map(|force| self.moved(|k, _| of(force, k))).collect();
-        let by_own: Vec<Vec<f64>> =
-            columns.iter().map(|column| self.own.iter().map(|own| dot(own, column)).collect()).collect();
+        let by_own: Vec<Vec<f64>> = columns.iter().map(|column| self.own.products(column).collect()).collect();
         let whole: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
         // In units of each column's length, so that the sizes of the numbers do not matter.
         let unit = |i: usize| whole[i].sqrt();
@@ -104,14 +92,4 @@ impl<'a> ProjectedInnovations<'a> {
 
 fn counts(step: &Step) -> bool {
     step.judged && step.has_weight()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Subtracts from `column` its projection on `unit`.
-fn subtract_projection(column: &mut [f64], unit: &[f64]) {
-    let share = dot(column, unit);
-    column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);
 }

@@ -9,11 +9,10 @@
 //!
 //! Source: Goodnight, "A tutorial on the SWEEP operator", The American Statistician 33 (1979).
 
+use crate::residual::orthogonal::LEAST_INDEPENDENT;
 use crate::stats::chi_square::ln_chance;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of its square that a column must keep when others are swept out. Below that it is collinear with them.
-pub(super) const LEAST_INDEPENDENT: f64 = 1e-3;
 /// Largest number of selected terms.
 const MOST: usize = 6;
 

@@ -42,11 +42,12 @@ def features(evidence):
         float(evidence["is_scatter"]),
         float(evidence["is_change"]),
         float(evidence["is_matched"]),
-        np.log1p(varies(evidence) / SMALL_VARIATION) * (1.0 - np.clip(evidence["rest_share"], 0.0, 1.0)),
+        np.log1p(variation_share(evidence) / SMALL_VARIATION) * (1.0 - np.clip(evidence["rest_share"], 0.0, 1.0)),
     ]
 
 
-def varies(evidence):
+def variation_share(evidence):
+    """The variation of a parameter of a name; 0 where none varies significantly."""
     return evidence["variation"]["share"] if evidence["variation"] else 0.0
 
 
@@ -60,7 +61,7 @@ def entries(truth, verdicts):
             rows.append(features(entry["evidence"]))
             right.append(bool(there & {entry["name"], *entry["indistinguishable_from"]}))
             kinds.append(case["kind"])
-            variations.append(varies(entry["evidence"]))
+            variations.append(variation_share(entry["evidence"]))
     return np.array(rows), np.array(right), np.array(kinds), np.array(variations)
 
 
@@ -73,7 +74,7 @@ def loss(weights, rows, right):
 
 
 def last_alone(rows, right):
-    """The last weight with the others as they are in the program, without a prior: the names determine one number well."""
+    """The last weight with the others as they are in the program, without a ridge."""
     text = (Path(__file__).parent.parent / "crates/diagnose/src/select/odds.rs").read_text()
     others = np.array(json.loads(re.search(r"WEIGHTS: .* = (\[.*\]);", text)[1])[:-1])
 

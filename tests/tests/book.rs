@@ -160,25 +160,25 @@ fn the_gallery_is_what_the_catalogue_makes() {
 fn the_reference_of_documents_names_every_key_that_the_program_writes_and_no_other() {
     let bench = Bench::default();
     let experiment = root().join("experiments/gallery.toml");
-    bench.write("stuck.toml", "[plant.effects.dead_zone]\nlower_percent = -0.4\nupper_percent = 0.4\n");
-    let flags = ["simulate", "--patch", "stuck.toml", "--log", "stuck.mcap", "--experiment"];
-    let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
+    let fly = |name: &str, patch: &str| {
+        let [patch_file, log] = ["toml", "mcap"].map(|end| format!("{name}.{end}"));
+        bench.write(&patch_file, patch);
+        let flags = ["simulate", "--patch", &patch_file, "--log", &log, "--experiment", experiment.to_str().unwrap()];
+        let _ = bench.output(&flags);
+    };
+    fly("stuck", "[plant.effects.dead_zone]\nlower_percent = -0.4\nupper_percent = 0.4\n");
     // A force that no effect of the catalogue explains, so that the document has a formula.
-    bench.write(
-        "bumpy.toml",
+    fly(
+        "bumpy",
         "[effect.bumpy]\nstage = \"air\"\nadds = \"size * sin(2 * pi * x / 60)\"\n\
          parameters.size = { neutral = 0.0, low = -500.0, high = 500.0 }\n[plant.effects.bumpy]\nsize = 90.0\n",
     );
-    let flags = ["simulate", "--patch", "bumpy.toml", "--log", "bumpy.mcap", "--experiment"];
-    let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
-    // A friction that swings over time, so that the parameter of the effect that resembles it varies.
-    bench.write(
-        "uneven.toml",
+    // A friction that varies periodically, so that the parameter of the effect that resembles it varies.
+    fly(
+        "uneven",
         "[effect.uneven]\nstage = \"ball\"\nadds = \"-size * tanh(v / 5) * (1 + sin(2 * pi * t / 12))\"\n\
          parameters.size = { neutral = 0.0, low = -500.0, high = 500.0 }\n[plant.effects.uneven]\nsize = 150.0\n",
     );
-    let flags = ["simulate", "--patch", "uneven.toml", "--log", "uneven.mcap", "--experiment"];
-    let _ = bench.output(&[&flags[..], &[experiment.to_str().unwrap()]].concat());
     let rows: String = (0..500).map(|k| format!("{:.2},21.4,300\n", 0.02 * f64::from(k))).collect();
     bench.write("still.csv", format!("time_s,duty_percent,position_mm\n{rows}"));
     let page = read("reference/documents.md");

@@ -188,6 +188,52 @@ fn an_input_with_an_unknown_name_is_found_beside_a_setpoint_and_is_no_servo() {
 }
 
 #[test]
+fn the_place_of_gravity_is_told_in_the_unit_of_the_log() {
+    let bench = bare();
+    bench.write("log.csv", std::fs::read_to_string(root().join("data/dfki_pendulum/ddp.csv")).unwrap());
+    let said = bench.output(&["init", "log.csv"]);
+    let place = said.split("gravity of ").nth(1).and_then(|rest| rest.split("about ").nth(1)).unwrap();
+    let (number, unit) = place.split(';').next().and_then(|place| place.split_once(' ')).unwrap();
+    // The pendulum hangs within 3 degrees of 0, and 1 rad is read as 1000 mm.
+    assert!(unit == "rad" && number.parse::<f64>().unwrap().abs() < 0.05, "{said}");
+}
+
+/// A stage that sticks, steered to steps by a PD controller: time, input, position, setpoint.
+fn sticking() -> Vec<[f64; 4]> {
+    let mut random = Random(8);
+    let (mut rows, mut y, mut v, mut r) = (Vec::new(), 0.0, 0.0_f64, 0.0);
+    for k in 0..3000_u32 {
+        if k % 300 == 0 {
+            r = 60.0 * (random.next() - 0.5);
+        }
+        let u = (0.12 * (r - y) - 0.02 * v).clamp(-8.0, 8.0);
+        for _ in 0..20 {
+            let force = 600.0 * u - 3.0 * v;
+            let friction = 300.0 * if v == 0.0 { force.signum() } else { v.signum() };
+            let before = v;
+            v += if v == 0.0 && force.abs() < 300.0 { 0.0 } else { 5e-4 * (force - friction) };
+            v = if before * v < 0.0 { 0.0 } else { v };
+            y += 5e-4 * v;
+        }
+        rows.push([f64::from(k) * 0.01, u, y + 0.01 * random.normal(), r]);
+    }
+    rows
+}
+
+#[test]
+fn a_column_with_the_unit_of_a_drive_is_the_input_whatever_friction_leaves_of_its_effect() {
+    let bench = bare();
+    let rows: String = sticking()
+        .into_iter()
+        .map(|[t, u, y, r]| format!("{t:.2},{u:.4},12.{:.0},{y:.3},{r:.1}\n", 10.0 * u.abs()))
+        .collect();
+    bench.write("stage.csv", format!("time_s,coil_V,battery_V,stage_mm,setpoint_mm\n{rows}"));
+    let said = bench.output(&["init", "stage.csv"]);
+    let input = said.lines().find(|line| line.starts_with("`coil_V`")).unwrap_or_default();
+    assert!(input.contains("→ input: by its unit") && !said.contains("servo"), "{said}");
+}
+
+#[test]
 fn times_in_milliseconds_under_a_name_in_seconds_are_said_with_a_flag_that_mends_them() {
     let bench = bare();
     let rows: String = steered().into_iter().map(|[t, u, y, _]| format!("{:.0},{u:.4},{y:.2}\n", 1e3 * t)).collect();

@@ -278,12 +278,18 @@ pub fn words(belief: &FirstBelief) -> Vec<String> {
     lines
 }
 
+/// A place in the unit of the log.
+fn place(belief: &FirstBelief, mm: f64) -> String {
+    let position = &belief.import.position_mm;
+    of_unit(&number((mm - position.offset) / position.scale), &belief.scales.position.read_as)
+}
+
 fn fitted(belief: &FirstBelief) -> String {
     let model = &belief.plant.model;
     let lag = model.effects.fan_lag_s().map_or_else(String::new, |lag_s| format!(", lag {} s", number(lag_s)));
     let does = |k: f64| if k < 0.0 { "drives it away from" } else { "returns it to" };
     let spring = match model.effects.values(HeightDependentFlow::ENTRY.name).as_deref() {
-        Some([k, centre_mm, ..]) => format!(", gravity of {} /s² about {} mm", number(*k), number(*centre_mm)),
+        Some([k, centre_mm, ..]) => format!(", gravity of {} /s² about {}", number(*k), place(belief, *centre_mm)),
         Some([k]) => format!(", a force of {} /s² that {} one place", number(k.abs()), does(*k)),
         _ => String::new(),
     };

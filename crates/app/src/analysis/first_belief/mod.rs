@@ -85,11 +85,13 @@ pub fn first_belief(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Aske
     as_servo(sheet, roles, asked).and_then(|servo| of_roles(logs, sheet, &servo, asked).ok()).map_or(found, Ok)
 }
 
-/// The same rig as a servo. `None`: there is no command, or the input is as said, or none that a servo measures.
+/// The same rig as a servo. `None`: there is no command, or the input is as said, or its name says that no servo
+/// measures it.
 fn as_servo(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Option<Roles> {
     let setpoint = roles.setpoint.clone().filter(|_| !roles.is_speed && roles.minus.is_none())?;
     let input = sheet.columns.iter().find(|column| column.name == roles.input.column)?;
-    let is_measured = asked.input.is_none() && Name::of(input).says(MEASURED);
+    let may_be_measured = Name::of(input).says(MEASURED) || roles.input.is_by_unit();
+    let is_measured = asked.input.is_none() && may_be_measured;
     is_measured.then(|| Roles::servo(roles.time.clone(), roles.position.clone(), setpoint))
 }
 

@@ -4,7 +4,7 @@ use super::by_fit::{by_fit, drives_better_than_setpoint};
 use super::flaw::{counts_rows, flaw, grows, moves, nearly_grows};
 use super::names::Name;
 use super::scales;
-use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, TIMES};
+use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, SUPPLIES, TIMES};
 use rows::{Sheet, SheetColumn, shown};
 use std::fmt::{self, Display, Formatter};
 
@@ -53,6 +53,13 @@ pub struct Named {
     pub column: String,
     /// The reason, in words.
     pub why: &'static str,
+}
+
+impl Named {
+    /// Whether only its unit says what it is.
+    pub(super) fn is_by_unit(&self) -> bool {
+        self.why == BY_UNIT
+    }
 }
 
 /// The roles of the columns of a table.
@@ -194,11 +201,12 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
     let number = found.map(|one| one.name.number.as_str()).unwrap_or_default();
     let said = |among: &[&Candidate<'_>], words: &[&str]| columns.named(among, number, words, found.as_slice());
     let is_setpoint = |one: &&&Candidate<'_>| asked.setpoint.as_ref() == Some(&one.column.name);
-    let no_setpoint: Vec<&Candidate<'_>> = others.iter().filter(|one| !is_setpoint(one)).copied().collect();
+    let may_drive = |one: &&&Candidate<'_>| !is_setpoint(one) && !one.name.says(SUPPLIES);
+    let no_setpoint: Vec<&Candidate<'_>> = others.iter().filter(may_drive).copied().collect();
     let drives: Vec<&Candidate<'_>> = no_setpoint.iter().filter(|one| one.name.is_drive()).copied().collect();
     let input = match columns.given(Role::Input, asked.input.as_deref())? {
         Some(found) => Some(found),
-        None => said(&no_setpoint, INPUTS).or_else(|| said(&drives, COMMANDS)),
+        None => said(&no_setpoint, INPUTS).or_else(|| said(&drives, COMMANDS)).or_else(|| only_by_unit(&drives)),
     };
     let setpoint = match columns.given(Role::Setpoint, asked.setpoint.as_deref())? {
         Some(found) => Some(found),
@@ -227,6 +235,12 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
             Ok(Roles { time, input, minus: None, position, is_speed, setpoint })
         }
     }
+}
+
+/// The column whose unit alone says what it is; `None`: there are several, or none.
+fn only_by_unit(of_unit: &[&Candidate<'_>]) -> Option<Named> {
+    let [found] = of_unit else { return None };
+    Some(Named { column: found.column.name.clone(), why: BY_UNIT })
 }
 
 /// Seconds per unit of the time.
@@ -296,10 +310,7 @@ impl Columns<'_> {
         // `commanded position` beside `encoder position` is where the rig shall be.
         let read: Vec<&Candidate<'_>> = possible.iter().filter(|one| !one.name.says(COMMANDS)).copied().collect();
         let is_position = |one: &&&Candidate<'_>| one.name.is_length_or_angle() && !one.name.says(INPUTS);
-        let by_unit = || match read.iter().filter(is_position).collect::<Vec<_>>()[..] {
-            [found] => Some(Named { column: found.column.name.clone(), why: BY_UNIT }),
-            _ => None,
-        };
+        let by_unit = || only_by_unit(&read.iter().filter(is_position).copied().collect::<Vec<_>>());
         let by_name = |among| self.named(among, "", POSITIONS, &inputs);
         if let Some(found) = by_name(&read).or_else(by_unit).or_else(|| by_name(&possible)) {
             return Ok((Some(found), false));

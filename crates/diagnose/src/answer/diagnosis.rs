@@ -8,7 +8,7 @@ use crate::answer::evidence::add_odds;
 use crate::answer::ladder::{Rest, Rung};
 use crate::answer::mending::Mending;
 use crate::answer::numbers::BelievedNumbers;
-use crate::answer::poles::{in_other_order, more_likely};
+use crate::answer::poles::{in_other_order, is_likelier, of_other_order};
 use crate::answer::verdict::{Verdict, rest_matters, verdict};
 use crate::filter::innovation::Innovation;
 use crate::filter::track::innovations;
@@ -28,13 +28,14 @@ use crate::record::recording::Recording;
 use crate::residual::location::{Place, places_of, rows};
 use crate::residual::misfit::{Misfit, is_quiet};
 use crate::residual::spectrum::{Band, band};
+use crate::select::addition::best_addition;
 use crate::select::posterior::Scored;
 use crate::select::refit;
 use crate::select::search::Search;
 use crate::select::slow_starts::noise_hides;
 use crate::select::stepwise::{NamedEffect, Selection, select_effects};
 use crate::spurious_duty::spurious_duties;
-use crate::thresholds::ENOUGH_READINGS;
+use crate::thresholds::{ENOUGH_READINGS, FIRST_EFFECT};
 use plant::{Definition, Model};
 
 /// The result of a diagnosis.
@@ -87,25 +88,59 @@ pub struct Diagnosis {
 #[must_use]
 pub fn diagnose(belief: &Model, recordings: &(impl AsRef<[Recording]> + ?Sized), options: &Options) -> Diagnosis {
     let logs = recordings.as_ref();
-    let found = diagnose_once(belief, logs, options);
-    let other = in_other_order(belief).filter(|_| options.is_fitted && found.verdict != Verdict::InsufficientData);
+    let other = in_other_order(belief).filter(|other| options.is_fitted && is_likelier(other, belief, logs, options));
     match other {
-        Some(other) => more_likely(found, diagnose_once(&other, logs, options), &other),
-        None => found,
+        Some(other) => of_other_order(diagnose_once(&other, logs, options), &other),
+        None => diagnose_once(belief, logs, options),
     }
 }
 
+/// Log-likelihood of the refitted belief with the first effect that is found beside it, nats; `None`: there is no
+/// answer on these records.
+pub(super) fn likelihood_with_first_effect(belief: &Model, logs: &[Recording], options: &Options) -> Option<f64> {
+    prepare(belief, logs, options, |Beginning { mut search, answers, .. }| {
+        if !answers {
+            return None;
+        }
+        search.noise_hides = options.is_fitted;
+        let refitted = refit::refitted(&search);
+        let first = best_addition(&search, &refitted, FIRST_EFFECT).0;
+        Some(first.map_or(refitted, |first| first.candidate.fit).log_likelihood(|_| true))
+    })
+}
+
 fn diagnose_once(belief: &Model, logs: &[Recording], options: &Options) -> Diagnosis {
+    prepare(belief, logs, options, |beginning| search_on(beginning, logs, options))
+}
+
+/// A search, and what is known before it.
+struct Beginning<'a> {
+    search: Search<'a>,
+    findings: Vec<FlightFinding>,
+    /// Whether these records can have an answer.
+    answers: bool,
+}
+
+/// Prepares the records and goes on with the search about them.
+fn prepare<T>(belief: &Model, logs: &[Recording], options: &Options, go_on: impl FnOnce(Beginning<'_>) -> T) -> T {
     let Prepared { mut findings, recording, can_answer } = Prepared::of(logs, belief, Purpose::Diagnosis);
     let recording = recording.as_ref();
     let belief = &with_rounding(belief, recording);
     let folds = Folds::new(belief, recording);
-    let mut search = Search::new(belief, recording, &folds, options);
-    let about_all = |finding| (0..logs.len()).map(move |flight| FlightFinding { flight, finding });
     let obstacles =
         if can_answer { obstacles(belief, logs, recording, &folds) } else { mistakes_outside(belief, logs, &findings) };
-    let mut answers = can_answer && obstacles.is_empty();
+    let answers = can_answer && obstacles.is_empty();
     findings.extend(obstacles);
+    go_on(Beginning { search: Search::new(belief, recording, &folds, options), findings, answers })
+}
+
+fn search_on(
+    Beginning { mut search, mut findings, mut answers }: Beginning<'_>,
+    logs: &[Recording],
+    options: &Options,
+) -> Diagnosis {
+    let (belief, recording, folds) = (search.problem.belief, search.problem.recording, search.problem.folds);
+    let about_all = |finding| (0..logs.len()).map(move |flight| FlightFinding { flight, finding });
     let refitted = if answers { refit::refitted(&search) } else { search.problem.fit(belief, &[]) };
     search.noise_hides = options.is_fitted || noise_hides(recording, belief, &refitted.model);
     let asks = answers && !is_quiet(&refitted);
@@ -122,7 +157,7 @@ fn diagnose_once(belief: &Model, logs: &[Recording], options: &Options) -> Diagn
     }
     let incomplete = answers && found.is_incomplete();
     let mending = Mending::of(&search, &refitted, &mut found, incomplete && asks);
-    let rows = rows(&refitted.model, recording, &folds);
+    let rows = rows(&refitted.model, recording, folds);
     let (places, band) = (places_of(&rows, recording), band(&rows));
     let ladder = &mending.ladder;
     add_odds(&search.problem, &mut found, &mending, &bounds);

@@ -6,12 +6,14 @@
 //!
 //! The response to the input is the same. Which pole is the lag shows in the noise alone, which enters behind it; and
 //! what the model lacks distorts that: beside a missing delay the likelihood prefers the slow lag, and with that the
-//! delay gains nothing. So a belief that was fitted to a record is also diagnosed in the other order. A force over the
-//! position, as of a spring or of gravity, leaves no such pair.
+//! delay gains nothing. So a belief that was fitted to a record is taken in the order that is likelier with the first
+//! effect that is found beside it. A force over the position, as of a spring or of gravity, leaves no such pair.
 
-use crate::answer::diagnosis::Diagnosis;
+use crate::answer::diagnosis::{Diagnosis, likelihood_with_first_effect};
+use crate::options::Options;
 use crate::record::check::Finding;
 use crate::record::prepare::FlightFinding;
+use crate::record::recording::Recording;
 use crate::thresholds::FIRST_EFFECT;
 use plant::Model;
 
@@ -27,17 +29,19 @@ pub(super) fn in_other_order(model: &Model) -> Option<Model> {
     other.check().is_ok().then_some(other)
 }
 
-/// The diagnosis whose model is more likely; that of the belief in the `other` order only by the evidence that an
-/// effect needs, and with the finding that the order is another one.
-pub(super) fn more_likely(first: Diagnosis, mut second: Diagnosis, other: &Model) -> Diagnosis {
-    let likelihood = |found: &Diagnosis| found.with_effects.log_likelihood(|_| true);
-    if likelihood(&second) <= likelihood(&first) + FIRST_EFFECT {
-        return first;
-    }
+/// Whether the `other` belief is likelier than the first, each with the first effect that is found beside it, by the
+/// evidence that an effect needs.
+pub(super) fn is_likelier(other: &Model, first: &Model, logs: &[Recording], options: &Options) -> bool {
+    let likelihood = |belief: &Model| likelihood_with_first_effect(belief, logs, options);
+    likelihood(first).zip(likelihood(other)).is_some_and(|(first, other)| other > first + FIRST_EFFECT)
+}
+
+/// A diagnosis of the belief in the `other` order, with the finding that the order is another one.
+pub(super) fn of_other_order(mut found: Diagnosis, other: &Model) -> Diagnosis {
     let (gain, drag_per_s) = (other.gain_mm_per_s2_per_percent, other.drag_per_s);
     let lag_s = other.effects.fan_lag_s().unwrap_or_default();
-    second.findings.push(FlightFinding { flight: 0, finding: Finding::OtherOrder { gain, drag_per_s, lag_s } });
-    second
+    found.findings.push(FlightFinding { flight: 0, finding: Finding::OtherOrder { gain, drag_per_s, lag_s } });
+    found
 }
 
 #[cfg(test)]

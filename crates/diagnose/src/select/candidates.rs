@@ -62,7 +62,7 @@ pub(crate) fn candidates(search: &Search<'_>, so_far: &Fit) -> (Vec<Candidate>, 
     let enough = promising_gain(&screened);
     let promising: Vec<&Screened> = screened.iter().take(FULL_FITS).filter(|one| one.gain > enough).collect();
     let simpler = simpler_starts(search, &promising, &screened, so_far);
-    let slow = slow_starts(search, so_far, &entries);
+    let slow = slow_starts(search, so_far, &entries, enough);
     let other = other_forms(search, &promising, so_far);
     let promising: Vec<&Screened> = promising.into_iter().chain(&simpler).chain(&slow).chain(&other).collect();
     search.plan(promising.len());

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::{iter, ptr};
 
 /// Smallest number of scoring steps, number of initial values, and how far behind the best these may be, nats.
-const STEPS: usize = 2;
+pub(crate) const STEPS: usize = 2;
 const STARTS: usize = 2;
 const AS_GOOD: f64 = 10.0;
 /// Gain by chance of each parameter of an effect beyond the first, nats.

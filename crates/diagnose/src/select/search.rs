@@ -143,8 +143,12 @@ impl<'a> Search<'a> {
         Model { noise: model.noise, effects: model.effects.clone(), ..self.problem.belief.clone() }
     }
 
-    /// Whether a fit moved the believed parameters further than owners are usually wrong.
+    /// Whether a fit moved the believed parameters further than owners are usually wrong. A belief that was fitted to the
+    /// record knows nothing beyond the fit.
     pub(crate) fn is_far(&self, fit: &Fit) -> bool {
+        if self.noise_hides {
+            return false;
+        }
         let moved: Vec<Parameter> = fit.parameters.iter().filter(|one| !one.is_noise()).copied().collect();
         prior(&moved, &fit.model, self.problem.belief) < -FAR_FROM_BELIEF
     }

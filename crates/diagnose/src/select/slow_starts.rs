@@ -18,7 +18,7 @@ use crate::fit::parameter::Parameter;
 use crate::gap::forecast_error::HORIZONS_S;
 use crate::record::recording::Recording;
 use crate::select::by_forecasts::{self, memory_s, slow_fit, slow_noise};
-use crate::select::screening::{Screened, first, promising_gain, screen};
+use crate::select::screening::{STEPS, Screened, first, promising_gain, screen};
 use crate::select::search::Search;
 use crate::select::stepwise::is_of_path;
 use plant::{Entry, Model};
@@ -44,10 +44,12 @@ fn forgets(recording: &Recording, model: &Model) -> bool {
     memory_s(recording, model.noise) < FORGOTTEN * HORIZONS_S[0]
 }
 
-/// The effects on the path with the largest gains by forecasts, each with the model from which it is fitted by likelihood;
-/// none where the noise does not hide them.
-pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static Entry]) -> Vec<Screened> {
-    if search.is_by_forecasts() || !search.noise_hides {
+/// The effects on the path with the largest gains by forecasts, each with the model from which it is fitted in full by
+/// likelihood; none where the noise does not hide them, or the filter of the fit remembers the model beyond the shortest
+/// horizon. `enough`: the gain by likelihood that a full fit needs, nats.
+pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static Entry], enough: f64) -> Vec<Screened> {
+    let remembers = memory_s(search.problem.recording, so_far.model.noise) > HORIZONS_S[0];
+    if search.is_by_forecasts() || !search.noise_hides || remembers {
         return Vec::new();
     }
     let noise = slow_noise(search, so_far, by_forecasts::HORIZONS_S[0]);
@@ -57,14 +59,17 @@ pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static
     let path: Vec<&'static Entry> = entries.iter().filter(|entry| is_of_path(entry)).copied().collect();
     let mut screened: Vec<Screened> = path.par_iter().filter_map(|entry| screen(&slow, &base, &known, entry)).collect();
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let enough = promising_gain(&screened);
-    screened.retain(|one| one.gain > enough);
+    let enough_slow = promising_gain(&screened);
+    screened.retain(|one| one.gain > enough_slow);
     screened.truncate(SLOW_FITS);
     let fitted = screened.par_iter().map(|one| {
         let model = slow.problem.fit(&one.model, &one.parameters).model;
-        Screened { model, parameters: by_likelihood(so_far, &one.parameters), rivals: Vec::new(), ..one.clone() }
+        let parameters = by_likelihood(so_far, &one.parameters);
+        let (model, total) = search.problem.fit_briefly(&model, &parameters, STEPS);
+        let gain = total - search.problem.total_of(so_far);
+        Screened { model, parameters, gain, rivals: Vec::new(), ..one.clone() }
     });
-    fitted.collect()
+    fitted.filter(|one| one.gain > enough).collect()
 }
 
 /// The parameters of a fit by likelihood: both noises in place of their level.
@@ -75,10 +80,16 @@ fn by_likelihood(so_far: &Fit, slow: &[Parameter]) -> Vec<Parameter> {
 
 #[cfg(test)]
 mod tests {
+    use super::slow_starts;
+    use crate::fit::estimate::Fit;
     use crate::identify::initial;
     use crate::options::Options;
     use crate::random_for_tests::uniform;
+    use crate::record::folds::Folds;
+    use crate::select::refit::refitted;
+    use crate::select::search::Search;
     use crate::{Check, Recording, Sample, diagnose};
+    use plant::Effects;
 
     /// A cart, ẍ = 1333·u − 1.67·ẋ mm/s², that sticks below 833 mm/s² of dry friction, held by a PD controller with a
     /// random setpoint; 0.8 mm of noise. Its own simulator, with twenty steps a row.
@@ -125,5 +136,38 @@ mod tests {
         // It forecasts with its own noise, which the patch brings.
         assert!(found.gaps[2].error_mm[2].unwrap() < 1.0, "{:?}", found.gaps[2]);
         assert!(found.patch_toml().contains("[plant.noise]"), "{}", found.patch_toml());
+    }
+
+    #[test]
+    fn a_slow_start_needs_a_gain_by_likelihood_and_a_filter_that_forgets_the_model() {
+        let recording = cart();
+        let belief = initial(std::slice::from_ref(&recording), 0.0, 2400.0, None, None).unwrap().model;
+        let folds = Folds::new(&belief, &recording);
+        let mut search = Search::new(&belief, &recording, &folds, &Options::default());
+        search.noise_hides = true;
+        let so_far = refitted(&search);
+        let friction = Effects::built_in("wall_friction").unwrap();
+        let gain =
+            |so_far: &Fit, enough: f64| slow_starts(&search, so_far, &[friction], enough).first().map(|one| one.gain);
+        let most = gain(&so_far, 0.0).unwrap();
+        assert!(most > 100.0, "{most}");
+        assert_eq!(gain(&so_far, most), None);
+        // With so little noise of the air the filter remembers the model for 0.16 s.
+        let mut quiet = so_far.clone();
+        quiet.model.noise.acceleration_psd_mm2_per_s3 = 10.0;
+        assert_eq!(gain(&quiet, f64::NEG_INFINITY), None);
+    }
+
+    #[test]
+    fn a_belief_that_was_fitted_to_the_record_is_no_other_place_to_start_from() {
+        let recording = cart();
+        let belief = initial(std::slice::from_ref(&recording), 0.0, 2400.0, None, None).unwrap().model;
+        let folds = Folds::new(&belief, &recording);
+        let mut search = Search::new(&belief, &recording, &folds, &Options::default());
+        let mut far = refitted(&search);
+        far.model.gain_mm_per_s2_per_percent *= 4.0;
+        assert!(search.is_far(&far));
+        search.noise_hides = true;
+        assert!(!search.is_far(&far));
     }
 }

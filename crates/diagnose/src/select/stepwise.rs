@@ -102,6 +102,7 @@ pub(crate) fn select_effects(search: &Search<'_>, refitted: &Fit) -> Selection {
         add_rivals_amid_misfit(search, &mut found);
     }
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
+    add_changes(search, &mut found);
     found
 }
 
@@ -112,13 +113,11 @@ pub(crate) fn select_further(search: &Search<'_>, fit: Fit, effects: Vec<NamedEf
     let misfit = Some(misfit.clone());
     let start = SoFar { effects, misfit, ..SoFar::nothing(&fit) };
     let mut found = stepwise_search(search, start).0;
-    let changes = found.effects.iter().take_while(|named| named.change == Change::Added).count();
-    let changes = found.effects.split_off(changes);
     eliminate_by_forecasts(search, &mut found.effects, &mut found.fit);
     compare_twins(search, &mut found.effects, &mut found.fit);
     add_rivals_amid_misfit(search, &mut found);
     rank(search, &mut found.effects, &found.fit, &found.on_the_way);
-    found.effects.extend(changes);
+    add_changes(search, &mut found);
     found
 }
 
@@ -207,17 +206,16 @@ pub(super) fn stepwise_search(search: &Search<'_>, start: SoFar) -> (Selection, 
     let last = effects.last().map(|named| named.candidate.entry.name);
     let beaten = beaten.filter(|left| last == left.rejected_effect);
     let misfit = misfit.or(beaten).unwrap_or_else(|| Misfit::of(&search.problem, &fit, explained(&effects)));
-    add_changes(search, &mut effects, &mut fit);
     (Selection { effects, rounds, fit, misfit, on_the_way }, before_random_force)
 }
 
 /// Adds the changes of the believed effects.
-fn add_changes(search: &Search<'_>, effects: &mut Vec<NamedEffect>, fit: &mut Fit) {
-    for BelievedChange { change, candidate, without, rivals } in changed(search, fit) {
+fn add_changes(search: &Search<'_>, found: &mut Selection) {
+    for BelievedChange { change, candidate, without, rivals } in changed(search, &found.fit) {
         if let Some(without) = without {
-            *fit = without;
+            found.fit = without;
         }
-        effects.push(NamedEffect {
+        found.effects.push(NamedEffect {
             change,
             candidate,
             probability: 0.0,

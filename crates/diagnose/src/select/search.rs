@@ -143,8 +143,8 @@ impl<'a> Search<'a> {
         Model { noise: model.noise, effects: model.effects.clone(), ..self.problem.belief.clone() }
     }
 
-    /// Whether a fit moved the believed parameters further than owners are usually wrong. A belief that was fitted to the
-    /// record knows nothing beyond the fit.
+    /// Whether a fit moved the believed parameters further than owners are usually wrong. A belief that was fitted to
+    /// the record knows nothing beyond the fit.
     pub(crate) fn is_far(&self, fit: &Fit) -> bool {
         if self.noise_hides {
             return false;

@@ -45,8 +45,8 @@ fn forgets(recording: &Recording, model: &Model) -> bool {
 }
 
 /// The effects on the path with the largest gains by forecasts, each with the model from which it is fitted in full by
-/// likelihood; none where the noise does not hide them, or the filter of the fit remembers the model beyond the shortest
-/// horizon. `enough`: the gain by likelihood that a full fit needs, nats.
+/// likelihood; none where the noise does not hide them, or the filter of the fit remembers the model beyond the
+/// shortest horizon. `enough`: the gain by likelihood that a full fit needs, nats.
 pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static Entry], enough: f64) -> Vec<Screened> {
     let remembers = memory_s(search.problem.recording, so_far.model.noise) > HORIZONS_S[0];
     if search.is_by_forecasts() || !search.noise_hides || remembers {
@@ -59,8 +59,8 @@ pub(crate) fn slow_starts(search: &Search<'_>, so_far: &Fit, entries: &[&'static
     let path: Vec<&'static Entry> = entries.iter().filter(|entry| is_of_path(entry)).copied().collect();
     let mut screened: Vec<Screened> = path.par_iter().filter_map(|entry| screen(&slow, &base, &known, entry)).collect();
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let enough_slow = promising_gain(&screened);
-    screened.retain(|one| one.gain > enough_slow);
+    let enough_by_forecasts = promising_gain(&screened);
+    screened.retain(|one| one.gain > enough_by_forecasts);
     screened.truncate(SLOW_FITS);
     let fitted = screened.par_iter().map(|one| {
         let model = slow.problem.fit(&one.model, &one.parameters).model;

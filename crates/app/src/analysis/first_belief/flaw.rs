@@ -63,7 +63,8 @@ pub(super) fn nearly_grows(column: &SheetColumn) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::roles::{Asked, roles};
+    use super::super::asked::Asked;
+    use super::super::roles::roles;
 
     #[test]
     fn a_column_with_text_or_a_time_that_goes_backwards_is_named_with_its_line() {

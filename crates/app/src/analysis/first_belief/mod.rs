@@ -6,6 +6,7 @@
 //!
 //! What a user says comes before what is guessed, and every guess says what it rests on.
 
+mod asked;
 mod by_fit;
 mod derived;
 mod flaw;
@@ -18,7 +19,8 @@ mod words;
 use names::Name;
 use words::MEASURED;
 
-pub use roles::{Asked, Named, Role, Roles, roles};
+pub use asked::Asked;
+pub use roles::{Named, Role, Roles, roles};
 pub use scales::{Scaled, Scales, scales};
 
 use crate::log::LogError;
@@ -85,8 +87,8 @@ pub fn first_belief(logs: &[PathBuf], sheet: &Sheet, roles: &Roles, asked: &Aske
     as_servo(sheet, roles, asked).and_then(|servo| of_roles(logs, sheet, &servo, asked).ok()).map_or(found, Ok)
 }
 
-/// The same rig as a servo. `None`: there is no command, or the input is as said, or its name says that no servo
-/// measures it.
+/// The same rig as a servo. `None`: there is no command, or the input is as said, or neither its name nor a
+/// lone unit says that a servo may measure it.
 fn as_servo(sheet: &Sheet, roles: &Roles, asked: &Asked) -> Option<Roles> {
     let setpoint = roles.setpoint.clone().filter(|_| !roles.is_speed && roles.minus.is_none())?;
     let input = sheet.columns.iter().find(|column| column.name == roles.input.column)?;

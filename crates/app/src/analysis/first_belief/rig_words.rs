@@ -120,7 +120,8 @@ fn scaled(unit: &str, scale: f64) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::roles::{Asked, roles};
+    use super::super::asked::Asked;
+    use super::super::roles::roles;
     use super::super::scales::scales;
     use super::{Words, rig_words};
     use rows::{Sheet, SheetColumn};

@@ -1,5 +1,6 @@
 //! Which column is the time, the input, the position and the setpoint: by what a user says, by names, by the numbers.
 
+use super::asked::Asked;
 use super::by_fit::{by_fit, drives_better_than_setpoint};
 use super::flaw::{counts_rows, flaw, grows, moves, nearly_grows};
 use super::names::Name;
@@ -7,31 +8,6 @@ use super::scales;
 use super::words::{COMMANDS, INPUTS, POSITIONS, SETPOINTS, SPEEDS, SUPPLIES, TIMES};
 use rows::{Sheet, SheetColumn, shown};
 use std::fmt::{self, Display, Formatter};
-
-/// What a user says about the columns; `None`: it is guessed.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Asked {
-    /// The column of the time.
-    pub time: Option<String>,
-    /// Seconds between two rows, where no column holds the time.
-    pub period_s: Option<f64>,
-    /// Seconds per unit of the time.
-    pub time_scale: Option<f64>,
-    /// The column of the input.
-    pub input: Option<String>,
-    /// The column of the position.
-    pub position: Option<String>,
-    /// The column of a speed, which is integrated to the position.
-    pub speed: Option<String>,
-    /// The column of the setpoint.
-    pub setpoint: Option<String>,
-    /// Percent per unit of the input.
-    pub input_scale: Option<f64>,
-    /// Millimetres per unit of the position.
-    pub position_scale: Option<f64>,
-    /// Length of the way, mm, between ends at 0 and there.
-    pub length_mm: Option<f64>,
-}
 
 /// A quantity that a column may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -202,11 +178,11 @@ pub fn roles(sheet: &Sheet, asked: &Asked) -> Result<Roles, NoRole> {
     let said = |among: &[&Candidate<'_>], words: &[&str]| columns.named(among, number, words, found.as_slice());
     let is_setpoint = |one: &&&Candidate<'_>| asked.setpoint.as_ref() == Some(&one.column.name);
     let may_drive = |one: &&&Candidate<'_>| !is_setpoint(one) && !one.name.says(SUPPLIES);
-    let no_setpoint: Vec<&Candidate<'_>> = others.iter().filter(may_drive).copied().collect();
-    let drives: Vec<&Candidate<'_>> = no_setpoint.iter().filter(|one| one.name.is_drive()).copied().collect();
+    let possible_inputs: Vec<&Candidate<'_>> = others.iter().filter(may_drive).copied().collect();
+    let drives: Vec<&Candidate<'_>> = possible_inputs.iter().filter(|one| one.name.is_drive()).copied().collect();
     let input = match columns.given(Role::Input, asked.input.as_deref())? {
         Some(found) => Some(found),
-        None => said(&no_setpoint, INPUTS).or_else(|| said(&drives, COMMANDS)).or_else(|| only_by_unit(&drives)),
+        None => said(&possible_inputs, INPUTS).or_else(|| said(&drives, COMMANDS)).or_else(|| only_by_unit(&drives)),
     };
     let setpoint = match columns.given(Role::Setpoint, asked.setpoint.as_deref())? {
         Some(found) => Some(found),

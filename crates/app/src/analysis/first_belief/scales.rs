@@ -9,9 +9,10 @@
 //! speed      by a power of ten to a range of 100 to 1000 mm/s, or less where its integral would leave the longest pipe
 //! ```
 
+use super::asked::Asked;
 use super::names::Name;
 use super::rig_words::written;
-use super::roles::{Asked, Roles};
+use super::roles::Roles;
 use diagnose::SETTLING_S;
 use plant::Model;
 use rows::{Sheet, SheetColumn, held_if_sparse, spread_if_coarse};
@@ -240,7 +241,8 @@ pub(super) fn integral(values: &[Option<f64>], times: &[Option<f64>], scale: f64
 
 #[cfg(test)]
 mod tests {
-    use super::super::roles::{Asked, roles};
+    use super::super::asked::Asked;
+    use super::super::roles::roles;
     use super::{input_scale, scales};
     use rows::{Sheet, SheetColumn};
 

@@ -47,7 +47,7 @@ pub(super) const INPUTS: &[&str] = &[
     "ventil",
     "ingresso",
 ];
-/// What feeds a rig and drives nothing.
+/// Supplies, whose voltage or charge is no input.
 pub(super) const SUPPLIES: &[&str] = &["supply", "battery", "batt", "vbat", "akku", "batterie", "bateria", "batería"];
 /// Inputs that a servo, whose command is a position, measures.
 pub(super) const MEASURED: &[&str] = &["current", "torque", "effort"];
